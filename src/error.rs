@@ -1,0 +1,72 @@
+//! The one error type of the crate.
+
+/// What can go wrong; every message names the quantity, its value and what is allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A named quantity lies outside its range (also NaN and infinities).
+    #[error("{name} = {value}: allowed is {allowed}")]
+    OutOfRange {
+        /// Structured name of the variable, e.g. `stop.restitution`.
+        name: &'static str,
+        /// The refused value.
+        value: f64,
+        /// The allowed range, in words.
+        allowed: &'static str,
+    },
+    /// The block would start outside the box.
+    #[error("block.s - box.s = {value} m: allowed is -stop.gap <= block.s - box.s <= stop.gap = {gap} m")]
+    Penetration {
+        /// Relative displacement `w = x2 - x1` in m.
+        value: f64,
+        /// Half the free path `L` in m.
+        gap: f64,
+    },
+    /// Double precision cannot carry the requested motion.
+    #[error("{what} = {value:e}: allowed is up to {limit:e}; beyond that double precision loses the motion")]
+    PrecisionLost {
+        /// The offending ratio, in words.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The largest allowed value.
+        limit: f64,
+    },
+    /// Impacts follow each other faster than can be resolved.
+    #[error(
+        "more than {limit} impacts within {span} s before t = {time} s: stop.restitution = {restitution} is too close to 1 for a pressed block"
+    )]
+    ImpactRate {
+        /// Time in s up to which the motion was computed.
+        time: f64,
+        /// The limit on the number of impacts.
+        limit: u32,
+        /// The window in s in which they fell.
+        span: f64,
+        /// Restitution coefficient κ.
+        restitution: f64,
+    },
+    /// The end of a step lies before its beginning or is not a finite number.
+    #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
+    Step {
+        /// Present time in s.
+        time: f64,
+        /// Requested end in s.
+        end: f64,
+    },
+    /// A quantity that the dimensionless form needs is zero or singular.
+    #[error("{name} = {value}: the {needed_by} needs {allowed}")]
+    Undefined {
+        /// Structured name of the variable.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Which formula needs it.
+        needed_by: &'static str,
+        /// What it needs.
+        allowed: &'static str,
+    },
+}
+
+/// Result with the crate's error.
+pub type Result<T> = std::result::Result<T, Error>;

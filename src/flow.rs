@@ -1,0 +1,1 @@
+//! Exact propagation of a smooth mode.
