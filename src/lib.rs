@@ -10,6 +10,7 @@
 
 pub mod error;
 pub mod flow;
+pub mod fmi2;
 pub mod model;
 pub mod parameters;
 pub mod simulator;
