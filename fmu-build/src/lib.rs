@@ -1,0 +1,1 @@
+//! Packs the library into an FMU, runs it and draws what happened.
