@@ -9,8 +9,11 @@
 //! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's oracle.
 
 pub mod error;
-pub mod flow;
-pub mod model;
+mod events;
+mod extended;
+mod flow;
+mod ledger;
+mod model;
 pub mod parameters;
 pub mod simulator;
 
