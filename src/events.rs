@@ -10,25 +10,31 @@ const MAX_DEPTH: u32 = 56;
 /// Newton's method inside a bracket; every failing step bisects, so this is never reached.
 const MAX_ITERATIONS: u32 = 200;
 
-/// p(u) by Horner's rule.
+/// p(u), even and odd orders apart so that two chains run side by side.
 #[inline(always)]
 pub(crate) fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
-    let mut p = c[N - 1];
-    for k in (0..N - 1).rev() {
-        p = p * u + c[k];
+    let square = u * u;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for k in (0..N).rev() {
+        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+        *sum = *sum * square + c[k];
     }
-    p
+    even + u * odd
 }
 
 /// p(u) and p'(u).
 #[inline(always)]
 fn value_and_slope<const N: usize>(c: &[f64; N], u: f64) -> (f64, f64) {
-    let (mut p, mut d) = (c[N - 1], 0.0);
-    for k in (0..N - 1).rev() {
-        d = d * u + p;
-        p = p * u + c[k];
+    let square = u * u;
+    let mut sums = [0.0; 4]; // p even, p odd, p' even, p' odd
+    for k in (0..N).rev() {
+        sums[k % 2] = sums[k % 2] * square + c[k];
+        if k > 0 {
+            let slope = &mut sums[2 + (k - 1) % 2];
+            *slope = *slope * square + k as f64 * c[k];
+        }
     }
-    (p, d)
+    (sums[0] + u * sums[1], sums[2] + u * sums[3])
 }
 
 /// The sign pattern of p on |u| ≤ 1, where it is certain.
@@ -41,8 +47,9 @@ enum Shape {
     Unknown,
 }
 
+/// The shape, and for a rising p a bound on |p''|/(2p'), by which Newton's method squares its error.
 #[inline(always)]
-fn shape<const N: usize>(c: &[f64; N]) -> Shape {
+fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     let (mut slope, mut curvature) = (0.0, 0.0);
     for (k, &ck) in c.iter().enumerate().skip(2) {
         let weight = k as f64 * ck.abs();
@@ -52,8 +59,9 @@ fn shape<const N: usize>(c: &[f64; N]) -> Shape {
         }
     }
     if c[1] > slope {
-        Shape::Rising
-    } else if -c[1] > slope {
+        return (Shape::Rising, 0.5 * (2.0 * c[2].abs() + curvature) / (c[1] - slope));
+    }
+    let shape = if -c[1] > slope {
         Shape::Falling
     } else if 2.0 * c[2] > curvature {
         Shape::Convex
@@ -61,12 +69,20 @@ fn shape<const N: usize>(c: &[f64; N]) -> Shape {
         Shape::Concave
     } else {
         Shape::Unknown
-    }
+    };
+    (shape, f64::INFINITY)
 }
 
-/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u.
+/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u. Newton's method inside a bracket; it
+/// ends when a step is at round-off, or when `squares` (a bound on |p''|/(2p')) proves that the next one would be.
 #[inline(always)]
-fn refine<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64, start: f64, iterations: &mut u64) -> f64 {
+fn refine<const N: usize>(
+    c: &[f64; N],
+    (mut lo, mut hi): (f64, f64),
+    start: f64,
+    squares: f64,
+    iterations: &mut u64,
+) -> f64 {
     let mut u = start;
     for _ in 0..MAX_ITERATIONS {
         *iterations += 1;
@@ -87,7 +103,8 @@ fn refine<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64, start: f64, it
         }
         let moved = (next - u).abs();
         u = next;
-        if moved <= 2.0 * f64::EPSILON * u.abs() {
+        let resolution = f64::EPSILON * u.abs();
+        if moved <= 2.0 * resolution || 4.0 * squares * moved * moved <= resolution {
             return u;
         }
     }
@@ -108,26 +125,26 @@ fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
 #[inline(always)]
 fn crossing_of_shape<const N: usize>(
     c: &[f64; N],
-    shape: Shape,
+    (shape, squares): (Shape, f64),
     lo: f64,
     hi: f64,
     iterations: &mut u64,
 ) -> Option<f64> {
     let (low, low_slope) = value_and_slope(c, lo);
     match shape {
-        Shape::Rising => rising(c, lo, low, hi, iterations),
+        Shape::Rising => rising(c, lo, low, hi, squares, iterations),
         Shape::Falling | Shape::Unknown => None,
         Shape::Convex => {
             if low_slope >= 0.0 {
-                return rising(c, lo, low, hi, iterations);
+                return rising(c, lo, low, hi, squares, iterations);
             }
             if value(c, hi) <= 0.0 {
                 return None;
             }
             // Past its minimum p rises to a positive end; before it, it can only fall.
             let slope = slope_of(c, 1.0);
-            let bottom = refine(&slope, lo, hi, 0.5 * (lo + hi), iterations);
-            rising(c, bottom, value(c, bottom), hi, iterations)
+            let bottom = refine(&slope, (lo, hi), 0.5 * (lo + hi), f64::INFINITY, iterations);
+            rising(c, bottom, value(c, bottom), hi, squares, iterations)
         }
         Shape::Concave => {
             if low_slope <= 0.0 {
@@ -140,16 +157,23 @@ fn crossing_of_shape<const N: usize>(
             let top = if value(&slope, hi) <= 0.0 {
                 hi
             } else {
-                refine(&slope, lo, hi, 0.5 * (lo + hi), iterations)
+                refine(&slope, (lo, hi), 0.5 * (lo + hi), f64::INFINITY, iterations)
             };
-            rising(c, lo, low, top, iterations)
+            rising(c, lo, low, top, squares, iterations)
         }
     }
 }
 
 /// The passage of a p that rises on [lo, hi].
 #[inline(always)]
-fn rising<const N: usize>(c: &[f64; N], lo: f64, low: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
+fn rising<const N: usize>(
+    c: &[f64; N],
+    lo: f64,
+    low: f64,
+    hi: f64,
+    squares: f64,
+    iterations: &mut u64,
+) -> Option<f64> {
     let high = value(c, hi);
     if high <= 0.0 {
         return None;
@@ -157,9 +181,19 @@ fn rising<const N: usize>(c: &[f64; N], lo: f64, low: f64, hi: f64, iterations: 
     if low >= 0.0 {
         return Some(lo);
     }
+    // The inverse series to second order where p is nearly straight about 0, else the chord.
+    let linear = -c[0] / c[1];
+    let inverse = linear * (1.0 - linear * (c[2] / c[1]));
     let chord = lo - low * (hi - lo) / (high - low);
-    let start = if chord > lo && chord < hi { chord } else { 0.5 * (lo + hi) };
-    Some(refine(c, lo, hi, start, iterations))
+    let inside = |u: f64| u > lo && u < hi;
+    let start = if squares < 0.5 && inside(inverse) {
+        inverse
+    } else if inside(chord) {
+        chord
+    } else {
+        0.5 * (lo + hi)
+    };
+    Some(refine(c, (lo, hi), start, squares, iterations))
 }
 
 /// The polynomial in v of p(mid + half v).
@@ -188,7 +222,7 @@ pub(crate) fn first_crossing<const N: usize>(
     iterations: &mut u64,
 ) -> Option<f64> {
     match shape(c) {
-        Shape::Unknown => subdivide(c, lo, hi, 0, iterations),
+        (Shape::Unknown, _) => subdivide(c, lo, hi, 0, iterations),
         known => crossing_of_shape(c, known, lo, hi, iterations),
     }
 }
@@ -211,10 +245,10 @@ fn subdivide<const N: usize>(
         return None;
     }
     match shape(&local) {
-        Shape::Unknown if depth < MAX_DEPTH => subdivide(c, lo, mid, depth + 1, iterations)
+        (Shape::Unknown, _) if depth < MAX_DEPTH => subdivide(c, lo, mid, depth + 1, iterations)
             .or_else(|| subdivide(c, mid, hi, depth + 1, iterations)),
         // Narrower than a double resolves: the sign at the end decides.
-        Shape::Unknown => (value(&local, 1.0) > 0.0).then_some(lo),
+        (Shape::Unknown, _) => (value(&local, 1.0) > 0.0).then_some(lo),
         known => crossing_of_shape(&local, known, -1.0, 1.0, iterations).map(|v| mid + half * v),
     }
 }
@@ -239,8 +273,8 @@ mod tests {
 
     #[test]
     fn closed_form_first_of_several_crossings() {
-        // (u+1.5)(u+0.5)(u-0.25)(u-0.75): negative between -0.5 and 0.25.
-        let p = product(&[-1.5, -0.5, 0.25, 0.75], 1.0);
+        // -(u+1.5)(u+0.5)(u-0.25)(u-0.75): negative between -0.5 and 0.25.
+        let p = product(&[-1.5, -0.5, 0.25, 0.75], -1.0);
         let mut n = 0;
         let u = first_crossing(&p, -0.4, 1.0, &mut n).unwrap();
         assert!((u - 0.25).abs() < ROOT, "{u}");

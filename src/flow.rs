@@ -46,12 +46,7 @@ impl<const N: usize> Series<N> {
         lanes[0] = *z;
         let mut scale = 1.0; // r^k / k!
         for k in 0..N {
-            let mut f = [0.0; 3];
-            if let (Some(forces), true) = (forces, k < 4) {
-                for b in 0..3 {
-                    f[b] = forces[b][k] * scale;
-                }
-            }
+            let f = forces.map(|d| if k < 4 { d.map(|b| b[k] * scale) } else { [0.0; 3] });
             let c = lanes[k];
             let (a, relative) = model.acceleration(mode, &c, f);
             free[k] = relative;
@@ -66,16 +61,18 @@ impl<const N: usize> Series<N> {
         Self { lanes, free }
     }
 
-    /// The augmented state at u.
+    /// The augmented state at u, even and odd orders apart so that two chains run side by side.
     #[inline(always)]
     pub(crate) fn at(&self, u: f64) -> Augmented {
-        let mut z = self.lanes[N - 1];
-        for k in (0..N - 1).rev() {
-            for (zj, cj) in z.iter_mut().zip(&self.lanes[k]) {
-                *zj = *zj * u + cj;
+        let square = u * u;
+        let (mut even, mut odd) = ([0.0; LANES], [0.0; LANES]);
+        for k in (0..N).rev() {
+            let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+            for (s, c) in sum.iter_mut().zip(&self.lanes[k]) {
+                *s = *s * square + c;
             }
         }
-        z
+        std::array::from_fn(|j| even[j] + u * odd[j])
     }
 
     /// The coefficients of `side · w - gap`, negative while the block is inside.
@@ -148,7 +145,7 @@ impl Column {
 
     /// The time derivative.
     fn rate(&self, model: &Model, mode: Mode) -> Self {
-        let (a, _) = model.acceleration(mode, &self.z, self.values());
+        let (a, _) = model.acceleration(mode, &self.z, Some(self.values()));
         let z = &self.z;
         Self {
             z: [z[3], z[4], z[5], a[0], a[1], a[2], -model.omega * z[7], model.omega * z[6]],
@@ -160,7 +157,7 @@ impl Column {
     fn functional(&self, model: &Model, mode: Mode) -> f64 {
         match mode {
             Mode::Flight => self.z[GAP],
-            Mode::Rest => model.acceleration(mode, &self.z, self.values()).1,
+            Mode::Rest => model.acceleration(mode, &self.z, Some(self.values())).1,
         }
     }
 

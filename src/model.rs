@@ -88,7 +88,7 @@ impl Model {
         model.rate = (stiffness.sqrt() + damping).max(model.omega).max(MIN_RATE);
         let numbers = [model.drive, model.inverse_mass[0], model.inverse_mass[1], model.inverse_mass[2]];
         let largest = numbers.iter().fold(model.rate, |most, n| most.max(n.abs()));
-        if !(largest <= MAX_RATE) {
+        if largest > MAX_RATE {
             return Err(Error::PrecisionLost {
                 what: "largest of sqrt(k/m), c/m, 1/m and drive.amplitude/box.m",
                 value: largest,
@@ -107,13 +107,18 @@ impl Model {
     }
 
     /// x1'', w'', x3'' in `mode` and the free relative acceleration (x2'' - x1'')_free, linear in its arguments.
-    /// `f` are the three forces.
+    /// `f` are the three forces, if any act.
     #[inline(always)]
-    pub(crate) fn acceleration(&self, mode: Mode, z: &Augmented, f: [f64; 3]) -> ([f64; 3], f64) {
+    pub(crate) fn acceleration(&self, mode: Mode, z: &Augmented, f: Option<[f64; 3]>) -> ([f64; 3], f64) {
         let stretch = (z[0] - z[2]) + z[1]; // x2 - x3
-        let a1 = self.drive * z[7] - self.k1 * z[0] - self.c1 * z[3] + f[0] * self.inverse_mass[0];
-        let a2 = f[1] * self.inverse_mass[1] - self.k2 * stretch;
-        let a3 = self.k32 * stretch - self.k3 * z[2] - self.c3 * z[5] + f[2] * self.inverse_mass[2];
+        let mut a1 = (self.drive * z[7] - self.k1 * z[0]) - self.c1 * z[3];
+        let mut a2 = -(self.k2 * stretch);
+        let mut a3 = (self.k32 * stretch - self.k3 * z[2]) - self.c3 * z[5];
+        if let Some(f) = f {
+            a1 += f[0] * self.inverse_mass[0];
+            a2 += f[1] * self.inverse_mass[1];
+            a3 += f[2] * self.inverse_mass[2];
+        }
         let free = a2 - a1;
         match mode {
             Mode::Flight => ([a1, free, a3], free),
@@ -128,7 +133,7 @@ impl Model {
         let kappa = self.restitution;
         let impulse = (1.0 + kappa) * self.reduced_mass * speed;
         z[3] += side * (1.0 + kappa) * self.block_share * speed;
-        z[GAP_RATE] = -kappa * z[GAP_RATE];
+        z[GAP_RATE] *= -kappa;
         (speed, impulse, 0.5 * (1.0 - kappa * kappa) * self.reduced_mass * speed * speed)
     }
 

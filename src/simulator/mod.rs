@@ -348,7 +348,7 @@ impl Simulator {
 
     fn accelerations(&self) -> ([f64; 3], f64) {
         let f = self.forces_now();
-        self.model.acceleration(self.mode(), &self.augmented(), [f[0][0], f[1][0], f[2][0]])
+        self.model.acceleration(self.mode(), &self.augmented(), Some(f.map(|d| d[0])))
     }
 
     fn loaded(&self) -> bool {
@@ -433,7 +433,7 @@ fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64; 6]> {
     for (names, values) in NAMES.iter().zip([&state.x, &state.v]) {
         for (name, &value) in names.iter().zip(values) {
             // The square must not overflow: energies are kept.
-            if !(value.abs() <= 1e100) {
+            if value.is_nan() || value.abs() > 1e100 {
                 return Err(Error::OutOfRange { name, value, allowed: "a finite number up to 1e100" });
             }
         }

@@ -33,23 +33,48 @@ struct Arrival<'a, const N: usize> {
     interval: Option<usize>,
 }
 
-/// The sub-step's start: state, loads and bound.
-struct Start {
+/// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled without them) and bound.
+struct Start<const LOADS: usize> {
     z: Augmented,
-    forces: Option<Forces>,
-    columns: [f64; LOAD],
+    forces: [Forces; LOADS],
     bound: f64,
 }
 
-impl Start {
+impl<const LOADS: usize> Start<LOADS> {
+    #[inline(always)]
+    fn forces(&self) -> Option<&Forces> {
+        self.forces.first()
+    }
+
+    #[inline(always)]
     fn forces_after(&self, dt: f64) -> Option<Forces> {
-        self.forces.as_ref().map(|f| shifted(f, dt))
+        self.forces.first().map(|f| shifted(f, dt))
+    }
+
+    /// The forces as columns of the load tables.
+    #[inline(always)]
+    fn columns(&self) -> Option<[f64; LOAD]> {
+        self.forces.first().map(|f| std::array::from_fn(|c| f[c / 4][c % 4]))
     }
 }
 
 impl Simulator {
     /// Advances to `end`; see [`Simulator::advance`].
     pub(super) fn run(
+        &mut self,
+        end: Extended,
+        stop_at_impact: bool,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> Result<StopReason> {
+        match (self.loaded(), self.keeps_ledger) {
+            (false, false) => self.run_as::<0, false>(end, stop_at_impact, on_event),
+            (false, true) => self.run_as::<0, true>(end, stop_at_impact, on_event),
+            (true, false) => self.run_as::<1, false>(end, stop_at_impact, on_event),
+            (true, true) => self.run_as::<1, true>(end, stop_at_impact, on_event),
+        }
+    }
+
+    fn run_as<const LOADS: usize, const LEDGER: bool>(
         &mut self,
         end: Extended,
         stop_at_impact: bool,
@@ -67,14 +92,14 @@ impl Simulator {
                 since_renewal = 0;
             }
             since_renewal += 1;
-            let passage = self.substep(&mut z, remaining, end);
-            self.motion.y.copy_from_slice(&z[..6]);
+            let passage = self.substep::<LOADS, LEDGER>(&mut z, remaining, end);
             let Some(side) = passage else { continue };
             self.work.events += 1;
             burst += 1;
             if self.motion.time.minus(burst_from).value() > self.substep {
                 (burst, burst_from) = (0, self.motion.time);
             } else if burst > MAX_BURST {
+                self.motion.y.copy_from_slice(&z[..6]);
                 return Err(Error::ImpactRate {
                     time: self.time(),
                     limit: MAX_BURST,
@@ -82,12 +107,13 @@ impl Simulator {
                     restitution: self.model.restitution,
                 });
             }
-            let impact = self.handle(&mut z, side, on_event);
-            self.motion.y.copy_from_slice(&z[..6]);
+            let impact = self.handle::<LOADS>(&mut z, side, on_event);
             if impact && stop_at_impact {
+                self.motion.y.copy_from_slice(&z[..6]);
                 return Ok(StopReason::Impact);
             }
         }
+        self.motion.y.copy_from_slice(&z[..6]);
         self.motion.time = end;
         Ok(StopReason::End)
     }
@@ -101,38 +127,40 @@ impl Simulator {
 
     /// One sub-step of at most `remaining` s; returns the stop at which an event was reached.
     #[inline(always)]
-    fn substep(&mut self, z: &mut Augmented, remaining: f64, end: Extended) -> Option<f64> {
+    fn substep<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
         self.work.substeps += 1;
         if self.motion.contact != Contact::Flight && !self.rest.core_ready {
             self.rest.core.fill(&self.model, Mode::Rest, self.substep);
             self.rest.core_ready = true;
         }
-        let mut start = Start { z: *z, forces: None, columns: [0.0; LOAD], bound: 0.0 };
-        start.bound = self.tables().core.curvature(z);
-        if self.loaded() {
-            let forces = self.forces_now();
-            for (column, f) in start.columns.iter_mut().zip(forces.iter().flatten()) {
-                *column = *f;
-            }
-            start.bound += self.tables().load.curvature(&start.columns);
-            start.forces = Some(forces);
+        let mut bound = self.tables().core.curvature(z);
+        let forces = [(); LOADS].map(|()| self.forces_now());
+        let mut start = Start { z: *z, forces, bound };
+        if let Some(columns) = start.columns() {
+            bound += self.tables().load.curvature(&columns);
+            start.bound = bound;
         }
         let interval = self.substep / INTERVALS as f64;
         let speed = z[GAP_RATE].abs();
         let wild = speed * interval + 0.5 * start.bound * interval * interval > MAX_REACH * self.model.gap;
         if remaining <= interval || (wild && self.motion.contact == Contact::Flight) {
-            self.short(z, &start, remaining.min(interval), remaining, end)
+            self.short::<LOADS, LEDGER>(z, &start, remaining.min(interval), remaining, end)
         } else {
-            self.long(z, &start, remaining, end)
+            self.long::<LOADS, LEDGER>(z, &start, remaining, end)
         }
     }
 
     /// A step within one interval, on a series anchored at its start.
     #[inline(always)]
-    fn short(
+    fn short<const LOADS: usize, const LEDGER: bool>(
         &mut self,
         z: &mut Augmented,
-        start: &Start,
+        start: &Start<LOADS>,
         mut span: f64,
         remaining: f64,
         end: Extended,
@@ -148,11 +176,11 @@ impl Simulator {
             near = [z[GAP] + reach >= gap, reach - z[GAP] >= gap];
         }
         self.work.expansions += 1;
-        let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces.as_ref(), span);
+        let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
         let passage = self.anchored_passage(&series, start, near, span);
         let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-        self.arrive(z, start, &arrival);
+        self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
         if side.is_none() && span >= remaining {
             self.motion.time = end;
         }
@@ -161,14 +189,20 @@ impl Simulator {
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
     #[inline(always)]
-    fn long(&mut self, z: &mut Augmented, start: &Start, remaining: f64, end: Extended) -> Option<f64> {
+    fn long<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
         let interval = self.substep / INTERVALS as f64;
         let (flight, gap) = (self.motion.contact == Contact::Flight, self.model.gap);
         let tables = self.tables();
         let mut g = [0.0; INTERVALS];
         tables.core.samples(z, &mut g);
-        if start.forces.is_some() {
-            tables.load.samples(&start.columns, &mut g);
+        if let Some(columns) = start.columns() {
+            tables.load.samples(&columns, &mut g);
         }
         let margin = start.bound * interval * interval * 0.125;
         let whole = remaining >= self.substep;
@@ -184,22 +218,22 @@ impl Simulator {
             (leaves, leaves && most < limit)
         } else {
             let side = self.motion.contact.side();
-            let f = start.forces.map_or([0.0; 3], |f| [f[0][0], f[1][0], f[2][0]]);
+            let f = start.forces().map(|f| f.map(|d| d[0]));
             let now = side * self.model.acceleration(Mode::Rest, z, f).1;
             let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
             (now > margin, now > margin && least > margin)
         };
-        if !clear && let Some(side) = self.scan(z, start, &g, margin, first, remaining) {
+        if !clear && let Some(side) = self.scan::<LOADS, LEDGER>(z, start, &g, margin, first, remaining) {
             return Some(side);
         }
         if whole {
-            self.pass(z, start);
+            self.pass::<LOADS, LEDGER>(z, start);
         } else {
             let index = ((remaining / interval) as usize).min(INTERVALS - 1);
             let (series, base) = self.centred(start, index);
             let u = (remaining - base) / (0.5 * interval);
             let arrival = Arrival { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
-            self.arrive(z, start, &arrival);
+            self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
             self.motion.time = end;
         }
         None
@@ -207,10 +241,10 @@ impl Simulator {
 
     /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
     #[inline(never)]
-    fn scan(
+    fn scan<const LOADS: usize, const LEDGER: bool>(
         &mut self,
         z: &mut Augmented,
-        start: &Start,
+        start: &Start<LOADS>,
         g: &[f64; INTERVALS],
         margin: f64,
         first_clear: bool,
@@ -234,11 +268,10 @@ impl Simulator {
                 }
                 let span = interval.min(remaining);
                 self.work.expansions += 1;
-                let series =
-                    Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces.as_ref(), span);
+                let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
                 if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
                     let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-                    self.arrive(z, start, &arrival);
+                    self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
                     return Some(side);
                 }
                 continue;
@@ -253,7 +286,7 @@ impl Simulator {
             let hi = ((remaining - base) / radius).min(1.0);
             if let Some((u, side)) = self.passage(&series, -1.0, hi, near) {
                 let arrival = Arrival { series: &series, base, radius, u, interval: Some(i) };
-                self.arrive(z, start, &arrival);
+                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
                 return Some(side);
             }
         }
@@ -262,7 +295,7 @@ impl Simulator {
 
     /// The series about the centre of an interval and the time to there.
     #[inline(always)]
-    fn centred(&mut self, start: &Start, index: usize) -> (Series<CENTRED>, f64) {
+    fn centred<const LOADS: usize>(&mut self, start: &Start<LOADS>, index: usize) -> (Series<CENTRED>, f64) {
         self.work.expansions += 1;
         let interval = self.substep / INTERVALS as f64;
         let base = (index as f64 + 0.5) * interval;
@@ -270,8 +303,8 @@ impl Simulator {
         let mut z = [0.0; 8];
         Table::transit(&tables.core.centre[index], &start.z, &mut z);
         let forces = start.forces_after(base);
-        if forces.is_some() {
-            Table::transit(&tables.load.centre[index], &start.columns, &mut z);
+        if let Some(columns) = start.columns() {
+            Table::transit(&tables.load.centre[index], &columns, &mut z);
         }
         if self.motion.contact != Contact::Flight {
             (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
@@ -309,10 +342,10 @@ impl Simulator {
     /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
     /// start are divided out, so that a return is found however soon it comes.
     #[inline(always)]
-    fn anchored_passage(
+    fn anchored_passage<const LOADS: usize>(
         &mut self,
         series: &Series<ANCHORED>,
-        start: &Start,
+        start: &Start<LOADS>,
         near: [bool; 2],
         span: f64,
     ) -> Option<(f64, f64)> {
@@ -340,8 +373,13 @@ impl Simulator {
 
     /// Moves to a point of a series: state, time and energy accounts.
     #[inline(always)]
-    fn arrive<const N: usize>(&mut self, z: &mut Augmented, start: &Start, to: &Arrival<N>) {
-        if self.keeps_ledger {
+    fn arrive<const LOADS: usize, const LEDGER: bool, const N: usize>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        to: &Arrival<N>,
+    ) {
+        if LEDGER {
             self.account(start, to);
         }
         *z = to.series.at(to.u);
@@ -354,15 +392,15 @@ impl Simulator {
 
     /// Passes over a whole sub-step without event.
     #[inline(always)]
-    fn pass(&mut self, z: &mut Augmented, start: &Start) {
-        if self.keeps_ledger {
+    fn pass<const LOADS: usize, const LEDGER: bool>(&mut self, z: &mut Augmented, start: &Start<LOADS>) {
+        if LEDGER {
             self.account_whole(start);
         }
         let tables = self.tables();
         let mut next = [0.0; 8];
         Table::transit(&tables.core.full, &start.z, &mut next);
-        if start.forces.is_some() {
-            Table::transit(&tables.load.full, &start.columns, &mut next);
+        if let Some(columns) = start.columns() {
+            Table::transit(&tables.load.full, &columns, &mut next);
         }
         if self.motion.contact != Contact::Flight {
             (next[GAP], next[GAP_RATE]) = (start.z[GAP], 0.0);
@@ -372,11 +410,11 @@ impl Simulator {
         self.motion.departing = 0;
     }
 
-    fn account<const N: usize>(&mut self, start: &Start, to: &Arrival<N>) {
+    fn account<const LOADS: usize, const N: usize>(&mut self, start: &Start<LOADS>, to: &Arrival<N>) {
         let mut total = (0.0, 0.0);
         let mut from = 0.0;
         if let Some(index) = to.interval {
-            if start.forces.is_some() {
+            if LOADS > 0 {
                 total = self.account_loaded(start, index);
                 from = -1.0;
             } else {
@@ -390,8 +428,8 @@ impl Simulator {
         self.motion.sums.damped = self.motion.sums.damped.plus(total.1 + damped);
     }
 
-    fn account_whole(&mut self, start: &Start) {
-        let (input, damped) = if start.forces.is_some() {
+    fn account_whole<const LOADS: usize>(&mut self, start: &Start<LOADS>) {
+        let (input, damped) = if LOADS > 0 {
             self.account_loaded(start, INTERVALS)
         } else {
             self.prepare_gramians();
@@ -403,7 +441,7 @@ impl Simulator {
 
     /// Under loads the powers are integrated interval by interval, up to the beginning of interval `count`.
     #[inline(never)]
-    fn account_loaded(&mut self, start: &Start, count: usize) -> (f64, f64) {
+    fn account_loaded<const LOADS: usize>(&mut self, start: &Start<LOADS>, count: usize) -> (f64, f64) {
         let mut total = (0.0, 0.0);
         for index in 0..count {
             let (series, base) = self.centred(start, index);
@@ -426,7 +464,12 @@ impl Simulator {
     }
 
     /// Applies the law of the event at stop `side`; true for an impact.
-    fn handle(&mut self, z: &mut Augmented, side: f64, on_event: &mut dyn FnMut(&Event)) -> bool {
+    fn handle<const LOADS: usize>(
+        &mut self,
+        z: &mut Augmented,
+        side: f64,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> bool {
         let (time, stop) = (self.time(), side as i8);
         z[GAP] = side * self.model.gap;
         if self.motion.contact != Contact::Flight {
@@ -452,12 +495,11 @@ impl Simulator {
         self.motion.departing = 1;
         let rebound = z[GAP_RATE].abs();
         if rebound == 0.0 {
-            self.motion.y.copy_from_slice(&z[..6]);
             self.settle(z, side);
             if self.motion.contact != Contact::Flight {
                 on_event(&Event::Rest { time, side: stop });
             }
-        } else if let Some(left) = self.closes(z, side, rebound) {
+        } else if let Some(left) = self.closes::<LOADS>(z, side, rebound) {
             let lost = self.model.merge(z);
             self.motion.sums.impact = self.motion.sums.impact.plus(lost);
             self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
@@ -470,14 +512,18 @@ impl Simulator {
     /// Whether the chatter run that starts with rebound speed `u` is under round-off: it lasts 2u/(a(1-κ)) and moves the
     /// block relative to the box, and box and block against the merged motion, by no more than u times that. Returns the
     /// time that is left of it, s.
-    fn closes(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
-        let forces = self.loaded().then(|| self.forces_now());
-        let series =
-            Series::<2>::expand(&self.model, Mode::Flight, z, forces.as_ref(), 1.0 / self.model.rate);
-        let (a, jerk) = (side * series.free[0], side * series.free[1] * self.model.rate);
+    fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
+        let forces = [(); LOADS].map(|()| self.forces_now());
+        let now = forces.first().map(|f| f.map(|d| d[0]));
+        let a = side * self.model.acceleration(Mode::Flight, z, now).1;
         let loss = (1.0 - self.model.restitution).max(LEAST_LOSS);
         let left = 2.0 * u / (a * loss);
-        let under = a > 0.0 && u * left <= CHATTER * self.model.gap && (jerk * left).abs() <= STEADY * a;
+        if a <= 0.0 || u * left > CHATTER * self.model.gap {
+            return None;
+        }
+        let rate = self.model.rate;
+        let series = Series::<2>::expand(&self.model, Mode::Flight, z, forces.first(), 1.0 / rate);
+        let under = (series.free[1] * rate * left).abs() <= STEADY * a;
         under.then_some(if self.model.restitution < 1.0 { left } else { 0.0 })
     }
 }
