@@ -9,14 +9,15 @@ use crate::model::{Augmented, Forces, GAP, LANES, Mode, Model};
 
 /// Intervals of a sub-step.
 pub(crate) const INTERVALS: usize = 16;
-/// Sub-step times rate: the series about an interval's centre then has radius rate·r ≤ 0.05.
-const SUBSTEP_TIMES_RATE: f64 = 1.5;
-/// Coefficients of a series about an interval's centre: the rest is 0.05⁹/9! < 1e-17 of the largest coordinate.
-pub(crate) const CENTRED: usize = 9;
-/// Coefficients of a series about the start, of radius 0.1/rate: the rest is 0.1¹¹/11! < 1e-18.
-pub(crate) const ANCHORED: usize = 11;
-/// Coefficients of the table's own series over a whole sub-step: the rest is 1.5²⁵/25! < 1e-20.
-const WHOLE: usize = 25;
+/// Sub-step times rate, so that most flights between two impacts of a period take one or two sub-steps; the series about
+/// an interval's centre then has radius 0.075/rate.
+const SUBSTEP_TIMES_RATE: f64 = 2.4;
+/// Coefficients of a series about an interval's centre: the rest is 0.075¹⁰/10! < 2e-18 of the largest coordinate.
+pub(crate) const CENTRED: usize = 10;
+/// Coefficients of a series about the start, of radius 0.15/rate: the rest is 0.15¹²/12! < 3e-19.
+pub(crate) const ANCHORED: usize = 12;
+/// Coefficients of a series over a whole sub-step, for the tables: the rest is 2.4³⁰/30! < 1e-20.
+pub(crate) const WHOLE: usize = 30;
 /// Columns of the drive-and-state part and of the loads (3 forces × value and 3 derivatives).
 pub(crate) const CORE: usize = LANES;
 pub(crate) const LOAD: usize = 12;

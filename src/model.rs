@@ -82,10 +82,7 @@ impl Model {
             restitution: p.stop_restitution,
             rate: 0.0,
         };
-        // Rows of the stiffness and damping matrices in the coordinates x1, w, x3 (flight; rest is a mean of two of them).
-        let stiffness = (model.k1 + (model.k1 + 3.0 * model.k2)).max(model.k3 + 3.0 * model.k32);
-        let damping = (2.0 * model.c1).max(model.c3);
-        model.rate = (stiffness.sqrt() + damping).max(model.omega).max(MIN_RATE);
+        model.rate = model.norm().max(model.omega).max(MIN_RATE);
         let numbers = [model.drive, model.inverse_mass[0], model.inverse_mass[1], model.inverse_mass[2]];
         let largest = numbers.iter().fold(model.rate, |most, n| most.max(n.abs()));
         if largest > MAX_RATE {
@@ -104,6 +101,19 @@ impl Model {
             });
         }
         Ok(model)
+    }
+
+    /// A bound on the norm of both modes' matrices, 1/s: the maximum norm with the gap coordinate weighted by 1/α and the
+    /// velocities by the rate itself; the best of a few α. (Rest is a mean of flight's rows for box and block.)
+    fn norm(&self) -> f64 {
+        let norm = |alpha: f64| {
+            let block = (self.k1 + 2.0 * self.k2) / alpha + self.k2;
+            let secondary = self.k3 + (2.0 + alpha) * self.k32;
+            let joint =
+                self.k1.max(self.k2 * (2.0 + alpha) * self.block_share + self.k1 * (1.0 - self.block_share));
+            joint.max(block).max(secondary).sqrt() + self.c1.max(self.c1 / alpha).max(self.c3)
+        };
+        [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().map(norm).fold(f64::INFINITY, f64::min)
     }
 
     /// x1'', w'', x3'' in `mode` and the free relative acceleration (x2'' - x1'')_free, linear in its arguments.
