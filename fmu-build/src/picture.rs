@@ -2,10 +2,10 @@
 
 use crate::canvas::colour::{BLACK, BLUE, GREEN, GREY, VERMILLION};
 use crate::canvas::{Drawing, FONT};
-use crate::run::{Run, Sample};
+use crate::run::{Run, STEPS_PER_PERIOD};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use vibro_impact::simulator::Event;
+use vibro_impact::State;
 
 /// Periods of the first time history: the transient.
 const TRANSIENT: u32 = 12;
@@ -23,7 +23,7 @@ struct Curve {
     name: String,
     style: ShapeStyle,
     dash: Option<(u32, u32)>,
-    points: Vec<(f64, f64)>,
+    pieces: Vec<Vec<(f64, f64)>>,
 }
 
 /// One of the four diagrams.
@@ -33,7 +33,6 @@ struct Diagram {
     y: &'static str,
     curves: Vec<Curve>,
     x_range: Option<(f64, f64)>,
-    legend: bool,
 }
 
 impl Drawing for Picture<'_> {
@@ -42,72 +41,70 @@ impl Drawing for Picture<'_> {
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), String> {
         area.fill(&WHITE).map_err(|e| e.to_string())?;
-        let (left, right) = area.split_horizontally(1380);
+        let (left, right) = area.split_horizontally(1320);
         let (upper, lower) = (left.split_evenly((2, 1)), right.split_evenly((2, 1)));
         let run = self.0;
-        diagram(&upper[0], &history("(a) Transient", run, &run.samples, 0.0, TRANSIENT.min(run.periods)))?;
+        let transient = TRANSIENT.min(run.periods);
+        diagram(&upper[0], &history("(a) Transient", run, 0, transient))?;
         let from = run.periods.saturating_sub(STEADY);
-        let title = format!("(b) Periods {} to {}", from, run.periods);
-        diagram(&upper[1], &history(&title, run, run.tail(STEADY), f64::from(from), run.periods))?;
+        let title = format!("(b) Periods {from} to {}", run.periods);
+        diagram(&upper[1], &history(&title, run, from, run.periods))?;
         diagram(&lower[0], &relative(run))?;
         diagram(&lower[1], &portraits(run))
     }
 }
 
-/// The three bodies: names, colours, dashes.
-fn bodies() -> [(&'static str, RGBColor, Option<(u32, u32)>); 3] {
-    [("box x₁", BLUE, None), ("block x₂", VERMILLION, None), ("secondary x₃", GREEN, Some((22, 14)))]
+/// Curves of the three bodies over some periods, each point made from time in periods, displacement and velocity.
+fn bodies(
+    run: &Run,
+    from: u32,
+    to: u32,
+    names: [&str; 3],
+    point: impl Fn(f64, f64, f64) -> (f64, f64),
+) -> Vec<Curve> {
+    let period = run.parameters.period();
+    // Half a communication step of room for the rounding of communication points.
+    let half = 0.5 / f64::from(STEPS_PER_PERIOD);
+    let path = run.path((f64::from(from) - half) * period, (f64::from(to) + half) * period);
+    let styles = [(BLUE, None), (VERMILLION, None), (GREEN, Some((22, 14)))];
+    let curve = |(body, ((colour, dash), name)): (usize, ((RGBColor, _), &str))| {
+        let at = |(time, state): &(f64, State)| point(time / period, state.x[body], state.v[body]);
+        let cut = path.iter().map(|piece| piece.iter().map(at).collect());
+        // Impacts do not touch the secondary oscillator; one piece keeps its dashes even.
+        let pieces = if body == 2 { vec![path.iter().flatten().map(at).collect()] } else { cut.collect() };
+        Curve { name: name.into(), style: colour.stroke_width(LINE), dash, pieces }
+    };
+    styles.into_iter().zip(names).enumerate().map(curve).collect()
 }
 
-fn history(title: &str, run: &Run, samples: &[Sample], from: f64, to: u32) -> Diagram {
-    let period = run.parameters.period();
-    let to = f64::from(to);
-    let inside = |s: &&Sample| s.time / period <= to + 1e-9; // rounding of the last communication point
-    let curves = bodies().into_iter().enumerate().map(|(body, (name, colour, dash))| Curve {
-        name: name.into(),
-        style: colour.stroke_width(LINE),
-        dash,
-        points: samples.iter().take_while(inside).map(|s| (s.time / period, s.state.x[body])).collect(),
-    });
+fn history(title: &str, run: &Run, from: u32, to: u32) -> Diagram {
     Diagram {
         title: title.into(),
         x: "time t/T (–)",
         y: "displacement x (m)",
-        curves: curves.collect(),
-        x_range: Some((from, to)),
-        legend: true,
+        curves: bodies(run, from, to, ["box x₁", "block x₂", "secondary x₃"], |t, x, _| (t, x)),
+        x_range: Some((f64::from(from), f64::from(to))),
     }
 }
 
-/// Relative displacement and velocity, with the points just before and after each impact, which fall between samples.
+/// Relative displacement and velocity; an impact is a jump along the stop.
 fn relative(run: &Run) -> Diagram {
-    let tail = run.tail(STEADY);
-    let begin = tail.first().map_or(0.0, |s| s.time);
+    let begin = run.tail(STEADY).first().map_or(0.0, |s| s.time);
     let gap = run.parameters.stop_gap;
-    let mut points: Vec<(f64, (f64, f64))> =
-        tail.iter().map(|s| (s.time, (s.state.x[1] - s.state.x[0], s.state.v[1] - s.state.v[0]))).collect();
-    for event in &run.events {
-        if let Event::Impact { time, side, speed, .. } = *event
-            && time > begin
-        {
-            let side = f64::from(side);
-            points.push((time, (side * gap, side * speed)));
-            points.push((time, (side * gap, -side * speed * run.parameters.stop_restitution)));
-        }
-    }
-    points.sort_by(|a, b| a.0.total_cmp(&b.0)); // stable: before comes before after
-    let speed = points.iter().map(|(_, (_, v))| v.abs()).fold(0.0, f64::max);
+    let at = |(_, s): (f64, State)| (s.x[1] - s.x[0], s.v[1] - s.v[0]);
+    let points: Vec<_> = run.path(begin, f64::INFINITY).into_iter().flatten().map(at).collect();
+    let speed = points.iter().map(|(_, v)| v.abs()).fold(0.0, f64::max);
     let stop = |side: f64| Curve {
         name: "stops ±L".into(),
         style: BLACK.stroke_width(LINE),
         dash: Some((14, 12)),
-        points: vec![(side * gap, -1.08 * speed), (side * gap, 1.08 * speed)],
+        pieces: vec![vec![(side * gap, -1.15 * speed), (side * gap, 1.15 * speed)]],
     };
     let orbit = Curve {
         name: "w = x₂ − x₁".into(),
         style: VERMILLION.stroke_width(LINE),
         dash: None,
-        points: points.into_iter().map(|(_, point)| point).collect(),
+        pieces: vec![points],
     };
     Diagram {
         title: format!("(c) Block in the box, last {STEADY} periods"),
@@ -115,24 +112,25 @@ fn relative(run: &Run) -> Diagram {
         y: "relative velocity dw/dt (m/s)",
         curves: vec![stop(-1.0), stop(1.0), orbit],
         x_range: Some((-1.15 * gap, 1.15 * gap)),
-        legend: true,
     }
 }
 
 fn portraits(run: &Run) -> Diagram {
-    let curves = bodies().into_iter().enumerate().map(|(body, (name, colour, dash))| Curve {
-        name: name.into(),
-        style: colour.stroke_width(LINE),
-        dash,
-        points: run.tail(STEADY).iter().map(|s| (s.state.x[body], s.state.v[body])).collect(),
-    });
+    let from = run.periods.saturating_sub(STEADY);
+    let mut curves = bodies(run, from, run.periods, ["box", "block", "secondary"], |_, x, v| (x, v));
+    for curve in &mut curves {
+        // Orbits that repeat would fill the dashes.
+        curve.dash = None;
+        let ends = |pair: &[Vec<(f64, f64)>]| Some(vec![*pair[0].last()?, *pair[1].first()?]);
+        let jumps: Vec<_> = curve.pieces.windows(2).filter_map(ends).collect();
+        curve.pieces.extend(jumps);
+    }
     Diagram {
         title: format!("(d) Phase portraits, last {STEADY} periods"),
         x: "displacement x (m)",
         y: "velocity v (m/s)",
-        curves: curves.collect(),
+        curves,
         x_range: None,
-        legend: true,
     }
 }
 
@@ -146,10 +144,10 @@ fn range(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops:
 
 fn diagram<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, d: &Diagram) -> Result<(), String> {
     let text = |e: DrawingAreaErrorKind<DB::ErrorType>| e.to_string();
-    let points = || d.curves.iter().flat_map(|c| &c.points);
+    let points = || d.curves.iter().flat_map(|c| c.pieces.iter().flatten());
     let x = d.x_range.map_or_else(|| range(points().map(|p| p.0), 0.06, 0.06), |(low, high)| low..high);
     // Room for the legend above the curves.
-    let y = range(points().map(|p| p.1), 0.06, if d.legend { 0.24 } else { 0.06 });
+    let y = range(points().map(|p| p.1), 0.06, 0.24);
     let font = |size: u32| (FONT, size).into_font();
     let mut chart = ChartBuilder::on(area)
         .caption(&d.title, font(TITLE))
@@ -173,18 +171,17 @@ fn diagram<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, d: &Diagram) -> Re
         .draw()
         .map_err(text)?;
     for curve in &d.curves {
-        let points = curve.points.iter().copied();
-        match curve.dash {
-            None => chart.draw_series(LineSeries::new(points, curve.style)).map_err(text)?,
-            Some((dash, space)) => {
-                chart.draw_series(DashedLineSeries::new(points, dash, space, curve.style)).map_err(text)?
-            }
-        };
+        for piece in &curve.pieces {
+            let points = piece.iter().copied();
+            match curve.dash {
+                None => chart.draw_series(LineSeries::new(points, curve.style)).map_err(text)?,
+                Some((dash, space)) => chart
+                    .draw_series(DashedLineSeries::new(points, dash, space, curve.style))
+                    .map_err(text)?,
+            };
+        }
     }
-    if d.legend {
-        legend(&chart, d, &x, &y)?;
-    }
-    Ok(())
+    legend(&chart, d, &x, &y)
 }
 
 type Chart<'a, DB> = ChartContext<
@@ -206,12 +203,14 @@ fn legend<DB: DrawingBackend>(
     let (right, _) = area.map_coordinate(&(x.end, y.end));
     let mut names: Vec<&Curve> = d.curves.iter().collect();
     names.dedup_by(|a, b| a.name == b.name);
-    let width = (right - left) / names.len() as i32;
+    // Each name gets room by its length; seven letters are as long as the piece of curve before it.
+    let letters = |curve: &Curve| curve.name.chars().count() as i32 + 7;
+    let letter = (right - left) / names.iter().map(|c| letters(c)).sum::<i32>();
+    let mut begin = 24;
     let unit = (x.end - x.start) / f64::from(right - left);
     let (_, bottom) = area.map_coordinate(&(x.start, y.start));
     let rise = (y.end - y.start) / f64::from(bottom - top);
-    for (i, curve) in names.into_iter().enumerate() {
-        let begin = width * i as i32 + 24;
+    for curve in names {
         let at = |dx: i32, dy: i32| (x.start + f64::from(dx) * unit, y.end - f64::from(dy) * rise);
         let piece = vec![at(begin, 44), at(begin + 84, 44)];
         match curve.dash {
@@ -222,8 +221,9 @@ fn legend<DB: DrawingBackend>(
                 }
             }
         }
-        let name = Text::new(curve.name.clone(), at(begin + 100, 22), (FONT, LABEL).into_font());
+        let name = Text::new(curve.name.clone(), at(begin + 100, 26), (FONT, LABEL).into_font());
         area.draw(&name).map_err(text)?;
+        begin += letters(curve) * letter;
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
 use vibro_impact::fmi2::variables;
-use vibro_impact::simulator::Event;
+use vibro_impact::simulator::{Event, StopReason};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Communication steps per drive period: enough for a smooth picture and for amplitudes to three digits.
@@ -33,6 +33,17 @@ pub struct Sample {
     pub impacts: [i32; 2],
 }
 
+/// The motion on both sides of an impact; it falls between communication points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Time, s.
+    pub time: f64,
+    /// Just before.
+    pub before: State,
+    /// Just after.
+    pub after: State,
+}
+
 /// What a run gave.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -42,8 +53,8 @@ pub struct Run {
     pub periods: u32,
     /// The motion at every communication point, the start included.
     pub samples: Vec<Sample>,
-    /// Every event, from the native run.
-    pub events: Vec<Event>,
+    /// Every impact, from a native run that stops at each.
+    pub contacts: Vec<Contact>,
     /// Wall time of all `fmi2DoStep` together.
     pub stepping: Duration,
     /// Wall time of the whole run of the FMU: instantiate, initialize, step, read.
@@ -76,7 +87,6 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     let mut stepping = Duration::ZERO;
     let mut whole = begin.elapsed();
     let mut samples = vec![Sample { time: 0.0, state: State::default(), impacts: [0; 2] }];
-    let mut events = Vec::new();
     let bar = Bar::new(u64::from(steps));
     for i in 0..steps {
         let from = f64::from(i) * step;
@@ -87,7 +97,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
         let impacts = instance.integer(&counts)?;
         whole += begin.elapsed();
 
-        native.advance(from, step, false, &mut |event| events.push(*event))?;
+        native.advance(from, step, false, &mut |_| {})?;
         let (state, time) = (native.state(), native.time());
         let record = native.impacts();
         let expected = [state.x, state.v].concat();
@@ -101,7 +111,32 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
         bar.at(u64::from(i));
     }
     instance.terminate()?;
-    Ok(Run { parameters, periods, samples, events, stepping, whole })
+    let contacts = contacts(&parameters, native.time())?;
+    Ok(Run { parameters, periods, samples, contacts, stepping, whole })
+}
+
+/// The motion at every impact up to `end`.
+fn contacts(parameters: &Parameters, end: f64) -> Result<Vec<Contact>> {
+    let mut simulator = Simulator::new(parameters, &State::default(), 0.0)?;
+    let mut found = Vec::new();
+    loop {
+        let mut impact = None;
+        let reason = simulator.advance(end, 0.0, true, &mut |event| {
+            if let Event::Impact { time, side, impulse, .. } = *event {
+                impact = Some((time, f64::from(side) * impulse));
+            }
+        })?;
+        if let Some((time, impulse)) = impact {
+            let after = simulator.state();
+            let mut before = after;
+            before.v[0] -= impulse / parameters.box_mass;
+            before.v[1] += impulse / parameters.block_mass;
+            found.push(Contact { time, before, after });
+        }
+        if reason == StopReason::End {
+            return Ok(found);
+        }
+    }
 }
 
 fn references<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
@@ -156,10 +191,29 @@ impl Run {
         &self.samples[self.samples.len() - 1 - count..]
     }
 
-    /// Half the range of each displacement over the last periods, m.
+    /// The path of the motion between two times, in s, cut at its impacts; each piece holds (time, state).
+    pub fn path(&self, from: f64, to: f64) -> Vec<Vec<(f64, State)>> {
+        let mut contacts = self.contacts.iter().filter(|c| (from..=to).contains(&c.time)).peekable();
+        let mut pieces = Vec::new();
+        let mut piece = Vec::new();
+        for sample in self.samples.iter().filter(|s| (from..=to).contains(&s.time)) {
+            while let Some(contact) = contacts.next_if(|c| c.time <= sample.time) {
+                piece.push((contact.time, contact.before));
+                pieces.push(std::mem::take(&mut piece));
+                piece.push((contact.time, contact.after));
+            }
+            piece.push((sample.time, sample.state));
+        }
+        pieces.push(piece);
+        pieces
+    }
+
+    /// Half the range of each displacement over the last periods, impacts included, m.
     pub fn amplitudes(&self, periods: u32) -> [f64; 3] {
+        let begin = self.tail(periods).first().map_or(0.0, |s| s.time);
+        let pieces = self.path(begin, f64::INFINITY);
         std::array::from_fn(|body| {
-            let values = self.tail(periods).iter().map(|sample| sample.state.x[body]);
+            let values = pieces.iter().flatten().map(|(_, state)| state.x[body]);
             let (low, high) =
                 values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
             (high - low) / 2.0
