@@ -1,1 +1,279 @@
-//! Exact propagation of a smooth mode.
+//! Exact propagation of a smooth mode: Taylor series about a point, and tables of the transition matrix over a
+//! sub-step (performance.md, "The idea that reaches them").
+//!
+//! A sub-step of length H is divided into 16 intervals. A [`Table`] holds the event functional (the gap in flight, the
+//! free relative acceleration in rest) at the 16 interval ends, the transition matrices to the 16 interval centres and to
+//! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
+
+use crate::model::{Augmented, Forces, GAP, LANES, Mode, Model};
+
+/// Intervals of a sub-step.
+pub(crate) const INTERVALS: usize = 16;
+/// Sub-step times rate, so that most flights between two impacts of a period take one or two sub-steps; the series about
+/// an interval's centre then has radius 0.075/rate.
+const SUBSTEP_TIMES_RATE: f64 = 2.4;
+/// Coefficients of a series about an interval's centre: the rest is 0.075¹⁰/10! < 2e-18 of the largest coordinate.
+pub(crate) const CENTRED: usize = 10;
+/// Coefficients of a series about the start, of radius 0.15/rate: the rest is 0.15¹²/12! < 3e-19.
+pub(crate) const ANCHORED: usize = 12;
+/// Coefficients of a series over a whole sub-step, for the tables: the rest is 2.4³⁰/30! < 1e-20.
+pub(crate) const WHOLE: usize = 30;
+/// Columns of the drive-and-state part and of the loads (3 forces × value and 3 derivatives).
+pub(crate) const CORE: usize = LANES;
+pub(crate) const LOAD: usize = 12;
+/// Covers the rounding of the bound and of the samples themselves.
+const BOUND_MARGIN: f64 = 1.0 + 1e-9;
+
+/// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k lanes[k] u^k`; `free` likewise is the
+/// free relative acceleration.
+#[derive(Clone, Copy)]
+pub(crate) struct Series<const N: usize> {
+    pub(crate) lanes: [Augmented; N],
+    pub(crate) free: [f64; N],
+}
+
+impl<const N: usize> Series<N> {
+    /// The recurrence of model.md section 1: each order follows from the one before through the equations of motion.
+    #[inline(always)]
+    pub(crate) fn expand(
+        model: &Model,
+        mode: Mode,
+        z: &Augmented,
+        forces: Option<&Forces>,
+        radius: f64,
+    ) -> Self {
+        let mut lanes = [[0.0; LANES]; N];
+        let mut free = [0.0; N];
+        lanes[0] = *z;
+        let mut scale = 1.0; // r^k / k!
+        for k in 0..N {
+            let f = forces.map(|d| if k < 4 { d.map(|b| b[k] * scale) } else { [0.0; 3] });
+            let c = lanes[k];
+            let (a, relative) = model.acceleration(mode, &c, f);
+            free[k] = relative;
+            if k + 1 < N {
+                let q = radius / (k + 1) as f64;
+                scale *= q;
+                let turn = q * model.omega;
+                lanes[k + 1] =
+                    [q * c[3], q * c[4], q * c[5], q * a[0], q * a[1], q * a[2], -turn * c[7], turn * c[6]];
+            }
+        }
+        Self { lanes, free }
+    }
+
+    /// The augmented state at u, even and odd orders apart so that two chains run side by side.
+    #[inline(always)]
+    pub(crate) fn at(&self, u: f64) -> Augmented {
+        let square = u * u;
+        let (mut even, mut odd) = ([0.0; LANES], [0.0; LANES]);
+        for k in (0..N).rev() {
+            let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+            for (s, c) in sum.iter_mut().zip(&self.lanes[k]) {
+                *s = *s * square + c;
+            }
+        }
+        std::array::from_fn(|j| even[j] + u * odd[j])
+    }
+
+    /// The coefficients of `side · w - gap`, negative while the block is inside.
+    #[inline(always)]
+    pub(crate) fn gap_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
+        let mut p = [0.0; N];
+        for (pk, lane) in p.iter_mut().zip(&self.lanes) {
+            *pk = side * lane[GAP];
+        }
+        p[0] -= gap;
+        p
+    }
+
+    /// The coefficients of `-side · (x2'' - x1'')_free`, negative while the contact presses.
+    #[inline(always)]
+    pub(crate) fn release_polynomial(&self, side: f64) -> [f64; N] {
+        self.free.map(|a| -side * a)
+    }
+}
+
+/// Forces a time `dt` later: the polynomials shifted.
+#[inline(always)]
+pub(crate) fn shifted(forces: &Forces, dt: f64) -> Forces {
+    forces.map(|d| {
+        [
+            d[0] + dt * (d[1] + dt * (0.5 * d[2] + dt * d[3] / 6.0)),
+            d[1] + dt * (d[2] + dt * 0.5 * d[3]),
+            d[2] + dt * d[3],
+            d[3],
+        ]
+    })
+}
+
+/// Sub-step tables for C columns of the augmented state or of the load coefficients.
+#[derive(Clone, Debug)]
+pub(crate) struct Table<const C: usize> {
+    /// The event functional at the interval ends, `[column][interval]`.
+    pub(crate) sample: [[f64; INTERVALS]; C],
+    /// The augmented state at the sub-step's end, `[column][lane]`.
+    pub(crate) full: [Augmented; C],
+    /// The augmented state at the interval centres.
+    pub(crate) centre: [[Augmented; C]; INTERVALS],
+    /// |functional''| ≤ Σ_j bound_j |column_j| throughout the sub-step.
+    pub(crate) bound: [f64; C],
+    /// The largest |functional''| at the centres, column by column.
+    peak: [f64; C],
+}
+
+/// One column of the whole system: a unit augmented coordinate or a unit load coefficient.
+#[derive(Clone, Copy)]
+struct Column {
+    z: Augmented,
+    forces: Forces,
+}
+
+impl Column {
+    fn unit(index: usize) -> Self {
+        let mut column = Self { z: [0.0; LANES], forces: [[0.0; 4]; 3] };
+        if index < LANES {
+            column.z[index] = 1.0;
+        } else {
+            column.forces[(index - LANES) / 4][(index - LANES) % 4] = 1.0;
+        }
+        column
+    }
+
+    fn values(&self) -> [f64; 3] {
+        [self.forces[0][0], self.forces[1][0], self.forces[2][0]]
+    }
+
+    /// The time derivative.
+    fn rate(&self, model: &Model, mode: Mode) -> Self {
+        let (a, _) = model.acceleration(mode, &self.z, Some(self.values()));
+        let z = &self.z;
+        Self {
+            z: [z[3], z[4], z[5], a[0], a[1], a[2], -model.omega * z[7], model.omega * z[6]],
+            forces: self.forces.map(|d| [d[1], d[2], d[3], 0.0]),
+        }
+    }
+
+    /// The event functional: w in flight, the free relative acceleration in rest.
+    fn functional(&self, model: &Model, mode: Mode) -> f64 {
+        match mode {
+            Mode::Flight => self.z[GAP],
+            Mode::Rest => model.acceleration(mode, &self.z, Some(self.values())).1,
+        }
+    }
+
+    fn entry(&self, index: usize) -> f64 {
+        if index < LANES { self.z[index] } else { self.forces[(index - LANES) / 4][(index - LANES) % 4] }
+    }
+}
+
+impl<const C: usize> Table<C> {
+    pub(crate) fn zero() -> Self {
+        Self {
+            sample: [[0.0; INTERVALS]; C],
+            full: [[0.0; LANES]; C],
+            centre: [[[0.0; LANES]; C]; INTERVALS],
+            bound: [0.0; C],
+            peak: [0.0; C],
+        }
+    }
+
+    /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the loads).
+    fn propagate(&mut self, model: &Model, mode: Mode, first: usize, h: f64) {
+        self.peak = [0.0; C];
+        for c in 0..C {
+            let start = Column::unit(first + c);
+            let series =
+                Series::<WHOLE>::expand(model, mode, &start.z, (first > 0).then_some(&start.forces), h);
+            for i in 0..INTERVALS {
+                let (mid, end) = ((i as f64 + 0.5) / INTERVALS as f64, (i as f64 + 1.0) / INTERVALS as f64);
+                let centre = Column { z: series.at(mid), forces: shifted(&start.forces, mid * h) };
+                let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
+                self.peak[c] = self.peak[c].max(second.abs());
+                self.centre[i][c] = centre.z;
+                let node = match mode {
+                    Mode::Flight => crate::events::value(&series.lanes.map(|l| l[GAP]), end),
+                    Mode::Rest => crate::events::value(&series.free, end),
+                };
+                self.sample[c][i] = node;
+            }
+            self.full[c] = series.at(1.0);
+        }
+    }
+
+    /// `full · columns`, added to `z`.
+    #[inline(always)]
+    pub(crate) fn transit(table: &[Augmented; C], columns: &[f64; C], z: &mut Augmented) {
+        for (column, &x) in table.iter().zip(columns) {
+            for (zj, cj) in z.iter_mut().zip(column) {
+                *zj += cj * x;
+            }
+        }
+    }
+
+    /// The functional at the interval ends, added to `g`.
+    #[inline(always)]
+    pub(crate) fn samples(&self, columns: &[f64; C], g: &mut [f64; INTERVALS]) {
+        for (column, &x) in self.sample.iter().zip(columns) {
+            for (gj, cj) in g.iter_mut().zip(column) {
+                *gj += cj * x;
+            }
+        }
+    }
+
+    /// The bound on |functional''| over the sub-step.
+    #[inline(always)]
+    pub(crate) fn curvature(&self, columns: &[f64; C]) -> f64 {
+        let mut sum = 0.0;
+        for (b, x) in self.bound.iter().zip(columns) {
+            sum += b * x.abs();
+        }
+        sum
+    }
+}
+
+impl Table<CORE> {
+    /// The table of state and drive for `mode` over a sub-step `h`.
+    pub(crate) fn fill(&mut self, model: &Model, mode: Mode, h: f64) {
+        self.propagate(model, mode, 0, h);
+        self.bound = spread(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
+    }
+}
+
+impl Table<LOAD> {
+    /// The table of the load coefficients, beside the `core` of the same mode and sub-step.
+    pub(crate) fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: Mode, h: f64) {
+        self.propagate(model, mode, CORE, h);
+        let mut peak = [0.0; CORE + LOAD];
+        peak[..CORE].copy_from_slice(&core.peak);
+        peak[CORE..].copy_from_slice(&self.peak);
+        let bound = spread(model, mode, peak, 0.5 * h / INTERVALS as f64);
+        self.bound.copy_from_slice(&bound[CORE..]);
+    }
+}
+
+/// Turns the largest functional'' at the centres into a bound between them: a row r at a centre is r·exp(Mδ) at a distance
+/// δ ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
+fn spread<const N: usize>(model: &Model, mode: Mode, row: [f64; N], half: f64) -> [f64; N] {
+    let rates: [Column; N] = std::array::from_fn(|c| Column::unit(c).rate(model, mode));
+    let (mut sum, mut term) = (row, row);
+    for k in 1..12 {
+        let mut next = [0.0; N];
+        for (n, rate) in next.iter_mut().zip(&rates) {
+            for (j, t) in term.iter().enumerate() {
+                *n += t * rate.entry(j).abs();
+            }
+            *n *= half / f64::from(k);
+        }
+        for (s, n) in sum.iter_mut().zip(&next) {
+            *s += n;
+        }
+        term = next;
+    }
+    sum.map(|s| s * BOUND_MARGIN)
+}
+
+/// The length of a sub-step for a model, s.
+pub(crate) fn substep(model: &Model) -> f64 {
+    SUBSTEP_TIMES_RATE / model.rate
+}

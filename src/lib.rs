@@ -9,9 +9,12 @@
 //! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's oracle.
 
 pub mod error;
-pub mod flow;
+mod events;
+mod extended;
+mod flow;
 pub mod fmi2;
-pub mod model;
+mod ledger;
+mod model;
 pub mod parameters;
 pub mod simulator;
 

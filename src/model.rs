@@ -1,1 +1,158 @@
 //! The three smooth modes and the impact law (model.md section 1, paper [1]–[3]).
+//!
+//! Inside, the motion is carried in `x1, w = x2 - x1, x3`: the gap is then a coordinate of its own, exact to its last
+//! bit at a stop however far the box has drifted, and resting contact is `w = ±L, w' = 0` without any projection.
+
+use crate::error::{Error, Result};
+use crate::parameters::Parameters;
+
+/// Lanes of the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]`.
+pub(crate) const LANES: usize = 8;
+/// Lane of the gap coordinate w.
+pub(crate) const GAP: usize = 1;
+/// Lane of w'.
+pub(crate) const GAP_RATE: usize = 4;
+/// The augmented state: one autonomous linear system per mode.
+pub(crate) type Augmented = [f64; LANES];
+/// Forces f1, f2, f3 as value and time derivatives 1…3.
+pub(crate) type Forces = [[f64; 4]; 3];
+
+/// Which linear system holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// The block is free.
+    Flight,
+    /// Box and block move as one body.
+    Rest,
+}
+
+/// The equations of motion divided by the masses; time unit s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Model {
+    /// k1/m1, c1/m1, F10/m1.
+    pub(crate) k1: f64,
+    pub(crate) c1: f64,
+    pub(crate) drive: f64,
+    /// k23/m2.
+    pub(crate) k2: f64,
+    /// k3/m3, c3/m3, k23/m3.
+    pub(crate) k3: f64,
+    pub(crate) c3: f64,
+    pub(crate) k32: f64,
+    /// 1/m1, 1/m2, 1/m3.
+    pub(crate) inverse_mass: [f64; 3],
+    /// m2/(m1+m2): the block's share of the joint body.
+    pub(crate) block_share: f64,
+    /// μ = m1 m2/(m1+m2).
+    pub(crate) reduced_mass: f64,
+    /// ω1.
+    pub(crate) omega: f64,
+    /// L.
+    pub(crate) gap: f64,
+    /// κ.
+    pub(crate) restitution: f64,
+    /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the system's matrix.
+    pub(crate) rate: f64,
+}
+
+/// More sub-steps than this in a drive period would cost digits (each adds a rounding error) and never seem to end.
+const MAX_RATE_RATIO: f64 = 1e7;
+/// Below this rate (1/s) nothing of the system happens in 30 years; it keeps the sub-step finite.
+const MIN_RATE: f64 = 1e-9;
+/// Above this the squares and products of the theory overflow.
+const MAX_RATE: f64 = 1e100;
+
+impl Model {
+    pub(crate) fn new(p: &Parameters) -> Result<Self> {
+        p.validate()?;
+        let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
+        let mut model = Self {
+            k1: p.box_stiffness / m1,
+            c1: p.box_damping / m1,
+            drive: p.drive_amplitude / m1,
+            k2: p.coupling_stiffness / m2,
+            k3: p.secondary_stiffness / m3,
+            c3: p.secondary_damping / m3,
+            k32: p.coupling_stiffness / m3,
+            inverse_mass: [1.0 / m1, 1.0 / m2, 1.0 / m3],
+            block_share: m2 / (m1 + m2),
+            reduced_mass: m1 * (m2 / (m1 + m2)),
+            omega: p.drive_frequency,
+            gap: p.stop_gap,
+            restitution: p.stop_restitution,
+            rate: 0.0,
+        };
+        model.rate = model.norm().max(model.omega).max(MIN_RATE);
+        let numbers = [model.drive, model.inverse_mass[0], model.inverse_mass[1], model.inverse_mass[2]];
+        let largest = numbers.iter().fold(model.rate, |most, n| most.max(n.abs()));
+        if largest > MAX_RATE {
+            return Err(Error::PrecisionLost {
+                what: "largest of sqrt(k/m), c/m, 1/m and drive.amplitude/box.m",
+                value: largest,
+                limit: MAX_RATE,
+            });
+        }
+        let ratio = model.rate / model.omega;
+        if model.omega > 0.0 && ratio > MAX_RATE_RATIO {
+            return Err(Error::PrecisionLost {
+                what: "fastest rate of the system (sqrt(k/m) + c/m) over drive.frequency",
+                value: ratio,
+                limit: MAX_RATE_RATIO,
+            });
+        }
+        Ok(model)
+    }
+
+    /// A bound on the norm of both modes' matrices, 1/s: the maximum norm with the gap coordinate weighted by 1/α and the
+    /// velocities by the rate itself; the best of a few α. (Rest is a mean of flight's rows for box and block.)
+    fn norm(&self) -> f64 {
+        let norm = |alpha: f64| {
+            let block = (self.k1 + 2.0 * self.k2) / alpha + self.k2;
+            let secondary = self.k3 + (2.0 + alpha) * self.k32;
+            let joint =
+                self.k1.max(self.k2 * (2.0 + alpha) * self.block_share + self.k1 * (1.0 - self.block_share));
+            joint.max(block).max(secondary).sqrt() + self.c1.max(self.c1 / alpha).max(self.c3)
+        };
+        [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().map(norm).fold(f64::INFINITY, f64::min)
+    }
+
+    /// x1'', w'', x3'' in `mode` and the free relative acceleration (x2'' - x1'')_free, linear in its arguments.
+    /// `f` are the three forces, if any act.
+    #[inline(always)]
+    pub(crate) fn acceleration(&self, mode: Mode, z: &Augmented, f: Option<[f64; 3]>) -> ([f64; 3], f64) {
+        let stretch = (z[0] - z[2]) + z[1]; // x2 - x3
+        let mut a1 = (self.drive * z[7] - self.k1 * z[0]) - self.c1 * z[3];
+        let mut a2 = -(self.k2 * stretch);
+        let mut a3 = (self.k32 * stretch - self.k3 * z[2]) - self.c3 * z[5];
+        if let Some(f) = f {
+            a1 += f[0] * self.inverse_mass[0];
+            a2 += f[1] * self.inverse_mass[1];
+            a3 += f[2] * self.inverse_mass[2];
+        }
+        let free = a2 - a1;
+        match mode {
+            Mode::Flight => ([a1, free, a3], free),
+            Mode::Rest => ([a1 + self.block_share * free, 0.0, a3], free),
+        }
+    }
+
+    /// The impact law at stop `side`: returns (speed |w'⁻|, impulse p, energy lost) and changes the velocities.
+    #[inline(always)]
+    pub(crate) fn impact(&self, z: &mut Augmented, side: f64) -> (f64, f64, f64) {
+        let speed = side * z[GAP_RATE];
+        let kappa = self.restitution;
+        let impulse = (1.0 + kappa) * self.reduced_mass * speed;
+        z[3] += side * (1.0 + kappa) * self.block_share * speed;
+        z[GAP_RATE] *= -kappa;
+        (speed, impulse, 0.5 * (1.0 - kappa * kappa) * self.reduced_mass * speed * speed)
+    }
+
+    /// The inelastic merge into resting contact (momentum conserved): returns the energy lost.
+    #[inline(always)]
+    pub(crate) fn merge(&self, z: &mut Augmented) -> f64 {
+        let slip = z[GAP_RATE];
+        z[3] += self.block_share * slip;
+        z[GAP_RATE] = 0.0;
+        0.5 * self.reduced_mass * slip * slip
+    }
+}

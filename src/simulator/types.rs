@@ -1,9 +1,5 @@
-//! The hybrid loop: exact flow between events, events found with proof, the impact law at each.
-//!
-//! This file is the API skeleton; bodies follow.
+//! What goes into a simulation and what comes out of it.
 
-use crate::error::Result;
-use crate::parameters::Parameters;
 use serde::{Deserialize, Serialize};
 
 /// Displacements (m) and velocities (m/s) of box, block and secondary oscillator.
@@ -51,7 +47,7 @@ pub enum Event {
     },
     /// A chatter run (or κ = 0) ended in resting contact.
     Rest {
-        /// Time in s.
+        /// The instant at which the impacts accumulate, s (the run is closed at most a part in 10⁸ of a period before it).
         time: f64,
         /// +1 upper, -1 lower.
         side: i8,
@@ -117,91 +113,13 @@ pub struct Work {
     pub events: u64,
 }
 
-/// The event-driven simulator of one system.
-#[derive(Clone, Debug)]
-pub struct Simulator {}
-
-/// Everything that changes as the simulator advances, as plain data: restore then continue is bit-identical.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot {}
-
-#[allow(unused_variables, missing_docs)]
-impl Simulator {
-    /// Starts at `time` (s) from `state`. The drive's phase is `ω1 time + drive.phase`.
-    ///
-    /// # Errors
-    /// `OutOfRange`, `Penetration`, `PrecisionLost`.
-    pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
-        todo!()
-    }
-    pub fn parameters(&self) -> &Parameters {
-        todo!()
-    }
-    /// Takes effect at once; a change of drive frequency keeps the drive's phase continuous.
-    pub fn set_parameters(&mut self, parameters: &Parameters) -> Result<()> {
-        todo!()
-    }
-    /// Loads from now on, as polynomials in the time from now.
-    pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
-        todo!()
-    }
-    pub fn time(&self) -> f64 {
-        todo!()
-    }
-    pub fn state(&self) -> State {
-        todo!()
-    }
-    pub fn contact(&self) -> Contact {
-        todo!()
-    }
-    /// Accelerations of the three bodies (resting contact included), m/s².
-    pub fn acceleration(&self) -> [f64; 3] {
-        todo!()
-    }
-    /// Time derivatives of the three displacements: `[body][order]`, orders 0…5 (m/s^order).
-    pub fn derivatives(&self) -> [[f64; 6]; 3] {
-        todo!()
-    }
-    /// Relative displacement w (m) and velocity w' (m/s): exactly ±L and 0 in rest.
-    pub fn gap(&self) -> (f64, f64) {
-        todo!()
-    }
-    /// Contact force λ ≥ 0 in resting contact, 0 in flight, N.
-    pub fn contact_force(&self) -> f64 {
-        todo!()
-    }
-    /// Drive phase θ reduced to [0, 2π).
-    pub fn drive_phase(&self) -> f64 {
-        todo!()
-    }
-    pub fn ledger(&self) -> Ledger {
-        todo!()
-    }
-    pub fn impacts(&self) -> &ImpactRecord {
-        todo!()
-    }
-    pub fn work(&self) -> &Work {
-        todo!()
-    }
-    /// Advances to exactly `end` (s).
-    pub fn advance_to(&mut self, end: f64) -> Result<()> {
-        todo!()
-    }
-    /// Advances to `begin + step` in extended precision, reporting each event; optionally stops after the first impact.
-    pub fn advance(
-        &mut self,
-        begin: f64,
-        step: f64,
-        stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
-    ) -> Result<StopReason> {
-        todo!()
-    }
-    pub fn snapshot(&self) -> Snapshot {
-        todo!()
-    }
-    /// Puts back a snapshot taken from any simulator with the same parameters (they are part of it).
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        todo!()
+impl Contact {
+    /// +1 at the upper stop, -1 at the lower, 0 in flight.
+    pub(crate) fn side(self) -> f64 {
+        match self {
+            Self::Flight => 0.0,
+            Self::RestUpper => 1.0,
+            Self::RestLower => -1.0,
+        }
     }
 }

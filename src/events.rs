@@ -1,0 +1,351 @@
+//! Guaranteed event location on a polynomial: the first passage from ≤ 0 to > 0, or the proof that there is none.
+//!
+//! The coefficients come from the exact flow with a truncation far under round-off, so what is decided here is
+//! decided for the motion. The proof is by dominance: where one derivative's constant term outweighs the rest of its
+//! coefficients the polynomial is monotone, convex or concave and its sign pattern is known; where none does, the
+//! interval is bounded and halved. Nothing is sampled.
+
+/// A bracket is halved at most this often: then its width is under the resolution of a double.
+const MAX_DEPTH: u32 = 56;
+/// Newton's method inside a bracket; every failing step bisects, so this is never reached.
+const MAX_ITERATIONS: u32 = 200;
+
+/// p(u), even and odd orders apart so that two chains run side by side.
+#[inline(always)]
+pub(crate) fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
+    let square = u * u;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for k in (0..N).rev() {
+        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+        *sum = *sum * square + c[k];
+    }
+    even + u * odd
+}
+
+/// p(u) and p'(u).
+#[inline(always)]
+fn value_and_slope<const N: usize>(c: &[f64; N], u: f64) -> (f64, f64) {
+    let square = u * u;
+    let mut sums = [0.0; 4]; // p even, p odd, p' even, p' odd
+    for k in (0..N).rev() {
+        sums[k % 2] = sums[k % 2] * square + c[k];
+        if k > 0 {
+            let slope = &mut sums[2 + (k - 1) % 2];
+            *slope = *slope * square + k as f64 * c[k];
+        }
+    }
+    (sums[0] + u * sums[1], sums[2] + u * sums[3])
+}
+
+/// The sign pattern of p on |u| ≤ 1, where it is certain.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Shape {
+    Rising,
+    Falling,
+    Convex,
+    Concave,
+    Unknown,
+}
+
+/// The shape, and for a rising p a bound on |p''|/(2p'), by which Newton's method squares its error.
+#[inline(always)]
+fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
+    let (mut slope, mut curvature) = (0.0, 0.0);
+    for (k, &ck) in c.iter().enumerate().skip(2) {
+        let weight = k as f64 * ck.abs();
+        slope += weight;
+        if k > 2 {
+            curvature += (k - 1) as f64 * weight;
+        }
+    }
+    if c[1] > slope {
+        return (Shape::Rising, 0.5 * (2.0 * c[2].abs() + curvature) / (c[1] - slope));
+    }
+    let shape = if -c[1] > slope {
+        Shape::Falling
+    } else if 2.0 * c[2] > curvature {
+        Shape::Convex
+    } else if -2.0 * c[2] > curvature {
+        Shape::Concave
+    } else {
+        Shape::Unknown
+    };
+    (shape, f64::INFINITY)
+}
+
+/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u. Newton's method inside a bracket; it
+/// ends when a step is at round-off, or when `squares` (a bound on |p''|/(2p')) proves that the next one would be.
+#[inline(always)]
+fn refine<const N: usize>(
+    c: &[f64; N],
+    (mut lo, mut hi): (f64, f64),
+    start: f64,
+    squares: f64,
+    iterations: &mut u64,
+) -> f64 {
+    let mut u = start;
+    for _ in 0..MAX_ITERATIONS {
+        *iterations += 1;
+        let (p, d) = value_and_slope(c, u);
+        if p < 0.0 {
+            lo = u;
+        } else if p > 0.0 {
+            hi = u;
+        } else {
+            return u;
+        }
+        let mut next = u - p / d;
+        if !(next > lo && next < hi) {
+            next = 0.5 * (lo + hi);
+            if next <= lo || next >= hi {
+                return hi; // the bracket has closed on neighbouring doubles
+            }
+        }
+        let moved = (next - u).abs();
+        u = next;
+        let resolution = f64::EPSILON * u.abs();
+        if moved <= 2.0 * resolution || 4.0 * squares * moved * moved <= resolution {
+            return u;
+        }
+    }
+    u
+}
+
+/// Negates the odd or all coefficients so that `refine` can look for a sign change of the slope.
+#[inline(always)]
+fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
+    let mut d = [0.0; N];
+    for k in 1..N {
+        d[k - 1] = sign * k as f64 * c[k];
+    }
+    d
+}
+
+/// Where p of known shape first passes from ≤ 0 to > 0 in [lo, hi] ⊂ [-1, 1].
+#[inline(always)]
+fn crossing_of_shape<const N: usize>(
+    c: &[f64; N],
+    (shape, squares): (Shape, f64),
+    lo: f64,
+    hi: f64,
+    iterations: &mut u64,
+) -> Option<f64> {
+    let (low, low_slope) = value_and_slope(c, lo);
+    match shape {
+        Shape::Rising => rising(c, lo, low, hi, squares, iterations),
+        Shape::Falling | Shape::Unknown => None,
+        Shape::Convex => {
+            if low_slope >= 0.0 {
+                return rising(c, lo, low, hi, squares, iterations);
+            }
+            if value(c, hi) <= 0.0 {
+                return None;
+            }
+            // Past its minimum p rises to a positive end; before it, it can only fall.
+            let slope = slope_of(c, 1.0);
+            let bottom = refine(&slope, (lo, hi), 0.5 * (lo + hi), f64::INFINITY, iterations);
+            rising(c, bottom, value(c, bottom), hi, squares, iterations)
+        }
+        Shape::Concave => {
+            if low_slope <= 0.0 {
+                return None;
+            }
+            if low >= 0.0 {
+                return Some(lo);
+            }
+            let slope = slope_of(c, -1.0);
+            let top = if value(&slope, hi) <= 0.0 {
+                hi
+            } else {
+                refine(&slope, (lo, hi), 0.5 * (lo + hi), f64::INFINITY, iterations)
+            };
+            rising(c, lo, low, top, squares, iterations)
+        }
+    }
+}
+
+/// The passage of a p that rises on [lo, hi].
+#[inline(always)]
+fn rising<const N: usize>(
+    c: &[f64; N],
+    lo: f64,
+    low: f64,
+    hi: f64,
+    squares: f64,
+    iterations: &mut u64,
+) -> Option<f64> {
+    let high = value(c, hi);
+    if high <= 0.0 {
+        return None;
+    }
+    if low >= 0.0 {
+        return Some(lo);
+    }
+    // The inverse series to second order where p is nearly straight about 0, else the chord.
+    let linear = -c[0] / c[1];
+    let inverse = linear * (1.0 - linear * (c[2] / c[1]));
+    let chord = lo - low * (hi - lo) / (high - low);
+    let inside = |u: f64| u > lo && u < hi;
+    let start = if squares < 0.5 && inside(inverse) {
+        inverse
+    } else if inside(chord) {
+        chord
+    } else {
+        0.5 * (lo + hi)
+    };
+    Some(refine(c, (lo, hi), start, squares, iterations))
+}
+
+/// The polynomial in v of p(mid + half v).
+fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
+    let mut r = *c;
+    for first in 0..N - 1 {
+        for k in (first..N - 1).rev() {
+            r[k] += mid * r[k + 1];
+        }
+    }
+    let mut scale = 1.0;
+    for rk in &mut r {
+        *rk *= scale;
+        scale *= half;
+    }
+    r
+}
+
+/// The first u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0; `lo` itself where p(lo) ≥ 0 and rises.
+/// `None` is a proof that there is no passage. A touch from below without passing is none.
+#[inline(always)]
+pub(crate) fn first_crossing<const N: usize>(
+    c: &[f64; N],
+    lo: f64,
+    hi: f64,
+    iterations: &mut u64,
+) -> Option<f64> {
+    match shape(c) {
+        (Shape::Unknown, _) => subdivide(c, lo, hi, 0, iterations),
+        known => crossing_of_shape(c, known, lo, hi, iterations),
+    }
+}
+
+/// Halves the interval until the shape of p is certain on every piece; taken about once in thousands of sub-steps.
+#[cold]
+#[inline(never)]
+fn subdivide<const N: usize>(
+    c: &[f64; N],
+    lo: f64,
+    hi: f64,
+    depth: u32,
+    iterations: &mut u64,
+) -> Option<f64> {
+    *iterations += 1;
+    let (mid, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+    let local = recentred(c, mid, half);
+    let spread: f64 = local[1..].iter().map(|x| x.abs()).sum();
+    if local[0] + spread < 0.0 {
+        return None;
+    }
+    match shape(&local) {
+        (Shape::Unknown, _) if depth < MAX_DEPTH => subdivide(c, lo, mid, depth + 1, iterations)
+            .or_else(|| subdivide(c, mid, hi, depth + 1, iterations)),
+        // Narrower than a double resolves: the sign at the end decides.
+        (Shape::Unknown, _) => (value(&local, 1.0) > 0.0).then_some(lo),
+        known => crossing_of_shape(&local, known, -1.0, 1.0, iterations).map(|v| mid + half * v),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Roots of products are found to the conditioning of a simple root, a few units in the last place.
+    const ROOT: f64 = 1e-14;
+
+    fn product(roots: &[f64], lead: f64) -> [f64; 9] {
+        let mut c = [0.0; 9];
+        c[0] = lead;
+        for (n, root) in roots.iter().enumerate() {
+            for k in (0..=n + 1).rev() {
+                c[k] = if k > 0 { c[k - 1] } else { 0.0 } - root * c[k];
+            }
+        }
+        c
+    }
+
+    #[test]
+    fn closed_form_first_of_several_crossings() {
+        // -(u+1.5)(u+0.5)(u-0.25)(u-0.75): negative between -0.5 and 0.25.
+        let p = product(&[-1.5, -0.5, 0.25, 0.75], -1.0);
+        let mut n = 0;
+        let u = first_crossing(&p, -0.4, 1.0, &mut n).unwrap();
+        assert!((u - 0.25).abs() < ROOT, "{u}");
+        assert_eq!(first_crossing(&p, -0.4, 0.24, &mut n), None);
+    }
+
+    #[test]
+    fn closed_form_grazing_is_found_only_when_it_crosses() {
+        // A hump of height ±h at 0.3 on a cubic background.
+        for exponent in 1..=14 {
+            let h = 10f64.powi(-exponent);
+            for (height, expected) in [(h, true), (-h, false)] {
+                // height - (u - 0.3)^2 (1 + 0.2 u)
+                let mut p = product(&[0.3, 0.3], -1.0);
+                let q = p;
+                for k in 1..9 {
+                    p[k] += 0.2 * q[k - 1];
+                }
+                p[0] += height;
+                let mut n = 0;
+                let found = first_crossing(&p, -1.0, 1.0, &mut n);
+                assert_eq!(found.is_some(), expected, "height {height}: {found:?}");
+                if let Some(u) = found {
+                    // A root of a hump is as well conditioned as its half width allows.
+                    let exact = 0.3 - (height / (1.0 + 0.2 * u)).sqrt();
+                    assert!((u - exact).abs() < 1e-15 / height.sqrt() + ROOT, "{u} {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn closed_form_triple_root_without_certain_shape() {
+        let p = product(&[0.1, 0.1, 0.1], 1.0);
+        let mut n = 0;
+        let u = first_crossing(&p, -1.0, 1.0, &mut n).unwrap();
+        // The cube of the error is at round-off of the coefficients.
+        assert!((u - 0.1).abs() < 1e-5, "{u}");
+    }
+
+    #[test]
+    fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
+        let mut seed = 1u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+        };
+        let mut found = 0;
+        for _ in 0..20_000 {
+            let mut c = [0.0; 9];
+            for (k, ck) in c.iter_mut().enumerate() {
+                *ck = random() / (1 << k) as f64;
+            }
+            c[0] -= value(&c, -1.0).max(0.0) + 0.01 * random().abs();
+            if value(&c, -1.0) >= 0.0 {
+                continue;
+            }
+            let mut n = 0;
+            let root = first_crossing(&c, -1.0, 1.0, &mut n);
+            const SAMPLES: i32 = 400;
+            let sampled = (0..=SAMPLES).map(|i| -1.0 + 2.0 * f64::from(i) / f64::from(SAMPLES));
+            match (root, sampled.clone().find(|&u| value(&c, u) > 1e-14)) {
+                (Some(u), Some(seen)) => {
+                    found += 1;
+                    assert!(u <= seen && value(&c, u).abs() < 1e-13, "{u} {seen} {c:?}");
+                }
+                (None, Some(seen)) => panic!("missed the passage before {seen}: {c:?}"),
+                (Some(u), None) => assert!(value(&c, u).abs() < 1e-13, "{u} {c:?}"),
+                (None, None) => {}
+            }
+        }
+        assert!(found > 1000);
+    }
+}

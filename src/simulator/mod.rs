@@ -1,0 +1,459 @@
+//! The hybrid loop: exact flow between events, events found with proof, the impact law at each.
+//!
+//! A communication step is a reporting interval, not an integration step: ten steps of h and one of 10 h agree to
+//! round-off. Nothing is allocated while advancing.
+
+mod step;
+mod types;
+
+pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, Work};
+
+use crate::error::{Error, Result};
+use crate::extended::{Extended, Phase};
+use crate::flow::{self, CORE, LOAD, Series, Table};
+use crate::ledger::{self, Gramians, Sums};
+use crate::model::{Augmented, Forces, GAP_RATE, LANES, Mode, Model};
+use crate::parameters::Parameters;
+use serde::{Deserialize, Serialize};
+
+/// A start this close to a stop, in units of the rounding of the displacements, is on the stop.
+const ON_STOP_ULPS: f64 = 4.0;
+/// The gap is the difference of displacements: with these this many times larger than it, fewer than 6 digits are left.
+const MAX_DRIFT: f64 = 1e10;
+
+/// Tables of one mode; the load part is filled when loads first appear.
+#[derive(Clone, Debug)]
+struct ModeTables {
+    core: Table<CORE>,
+    load: Table<LOAD>,
+    energy: Gramians,
+    core_ready: bool,
+    load_ready: bool,
+    energy_ready: bool,
+}
+
+impl ModeTables {
+    fn zero() -> Self {
+        Self {
+            core: Table::zero(),
+            load: Table::zero(),
+            energy: Gramians::zero(),
+            core_ready: false,
+            load_ready: false,
+            energy_ready: false,
+        }
+    }
+}
+
+/// Everything that changes as the simulator advances.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Motion {
+    time: Extended,
+    /// x1, w, x3 and their rates.
+    y: [f64; 6],
+    contact: Contact,
+    /// In flight from a stop: the order of the first derivative of the gap that leads away from it; else 0.
+    departing: u8,
+    phase: Phase,
+    loads: Forces,
+    loads_from: Extended,
+    record: ImpactRecord,
+    sums: Sums,
+}
+
+/// The event-driven simulator of one system.
+#[derive(Clone, Debug)]
+pub struct Simulator {
+    parameters: Parameters,
+    model: Model,
+    substep: f64,
+    flight: Box<ModeTables>,
+    rest: Box<ModeTables>,
+    motion: Motion,
+    work: Work,
+    keeps_ledger: bool,
+}
+
+/// Everything that changes as the simulator advances, with its parameters, as plain data: restore then continue is
+/// bit-identical.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    parameters: Parameters,
+    motion: Motion,
+}
+
+impl Simulator {
+    /// Starts at `time` (s) from `state`, without loads. The drive's phase is `ω1 time + drive.phase`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for parameters, state or time; [`Error::Penetration`] outside the stops;
+    /// [`Error::PrecisionLost`] where double precision cannot carry the motion.
+    pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
+        let model = Model::new(parameters)?;
+        if !time.is_finite() {
+            return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
+        }
+        let y = coordinates(parameters, state)?;
+        let mut simulator = Self {
+            parameters: *parameters,
+            substep: flow::substep(&model),
+            model,
+            flight: Box::new(ModeTables::zero()),
+            rest: Box::new(ModeTables::zero()),
+            motion: Motion {
+                time: Extended::new(time),
+                y,
+                contact: Contact::Flight,
+                departing: 0,
+                phase: Phase::new(parameters.drive_phase),
+                loads: [[0.0; 4]; 3],
+                loads_from: Extended::new(time),
+                record: ImpactRecord::default(),
+                sums: Sums::default(),
+            },
+            work: Work::default(),
+            keeps_ledger: true,
+        };
+        simulator.renew_tables();
+        simulator.classify();
+        Ok(simulator)
+    }
+
+    /// The same without the accounts of input and damped energy, for sweeps that do not ask for them.
+    #[must_use]
+    pub fn without_ledger(mut self) -> Self {
+        self.keeps_ledger = false;
+        self
+    }
+
+    /// The parameters in force.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Takes effect at once; a change of drive frequency keeps the drive's phase continuous, a change of drive phase
+    /// shifts it. Energy that the change itself adds to springs and masses counts as input.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); nothing has changed then.
+    pub fn set_parameters(&mut self, parameters: &Parameters) -> Result<()> {
+        if *parameters == self.parameters {
+            return Ok(());
+        }
+        let model = Model::new(parameters)?;
+        let gap_changed = parameters.stop_gap != self.parameters.stop_gap;
+        let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.motion.y };
+        let before = ledger::mechanical(&self.parameters, &self.motion.y);
+        let (time, shift) = (self.motion.time, parameters.drive_phase - self.parameters.drive_phase);
+        if parameters.drive_frequency != self.parameters.drive_frequency || shift != 0.0 {
+            self.motion.phase.rebase(self.parameters.drive_frequency, time, shift);
+        }
+        self.motion.y = y;
+        let gained = ledger::mechanical(parameters, &y) - before;
+        self.motion.sums.input = self.motion.sums.input.plus(gained);
+        self.parameters = *parameters;
+        self.substep = flow::substep(&model);
+        self.model = model;
+        self.renew_tables();
+        self.classify();
+        Ok(())
+    }
+
+    /// Loads from now on, as polynomials in the time from now; they hold until set again.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when one is not finite; nothing has changed then.
+    pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
+        const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
+        for (name, derivatives) in NAMES.iter().zip(&loads.derivatives) {
+            if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
+                return Err(Error::OutOfRange { name, value, allowed: "a finite number" });
+            }
+        }
+        let unchanged = self.forces_now() == loads.derivatives;
+        self.motion.loads = loads.derivatives;
+        self.motion.loads_from = self.motion.time;
+        if !unchanged {
+            self.prepare_load_tables();
+            self.classify();
+        }
+        Ok(())
+    }
+
+    /// Present time, s.
+    pub fn time(&self) -> f64 {
+        self.motion.time.value()
+    }
+
+    /// Displacements and velocities of the three bodies.
+    pub fn state(&self) -> State {
+        let y = &self.motion.y;
+        State { x: [y[0], y[0] + y[1], y[2]], v: [y[3], y[3] + y[4], y[5]] }
+    }
+
+    /// The smooth mode.
+    pub fn contact(&self) -> Contact {
+        self.motion.contact
+    }
+
+    /// Accelerations of the three bodies (resting contact included), m/s².
+    pub fn acceleration(&self) -> [f64; 3] {
+        let (a, _) = self.accelerations();
+        [a[0], a[0] + a[1], a[2]]
+    }
+
+    /// Time derivatives of the three displacements, `[body][order]` for orders 0…5, m/s^order.
+    pub fn derivatives(&self) -> [[f64; 6]; 3] {
+        let forces = self.forces_now();
+        let radius = 1.0 / self.model.rate;
+        let series = Series::<6>::expand(&self.model, self.mode(), &self.augmented(), Some(&forces), radius);
+        let mut d = [[0.0; 6]; 3];
+        let mut scale = 1.0; // k!/r^k
+        for (k, lane) in series.lanes.iter().enumerate() {
+            if k > 0 {
+                scale *= k as f64 * self.model.rate;
+            }
+            for (body, value) in [lane[0], lane[0] + lane[1], lane[2]].into_iter().enumerate() {
+                d[body][k] = value * scale;
+            }
+        }
+        d
+    }
+
+    /// Relative displacement w = x2 - x1 (m) and its rate (m/s): exactly ±L and 0 in rest.
+    pub fn gap(&self) -> (f64, f64) {
+        (self.motion.y[1], self.motion.y[4])
+    }
+
+    /// Contact force λ ≥ 0 in resting contact, 0 in flight, N.
+    pub fn contact_force(&self) -> f64 {
+        match self.motion.contact {
+            Contact::Flight => 0.0,
+            contact => (self.model.reduced_mass * contact.side() * self.accelerations().1).max(0.0),
+        }
+    }
+
+    /// Drive phase θ in [-π, π], rad; the drive's force is F10 sin θ.
+    pub fn drive_phase(&self) -> f64 {
+        self.motion.phase.angle(self.model.omega, self.motion.time)
+    }
+
+    /// Loads at present, with their derivatives.
+    pub fn loads(&self) -> Loads {
+        Loads { derivatives: self.forces_now() }
+    }
+
+    /// Energy accounts (zero for input and damped [`without_ledger`](Self::without_ledger)).
+    pub fn ledger(&self) -> Ledger {
+        let Sums { input, damped, impact } = self.motion.sums;
+        Ledger {
+            mechanical: ledger::mechanical(&self.parameters, &self.motion.y),
+            input: input.value(),
+            damped: damped.value(),
+            impact: impact.value(),
+        }
+    }
+
+    /// Impacts so far.
+    pub fn impacts(&self) -> &ImpactRecord {
+        &self.motion.record
+    }
+
+    /// Work done so far by this simulator; not part of a snapshot.
+    pub fn work(&self) -> &Work {
+        &self.work
+    }
+
+    /// Advances to exactly `end` (s).
+    ///
+    /// # Errors
+    /// [`Error::Step`] for an end before the present or not finite; [`Error::ImpactRate`], after which the state stands at
+    /// the time named.
+    pub fn advance_to(&mut self, end: f64) -> Result<()> {
+        self.advance(end, 0.0, false, &mut |_| {}).map(|_| ())
+    }
+
+    /// Advances to `begin + step` in extended precision (s), reporting each event; optionally stops just after the first
+    /// impact. `begin` may differ from the present time: the end is what counts.
+    ///
+    /// # Errors
+    /// As [`advance_to`](Self::advance_to).
+    pub fn advance(
+        &mut self,
+        begin: f64,
+        step: f64,
+        stop_at_impact: bool,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> Result<StopReason> {
+        let end = Extended::sum(begin, step);
+        let span = end.minus(self.motion.time).value();
+        if !(end.value().is_finite() && span >= 0.0) {
+            return Err(Error::Step { time: self.time(), end: end.value() });
+        }
+        self.run(end, stop_at_impact, on_event)
+    }
+
+    /// All that is needed to come back to this point.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot { parameters: self.parameters, motion: self.motion }
+    }
+
+    /// Puts back a snapshot, its parameters included; continuing gives the same bits as not having left.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new) when the snapshot's parameters or state are no valid ones (a foreign or damaged snapshot).
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let motion = snapshot.motion;
+        let finite = |e: &Extended| e.hi.is_finite() && e.lo.is_finite();
+        let plain = motion.y.iter().chain(motion.loads.iter().flatten()).all(|x| x.is_finite());
+        if !(plain && finite(&motion.time) && finite(&motion.loads_from) && motion.phase.is_finite()) {
+            return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
+        }
+        let gap = snapshot.parameters.stop_gap;
+        if motion.y[1].abs() > gap {
+            return Err(Error::Penetration { value: motion.y[1], gap });
+        }
+        if snapshot.parameters != self.parameters {
+            let model = Model::new(&snapshot.parameters)?;
+            self.substep = flow::substep(&model);
+            self.model = model;
+            self.parameters = snapshot.parameters;
+            self.motion = motion;
+            self.renew_tables();
+        } else {
+            self.motion = motion;
+            self.prepare_load_tables();
+        }
+        Ok(())
+    }
+
+    fn mode(&self) -> Mode {
+        match self.motion.contact {
+            Contact::Flight => Mode::Flight,
+            _ => Mode::Rest,
+        }
+    }
+
+    fn augmented(&self) -> Augmented {
+        let mut z = [0.0; LANES];
+        z[..6].copy_from_slice(&self.motion.y);
+        let angle = self.drive_phase();
+        (z[7], z[6]) = angle.sin_cos();
+        z
+    }
+
+    fn forces_now(&self) -> Forces {
+        flow::shifted(&self.motion.loads, self.motion.time.minus(self.motion.loads_from).value())
+    }
+
+    fn accelerations(&self) -> ([f64; 3], f64) {
+        let f = self.forces_now();
+        self.model.acceleration(self.mode(), &self.augmented(), Some(f.map(|d| d[0])))
+    }
+
+    fn loaded(&self) -> bool {
+        self.motion.loads != [[0.0; 4]; 3]
+    }
+
+    /// Marks all tables stale and fills those that flight needs at once.
+    fn renew_tables(&mut self) {
+        for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+            tables.energy.set_powers(&self.parameters);
+            tables.load_ready = false;
+            tables.energy_ready = false;
+            tables.core_ready = mode == Mode::Flight;
+            if tables.core_ready {
+                tables.core.fill(&self.model, mode, self.substep);
+            }
+        }
+        self.prepare_load_tables();
+    }
+
+    /// Fills the load tables when loads act and they are stale.
+    fn prepare_load_tables(&mut self) {
+        if self.loaded() {
+            for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+                if !tables.core_ready {
+                    tables.core.fill(&self.model, mode, self.substep);
+                    tables.core_ready = true;
+                }
+                if !tables.load_ready {
+                    tables.load.fill(&tables.core, &self.model, mode, self.substep);
+                    tables.load_ready = true;
+                }
+            }
+        }
+    }
+
+    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap
+    /// that is not zero; called whenever state, parameters or loads are set from outside.
+    fn classify(&mut self) {
+        let (gap, y) = (self.model.gap, &mut self.motion.y);
+        self.motion.departing = 0;
+        self.motion.contact = Contact::Flight;
+        if y[1].abs() < gap {
+            return;
+        }
+        let side = y[1].signum();
+        if side * y[GAP_RATE] > 0.0 {
+            return; // an impact is due at once
+        }
+        if y[GAP_RATE] != 0.0 {
+            self.motion.departing = 1;
+            return;
+        }
+        let z = self.augmented();
+        self.settle(&z, side);
+    }
+
+    /// Rest or departure at stop `side` with w' = 0.
+    fn settle(&mut self, z: &Augmented, side: f64) {
+        let forces = self.forces_now();
+        let radius = 1.0 / self.model.rate;
+        let series = Series::<9>::expand(&self.model, Mode::Flight, z, Some(&forces), radius);
+        let gap = series.gap_polynomial(side, self.model.gap);
+        let first = (2..9).find(|&k| gap[k] != 0.0);
+        match first {
+            Some(order) if gap[order] < 0.0 => {
+                self.motion.contact = Contact::Flight;
+                self.motion.departing = order as u8;
+            }
+            // Pressed, or at rest relative to the box with nothing that moves it.
+            _ => {
+                self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+                self.motion.departing = 0;
+            }
+        }
+    }
+}
+
+/// x1, w, x3 and rates of a state, checked against the stops.
+fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64; 6]> {
+    const NAMES: [[&str; 3]; 2] = [["box.s", "block.s", "secondary.s"], ["box.v", "block.v", "secondary.v"]];
+    for (names, values) in NAMES.iter().zip([&state.x, &state.v]) {
+        for (name, &value) in names.iter().zip(values) {
+            // The square must not overflow: energies are kept.
+            if value.is_nan() || value.abs() > 1e100 {
+                return Err(Error::OutOfRange { name, value, allowed: "a finite number up to 1e100" });
+            }
+        }
+    }
+    let (x, v, gap) = (&state.x, &state.v, parameters.stop_gap);
+    let largest = x[0].abs().max(x[1].abs());
+    if largest > MAX_DRIFT * gap {
+        return Err(Error::PrecisionLost {
+            what: "start displacement of box or block over stop.gap",
+            value: largest / gap,
+            limit: MAX_DRIFT,
+        });
+    }
+    let mut w = x[1] - x[0];
+    let rounding = ON_STOP_ULPS * f64::EPSILON * (largest + gap);
+    if (w.abs() - gap).abs() <= rounding {
+        w = gap.copysign(w);
+    }
+    if w.abs() > gap {
+        return Err(Error::Penetration { value: w, gap });
+    }
+    Ok([x[0], w, x[2], v[0], v[1] - v[0], v[2]])
+}

@@ -1,0 +1,529 @@
+//! One sub-step: prove that no event falls in it and pass over it, or go to the first event and apply its law.
+
+use super::{Contact, Event, ModeTables, Simulator, StopReason};
+use crate::error::{Error, Result};
+use crate::events::first_crossing;
+use crate::extended::Extended;
+use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
+use crate::model::{Augmented, Forces, GAP, GAP_RATE, Mode};
+
+/// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about three drive periods); the
+/// rotations in between add a few units in the last place.
+const RENEW: u32 = 16;
+/// More events than this within one sub-step's time are reported instead of followed.
+const MAX_BURST: u32 = 1_000_000;
+/// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
+/// steps are shortened so that the root's resolution keeps to the gap.
+const MAX_REACH: f64 = 4.0;
+/// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
+const CHATTER: f64 = 0.5 * f64::EPSILON;
+/// For κ nearer to 1 than this the run is closed by the height of its bounces (then under 1e-3 of the same bound).
+const LEAST_LOSS: f64 = 1e-3;
+/// A run is closed only while the free acceleration changes by less than this part of itself until its end.
+const STEADY: f64 = 0.25;
+
+/// A point on a series at which an event or the step's end lies.
+struct Arrival<'a, const N: usize> {
+    series: &'a Series<N>,
+    /// Time from the sub-step's start to the series' centre, s.
+    base: f64,
+    radius: f64,
+    u: f64,
+    /// The interval the series is centred on, or none where it is anchored at the start.
+    interval: Option<usize>,
+}
+
+/// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled without them) and bound.
+struct Start<const LOADS: usize> {
+    z: Augmented,
+    forces: [Forces; LOADS],
+    bound: f64,
+}
+
+impl<const LOADS: usize> Start<LOADS> {
+    #[inline(always)]
+    fn forces(&self) -> Option<&Forces> {
+        self.forces.first()
+    }
+
+    #[inline(always)]
+    fn forces_after(&self, dt: f64) -> Option<Forces> {
+        self.forces.first().map(|f| shifted(f, dt))
+    }
+
+    /// The forces as columns of the load tables.
+    #[inline(always)]
+    fn columns(&self) -> Option<[f64; LOAD]> {
+        self.forces.first().map(|f| std::array::from_fn(|c| f[c / 4][c % 4]))
+    }
+}
+
+impl Simulator {
+    /// Advances to `end`; see [`Simulator::advance`].
+    pub(super) fn run(
+        &mut self,
+        end: Extended,
+        stop_at_impact: bool,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> Result<StopReason> {
+        match (self.loaded(), self.keeps_ledger) {
+            (false, false) => self.run_as::<0, false>(end, stop_at_impact, on_event),
+            (false, true) => self.run_as::<0, true>(end, stop_at_impact, on_event),
+            (true, false) => self.run_as::<1, false>(end, stop_at_impact, on_event),
+            (true, true) => self.run_as::<1, true>(end, stop_at_impact, on_event),
+        }
+    }
+
+    fn run_as<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        end: Extended,
+        stop_at_impact: bool,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> Result<StopReason> {
+        let mut z = self.augmented();
+        let (mut since_renewal, mut burst, mut burst_from) = (0, 0, self.motion.time);
+        loop {
+            let remaining = end.minus(self.motion.time).value();
+            if remaining <= 0.0 {
+                break;
+            }
+            if since_renewal == RENEW {
+                (z[7], z[6]) = self.drive_phase().sin_cos();
+                since_renewal = 0;
+            }
+            since_renewal += 1;
+            let passage = self.substep::<LOADS, LEDGER>(&mut z, remaining, end);
+            let Some(side) = passage else { continue };
+            self.work.events += 1;
+            burst += 1;
+            if self.motion.time.minus(burst_from).value() > self.substep {
+                (burst, burst_from) = (0, self.motion.time);
+            } else if burst > MAX_BURST {
+                self.motion.y.copy_from_slice(&z[..6]);
+                return Err(Error::ImpactRate {
+                    time: self.time(),
+                    limit: MAX_BURST,
+                    span: self.substep,
+                    restitution: self.model.restitution,
+                });
+            }
+            let impact = self.handle::<LOADS>(&mut z, side, on_event);
+            if impact && stop_at_impact {
+                self.motion.y.copy_from_slice(&z[..6]);
+                return Ok(StopReason::Impact);
+            }
+        }
+        self.motion.y.copy_from_slice(&z[..6]);
+        self.motion.time = end;
+        Ok(StopReason::End)
+    }
+
+    fn tables(&self) -> &ModeTables {
+        match self.motion.contact {
+            Contact::Flight => &self.flight,
+            _ => &self.rest,
+        }
+    }
+
+    /// One sub-step of at most `remaining` s; returns the stop at which an event was reached.
+    #[inline(always)]
+    fn substep<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
+        self.work.substeps += 1;
+        if self.motion.contact != Contact::Flight && !self.rest.core_ready {
+            self.rest.core.fill(&self.model, Mode::Rest, self.substep);
+            self.rest.core_ready = true;
+        }
+        let mut bound = self.tables().core.curvature(z);
+        let forces = [(); LOADS].map(|()| self.forces_now());
+        let mut start = Start { z: *z, forces, bound };
+        if let Some(columns) = start.columns() {
+            bound += self.tables().load.curvature(&columns);
+            start.bound = bound;
+        }
+        let interval = self.substep / INTERVALS as f64;
+        let speed = z[GAP_RATE].abs();
+        let wild = speed * interval + 0.5 * start.bound * interval * interval > MAX_REACH * self.model.gap;
+        if remaining <= interval || (wild && self.motion.contact == Contact::Flight) {
+            self.short::<LOADS, LEDGER>(z, &start, remaining.min(interval), remaining, end)
+        } else {
+            self.long::<LOADS, LEDGER>(z, &start, remaining, end)
+        }
+    }
+
+    /// A step within one interval, on a series anchored at its start.
+    #[inline(always)]
+    fn short<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        mut span: f64,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
+        let (speed, bound, gap) = (z[GAP_RATE].abs(), start.bound, self.model.gap);
+        let mut near = [true; 2];
+        if self.motion.contact == Contact::Flight {
+            // The time in which the block can have moved by MAX_REACH gaps: v r + B r²/2 = MAX_REACH L.
+            let room = MAX_REACH * gap;
+            let reach_time = 2.0 * room / (speed + (speed * speed + 2.0 * bound * room).sqrt());
+            span = span.min(reach_time);
+            let reach = speed * span + 0.5 * bound * span * span;
+            near = [z[GAP] + reach >= gap, reach - z[GAP] >= gap];
+        }
+        self.work.expansions += 1;
+        let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+        let passage = self.anchored_passage(&series, start, near, span);
+        let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
+        let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
+        self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+        if side.is_none() && span >= remaining {
+            self.motion.time = end;
+        }
+        side
+    }
+
+    /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
+    #[inline(always)]
+    fn long<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
+        let interval = self.substep / INTERVALS as f64;
+        let (flight, gap) = (self.motion.contact == Contact::Flight, self.model.gap);
+        let tables = self.tables();
+        let mut g = [0.0; INTERVALS];
+        tables.core.samples(z, &mut g);
+        if let Some(columns) = start.columns() {
+            tables.load.samples(&columns, &mut g);
+        }
+        let margin = start.bound * interval * interval * 0.125;
+        let whole = remaining >= self.substep;
+        // A function that stays `margin` away from its limit at both ends of an interval does not reach it in between.
+        let (first, clear) = if flight {
+            let limit = gap - margin;
+            let most = g.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            let leaves = match self.motion.departing {
+                0 => z[GAP].abs() < limit,
+                1 => z[GAP_RATE].abs() > 0.5 * start.bound * interval,
+                _ => false,
+            };
+            (leaves, leaves && most < limit)
+        } else {
+            let side = self.motion.contact.side();
+            let f = start.forces().map(|f| f.map(|d| d[0]));
+            let now = side * self.model.acceleration(Mode::Rest, z, f).1;
+            let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
+            (now > margin, now > margin && least > margin)
+        };
+        if !clear && let Some(side) = self.scan::<LOADS, LEDGER>(z, start, &g, margin, first, remaining) {
+            return Some(side);
+        }
+        if whole {
+            self.pass::<LOADS, LEDGER>(z, start);
+        } else {
+            let index = ((remaining / interval) as usize).min(INTERVALS - 1);
+            let (series, base) = self.centred(start, index);
+            let u = (remaining - base) / (0.5 * interval);
+            let arrival = Arrival { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
+            self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+            self.motion.time = end;
+        }
+        None
+    }
+
+    /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
+    #[inline(never)]
+    fn scan<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        g: &[f64; INTERVALS],
+        margin: f64,
+        first_clear: bool,
+        remaining: f64,
+    ) -> Option<f64> {
+        let interval = self.substep / INTERVALS as f64;
+        let side = self.motion.contact.side();
+        let limit = self.model.gap - margin;
+        for i in 0..INTERVALS {
+            if i as f64 * interval >= remaining {
+                break;
+            }
+            let near = |x: f64| {
+                if side == 0.0 { [x >= limit, x <= -limit] } else { [side * x <= margin, false] }
+            };
+            let after = near(g[i]);
+            if i == 0 {
+                // Also cleared where the block leaves a stop fast enough and does not come near a stop at the end.
+                if first_clear && !after[0] && !after[1] {
+                    continue;
+                }
+                let span = interval.min(remaining);
+                self.work.expansions += 1;
+                let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+                if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
+                    let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
+                    self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+                    return Some(side);
+                }
+                continue;
+            }
+            let before = near(g[i - 1]);
+            let near = [before[0] || after[0], before[1] || after[1]];
+            if !near[0] && !near[1] {
+                continue;
+            }
+            let (series, base) = self.centred(start, i);
+            let radius = 0.5 * interval;
+            let hi = ((remaining - base) / radius).min(1.0);
+            if let Some((u, side)) = self.passage(&series, -1.0, hi, near) {
+                let arrival = Arrival { series: &series, base, radius, u, interval: Some(i) };
+                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+                return Some(side);
+            }
+        }
+        None
+    }
+
+    /// The series about the centre of an interval and the time to there.
+    #[inline(always)]
+    fn centred<const LOADS: usize>(&mut self, start: &Start<LOADS>, index: usize) -> (Series<CENTRED>, f64) {
+        self.work.expansions += 1;
+        let interval = self.substep / INTERVALS as f64;
+        let base = (index as f64 + 0.5) * interval;
+        let tables = self.tables();
+        let mut z = [0.0; 8];
+        Table::transit(&tables.core.centre[index], &start.z, &mut z);
+        let forces = start.forces_after(base);
+        if let Some(columns) = start.columns() {
+            Table::transit(&tables.load.centre[index], &columns, &mut z);
+        }
+        if self.motion.contact != Contact::Flight {
+            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
+        }
+        (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
+    }
+
+    /// The first event on a series between two points, with its stop.
+    #[inline(always)]
+    fn passage<const N: usize>(
+        &mut self,
+        series: &Series<N>,
+        lo: f64,
+        hi: f64,
+        near: [bool; 2],
+    ) -> Option<(f64, f64)> {
+        let iterations = &mut self.work.iterations;
+        let side = self.motion.contact.side();
+        if side != 0.0 {
+            return first_crossing(&series.release_polynomial(side), lo, hi, iterations).map(|u| (u, side));
+        }
+        let mut found: Option<(f64, f64)> = None;
+        for (side, near) in [(1.0, near[0]), (-1.0, near[1])] {
+            if near {
+                let p = series.gap_polynomial(side, self.model.gap);
+                let hi = found.map_or(hi, |(u, _)| u);
+                if let Some(u) = first_crossing(&p, lo, hi, iterations) {
+                    found = Some((u, side));
+                }
+            }
+        }
+        found
+    }
+
+    /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
+    /// start are divided out, so that a return is found however soon it comes.
+    #[inline(always)]
+    fn anchored_passage<const LOADS: usize>(
+        &mut self,
+        series: &Series<ANCHORED>,
+        start: &Start<LOADS>,
+        near: [bool; 2],
+        span: f64,
+    ) -> Option<(f64, f64)> {
+        let order = usize::from(self.motion.departing);
+        if order == 0 {
+            return self.passage(series, 0.0, 1.0, near);
+        }
+        let side = start.z[GAP].signum();
+        let mut found = None;
+        if order > 1 || start.z[GAP_RATE].abs() <= 0.5 * start.bound * span {
+            let p = series.gap_polynomial(side, self.model.gap);
+            let mut q = [0.0; ANCHORED];
+            q[..ANCHORED - order].copy_from_slice(&p[order..]);
+            q[0] = q[0].min(-f64::MIN_POSITIVE); // it leaves, whatever round-off says
+            found = first_crossing(&q, 0.0, 1.0, &mut self.work.iterations).map(|u| (u, side));
+        }
+        if near[usize::from(side > 0.0)] {
+            let p = series.gap_polynomial(-side, self.model.gap);
+            let hi = found.map_or(1.0, |(u, _)| u);
+            let other = first_crossing(&p, 0.0, hi, &mut self.work.iterations);
+            found = other.map(|u| (u, -side)).or(found);
+        }
+        found
+    }
+
+    /// Moves to a point of a series: state, time and energy accounts.
+    #[inline(always)]
+    fn arrive<const LOADS: usize, const LEDGER: bool, const N: usize>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        to: &Arrival<N>,
+    ) {
+        if LEDGER {
+            self.account(start, to);
+        }
+        *z = to.series.at(to.u);
+        if self.motion.contact != Contact::Flight {
+            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
+        }
+        self.motion.time = self.motion.time.plus(to.base).plus(to.u * to.radius);
+        self.motion.departing = 0;
+    }
+
+    /// Passes over a whole sub-step without event.
+    #[inline(always)]
+    fn pass<const LOADS: usize, const LEDGER: bool>(&mut self, z: &mut Augmented, start: &Start<LOADS>) {
+        if LEDGER {
+            self.account_whole(start);
+        }
+        let tables = self.tables();
+        let mut next = [0.0; 8];
+        Table::transit(&tables.core.full, &start.z, &mut next);
+        if let Some(columns) = start.columns() {
+            Table::transit(&tables.load.full, &columns, &mut next);
+        }
+        if self.motion.contact != Contact::Flight {
+            (next[GAP], next[GAP_RATE]) = (start.z[GAP], 0.0);
+        }
+        *z = next;
+        self.motion.time = self.motion.time.plus(self.substep);
+        self.motion.departing = 0;
+    }
+
+    fn account<const LOADS: usize, const N: usize>(&mut self, start: &Start<LOADS>, to: &Arrival<N>) {
+        let mut total = (0.0, 0.0);
+        let mut from = 0.0;
+        if let Some(index) = to.interval {
+            if LOADS > 0 {
+                total = self.account_loaded(start, index);
+                from = -1.0;
+            } else {
+                self.prepare_gramians();
+                total = self.tables().energy.up_to(index, &start.z);
+            }
+        }
+        let forces = start.forces_after(to.base);
+        let (input, damped) = self.tables().energy.along(to.series, forces.as_ref(), (from, to.u), to.radius);
+        self.motion.sums.input = self.motion.sums.input.plus(total.0 + input);
+        self.motion.sums.damped = self.motion.sums.damped.plus(total.1 + damped);
+    }
+
+    fn account_whole<const LOADS: usize>(&mut self, start: &Start<LOADS>) {
+        let (input, damped) = if LOADS > 0 {
+            self.account_loaded(start, INTERVALS)
+        } else {
+            self.prepare_gramians();
+            self.tables().energy.up_to(INTERVALS, &start.z)
+        };
+        self.motion.sums.input = self.motion.sums.input.plus(input);
+        self.motion.sums.damped = self.motion.sums.damped.plus(damped);
+    }
+
+    /// Under loads the powers are integrated interval by interval, up to the beginning of interval `count`.
+    #[inline(never)]
+    fn account_loaded<const LOADS: usize>(&mut self, start: &Start<LOADS>, count: usize) -> (f64, f64) {
+        let mut total = (0.0, 0.0);
+        for index in 0..count {
+            let (series, base) = self.centred(start, index);
+            let forces = start.forces_after(base);
+            let radius = 0.5 * self.substep / INTERVALS as f64;
+            let (input, damped) = self.tables().energy.along(&series, forces.as_ref(), (-1.0, 1.0), radius);
+            total = (total.0 + input, total.1 + damped);
+        }
+        total
+    }
+
+    #[inline(always)]
+    fn prepare_gramians(&mut self) {
+        let mode = self.mode();
+        let tables = if mode == Mode::Flight { &mut self.flight } else { &mut self.rest };
+        if !tables.energy_ready {
+            tables.energy.fill(&self.model, mode, self.substep);
+            tables.energy_ready = true;
+        }
+    }
+
+    /// Applies the law of the event at stop `side`; true for an impact.
+    fn handle<const LOADS: usize>(
+        &mut self,
+        z: &mut Augmented,
+        side: f64,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> bool {
+        let (time, stop) = (self.time(), side as i8);
+        z[GAP] = side * self.model.gap;
+        if self.motion.contact != Contact::Flight {
+            z[GAP_RATE] = 0.0;
+            self.motion.contact = Contact::Flight;
+            self.motion.departing = 3; // w' and w'' are zero, the jerk leads away
+            on_event(&Event::Release { time, side: stop });
+            return false;
+        }
+        // A root whose speed round-off has turned negative is a touch.
+        z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
+        let (speed, impulse, lost) = self.model.impact(z, side);
+        self.motion.sums.impact = self.motion.sums.impact.plus(lost);
+        let record = &mut self.motion.record;
+        if side > 0.0 {
+            record.upper += 1;
+        } else {
+            record.lower += 1;
+        }
+        (record.last_time, record.last_speed, record.last_impulse) = (time, speed, impulse);
+        record.total_impulse += impulse;
+        on_event(&Event::Impact { time, side: stop, speed, impulse });
+        self.motion.departing = 1;
+        let rebound = z[GAP_RATE].abs();
+        if rebound == 0.0 {
+            self.settle(z, side);
+            if self.motion.contact != Contact::Flight {
+                on_event(&Event::Rest { time, side: stop });
+            }
+        } else if let Some(left) = self.closes::<LOADS>(z, side, rebound) {
+            let lost = self.model.merge(z);
+            self.motion.sums.impact = self.motion.sums.impact.plus(lost);
+            self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+            self.motion.departing = 0;
+            on_event(&Event::Rest { time: time + left, side: stop });
+        }
+        true
+    }
+
+    /// Whether the chatter run that starts with rebound speed `u` is under round-off: it lasts 2u/(a(1-κ)) and moves the
+    /// block relative to the box, and box and block against the merged motion, by no more than u times that. Returns the
+    /// time that is left of it, s.
+    fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
+        let forces = [(); LOADS].map(|()| self.forces_now());
+        let now = forces.first().map(|f| f.map(|d| d[0]));
+        let a = side * self.model.acceleration(Mode::Flight, z, now).1;
+        let loss = (1.0 - self.model.restitution).max(LEAST_LOSS);
+        let left = 2.0 * u / (a * loss);
+        if a <= 0.0 || u * left > CHATTER * self.model.gap {
+            return None;
+        }
+        let rate = self.model.rate;
+        let series = Series::<2>::expand(&self.model, Mode::Flight, z, forces.first(), 1.0 / rate);
+        let under = (series.free[1] * rate * left).abs() <= STEADY * a;
+        under.then_some(if self.model.restitution < 1.0 { left } else { 0.0 })
+    }
+}
