@@ -116,7 +116,7 @@ pub fn default_experiment() -> Experiment {
 /// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0, 2.2.1).
 /// Computed anew on each call, so that the library keeps nothing between loads.
 pub fn guid() -> String {
-    let hash = fnv1a(fingerprint().as_bytes());
+    let hash = fingerprint_hash();
     format!(
         "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
         (hash >> 96) as u32,
@@ -125,6 +125,11 @@ pub fn guid() -> String {
         (hash >> 48) as u16,
         hash & 0xffff_ffff_ffff
     )
+}
+
+/// The number behind [`guid`].
+pub fn fingerprint_hash() -> u128 {
+    fnv1a(fingerprint().as_bytes())
 }
 
 /// The table as text, without its function pointers.

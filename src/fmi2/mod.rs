@@ -13,8 +13,14 @@
 //!
 //! Clauses are those of *Functional Mock-up Interface for Model Exchange and Co-Simulation*, version 2.0.x.
 
+pub mod abi;
+mod bytes;
 pub mod description;
+pub mod instance;
+pub mod logging;
+pub mod problem;
 pub mod settings;
+pub mod states;
 pub mod structure;
 pub mod units;
 pub mod variables;

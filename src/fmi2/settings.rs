@@ -1,10 +1,11 @@
 //! What a host can set, and what it can read: the plain data the variable table's accessors work on.
 
 use crate::parameters::{Groups, Parameters};
-use crate::simulator::{Contact, ImpactRecord, Ledger, Loads, State};
+use crate::simulator::{Contact, ImpactRecord, Ledger, Loads, Simulator, State};
+use serde::{Deserialize, Serialize};
 
 /// How the motion is obtained; the numbers are those of the enumeration `Mode`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
     /// Event-driven simulation.
     #[default]
@@ -32,7 +33,7 @@ impl Mode {
 }
 
 /// Everything a host can set. `Default` holds the start values of the model description.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Physical parameters.
     pub parameters: Parameters,
@@ -69,6 +70,24 @@ pub struct Motion {
     pub impacts: ImpactRecord,
     /// Energy accounts.
     pub ledger: Ledger,
+}
+
+impl Motion {
+    /// What a simulator stands at.
+    pub fn of(simulator: &Simulator) -> Self {
+        let state = simulator.state();
+        Self {
+            time: simulator.time(),
+            state,
+            acceleration: simulator.acceleration(),
+            gap: simulator.gap(),
+            contact_force: simulator.contact_force(),
+            contact: simulator.contact(),
+            coupling_force: simulator.parameters().coupling_stiffness * (state.x[1] - state.x[2]),
+            impacts: *simulator.impacts(),
+            ledger: simulator.ledger(),
+        }
+    }
 }
 
 /// What follows from the parameters alone.
