@@ -62,10 +62,14 @@ class Instance:
     def _logged(self, environment, name, status, category, message):
         self.log.append((status, category.decode(), message.decode()))
 
-    def initialize(self, start=0.0):
-        self.slave.setupExperiment(startTime=start)
+    def enter(self):
+        """Into initialization mode, where start values can be set and read."""
+        self.slave.setupExperiment(startTime=0.0)
         self.slave.enterInitializationMode()
-        self.slave.exitInitializationMode()
+        return self
+
+    def initialize(self):
+        self.enter().slave.exitInitializationMode()
         return self
 
     def get(self, *names):
