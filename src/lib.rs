@@ -13,6 +13,7 @@ pub mod flow;
 pub mod model;
 pub mod parameters;
 pub mod simulator;
+pub mod steady;
 
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};
