@@ -25,6 +25,9 @@ use std::f64::consts::PI;
 /// 8/π²: the first Fourier coefficient of the sawtooth.
 const C8: f64 = 8.0 / (PI * PI);
 
+/// A resistance this much smaller than its terms is zero but for rounding.
+const RESONANCE: f64 = 1e-14;
+
 /// The slow flow of one parameter set, with everything that does not depend on the root prepared. The coupling
 /// α̂23 is taken as μ13 β², which equals [`Groups::alpha23`] for the paper's m3 = m2 and stays right for other m3.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +107,8 @@ impl MultipleScales {
         let alpha23 = g.mu13 * g.beta2;
         let detuning = g.sigma30 - 2.0 * g.sigma1 + alpha23;
         let resistance = g.gamma3.hypot(detuning);
-        if resistance == 0.0 && alpha23 > 0.0 {
+        let terms = g.sigma30.abs() + 2.0 * g.sigma1.abs() + alpha23;
+        if alpha23 > 0.0 && resistance <= RESONANCE * terms {
             return Err(Error::Undefined {
                 name: "gamma3",
                 value: g.gamma3,
