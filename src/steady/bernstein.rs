@@ -16,6 +16,12 @@ pub type Polynomial = [f64; DEGREE + 1];
 /// Halvings after which a bound is as narrow as round-off: the gap shrinks by 4 with each.
 const DEPTH: u32 = 30;
 
+/// Subdivisions one proof may use. A tangency needs some 50: two intervals for each of about 25 halvings.
+const SUBDIVISIONS: u32 = 512;
+
+/// A bound above the best value by no more than this is round-off.
+const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Newton steps; each is safeguarded by bisection, which alone would need 52.
 const NEWTON_STEPS: usize = 80;
 
@@ -73,20 +79,22 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
     (left, right)
 }
 
-/// Whether the polynomial stays within [`low`, `high`] on [0, 1]: proved, not sampled.
+/// Whether the polynomial stays within [`low`, `high`] on [0, 1]: proved, not sampled. A polynomial that runs along a
+/// limit to round-off may exhaust the subdivisions and counts as not proved.
 pub fn stays_within(polynomial: &Polynomial, low: f64, high: f64) -> bool {
-    fn proved(b: &Polynomial, low: f64, high: f64, depth: u32) -> bool {
+    fn proved(b: &Polynomial, low: f64, high: f64, budget: &mut u32) -> bool {
         let inside = |x: f64| x >= low && x <= high; // false for NaN
         if b.iter().all(|&x| inside(x)) {
             return true;
         }
-        if depth == 0 || !inside(b[0]) || !inside(b[DEGREE]) {
+        if *budget == 0 || !inside(b[0]) || !inside(b[DEGREE]) {
             return false; // the ends are values of the polynomial
         }
+        *budget -= 1;
         let (left, right) = halves(b);
-        proved(&left, low, high, depth - 1) && proved(&right, low, high, depth - 1)
+        proved(&left, low, high, budget) && proved(&right, low, high, budget)
     }
-    proved(&to_bernstein(polynomial), low, high, DEPTH)
+    proved(&to_bernstein(polynomial), low, high, &mut { SUBDIVISIONS })
 }
 
 /// Raises `best` to the maximum of |polynomial| on [0, 1] where that is larger.
@@ -99,7 +107,7 @@ fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut
     *best = best.max(b[0].abs()).max(b[DEGREE].abs());
     let bound = b.iter().fold(0.0_f64, |bound, x| bound.max(x.abs()));
     // A NaN coefficient would make no comparison true; the flight's coefficients are checked finite.
-    if bound <= *best || depth == 0 {
+    if bound <= *best * (1.0 + BOUND_ROUNDING) || depth == 0 {
         return;
     }
     let turns = (1..=DEGREE).filter(|&i| b[i] != b[i - 1]).map(|i| b[i] > b[i - 1]);
@@ -197,6 +205,20 @@ mod tests {
         assert!(!stays_within(&p, 0.0, 1.0 - 1e-12));
         assert!(!stays_within(&p, 0.99, 2.0)); // end value cos(0.4) = 0.92
         assert!(!stays_within(&[f64::NAN; DEGREE + 1], -1.0, 1.0));
+    }
+
+    #[test]
+    fn running_along_a_limit_ends() {
+        // One and noise: within a few ulps of the limit everywhere.
+        let mut p = [0.0; DEGREE + 1];
+        for (k, c) in p.iter_mut().enumerate() {
+            *c = f64::EPSILON * if k % 2 == 0 { 1.0 } else { -1.0 };
+        }
+        p[0] = 1.0;
+        stays_within(&p, -1.0, 1.0);
+        let mut best = 0.0;
+        raise_to_maximum(&p, &mut best);
+        assert!((best - 1.0).abs() < 20.0 * f64::EPSILON);
     }
 
     #[test]

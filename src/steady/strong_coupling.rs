@@ -139,6 +139,11 @@ impl StrongCoupling {
         self.beta
     }
 
+    /// ν = β̂ cot(β̂π/2): half the jump of Z*' at a kink, negative for 1 < β̂ < 2.
+    pub fn nu(&self) -> f64 {
+        self.nu
+    }
+
     /// ρ* = ν(1-κ)/(1+κ), ν = β̂ cot(β̂π/2).
     pub fn rho(&self) -> f64 {
         self.rho
