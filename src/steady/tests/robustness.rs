@@ -36,7 +36,8 @@ fn exact_orbits_of_random_parameters_hold_or_are_refused() {
         for orbit in roots.lower.into_iter().chain(roots.upper) {
             found += 1;
             let state = orbit.initial_state();
-            let numbers = state.x.iter().chain(&state.v).chain(&[orbit.impulse(), orbit.drive_phase()]);
+            let scalars = [orbit.impulse(), orbit.drive_phase()];
+            let numbers = state.x.iter().chain(&state.v).chain(&scalars);
             assert!(numbers.copied().all(f64::is_finite), "{p:?}");
             assert!(orbit.multipliers().iter().all(|m| m.re.is_finite() && m.im.is_finite()), "{p:?}");
             let amplitudes = orbit.amplitudes();
