@@ -79,7 +79,7 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
     (left, right)
 }
 
-/// Whether the polynomial stays within [`low`, `high`] on [0, 1]: proved, not sampled. A polynomial that runs along a
+/// Whether the polynomial stays within `low`..=`high` on [0, 1]: proved, not sampled. A polynomial that runs along a
 /// limit to round-off may exhaust the subdivisions and counts as not proved.
 pub fn stays_within(polynomial: &Polynomial, low: f64, high: f64) -> bool {
     fn proved(b: &Polynomial, low: f64, high: f64, budget: &mut u32) -> bool {

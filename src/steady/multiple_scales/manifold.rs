@@ -10,7 +10,7 @@ const C_GMAX_BRACKET: f64 = 10.0;
 /// C_Gmax is found to this much; the fixed-point test itself does not use it.
 const C_GMAX_TOLERANCE: f64 = 1e-14;
 
-/// The sawtooth function Z(s) = (2/π) asin(cos s) [15]: 1 at s = 0, falling linearly to -1 at π, of period 2π.
+/// The sawtooth function Z(s) = (2/π) asin(cos s) (15): 1 at s = 0, falling linearly to -1 at π, of period 2π.
 pub fn sawtooth(s: f64) -> f64 {
     let s = s.rem_euclid(TAU);
     if s <= PI { 1.0 - 2.0 * s / PI } else { 2.0 * s / PI - 3.0 }
@@ -21,7 +21,7 @@ pub fn sawtooth_slope(s: f64) -> f64 {
     if s.rem_euclid(TAU) < PI { -2.0 / PI } else { 2.0 / PI }
 }
 
-/// The two branches of the manifold over B, met at C_min [32].
+/// The two branches of the manifold over B, met at C_min (32).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// C < C_min.
@@ -30,7 +30,7 @@ pub enum Branch {
     Right,
 }
 
-/// The slow invariant manifold B² = (C-1)² + ρ² C² [19] of a restitution coefficient κ. All quantities have unit 1
+/// The slow invariant manifold B² = (C-1)² + ρ² C² (19) of a restitution coefficient κ. All quantities have unit 1
 /// (amplitudes in units of L).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
@@ -60,22 +60,22 @@ impl Manifold {
         self.rho
     }
 
-    /// C at the manifold's minimum, 1/(1+ρ²) [21].
+    /// C at the manifold's minimum, 1/(1+ρ²) (21).
     pub fn c_min(&self) -> f64 {
         1.0 / (1.0 + self.rho * self.rho)
     }
 
-    /// The least B, ρ/√(1+ρ²) [21].
+    /// The least B, ρ/√(1+ρ²) (21).
     pub fn b_min(&self) -> f64 {
         self.rho / (1.0 + self.rho * self.rho).sqrt()
     }
 
-    /// B(C) [19].
+    /// B(C) (19).
     pub fn b(&self, c: f64) -> f64 {
         (c - 1.0).hypot(self.rho * c)
     }
 
-    /// C on a branch over B [32]; `None` for B < B_min.
+    /// C on a branch over B (32); `None` for B < B_min.
     pub fn c(&self, branch: Branch, b: f64) -> Option<f64> {
         let square = 1.0 + self.rho * self.rho;
         let root = (square * b * b - self.rho * self.rho).sqrt();
@@ -91,7 +91,7 @@ impl Manifold {
         if c < self.c_min() { Branch::Left } else { Branch::Right }
     }
 
-    /// Phase Φ of the impact after the zero of U: B sin Φ = C - 1, B cos Φ = -ρ C [20]; in (-π, π].
+    /// Phase Φ of the impact after the zero of U: B sin Φ = C - 1, B cos Φ = -ρ C (20); in (-π, π].
     pub fn impact_phase(&self, c: f64) -> f64 {
         (c - 1.0).atan2(-self.rho * c)
     }

@@ -2,7 +2,7 @@
 //!
 //! With η = Ω1 τ - ψ and Z the sawtooth, the steady state is U ≈ B sin η, X2 ≈ (1-ε+ε²) C Z(η-Φ),
 //! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3). Each fixed point of the slow flow is a root of a C² + b C + c = 0
-//! [29]–[31]. The error is O(ε) in every amplitude.
+//! (29)–(31). The error is O(ε) in every amplitude.
 //!
 //! Past the paper: on the manifold the second test has a closed form too. With m = (1+ρ²)C - 1 the block (B, ψ) of
 //! the Jacobian has the trace -γ̂1 - (8/π²) ρ C/m and the determinant (aC + b/2)/(4m), and the block (A3, ψ3) the
@@ -39,7 +39,7 @@ pub struct MultipleScales {
     /// f̂ e^{iδ} = αC + α₀ where δ is the phase of the force at the upper impact.
     alpha: Complex<f64>,
     alpha0: Complex<f64>,
-    /// A3/C [31].
+    /// A3/C (31).
     a3_per_c: f64,
 }
 
@@ -137,7 +137,7 @@ impl MultipleScales {
         &self.groups
     }
 
-    /// Coefficients (a, b, c) of the quadratic a C² + b C + c = 0 [30].
+    /// Coefficients (a, b, c) of the quadratic a C² + b C + c = 0 (30).
     pub fn quadratic(&self) -> (f64, f64, f64) {
         let f = self.groups.f10;
         let cross = (self.alpha * self.alpha0.conj()).re;

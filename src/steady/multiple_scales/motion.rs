@@ -1,4 +1,4 @@
-//! Time histories of a fixed point (paper [13]–[17], [38], figure 8).
+//! Time histories of a fixed point (paper (13)–(17), (38), figure 8).
 
 use super::super::Motion;
 use super::{FixedPoint, sawtooth, sawtooth_slope};

@@ -1,4 +1,4 @@
-//! The slow flow [26], its Jacobian and its eigenvalues.
+//! The slow flow (26), its Jacobian and its eigenvalues.
 
 use super::super::eigenvalue_pair;
 use super::{Branch, C8, MultipleScales};
@@ -41,7 +41,7 @@ impl MultipleScales {
         Ok(Point { c, c_b: state.b / self.manifold.slope(c), chi })
     }
 
-    /// Right-hand side [26]: (B', ψ', A3', ψ3') per unit of τ1, with C on the given branch.
+    /// Right-hand side (26): (B', ψ', A3', ψ3') per unit of τ1, with C on the given branch.
     ///
     /// # Errors
     /// [`Error::Undefined`] below B_min, at B = 0 and at A3 = 0, where amplitude and phase are no coordinates.
