@@ -4,7 +4,7 @@ use super::super::roots::brent;
 use crate::error::{Error, Result};
 use std::f64::consts::{PI, TAU};
 
-/// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.32.
+/// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.235.
 const C_GMAX_BRACKET: f64 = 10.0;
 
 /// C_Gmax is found to this much; the fixed-point test itself does not use it.
@@ -230,6 +230,8 @@ mod tests {
                 assert_eq!(manifold.is_geometric(c), c < limit, "kappa {kappa}, C {c}");
             }
         }
+        // κ = 1 by minimising (1 - cos s)/(1 - 2s/π - cos s) on a grid, which is the same limit.
+        assert!((Manifold::new(1.0).unwrap().c_gmax() - 8.235007738).abs() < 1e-8);
         let plastic = Manifold::new(0.0).unwrap();
         assert_eq!(plastic.c_gmax(), 1.0);
         assert!(plastic.is_geometric(0.9999) && !plastic.is_geometric(1.001));
