@@ -12,6 +12,7 @@ pub mod error;
 pub mod flow;
 pub mod model;
 pub mod parameters;
+pub mod reference;
 pub mod simulator;
 
 pub use error::{Error, Result};

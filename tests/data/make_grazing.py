@@ -152,7 +152,10 @@ def solve(parameters, t0, start, span, side, depth):
     if hit is None or hit[1] != side or hit[0] > top:
         return None
     t_hit = hit[0]
-    after, speed = s.impact(s.flow(FLIGHT, y, t0, t_hit), side)
+    y_hit = s.flow(FLIGHT, y, t0, t_hit)
+    if s.first_contact(y_hit, t_hit, top, side) is not None:
+        return None  # an earlier, deeper crossing, not the touch at the top
+    after, speed = s.impact(y_hit, side)
     if s.kappa == 0 and side * s.relative_acceleration(after, t_hit) >= 0:
         return None
     next_hit = s.first_contact(after, t_hit, t_hit + period / 10, side)
@@ -172,7 +175,7 @@ def main():
         for j, depth in enumerate(DEPTHS):
             for k, kind in enumerate(KINDS):
                 for side in (1, -1) if kind != "long" else ((1, -1)[(j + k) % 2],):
-                    for _ in range(4000):
+                    for _ in range(600):
                         found = candidate(rng, parameters, kind, side, depth)
                         expected = found and solve(parameters, *found, side, depth)
                         if expected:
