@@ -15,6 +15,7 @@ mod flow;
 mod ledger;
 mod model;
 pub mod parameters;
+pub mod reference;
 pub mod simulator;
 pub mod steady;
 
