@@ -16,7 +16,9 @@ pub mod fmi2;
 mod ledger;
 mod model;
 pub mod parameters;
+pub mod reference;
 pub mod simulator;
+pub mod steady;
 
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};

@@ -19,7 +19,8 @@ fn native_trajectory(file: &Path, step: f64) {
     let parameters = Parameters::default();
     let period = parameters.period();
     let (end, step) = (PERIODS * period, step * period);
-    let mut simulator = Simulator::new(&parameters, &State::default(), 0.0).expect("the default set is valid");
+    let mut simulator =
+        Simulator::new(&parameters, &State::default(), 0.0).expect("the default set is valid");
     let mut csv = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v,impacts\n");
     for i in 0.. {
         let time = (f64::from(i) * step).min(end);

@@ -39,8 +39,10 @@ fn every_code_block_works() {
         match language.as_str() {
             "python" => {
                 let mut python = Command::new(common::python());
-                let printed =
-                    common::run("a Python block of README.md", python.args(["-c", &text]).current_dir(&folder));
+                let printed = common::run(
+                    "a Python block of README.md",
+                    python.args(["-c", &text]).current_dir(&folder),
+                );
                 assert!(!printed.trim().is_empty(), "the block prints nothing to look at:\n{text}");
             }
             "sh" => {
@@ -50,7 +52,10 @@ fn every_code_block_works() {
                         list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
                     });
                     let covered = line.is_empty() || COVERED.iter().any(|(command, _)| *command == line);
-                    assert!(covered || installed, "no test runs `{line}` of README.md; add one and name it here");
+                    assert!(
+                        covered || installed,
+                        "no test runs `{line}` of README.md; add one and name it here"
+                    );
                 }
             }
             "text" => {}

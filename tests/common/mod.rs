@@ -76,8 +76,7 @@ fn system_python() -> PathBuf {
 /// Runs a command and returns what it printed; panics with all it said when it fails.
 pub fn run(what: &str, command: &mut Command) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{what}: {error}: {REMEDY}"));
-    let (stdout, stderr) =
-        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(
         output.status.success(),
         "{what} failed ({}). If Python lacks something: {REMEDY}\n{stdout}\n{stderr}",
