@@ -66,6 +66,22 @@ pub enum Error {
         /// What it needs.
         allowed: &'static str,
     },
+    /// An iteration did not end.
+    #[error("{what}: no convergence; the matrix may hold values too large for double precision")]
+    NoConvergence {
+        /// What was sought.
+        what: &'static str,
+    },
+    /// An interval of a parameter is empty, unbounded or not a number.
+    #[error("range of {name} from {from} to {to}: allowed is a finite range with from < to")]
+    Range {
+        /// What ranges.
+        name: &'static str,
+        /// Its lower end.
+        from: f64,
+        /// Its upper end.
+        to: f64,
+    },
 }
 
 /// Result with the crate's error.

@@ -50,14 +50,15 @@ enum Shape {
 /// The shape, and for a rising p a bound on |p''|/(2p'), by which Newton's method squares its error.
 #[inline(always)]
 fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
-    let (mut slope, mut curvature) = (0.0, 0.0);
+    let (mut slopes, mut curvatures) = ([0.0; 2], [0.0; 2]); // two chains each
     for (k, &ck) in c.iter().enumerate().skip(2) {
         let weight = k as f64 * ck.abs();
-        slope += weight;
+        slopes[k % 2] += weight;
         if k > 2 {
-            curvature += (k - 1) as f64 * weight;
+            curvatures[k % 2] += (k - 1) as f64 * weight;
         }
     }
+    let (slope, curvature) = (slopes[0] + slopes[1], curvatures[0] + curvatures[1]);
     if c[1] > slope {
         return (Shape::Rising, 0.5 * (2.0 * c[2].abs() + curvature) / (c[1] - slope));
     }
@@ -164,6 +165,38 @@ fn crossing_of_shape<const N: usize>(
     }
 }
 
+/// The passage of a p that rises and is nearly straight, which is almost every impact: Newton's method from the inverse
+/// series proves its own end, and a root inside is the only one.
+#[inline(always)]
+fn straight<const N: usize>(
+    c: &[f64; N],
+    lo: f64,
+    hi: f64,
+    squares: f64,
+    iterations: &mut u64,
+) -> Option<f64> {
+    let scale = 1.0 / c[1];
+    let linear = -c[0] * scale;
+    let mut u = linear * (1.0 - linear * (c[2] * scale));
+    if u > lo && u < hi {
+        for _ in 0..4 {
+            *iterations += 1;
+            let (p, d) = value_and_slope(c, u);
+            let moved = p / d;
+            u -= moved;
+            let resolution = f64::EPSILON * u.abs();
+            if 4.0 * squares * moved * moved <= resolution || moved.abs() <= 2.0 * resolution {
+                return if u > lo && u < hi {
+                    Some(u)
+                } else {
+                    rising(c, lo, value(c, lo), hi, squares, iterations)
+                };
+            }
+        }
+    }
+    rising(c, lo, value(c, lo), hi, squares, iterations)
+}
+
 /// The passage of a p that rises on [lo, hi].
 #[inline(always)]
 fn rising<const N: usize>(
@@ -181,18 +214,8 @@ fn rising<const N: usize>(
     if low >= 0.0 {
         return Some(lo);
     }
-    // The inverse series to second order where p is nearly straight about 0, else the chord.
-    let linear = -c[0] / c[1];
-    let inverse = linear * (1.0 - linear * (c[2] / c[1]));
     let chord = lo - low * (hi - lo) / (high - low);
-    let inside = |u: f64| u > lo && u < hi;
-    let start = if squares < 0.5 && inside(inverse) {
-        inverse
-    } else if inside(chord) {
-        chord
-    } else {
-        0.5 * (lo + hi)
-    };
+    let start = if chord > lo && chord < hi { chord } else { 0.5 * (lo + hi) };
     Some(refine(c, (lo, hi), start, squares, iterations))
 }
 
@@ -222,6 +245,7 @@ pub(crate) fn first_crossing<const N: usize>(
     iterations: &mut u64,
 ) -> Option<f64> {
     match shape(c) {
+        (Shape::Rising, squares) if squares < 0.5 => straight(c, lo, hi, squares, iterations),
         (Shape::Unknown, _) => subdivide(c, lo, hi, 0, iterations),
         known => crossing_of_shape(c, known, lo, hi, iterations),
     }

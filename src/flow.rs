@@ -87,10 +87,13 @@ impl<const N: usize> Series<N> {
         p
     }
 
-    /// The coefficients of `-side · (x2'' - x1'')_free`, negative while the contact presses.
+    /// The coefficients of the event functional: the gap in flight, the free relative acceleration in rest.
     #[inline(always)]
-    pub(crate) fn release_polynomial(&self, side: f64) -> [f64; N] {
-        self.free.map(|a| -side * a)
+    pub(crate) fn functional(&self, mode: Mode) -> [f64; N] {
+        match mode {
+            Mode::Flight => self.lanes.map(|lane| lane[GAP]),
+            Mode::Rest => self.free,
+        }
     }
 }
 

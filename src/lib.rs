@@ -17,6 +17,7 @@ mod ledger;
 mod model;
 pub mod parameters;
 pub mod simulator;
+pub mod steady;
 
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};

@@ -327,6 +327,7 @@ impl Simulator {
         Ok(())
     }
 
+    #[inline(always)]
     fn mode(&self) -> Mode {
         match self.motion.contact {
             Contact::Flight => Mode::Flight,
@@ -342,6 +343,7 @@ impl Simulator {
         z
     }
 
+    #[inline(always)]
     fn forces_now(&self) -> Forces {
         flow::shifted(&self.motion.loads, self.motion.time.minus(self.motion.loads_from).value())
     }

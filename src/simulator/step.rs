@@ -67,13 +67,29 @@ impl Simulator {
         on_event: &mut dyn FnMut(&Event),
     ) -> Result<StopReason> {
         match (self.loaded(), self.keeps_ledger) {
-            (false, false) => self.run_as::<0, false>(end, stop_at_impact, on_event),
-            (false, true) => self.run_as::<0, true>(end, stop_at_impact, on_event),
-            (true, false) => self.run_as::<1, false>(end, stop_at_impact, on_event),
-            (true, true) => self.run_as::<1, true>(end, stop_at_impact, on_event),
+            (false, false) => self.dispatch::<0, false>(end, stop_at_impact, on_event),
+            (false, true) => self.dispatch::<0, true>(end, stop_at_impact, on_event),
+            (true, false) => self.dispatch::<1, false>(end, stop_at_impact, on_event),
+            (true, true) => self.dispatch::<1, true>(end, stop_at_impact, on_event),
         }
     }
 
+    /// Runs the code compiled for the best instruction set at hand. No operation is fused or reordered, so all give the
+    /// same bits.
+    #[inline(never)]
+    fn dispatch<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        end: Extended,
+        stop_at_impact: bool,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> Result<StopReason> {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.run_as::<LOADS, LEDGER>(end, stop_at_impact, on_event),
+        )
+    }
+
+    #[inline(always)]
     fn run_as<const LOADS: usize, const LEDGER: bool>(
         &mut self,
         end: Extended,
@@ -118,6 +134,7 @@ impl Simulator {
         Ok(StopReason::End)
     }
 
+    #[inline(always)]
     fn tables(&self) -> &ModeTables {
         match self.motion.contact {
             Contact::Flight => &self.flight,
@@ -240,7 +257,7 @@ impl Simulator {
     }
 
     /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
-    #[inline(never)]
+    #[inline(always)]
     fn scan<const LOADS: usize, const LEDGER: bool>(
         &mut self,
         z: &mut Augmented,
@@ -252,43 +269,37 @@ impl Simulator {
     ) -> Option<f64> {
         let interval = self.substep / INTERVALS as f64;
         let side = self.motion.contact.side();
+        // A sample is near where `excess` is not negative: within the margin of a limit or past it.
         let limit = self.model.gap - margin;
-        for i in 0..INTERVALS {
-            if i as f64 * interval >= remaining {
-                break;
+        let excess = |x: f64| if side == 0.0 { x.abs() - limit } else { margin - side * x };
+        if !first_clear || excess(g[0]) >= 0.0 {
+            let span = interval.min(remaining);
+            self.work.expansions += 1;
+            let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+            if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
+                let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
+                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+                return Some(side);
             }
-            let near = |x: f64| {
-                if side == 0.0 { [x >= limit, x <= -limit] } else { [side * x <= margin, false] }
-            };
-            let after = near(g[i]);
-            if i == 0 {
-                // Also cleared where the block leaves a stop fast enough and does not come near a stop at the end.
-                if first_clear && !after[0] && !after[1] {
-                    continue;
-                }
-                let span = interval.min(remaining);
-                self.work.expansions += 1;
-                let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
-                if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
-                    let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-                    self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
-                    return Some(side);
-                }
-                continue;
-            }
-            let before = near(g[i - 1]);
-            let near = [before[0] || after[0], before[1] || after[1]];
-            if !near[0] && !near[1] {
+        }
+        // The intervals that the step reaches into.
+        let count = ((remaining / interval).ceil() as usize).min(INTERVALS);
+        let mut i = 1;
+        while i < count {
+            if excess(g[i]) < 0.0 && excess(g[i - 1]) < 0.0 {
+                i += 1;
                 continue;
             }
             let (series, base) = self.centred(start, i);
             let radius = 0.5 * interval;
             let hi = ((remaining - base) / radius).min(1.0);
-            if let Some((u, side)) = self.passage(&series, -1.0, hi, near) {
+            let near = [g[i - 1].max(g[i]) >= limit, g[i - 1].min(g[i]) <= -limit];
+            if let Some((u, side)) = self.passage(&series.functional(self.mode()), -1.0, hi, near) {
                 let arrival = Arrival { series: &series, base, radius, u, interval: Some(i) };
                 self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
                 return Some(side);
             }
+            i += 1;
         }
         None
     }
@@ -312,11 +323,11 @@ impl Simulator {
         (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
     }
 
-    /// The first event on a series between two points, with its stop.
+    /// The first event between two points, with its stop, from the coefficients of the event functional.
     #[inline(always)]
     fn passage<const N: usize>(
         &mut self,
-        series: &Series<N>,
+        functional: &[f64; N],
         lo: f64,
         hi: f64,
         near: [bool; 2],
@@ -324,12 +335,14 @@ impl Simulator {
         let iterations = &mut self.work.iterations;
         let side = self.motion.contact.side();
         if side != 0.0 {
-            return first_crossing(&series.release_polynomial(side), lo, hi, iterations).map(|u| (u, side));
+            let p = functional.map(|a| -side * a);
+            return first_crossing(&p, lo, hi, iterations).map(|u| (u, side));
         }
         let mut found: Option<(f64, f64)> = None;
         for (side, near) in [(1.0, near[0]), (-1.0, near[1])] {
             if near {
-                let p = series.gap_polynomial(side, self.model.gap);
+                let mut p = functional.map(|w| side * w);
+                p[0] -= self.model.gap;
                 let hi = found.map_or(hi, |(u, _)| u);
                 if let Some(u) = first_crossing(&p, lo, hi, iterations) {
                     found = Some((u, side));
@@ -351,7 +364,8 @@ impl Simulator {
     ) -> Option<(f64, f64)> {
         let order = usize::from(self.motion.departing);
         if order == 0 {
-            return self.passage(series, 0.0, 1.0, near);
+            let functional = series.functional(self.mode());
+            return self.passage(&functional, 0.0, 1.0, near);
         }
         let side = start.z[GAP].signum();
         let mut found = None;
@@ -410,6 +424,7 @@ impl Simulator {
         self.motion.departing = 0;
     }
 
+    #[inline(always)]
     fn account<const LOADS: usize, const N: usize>(&mut self, start: &Start<LOADS>, to: &Arrival<N>) {
         let mut total = (0.0, 0.0);
         let mut from = 0.0;
@@ -428,6 +443,7 @@ impl Simulator {
         self.motion.sums.damped = self.motion.sums.damped.plus(total.1 + damped);
     }
 
+    #[inline(always)]
     fn account_whole<const LOADS: usize>(&mut self, start: &Start<LOADS>) {
         let (input, damped) = if LOADS > 0 {
             self.account_loaded(start, INTERVALS)
@@ -440,7 +456,7 @@ impl Simulator {
     }
 
     /// Under loads the powers are integrated interval by interval, up to the beginning of interval `count`.
-    #[inline(never)]
+    #[inline(always)]
     fn account_loaded<const LOADS: usize>(&mut self, start: &Start<LOADS>, count: usize) -> (f64, f64) {
         let mut total = (0.0, 0.0);
         for index in 0..count {
@@ -464,6 +480,7 @@ impl Simulator {
     }
 
     /// Applies the law of the event at stop `side`; true for an impact.
+    #[inline(always)]
     fn handle<const LOADS: usize>(
         &mut self,
         z: &mut Augmented,
@@ -512,6 +529,7 @@ impl Simulator {
     /// Whether the chatter run that starts with rebound speed `u` is under round-off: it lasts 2u/(a(1-κ)) and moves the
     /// block relative to the box, and box and block against the merged motion, by no more than u times that. Returns the
     /// time that is left of it, s.
+    #[inline(always)]
     fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
         let now = forces.first().map(|f| f.map(|d| d[0]));

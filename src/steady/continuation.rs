@@ -1,0 +1,195 @@
+//! Branches of steady states in one parameter, with their special points.
+//!
+//! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no predictor: it is two sheets
+//! over the parameter, joined where the discriminant is zero. Each interval of solutions is sampled with the
+//! spacing of a cosine, in which both sheets pass smoothly through their folds; between neighbours every change of a
+//! test function's sign is then located to [`LOCATION`]. A pair of changes that both fall between two neighbours is
+//! seen in the discriminant, not in the other tests; more nodes resolve them.
+//!
+//! ```
+//! use vibro_impact::steady::{Bifurcation, continuation::{self, Special}};
+//! use vibro_impact::{Groups, Scales};
+//!
+//! // The force-response curve of the exact orbit.
+//! let path = |f10| Groups { f10, ..Groups::basic() }.to_parameters(Scales::default());
+//! let branch = continuation::exact_orbit(path, (0.5, 3.0), 200)?;
+//! let breaking = branch.specials().find(|p| p.special == Some(Special::Bifurcation(Bifurcation::SymmetryBreaking)));
+//! assert!((breaking.expect("one").value - 2.04).abs() < 0.01);
+//! # Ok::<(), vibro_impact::Error>(())
+//! ```
+
+mod families;
+mod scan;
+
+use super::{Bifurcation, Sheet};
+use crate::error::{Error, Result};
+use crate::parameters::{Field, Groups, Parameters};
+use scan::Scan;
+
+/// Special points are located to this much in the parameter, absolutely below 1 and relatively above.
+pub const LOCATION: f64 = 1e-11;
+
+/// Fewest nodes of a scan.
+const FEWEST_NODES: usize = 3;
+
+/// A point that ends, joins or divides a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Special {
+    /// The discriminant is zero: the two sheets join (a saddle-node of orbits).
+    Fold,
+    /// A multiplier or an eigenvalue pair crosses: see [`Bifurcation`]. A pair of the slow flow that crosses the
+    /// imaginary axis counts as [`Bifurcation::NeimarkSacker`], which it is for the motion.
+    Bifurcation(Bifurcation),
+    /// The block touches a stop between its impacts: beyond, the motion is not of this kind.
+    Grazing,
+    /// The impact vanishes: p = 0 (or C = 0). The branch ends.
+    Vanishing,
+    /// The end of the parameter's range.
+    RangeEnd,
+}
+
+/// One point of a branch.
+#[derive(Clone, Copy, Debug)]
+pub struct BranchPoint<P> {
+    /// The parameter.
+    pub value: f64,
+    /// Which root of the quadratic.
+    pub sheet: Sheet,
+    /// The steady state.
+    pub state: P,
+    /// Whether the piece of branch from here to the next point is stable and admissible; at a curve's last point, the
+    /// piece before.
+    pub stable: bool,
+    /// What is special here.
+    pub special: Option<Special>,
+}
+
+/// One connected curve, its points in order along it. A curve that turns round at folds runs over both sheets.
+#[derive(Clone, Debug)]
+pub struct Curve<P> {
+    /// The points.
+    pub points: Vec<BranchPoint<P>>,
+    /// Whether the last point joins the first: an isola.
+    pub closed: bool,
+}
+
+/// Everything found in the range of the parameter.
+#[derive(Clone, Debug)]
+pub struct Branch<P> {
+    /// The curves, by increasing parameter of their intervals.
+    pub curves: Vec<Curve<P>>,
+}
+
+impl<P> Branch<P> {
+    /// All special points but ends of the range.
+    pub fn specials(&self) -> impl Iterator<Item = &BranchPoint<P>> {
+        let special = |p: &&BranchPoint<P>| p.special.is_some_and(|s| s != Special::RangeEnd);
+        self.curves.iter().flat_map(|c| &c.points).filter(special)
+    }
+}
+
+/// What a quadratic must tell to be continued: one value of the parameter, both sheets.
+pub trait Family: Sized {
+    /// A steady state.
+    type State: Copy;
+
+    /// Negative without solutions, zero at a fold.
+    fn discriminant(&self) -> f64;
+
+    /// The root, signed so that a steady state exists where it is positive. `None` without a real root.
+    fn root(&self, sheet: Sheet) -> Option<f64>;
+
+    /// The steady state of a sheet with a positive root.
+    ///
+    /// # Errors
+    /// When it cannot be computed.
+    fn state(&self, sheet: Sheet) -> Result<Option<Self::State>>;
+
+    /// Whether it is stable and admissible.
+    fn is_stable(state: &Self::State) -> bool;
+
+    /// Whether the block keeps clear of the stops between its impacts.
+    fn is_clear(state: &Self::State) -> bool;
+
+    /// Functions that are zero at bifurcations, smooth along a sheet.
+    fn tests(state: &Self::State) -> [f64; 3];
+
+    /// Names the bifurcation at a zero of test `index`; `None` when it is no bifurcation (a pole, or a pair of real
+    /// multipliers with product 1).
+    fn confirm(state: &Self::State, index: usize) -> Option<Bifurcation>;
+}
+
+/// A path that varies one physical parameter.
+pub fn along_field(base: Parameters, field: &'static Field) -> impl Fn(f64) -> Result<Parameters> {
+    move |value| {
+        let mut parameters = base;
+        field.check(value)?;
+        (field.set)(&mut parameters, value);
+        Ok(parameters)
+    }
+}
+
+/// The branch of exact orbits along a path of parameters, e.g. [`along_field`], over `range` with `nodes` per sheet
+/// and interval (200 show a curve).
+///
+/// # Errors
+/// [`Error::Range`] for an empty or unbounded range; whatever the path or
+/// [`OrbitFamily::new`](super::exact_orbit::OrbitFamily::new) refuses.
+pub fn exact_orbit(
+    path: impl Fn(f64) -> Result<Parameters>,
+    range: (f64, f64),
+    nodes: usize,
+) -> Result<Branch<super::exact_orbit::ExactOrbit>> {
+    branch(|value| super::exact_orbit::OrbitFamily::new(&path(value)?), range, nodes)
+}
+
+/// The branch of multiple-scales fixed points (C > 0) along a path of groups; see [`exact_orbit`].
+///
+/// # Errors
+/// As [`exact_orbit`], with [`MultipleScales::new`](super::multiple_scales::MultipleScales::new).
+pub fn multiple_scales(
+    path: impl Fn(f64) -> Result<Groups>,
+    range: (f64, f64),
+    nodes: usize,
+) -> Result<Branch<super::multiple_scales::FixedPoint>> {
+    branch(|value| super::multiple_scales::MultipleScales::new(&path(value)?), range, nodes)
+}
+
+/// The branch of strongly coupled steady states (νC > 0) along a path of groups; see [`exact_orbit`].
+///
+/// # Errors
+/// As [`exact_orbit`], with [`StrongCoupling::new`](super::strong_coupling::StrongCoupling::new).
+pub fn strong_coupling(
+    path: impl Fn(f64) -> Result<Groups>,
+    range: (f64, f64),
+    nodes: usize,
+) -> Result<Branch<super::strong_coupling::StrongPoint>> {
+    branch(|value| super::strong_coupling::StrongCoupling::new(&path(value)?), range, nodes)
+}
+
+/// The branch of any family over a range of its parameter.
+///
+/// # Errors
+/// [`Error::Range`] for an empty or unbounded range; whatever `family` refuses.
+pub fn branch<F: Family>(
+    family: impl Fn(f64) -> Result<F>,
+    range: (f64, f64),
+    nodes: usize,
+) -> Result<Branch<F::State>> {
+    let (from, to) = range;
+    if !(from.is_finite() && to.is_finite() && from < to) {
+        return Err(Error::Range { name: "continuation parameter", from, to });
+    }
+    let scan = Scan::new(family, nodes.max(FEWEST_NODES));
+    let mut curves = Vec::new();
+    for interval in scan.intervals(from, to)? {
+        let mut runs = scan.sheet(&interval, Sheet::Upper)?;
+        for mut run in scan.sheet(&interval, Sheet::Lower)?.into_iter().rev() {
+            run.reverse();
+            runs.push(run);
+        }
+        curves.extend(scan.join(runs)?);
+    }
+    Ok(Branch { curves })
+}

@@ -1,0 +1,266 @@
+//! The scan along the parameter: intervals of solutions, nodes, special points, and the joining of sheets.
+
+use super::super::Sheet;
+use super::super::roots::brent;
+use super::{BranchPoint, Curve, Family, LOCATION, Special};
+use crate::error::Result;
+use std::cell::Cell;
+
+/// Golden-section steps that find a hidden extremum of the discriminant between three nodes.
+const GOLDEN_STEPS: usize = 40;
+
+/// An interval of the parameter with real roots; an end is a fold or the range's end.
+pub struct Interval {
+    from: f64,
+    to: f64,
+    fold_from: bool,
+    fold_to: bool,
+}
+
+/// A stretch of one sheet, then of a curve, in order.
+pub type Run<P> = Vec<BranchPoint<P>>;
+
+/// A family along its parameter and how finely to look.
+pub struct Scan<M> {
+    family: M,
+    nodes: usize,
+}
+
+/// Width to which a location is pushed.
+fn width(value: f64) -> f64 {
+    0.1 * LOCATION * value.abs().max(1.0)
+}
+
+impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
+    pub fn new(family: M, nodes: usize) -> Self {
+        Self { family, nodes }
+    }
+
+    /// The last value on the way from `inside`, where the condition holds, to `outside`, where it does not.
+    fn edge(&self, mut inside: f64, mut outside: f64, holds: impl Fn(&F) -> Result<bool>) -> Result<f64> {
+        while (outside - inside).abs() > width(inside) {
+            let middle = 0.5 * (inside + outside);
+            if middle == inside || middle == outside {
+                break;
+            }
+            if holds(&(self.family)(middle)?)? { inside = middle } else { outside = middle }
+        }
+        Ok(inside)
+    }
+
+    /// The intervals of the range in which the quadratic has real roots.
+    pub fn intervals(&self, from: f64, to: f64) -> Result<Vec<Interval>> {
+        let n = self.nodes;
+        let discriminant = |v: f64| (self.family)(v).map(|f| f.discriminant());
+        let mut nodes = Vec::with_capacity(n + 1);
+        for i in 0..=n {
+            let v = if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
+            nodes.push((v, discriminant(v)?));
+        }
+        // A dip through zero and back between two nodes shows as an extremum of |discriminant| at a node.
+        let mut hidden = Vec::new();
+        for w in nodes.windows(3) {
+            let sign = if w[1].1 < 0.0 { -1.0 } else { 1.0 };
+            let [a, b, c] = [w[0].1, w[1].1, w[2].1].map(|d| sign * d);
+            if b <= a && b <= c && a >= 0.0 && c >= 0.0 {
+                let v = self.least(w[0].0, w[2].0, sign)?;
+                let d = discriminant(v)?;
+                if sign * d < 0.0 {
+                    hidden.push((v, d));
+                }
+            }
+        }
+        nodes.extend(hidden);
+        nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut intervals = Vec::new();
+        let mut start = (nodes[0].1 >= 0.0).then_some((from, false));
+        for w in nodes.windows(2) {
+            let real = |f: &F| Ok(f.discriminant() >= 0.0);
+            match (w[0].1 >= 0.0, w[1].1 >= 0.0, start) {
+                (true, false, Some((from, fold_from))) => {
+                    let to = self.edge(w[0].0, w[1].0, real)?;
+                    intervals.push(Interval { from, to, fold_from, fold_to: true });
+                    start = None;
+                }
+                (false, true, _) => start = Some((self.edge(w[1].0, w[0].0, real)?, true)),
+                _ => {}
+            }
+        }
+        if let Some((from, fold_from)) = start {
+            intervals.push(Interval { from, to, fold_from, fold_to: false });
+        }
+        Ok(intervals)
+    }
+
+    /// Where sign × discriminant is least in [a, b], by golden section; stops at the first value below zero.
+    fn least(&self, mut a: f64, mut b: f64, sign: f64) -> Result<f64> {
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        let value = |v: f64| (self.family)(v).map(|f| sign * f.discriminant());
+        let (mut low, mut high) = (b - golden * (b - a), a + golden * (b - a));
+        let (mut at_low, mut at_high) = (value(low)?, value(high)?);
+        for _ in 0..GOLDEN_STEPS {
+            if at_low < 0.0 || at_high < 0.0 {
+                break;
+            }
+            if at_low < at_high {
+                (b, high, at_high) = (high, low, at_low);
+                low = b - golden * (b - a);
+                at_low = value(low)?;
+            } else {
+                (a, low, at_low) = (low, high, at_high);
+                high = a + golden * (b - a);
+                at_high = value(high)?;
+            }
+        }
+        Ok(if at_low < at_high { low } else { high })
+    }
+
+    fn point(
+        &self,
+        value: f64,
+        sheet: Sheet,
+        special: Option<Special>,
+    ) -> Result<Option<BranchPoint<F::State>>> {
+        let state = (self.family)(value)?.state(sheet)?;
+        Ok(state.map(|state| BranchPoint { value, sheet, state, stable: F::is_stable(&state), special }))
+    }
+
+    /// One sheet over an interval by increasing parameter: runs of steady states, broken where the root is not
+    /// positive.
+    pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<Run<F::State>>> {
+        let root = |f: &F| f.root(sheet).unwrap_or(f64::NAN) > 0.0;
+        let (half, n) = (0.5 * (interval.to - interval.from), self.nodes);
+        let mut runs: Vec<Run<F::State>> = Vec::new();
+        let mut before: Option<(f64, bool)> = None;
+        for i in 0..=n {
+            let value = match i {
+                0 => interval.from,
+                i if i == n => interval.to,
+                _ => interval.from + half * (1.0 - (std::f64::consts::PI * i as f64 / n as f64).cos()),
+            };
+            let end = |fold| Some(if fold { Special::Fold } else { Special::RangeEnd });
+            let special = match i {
+                0 => end(interval.fold_from),
+                i if i == n => end(interval.fold_to),
+                _ => None,
+            };
+            let point = self.point(value, sheet, special)?;
+            let exists = point.is_some();
+            if let Some((last, existed)) = before.filter(|b| b.1 != exists) {
+                let (inside, outside) = if existed { (last, value) } else { (value, last) };
+                let edge = self.edge(inside, outside, |f| Ok(root(f)))?;
+                let end = self.point(edge, sheet, Some(Special::Vanishing))?;
+                match (end, existed) {
+                    (Some(end), true) => self.extend(&mut runs, end)?,
+                    (end, false) => runs.push(end.into_iter().collect()),
+                    (None, true) => {}
+                }
+            }
+            if let Some(point) = point {
+                if before.is_none() {
+                    runs.push(Vec::new());
+                }
+                self.extend(&mut runs, point)?;
+            }
+            before = Some((value, exists));
+        }
+        Ok(runs)
+    }
+
+    /// Appends a point to the last run, with the special points between.
+    fn extend(&self, runs: &mut [Run<F::State>], next: BranchPoint<F::State>) -> Result<()> {
+        let Some(run) = runs.last_mut() else { return Ok(()) };
+        let Some(&last) = run.last() else {
+            run.push(next);
+            return Ok(());
+        };
+        if next.value <= last.value {
+            // An edge that coincides with its node: the special one of the two stays.
+            if last.special.is_none() {
+                run.pop();
+                run.push(next);
+            }
+            return Ok(());
+        }
+        let mut found = Vec::new();
+        let (a, b) = (F::tests(&last.state), F::tests(&next.state));
+        for index in 0..a.len() {
+            if (a[index] > 0.0) == (b[index] > 0.0) {
+                continue;
+            }
+            let failure = Cell::new(None);
+            let test = |v: f64| match self.point(v, next.sheet, None) {
+                Ok(Some(p)) => F::tests(&p.state)[index],
+                Ok(None) => f64::NAN,
+                Err(e) => {
+                    failure.set(Some(e));
+                    f64::NAN
+                }
+            };
+            let zero = brent(test, last.value, next.value, width(last.value));
+            if let Some(e) = failure.take() {
+                return Err(e);
+            }
+            let Some(point) = zero.map(|v| self.point(v, next.sheet, None)).transpose()?.flatten() else {
+                continue;
+            };
+            if let Some(kind) = F::confirm(&point.state, index) {
+                found.push(BranchPoint { special: Some(Special::Bifurcation(kind)), ..point });
+            }
+        }
+        let (was, is) = (F::is_clear(&last.state), F::is_clear(&next.state));
+        if was != is {
+            let clear = |f: &F| Ok(f.state(next.sheet)?.is_some_and(|s| F::is_clear(&s)));
+            let (inside, outside) = if was { (last.value, next.value) } else { (next.value, last.value) };
+            let edge = self.edge(inside, outside, clear)?;
+            found.extend(self.point(edge, next.sheet, Some(Special::Grazing))?);
+        }
+        found.sort_by(|a, b| a.value.total_cmp(&b.value));
+        run.extend(found);
+        run.push(next);
+        Ok(())
+    }
+
+    /// Joins runs end to end at their folds: those of the upper sheet by increasing, of the lower by decreasing parameter.
+    pub fn join(&self, mut runs: Vec<Run<F::State>>) -> Result<Vec<Curve<F::State>>> {
+        let fold = |point: Option<&BranchPoint<F::State>>| {
+            point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
+        };
+        let (first, last) = (|r: &Run<F::State>| fold(r.first()), |r: &Run<F::State>| fold(r.last()));
+        let mut i = 0;
+        while i < runs.len() {
+            let follows = |(j, run): (usize, &Run<F::State>)| {
+                j != i && last(&runs[i]).is_some() && first(run) == last(&runs[i])
+            };
+            let Some(j) = runs.iter().enumerate().position(follows) else {
+                i += 1;
+                continue;
+            };
+            let tail = runs.remove(j);
+            i -= usize::from(j < i);
+            runs[i].extend(tail.into_iter().skip(1));
+        }
+        runs.iter_mut().try_for_each(|run| self.mark_stability(run))?;
+        let curve = |points: Run<F::State>| {
+            let closed = points.len() > 1 && first(&points).is_some() && first(&points) == last(&points);
+            Curve { points, closed }
+        };
+        Ok(runs.into_iter().map(curve).collect())
+    }
+
+    /// At a special point, stability is that of the piece that follows, or at the end of the piece before.
+    fn mark_stability(&self, run: &mut Run<F::State>) -> Result<()> {
+        for i in 0..run.len() {
+            if run[i].special.is_none() {
+                continue;
+            }
+            let Some(other) = run.get(i + 1).or(i.checked_sub(1).and_then(|j| run.get(j))) else { continue };
+            // A fold belongs to both sheets; the neighbour knows on which the piece lies.
+            let sheet = if run[i].special == Some(Special::Fold) { other.sheet } else { run[i].sheet };
+            let middle = 0.5 * (run[i].value + other.value);
+            let stable = self.point(middle, sheet, None)?.is_some_and(|p| p.stable);
+            run[i].stable = stable;
+        }
+        Ok(())
+    }
+}

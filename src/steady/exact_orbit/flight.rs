@@ -1,0 +1,252 @@
+//! The flight between impacts in units of L and of the drive's phase: matrices, Taylor pieces, exact.
+
+use super::super::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
+use crate::error::{Error, Result};
+use crate::parameters::Parameters;
+use nalgebra::{Complex, Matrix2, Matrix4, SMatrix, Vector2, Vector4};
+use std::f64::consts::PI;
+
+/// A state (x1, x2, x3, v1, v2, v3) in units of L and ω1 L.
+pub type Vector6 = nalgebra::Vector6<f64>;
+
+/// Most Taylor pieces in half a period. A mode this much faster than the drive makes the orbit as sensitive.
+const MOST_PIECES: u32 = 1 << 16;
+
+/// Largest response, in units of L per unit of impulse or force, that still counts as no resonance: beyond it
+/// the amplitudes cancel to under four digits.
+const LARGEST_RESPONSE: f64 = 1e12;
+
+/// 1/((k+1)(k+2)).
+const INVERSE: [f64; DEGREE + 1] = {
+    let mut table = [0.0; DEGREE + 1];
+    let mut k = 0;
+    while k <= DEGREE {
+        table[k] = 1.0 / ((k + 1) * (k + 2)) as f64;
+        k += 1;
+    }
+    table
+};
+
+/// Coefficients of the flight: x1'' = -k1 x1 - c1 x1' + F sin φ, x2'' = -k2 (x2-x3),
+/// x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), with ' = d/dφ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flight {
+    pub k1: f64,
+    pub c1: f64,
+    pub k2: f64,
+    pub k3: f64,
+    pub c3: f64,
+    pub k32: f64,
+    pub force: f64,
+    pub epsilon: f64,
+    pub kappa: f64,
+    /// Taylor pieces in half a period, a power of two.
+    pub pieces: u32,
+}
+
+/// The flight over half a period and its answer to the alternating unit impulses.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfPeriod {
+    /// exp(Aπ) of the box (x1, v1).
+    pub one: Matrix2<f64>,
+    /// exp(Aπ) of block and secondary oscillator (x2, x3, v2, v3).
+    pub pair: Matrix4<f64>,
+    /// G⁺ = (I+Φ)⁻¹ g.
+    pub after: Vector6,
+}
+
+impl Flight {
+    /// # Errors
+    /// As [`Parameters::validate`]; [`Error::Undefined`] without drive frequency; [`Error::PrecisionLost`] when a
+    /// mode is more than about 15,000 times faster than the drive.
+    pub fn new(p: &Parameters) -> Result<Self> {
+        p.validate()?;
+        let w = p.drive_frequency;
+        if w == 0.0 {
+            return Err(Error::Undefined {
+                name: "drive.frequency",
+                value: w,
+                needed_by: "exact orbit",
+                allowed: "drive.frequency > 0",
+            });
+        }
+        let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
+        let mut flight = Self {
+            k1: p.box_stiffness / m1 / w / w,
+            c1: p.box_damping / m1 / w,
+            k2: p.coupling_stiffness / m2 / w / w,
+            k3: p.secondary_stiffness / m3 / w / w,
+            c3: p.secondary_damping / m3 / w,
+            k32: p.coupling_stiffness / m3 / w / w,
+            force: p.drive_amplitude / m1 / p.stop_gap / w / w,
+            epsilon: m2 / m1,
+            kappa: p.stop_restitution,
+            pieces: 1,
+        };
+        // Norms of A with velocities scaled by the root of the stiffness; the drive itself has rate 1.
+        let box_rate = flight.k1.sqrt() + flight.c1;
+        let pair_rate = (flight.k2 + flight.k3 + flight.k32).sqrt() + flight.c3;
+        let rate = box_rate.max(pair_rate).max(1.0);
+        let limit = f64::from(MOST_PIECES) * RATE_STEP / PI;
+        let numbers = [rate, flight.force, flight.epsilon];
+        if rate > limit || numbers.iter().any(|x| !x.is_finite()) {
+            return Err(Error::PrecisionLost {
+                what: "rate of the fastest mode over drive.frequency",
+                value: rate,
+                limit,
+            });
+        }
+        while PI * rate > RATE_STEP * f64::from(flight.pieces) {
+            flight.pieces *= 2;
+        }
+        Ok(flight)
+    }
+
+    /// Length of one Taylor piece.
+    pub fn step(&self) -> f64 {
+        PI / f64::from(self.pieces)
+    }
+
+    /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state at `phase`, with the
+    /// force `force` sin φ.
+    pub fn piece(&self, s: &Vector6, phase: f64, h: f64, force: f64) -> [Polynomial; 3] {
+        let (sin, cos) = if force == 0.0 { (0.0, 0.0) } else { phase.sin_cos() };
+        let h2 = h * h;
+        let (mut wave, mut next_wave) = (force * sin * h2, force * cos * h * h2);
+        let mut x = [[0.0; DEGREE + 1]; 3];
+        for i in 0..3 {
+            x[i][0] = s[i];
+            x[i][1] = s[i + 3] * h;
+        }
+        let (k1, c1) = (self.k1 * h2, self.c1 * h);
+        let (k2, k3, c3, k32) = (self.k2 * h2, self.k3 * h2, self.c3 * h, self.k32 * h2);
+        for k in 0..DEGREE - 1 {
+            let order = (k + 1) as f64;
+            let stretch = x[1][k] - x[2][k];
+            x[0][k + 2] = (wave - k1 * x[0][k] - c1 * order * x[0][k + 1]) * INVERSE[k];
+            x[1][k + 2] = -k2 * stretch * INVERSE[k];
+            x[2][k + 2] = (k32 * stretch - k3 * x[2][k] - c3 * order * x[2][k + 1]) * INVERSE[k];
+            (wave, next_wave) = (next_wave, -h2 * wave * INVERSE[k]);
+        }
+        x
+    }
+
+    /// The state at t ∈ [0, 1] of a piece of length h.
+    pub fn state(x: &[Polynomial; 3], t: f64, h: f64) -> Vector6 {
+        let [(x1, v1), (x2, v2), (x3, v3)] = [0, 1, 2].map(|i| evaluate(&x[i], t));
+        Vector6::new(x1, x2, x3, v1 / h, v2 / h, v3 / h)
+    }
+
+    /// exp(Aπ) and the periodic answer to unit impulses of alternating sign.
+    ///
+    /// # Errors
+    /// [`Error::Undefined`] when an undamped mode oscillates an odd number of times per drive period.
+    pub fn half_period(&self, p: &Parameters) -> Result<HalfPeriod> {
+        let h = self.step();
+        let free = |i: usize, j: Option<usize>| {
+            let mut s = Vector6::zeros();
+            s[i] = 1.0;
+            j.into_iter().for_each(|j| s[j] = 1.0);
+            Self::state(&self.piece(&s, 0.0, h, 0.0), 1.0, h)
+        };
+        // Box and the other two do not feel each other in flight: their columns travel together.
+        let columns = [free(0, Some(1)), free(2, None), free(3, Some(4)), free(5, None)];
+        let mut one = Matrix2::new(columns[0][0], columns[2][0], columns[0][3], columns[2][3]);
+        let mut pair = Matrix4::from_fn(|row, column| columns[column][[1, 2, 4, 5][row]]);
+        for _ in 0..self.pieces.trailing_zeros() {
+            one *= one;
+            pair *= pair;
+        }
+        let first = (Matrix2::identity() + one).lu().solve(&Vector2::new(0.0, self.epsilon));
+        let rest = (Matrix4::identity() + pair).lu().solve(&Vector4::new(0.0, 0.0, -1.0, 0.0));
+        let bounded = |x: &f64| x.abs() < LARGEST_RESPONSE;
+        match (first, rest) {
+            (Some(b), Some(r)) if b.iter().chain(r.iter()).all(bounded) => {
+                Ok(HalfPeriod { one, pair, after: Vector6::new(b[0], r[0], r[1], b[1], r[2], r[3]) })
+            }
+            _ => Err(Error::Undefined {
+                name: "drive.frequency",
+                value: p.drive_frequency,
+                needed_by: "exact orbit",
+                allowed: "no undamped mode at an odd multiple of drive.frequency",
+            }),
+        }
+    }
+
+    /// Amplitude and phase H of the box under the force alone: x1 = Im(H e^{iφ}). The other two rest.
+    ///
+    /// # Errors
+    /// [`Error::Undefined`] for the undamped box at resonance.
+    pub fn harmonic(&self, p: &Parameters) -> Result<Complex<f64>> {
+        let impedance = Complex::new(self.k1 - 1.0, self.c1);
+        let response = Complex::new(self.force, 0.0) / impedance;
+        if impedance.norm() * LARGEST_RESPONSE > 1.0 && response.norm().is_finite() {
+            return Ok(response);
+        }
+        Err(Error::Undefined {
+            name: "box.c",
+            value: p.box_damping,
+            needed_by: "exact orbit at the box's resonance",
+            allowed: "box.c > 0 where drive.frequency = sqrt(box.k/box.m)",
+        })
+    }
+
+    /// Accelerations at a state under the force `force` sin φ of value `force`.
+    fn accelerations(&self, s: &Vector6, force: f64) -> [f64; 3] {
+        let stretch = s[1] - s[2];
+        [
+            force - self.k1 * s[0] - self.c1 * s[3],
+            -self.k2 * stretch,
+            self.k32 * stretch - self.k3 * s[2] - self.c3 * s[5],
+        ]
+    }
+
+    /// The half-cycle map -SΦ of perturbations just after an impact, with the saltation matrix
+    /// S = J + (f⁺ - J f⁻) nᵀ/(n·f⁻) of an impact at the upper stop.
+    pub fn half_map(
+        &self,
+        half: &HalfPeriod,
+        before: &Vector6,
+        after: &Vector6,
+        force: f64,
+    ) -> SMatrix<f64, 6, 6> {
+        // Impact: w'⁺ = -κ w'⁻ with momentum conserved changes v1 by share1 w'⁻ and v2 by -share2 w'⁻.
+        let k = (1.0 + self.kappa) / (1.0 + self.epsilon);
+        let (share1, share2) = (k * self.epsilon, k);
+        let [a1, a2, a3] = self.accelerations(before, force);
+        let [b1, b2, b3] = self.accelerations(after, force);
+        let speed = before[4] - before[3];
+        let jump = a2 - a1;
+        let kick = [
+            after[3] - before[3],
+            after[4] - before[4],
+            after[5] - before[5],
+            b1 - a1 - share1 * jump,
+            b2 - a2 + share2 * jump,
+            b3 - a3,
+        ]
+        .map(|x| x / speed);
+        let mut phi = SMatrix::<f64, 6, 6>::zeros();
+        for (i, &row) in [0, 3].iter().enumerate() {
+            for (j, &column) in [0, 3].iter().enumerate() {
+                phi[(row, column)] = half.one[(i, j)];
+            }
+        }
+        for (i, &row) in [1, 2, 4, 5].iter().enumerate() {
+            for (j, &column) in [1, 2, 4, 5].iter().enumerate() {
+                phi[(row, column)] = half.pair[(i, j)];
+            }
+        }
+        let mut map = -phi;
+        for column in 0..6 {
+            let w = phi[(1, column)] - phi[(0, column)];
+            let dw = phi[(4, column)] - phi[(3, column)];
+            for row in 0..6 {
+                map[(row, column)] -= kick[row] * w;
+            }
+            map[(3, column)] -= share1 * dw;
+            map[(4, column)] += share2 * dw;
+        }
+        map
+    }
+}

@@ -1,0 +1,200 @@
+//! One exact orbit: its states, its clearance from the stops, its amplitudes and its multipliers.
+
+use super::super::bernstein::{Polynomial, raise_to_maximum, stays_within};
+use super::super::{Bifurcation, Sheet};
+use super::flight::{Flight, Vector6};
+use super::{OrbitFamily, no_eigenvalues};
+use crate::error::Result;
+use crate::parameters::Parameters;
+use nalgebra::{Complex, SMatrix};
+use std::f64::consts::{PI, TAU};
+
+/// Penetration in units of L that counts as round-off: the flight is known to a few 1e-15 per piece.
+const CLEARANCE: f64 = 1e-12;
+
+/// Relative rounding of a difference of phases that still counts as none.
+const PHASE_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// QR sweeps for six eigenvalues; a handful suffice, and NaN would never end.
+const EIGENVALUE_SWEEPS: usize = 300;
+
+/// Deflation threshold of the QR sweeps.
+const EIGENVALUE_PRECISION: f64 = f64::EPSILON;
+
+/// Displacements (m) and velocities (m/s) of box, block and secondary oscillator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrbitState {
+    /// x1, x2, x3 in m.
+    pub x: [f64; 3],
+    /// x1', x2', x3' in m/s.
+    pub v: [f64; 3],
+}
+
+/// One symmetric orbit with two impacts per period.
+#[derive(Clone, Copy, Debug)]
+pub struct ExactOrbit {
+    parameters: Parameters,
+    flight: Flight,
+    sheet: Sheet,
+    impulse: f64,
+    phase: f64,
+    before: Vector6,
+    after: Vector6,
+    clear: bool,
+    multipliers: [Complex<f64>; 6],
+}
+
+impl ExactOrbit {
+    /// The orbit with impulse p (units of m2 ω1 L) and phase δ of the force at the upper impact.
+    pub(super) fn new(family: &OrbitFamily, sheet: Sheet, p: f64, phase: f64) -> Result<Self> {
+        let flight = family.flight;
+        let forced = -family.response * Complex::cis(phase);
+        let mut after = p * family.half.after;
+        after[0] += forced.im;
+        after[3] += forced.re;
+        let mut before = after;
+        before[3] -= p * flight.epsilon;
+        before[4] += p;
+        let map = flight.half_map(&family.half, &before, &after, flight.force * phase.sin());
+        let mut orbit = Self {
+            parameters: family.parameters,
+            flight,
+            sheet,
+            impulse: p,
+            phase: phase.rem_euclid(TAU),
+            before,
+            after,
+            clear: false,
+            multipliers: eigenvalues(map)?,
+        };
+        orbit.clear = orbit.pieces().all(|x| {
+            let w: Polynomial = std::array::from_fn(|k| x[1][k] - x[0][k]);
+            stays_within(&w, -1.0 - CLEARANCE, 1.0 + CLEARANCE)
+        });
+        Ok(orbit)
+    }
+
+    /// The Taylor pieces of half a period from the upper impact, in order.
+    fn pieces(&self) -> impl Iterator<Item = [Polynomial; 3]> + use<> {
+        let (flight, h) = (self.flight, self.flight.step());
+        let (mut state, phase) = (self.after, self.phase);
+        (0..flight.pieces).map(move |i| {
+            let x = flight.piece(&state, phase + f64::from(i) * h, h, flight.force);
+            state = Flight::state(&x, 1.0, h);
+            x
+        })
+    }
+
+    /// The parameters whose orbit this is.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Which root of the quadratic.
+    pub fn sheet(&self) -> Sheet {
+        self.sheet
+    }
+
+    /// Impulse p > 0 of each impact, N·s.
+    pub fn impulse(&self) -> f64 {
+        let p = &self.parameters;
+        self.impulse * p.block_mass * p.drive_frequency * p.stop_gap
+    }
+
+    /// Phase δ of the force when the block meets the upper stop, in [0, 2π) rad; the lower stop follows at δ + π.
+    pub fn drive_phase(&self) -> f64 {
+        self.phase
+    }
+
+    /// The state just before the impact at the upper stop.
+    pub fn before_impact(&self) -> OrbitState {
+        self.si(&self.before)
+    }
+
+    /// The state just after the impact at the upper stop.
+    pub fn after_impact(&self) -> OrbitState {
+        self.si(&self.after)
+    }
+
+    /// The state at phase θ (rad) of the drive F10 sin θ; just after the impact at an impact. On the orbit,
+    /// θ = ω1 t + [`Parameters::drive_phase`].
+    pub fn state(&self, theta: f64) -> OrbitState {
+        // A phase that is an impact's but for rounding counts as the impact's.
+        let rounding = PHASE_ROUNDING * (theta.abs() + TAU);
+        let since = (theta - self.phase + rounding).rem_euclid(TAU);
+        let (since, sign) = if since < PI { (since, 1.0) } else { (since - PI, -1.0) };
+        let since = (since - rounding).max(0.0);
+        let (flight, h) = (&self.flight, self.flight.step());
+        let index = (since / h).floor().min(f64::from(flight.pieces - 1));
+        // The loop stops at `index`, so the iterator yields it.
+        let x = self.pieces().nth(index as usize).unwrap_or_default();
+        self.si(&(sign * Flight::state(&x, since / h - index, h)))
+    }
+
+    /// The state at time 0, where the phase of the drive is [`Parameters::drive_phase`].
+    pub fn initial_state(&self) -> OrbitState {
+        self.state(self.parameters.drive_phase)
+    }
+
+    fn si(&self, s: &Vector6) -> OrbitState {
+        let length = self.parameters.stop_gap;
+        let speed = length * self.parameters.drive_frequency;
+        OrbitState { x: [0, 1, 2].map(|i| length * s[i]), v: [3, 4, 5].map(|i| speed * s[i]) }
+    }
+
+    /// Whether |w| ≤ L between the impacts, to 1e-12 L: proved by Bernstein bounds of the Taylor pieces over half a
+    /// period; the other half is its mirror image. An orbit that fails is none of the real system.
+    pub fn is_clear(&self) -> bool {
+        self.clear
+    }
+
+    /// Largest |x1|, |x2|, |x3| over a period, m: exact extrema, not samples.
+    pub fn amplitudes(&self) -> [f64; 3] {
+        let mut best = [0.0; 3];
+        for x in self.pieces() {
+            best.iter_mut().zip(&x).for_each(|(best, x)| raise_to_maximum(x, best));
+        }
+        best.map(|a| self.parameters.stop_gap * a)
+    }
+
+    /// Largest |q1 x1 + q2 x2 + q3 x3| over a period, m; (1, ε, 0) gives the paper's B.
+    pub fn amplitude_of(&self, q: [f64; 3]) -> f64 {
+        let mut best = 0.0;
+        for x in self.pieces() {
+            let sum: Polynomial = std::array::from_fn(|k| q[0] * x[0][k] + q[1] * x[1][k] + q[2] * x[2][k]);
+            raise_to_maximum(&sum, &mut best);
+        }
+        self.parameters.stop_gap * best
+    }
+
+    /// The six multipliers of the half-cycle map, largest modulus first. Those of the full period are their squares.
+    pub fn multipliers(&self) -> [Complex<f64>; 6] {
+        self.multipliers
+    }
+
+    /// Largest modulus of the half-cycle multipliers.
+    pub fn spectral_radius(&self) -> f64 {
+        self.multipliers[0].norm()
+    }
+
+    /// Whether the orbit attracts its neighbourhood and keeps clear of the stops between its impacts.
+    pub fn is_stable(&self) -> bool {
+        self.clear && self.spectral_radius() < 1.0
+    }
+
+    /// The bifurcation that the largest multiplier announces, or has brought about when it is outside the circle.
+    pub fn bifurcation(&self) -> Bifurcation {
+        Bifurcation::of(self.multipliers[0])
+    }
+}
+
+/// Eigenvalues by decreasing modulus.
+fn eigenvalues(map: SMatrix<f64, 6, 6>) -> Result<[Complex<f64>; 6]> {
+    if map.iter().any(|x| !x.is_finite()) {
+        return Err(no_eigenvalues());
+    }
+    let schur = map.try_schur(EIGENVALUE_PRECISION, EIGENVALUE_SWEEPS).ok_or_else(no_eigenvalues)?;
+    let mut values: [Complex<f64>; 6] = schur.complex_eigenvalues().into();
+    values.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
+    Ok(values)
+}

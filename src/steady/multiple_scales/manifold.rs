@@ -1,0 +1,276 @@
+//! The slow invariant manifold: which U and W of the sawtooth form meet the impact law at all.
+
+use super::super::roots::brent;
+use crate::error::{Error, Result};
+use std::f64::consts::{PI, TAU};
+
+/// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.235.
+const C_GMAX_BRACKET: f64 = 10.0;
+
+/// C_Gmax is found to this much; the fixed-point test itself does not use it.
+const C_GMAX_TOLERANCE: f64 = 1e-14;
+
+/// The sawtooth function Z(s) = (2/π) asin(cos s) (15): 1 at s = 0, falling linearly to -1 at π, of period 2π.
+pub fn sawtooth(s: f64) -> f64 {
+    let s = s.rem_euclid(TAU);
+    if s <= PI { 1.0 - 2.0 * s / PI } else { 2.0 * s / PI - 3.0 }
+}
+
+/// dZ/ds; at a kink the value after it.
+pub fn sawtooth_slope(s: f64) -> f64 {
+    if s.rem_euclid(TAU) < PI { -2.0 / PI } else { 2.0 / PI }
+}
+
+/// The two branches of the manifold over B, met at C_min (32).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branch {
+    /// C < C_min.
+    Left,
+    /// C ≥ C_min.
+    Right,
+}
+
+/// The slow invariant manifold B² = (C-1)² + ρ² C² (19) of a restitution coefficient κ. All quantities have unit 1
+/// (amplitudes in units of L).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manifold {
+    kappa: f64,
+    rho: f64,
+}
+
+impl Manifold {
+    /// The manifold for κ.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless 0 ≤ κ ≤ 1.
+    pub fn new(kappa: f64) -> Result<Self> {
+        if !(0.0..=1.0).contains(&kappa) {
+            return Err(Error::OutOfRange { name: "kappa", value: kappa, allowed: "0 <= kappa <= 1" });
+        }
+        Ok(Self { kappa, rho: 2.0 / PI * (1.0 - kappa) / (1.0 + kappa) })
+    }
+
+    /// κ.
+    pub fn kappa(&self) -> f64 {
+        self.kappa
+    }
+
+    /// ρ = (2/π)(1-κ)/(1+κ).
+    pub fn rho(&self) -> f64 {
+        self.rho
+    }
+
+    /// C at the manifold's minimum, 1/(1+ρ²) (21).
+    pub fn c_min(&self) -> f64 {
+        1.0 / (1.0 + self.rho * self.rho)
+    }
+
+    /// The least B, ρ/√(1+ρ²) (21).
+    pub fn b_min(&self) -> f64 {
+        self.rho / (1.0 + self.rho * self.rho).sqrt()
+    }
+
+    /// B(C) (19).
+    pub fn b(&self, c: f64) -> f64 {
+        (c - 1.0).hypot(self.rho * c)
+    }
+
+    /// C on a branch over B (32); `None` for B < B_min.
+    pub fn c(&self, branch: Branch, b: f64) -> Option<f64> {
+        let square = 1.0 + self.rho * self.rho;
+        let root = (square * b * b - self.rho * self.rho).sqrt();
+        match branch {
+            _ if root.is_nan() => None,
+            Branch::Left => Some((1.0 - root) / square),
+            Branch::Right => Some((1.0 + root) / square),
+        }
+    }
+
+    /// The branch on which C lies.
+    pub fn branch(&self, c: f64) -> Branch {
+        if c < self.c_min() { Branch::Left } else { Branch::Right }
+    }
+
+    /// Phase Φ of the impact after the zero of U: B sin Φ = C - 1, B cos Φ = -ρ C (20); in (-π, π].
+    pub fn impact_phase(&self, c: f64) -> f64 {
+        (c - 1.0).atan2(-self.rho * c)
+    }
+
+    /// dB/dC · B = (1+ρ²) C - 1: zero at C_min, negative on the left branch.
+    pub(super) fn slope(&self, c: f64) -> f64 {
+        (1.0 + self.rho * self.rho) * c - 1.0
+    }
+
+    /// W a phase s ∈ [0, π] after the impact at the upper stop.
+    pub fn w(&self, c: f64, s: f64) -> f64 {
+        c * sawtooth(s) - (c - 1.0) * s.cos() + self.rho * c * s.sin()
+    }
+
+    /// Largest |W| over the cycle, for C > 0 (paper 3.2).
+    ///
+    /// W(s) + W(π-s) = 2ρC sin s ≥ 0 makes the maximum the larger of the two extrema. For C ≤ 1, or B ≤ 2C/π, W
+    /// falls all the way from 1 to -1.
+    pub fn w_max(&self, c: f64) -> f64 {
+        let b = self.b(c);
+        let q = 2.0 * c / (PI * b);
+        if c <= 1.0 || q >= 1.0 || q.is_nan() {
+            return 1.0;
+        }
+        // W' = -2C/π - B cos(s + Φ) falls through zero where s + Φ = π + acos q.
+        let s = PI + q.acos() - self.impact_phase(c);
+        (c * (1.0 - 2.0 * s / PI) + b * (1.0 - q * q).sqrt()).max(1.0)
+    }
+
+    /// Whether a motion of amplitude C keeps to |W| ≤ 1 and meets the stops from inside: the geometric test.
+    pub fn is_geometric(&self, c: f64) -> bool {
+        c > 0.0 && self.w_max(c) <= 1.0
+    }
+
+    /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07 at κ = 0.75.
+    ///
+    /// W = C h(s) + cos s, so at W = 1 it rises with C: there is one such C.
+    pub fn c_gmax(&self) -> f64 {
+        let excess = |c: f64| {
+            let b = self.b(c);
+            let q = (2.0 * c / (PI * b)).min(1.0);
+            let s = PI + q.acos() - self.impact_phase(c);
+            c * (1.0 - 2.0 * s / PI) + b * (1.0 - q * q).sqrt() - 1.0
+        };
+        // Below this C, W falls all the way; just above it the maximum is still under 1.
+        let turning = 1.0 / (1.0 - (4.0 / (PI * PI) - self.rho * self.rho).max(0.0).sqrt());
+        if self.kappa == 0.0 {
+            return 1.0;
+        }
+        brent(excess, turning, C_GMAX_BRACKET, C_GMAX_TOLERANCE).unwrap_or(turning)
+    }
+
+    /// C at which the half-cycle multiplier of the periodic motion is +1 (saddle-node): C_min.
+    pub fn c_smin(&self) -> f64 {
+        self.c_min()
+    }
+
+    /// C at which that multiplier is -1 (symmetry breaking): π²/(π²-4) for every κ.
+    pub fn c_smax(&self) -> f64 {
+        PI * PI / (PI * PI - 4.0)
+    }
+
+    /// The matrix D of the half-cycle map of perturbations of impact phase and block speed (model.md section 4,
+    /// the paper's 3.3 to leading order in ε), U held. Rows: phase, speed.
+    ///
+    /// # Errors
+    /// [`Error::Undefined`] at C = 0, where the block does not move.
+    pub fn transition(&self, c: f64) -> Result<[[f64; 2]; 2]> {
+        if c == 0.0 || !c.is_finite() {
+            return Err(Error::Undefined {
+                name: "C",
+                value: c,
+                needed_by: "transition matrix D",
+                allowed: "a finite C other than 0",
+            });
+        }
+        let k = 1.0 + self.kappa;
+        let b = PI * PI / 4.0 * k / c;
+        Ok([[self.kappa, -b], [k * (c - 1.0) * self.kappa, self.kappa - k * (c - 1.0) * b]])
+    }
+
+    /// Trace of D, 2κ - (1+κ)²(π²/4)(C-1)/C; its determinant is κ².
+    pub(super) fn transition_trace(&self, c: f64) -> f64 {
+        let k = 1.0 + self.kappa;
+        2.0 * self.kappa - k * k * (PI * PI / 4.0) * (c - 1.0) / c
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Closed forms, a few roundings.
+    const ROUNDING: f64 = 1e-14;
+    /// model.md gives these with so many digits.
+    const GOLDEN_RHO: f64 = 5e-7;
+    const GOLDEN_C_MIN: f64 = 5e-6;
+    const GOLDEN_C_MAX: f64 = 5e-3;
+    /// Dense sampling misses a maximum by the square of its step.
+    const SAMPLING: f64 = 1e-6;
+
+    #[test]
+    fn golden_values_of_model_md() {
+        assert!((Manifold::new(0.0).unwrap().rho() - 2.0 / PI).abs() < ROUNDING);
+        assert_eq!(Manifold::new(1.0).unwrap().rho(), 0.0);
+        let manifold = Manifold::new(0.75).unwrap();
+        assert!((manifold.rho() - 0.090946).abs() < GOLDEN_RHO);
+        assert!((manifold.c_min() - 0.99180).abs() < GOLDEN_C_MIN);
+        assert!((manifold.c_smax() - 1.6815).abs() < 5e-5);
+        assert!((manifold.c_gmax() - 6.07).abs() < GOLDEN_C_MAX);
+        assert!((manifold.b(manifold.c_gmax()) - 5.10).abs() < GOLDEN_C_MAX);
+    }
+
+    #[test]
+    fn branches_invert_the_manifold() {
+        for kappa in [0.0, 0.3, 0.75, 1.0] {
+            let manifold = Manifold::new(kappa).unwrap();
+            for c in [-0.5, 0.1, 0.6, 1.1, 2.0, 5.0] {
+                let back = manifold.c(manifold.branch(c), manifold.b(c)).unwrap();
+                assert!((back - c).abs() < ROUNDING, "kappa {kappa}, C {c}: {back}");
+            }
+            assert!((manifold.b(manifold.c_min()) - manifold.b_min()).abs() < ROUNDING);
+            assert!(kappa == 1.0 || manifold.c(Branch::Right, 0.99 * manifold.b_min()).is_none());
+        }
+    }
+
+    #[test]
+    fn geometric_limit_against_sampling() {
+        for kappa in [0.05, 0.3, 0.75, 1.0] {
+            let manifold = Manifold::new(kappa).unwrap();
+            let limit = manifold.c_gmax();
+            for c in [0.05, 0.5, 1.0, 1.3, 0.999 * limit, 1.001 * limit, 1.5 * limit] {
+                let samples = (0..=20_000).map(|i| manifold.w(c, PI * f64::from(i) / 20_000.0));
+                let sampled = samples.fold(0.0_f64, |m, w| m.max(w.abs()));
+                assert!((manifold.w_max(c) - sampled).abs() < SAMPLING, "kappa {kappa}, C {c}");
+                assert_eq!(manifold.is_geometric(c), c < limit, "kappa {kappa}, C {c}");
+            }
+        }
+        // κ = 1 by minimising (1 - cos s)/(1 - 2s/π - cos s) on a grid, which is the same limit.
+        assert!((Manifold::new(1.0).unwrap().c_gmax() - 8.235007738).abs() < 1e-8);
+        let plastic = Manifold::new(0.0).unwrap();
+        assert_eq!(plastic.c_gmax(), 1.0);
+        assert!(plastic.is_geometric(0.9999) && !plastic.is_geometric(1.001));
+    }
+
+    #[test]
+    fn impact_law_holds_on_the_manifold() {
+        let manifold = Manifold::new(0.6).unwrap();
+        for c in [0.4, 1.2, 3.0] {
+            let (b, phase) = (manifold.b(c), manifold.impact_phase(c));
+            assert!((c - b * phase.sin() - 1.0).abs() < ROUNDING);
+            let (before, after) = (2.0 / PI * c - b * phase.cos(), -2.0 / PI * c - b * phase.cos());
+            assert!((after + 0.6 * before).abs() < ROUNDING);
+        }
+    }
+
+    #[test]
+    fn multipliers_meet_the_unit_circle_at_the_limits() {
+        for kappa in [0.0, 0.4, 0.75, 0.95] {
+            let manifold = Manifold::new(kappa).unwrap();
+            for (c, multiplier) in [(manifold.c_smin(), 1.0), (manifold.c_smax(), -1.0)] {
+                let d = manifold.transition(c).unwrap();
+                let (trace, determinant) = (d[0][0] + d[1][1], d[0][0] * d[1][1] - d[0][1] * d[1][0]);
+                assert!((determinant - kappa * kappa).abs() < ROUNDING);
+                assert!((trace - manifold.transition_trace(c)).abs() < ROUNDING);
+                assert!((1.0 - multiplier * trace + determinant).abs() < ROUNDING);
+            }
+        }
+        assert!(manifold_error(0.0));
+    }
+
+    fn manifold_error(c: f64) -> bool {
+        matches!(Manifold::new(0.5).unwrap().transition(c), Err(Error::Undefined { name: "C", .. }))
+    }
+
+    #[test]
+    fn restitution_out_of_range_is_an_error() {
+        for kappa in [-0.1, 1.1, f64::NAN] {
+            assert!(matches!(Manifold::new(kappa), Err(Error::OutOfRange { name: "kappa", .. })));
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The slow flow (26), its Jacobian and its eigenvalues.
+
+use super::super::eigenvalue_pair;
+use super::{Branch, C8, MultipleScales};
+use crate::error::{Error, Result};
+use nalgebra::{Complex, Matrix4};
+
+/// A state of the slow flow: amplitudes in units of L, phases in rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlowState {
+    /// B.
+    pub b: f64,
+    /// ψ.
+    pub psi: f64,
+    /// A3.
+    pub a3: f64,
+    /// ψ3.
+    pub psi3: f64,
+}
+
+/// What the flow and its Jacobian share: C on the branch, its slope C_B = B/((1+ρ²)C-1), and χ.
+struct Point {
+    c: f64,
+    c_b: f64,
+    chi: f64,
+}
+
+impl MultipleScales {
+    fn point(&self, branch: Branch, state: &SlowState) -> Result<Point> {
+        let out =
+            |name, value, allowed| Err(Error::Undefined { name, value, needed_by: "slow flow", allowed });
+        let finite = [state.b, state.psi, state.a3, state.psi3].iter().all(|x| x.is_finite());
+        let c = self.manifold.c(branch, state.b).filter(|_| finite && state.b > 0.0);
+        let Some(c) = c else {
+            return out("B", state.b, "finite values and B >= rho/sqrt(1 + rho^2), B > 0");
+        };
+        if state.a3 == 0.0 {
+            return out("A3", state.a3, "A3 other than 0");
+        }
+        let chi = state.psi - state.psi3 + self.manifold.impact_phase(c);
+        Ok(Point { c, c_b: state.b / self.manifold.slope(c), chi })
+    }
+
+    /// Right-hand side (26): (B', ψ', A3', ψ3') per unit of τ1, with C on the given branch.
+    ///
+    /// # Errors
+    /// [`Error::Undefined`] below B_min, at B = 0 and at A3 = 0, where amplitude and phase are no coordinates.
+    pub fn slow_flow(&self, branch: Branch, state: &SlowState) -> Result<[f64; 4]> {
+        let Point { c, chi, .. } = self.point(branch, state)?;
+        let (g, rho, a) = (&self.groups, self.manifold.rho(), self.alpha23);
+        let b = state.b;
+        Ok([
+            0.5 * (-g.gamma1 * b - C8 * rho * c * c / b + g.f10 * state.psi.sin()),
+            g.sigma1 + 0.5 * C8 * c * (c - 1.0) / (b * b) + g.f10 * state.psi.cos() / (2.0 * b),
+            0.5 * (-g.gamma3 * state.a3 + C8 * a * c * chi.cos()),
+            g.sigma1 - 0.5 * (g.sigma30 + a) + 0.5 * C8 * a * (c / state.a3) * chi.sin(),
+        ])
+    }
+
+    /// Its Jacobian, rows and columns in the order B, ψ, A3, ψ3 (paper appendix, re-derived).
+    ///
+    /// # Errors
+    /// As [`Self::slow_flow`].
+    pub fn jacobian(&self, branch: Branch, state: &SlowState) -> Result<Matrix4<f64>> {
+        let Point { c, c_b, chi } = self.point(branch, state)?;
+        let (g, rho, a) = (&self.groups, self.manifold.rho(), self.alpha23);
+        let (b, a3) = (state.b, state.a3);
+        let (sin, cos) = state.psi.sin_cos();
+        let (sin_chi, cos_chi) = chi.sin_cos();
+        let half = 0.5 * C8;
+        let phase_b = -rho * c_b / (b * b); // dΦ/dB
+        let (pull, turn) = (half * a * c * cos_chi, half * a * c * sin_chi);
+        Ok(Matrix4::new(
+            -0.5 * g.gamma1 - half * rho * (2.0 * c * c_b / b - c * c / (b * b)),
+            0.5 * g.f10 * cos,
+            0.0,
+            0.0,
+            half * ((2.0 * c - 1.0) * c_b / (b * b) - 2.0 * c * (c - 1.0) / (b * b * b))
+                - g.f10 * cos / (2.0 * b * b),
+            -g.f10 * sin / (2.0 * b),
+            0.0,
+            0.0,
+            half * a * (c_b * cos_chi - c * sin_chi * phase_b),
+            -turn,
+            -0.5 * g.gamma3,
+            turn,
+            half * a / a3 * (c_b * sin_chi + c * cos_chi * phase_b),
+            pull / a3,
+            -turn / (a3 * a3),
+            -pull / a3,
+        ))
+    }
+
+    /// Eigenvalues at the fixed point with this C, in closed form (see the module). At C_min they are infinite.
+    pub(super) fn eigenvalues(&self, c: f64) -> [Complex<f64>; 4] {
+        let (g, m) = (&self.groups, self.manifold.slope(c));
+        let cross = (self.alpha * self.alpha0.conj()).re;
+        let trace = -g.gamma1 - C8 * self.manifold.rho() * c / m;
+        let determinant = (self.alpha.norm_sqr() * c + cross) / (4.0 * m);
+        let [first, second] = eigenvalue_pair(trace, determinant);
+        let turn = 0.5 * (g.sigma30 - 2.0 * g.sigma1 + self.alpha23);
+        let third = Complex::new(-0.5 * g.gamma3, turn);
+        [first, second, third, third.conj()]
+    }
+}

@@ -1,0 +1,152 @@
+use crate::error::Error;
+use crate::parameters::Groups;
+use crate::steady::strong_coupling::*;
+use crate::steady::{Roots, multiple_scales};
+use std::f64::consts::PI;
+
+/// The same closed form by two routes, amplitudes of order one.
+const ROUNDING: f64 = 1e-13;
+/// Eigenvalues by QR; a nearly double pair keeps half its digits.
+const EIGENVALUE: f64 = 1e-9;
+
+fn strong() -> Groups {
+    Groups { beta2: 0.3, mu13: 1.0, sigma30: 0.5, ..Groups::basic() }
+}
+
+fn points(g: &Groups) -> Vec<StrongPoint> {
+    solve(g).unwrap().into_iter().flat_map(|r| [r.lower, r.upper]).collect()
+}
+
+#[test]
+fn without_coupling_it_is_multiple_scales() {
+    for kappa in [0.0, 0.5, 0.75, 1.0] {
+        for (f10, sigma1) in [(1.5, 0.4), (2.5, -0.3), (-1.2, 0.1), (0.7, 0.5)] {
+            let g = Groups { kappa, f10, sigma1, beta2: 0.0, ..Groups::basic() };
+            let (a, b) = (solve(&g).unwrap(), multiple_scales::fixed_points(&g).unwrap());
+            assert_eq!(a.is_some(), b.is_some());
+            let (Some(a), Some(b)) = (a, b) else { continue };
+            for (a, b) in [(a.lower, b.lower), (a.upper, b.upper)] {
+                for (x, y) in [(a.c, b.c), (a.b, b.b), (a.a3, b.a3), (a.a1(), b.a1()), (a.a2(), b.a2())] {
+                    assert!((x - y).abs() < ROUNDING, "{x} {y} {g:?}");
+                }
+                assert!((a.drive_phase - b.drive_phase).sin().abs() < ROUNDING);
+                assert_eq!(a.admissibility, b.admissibility, "{a:?}\n{b:?}");
+                for m in a.multipliers {
+                    assert!(b.multipliers.iter().any(|n| (m - n).norm() < 1e-6), "{a:?}\n{b:?}");
+                }
+                for e in a.eigenvalues {
+                    assert!(b.eigenvalues.iter().any(|f| (e - f).norm() < EIGENVALUE * 1e3));
+                }
+                let (x, y) = (a.motion_at_drive(0.7), b.motion_at_drive(0.7));
+                for (x, y) in [(x.u, y.u), (x.w, y.w), (x.dw, y.dw), (x.x[0], y.x[0]), (x.x[1], y.x[1])] {
+                    assert!((x - y).abs() < 10.0 * ROUNDING);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_limit_of_no_coupling_is_smooth() {
+    let zero = solve(&Groups { beta2: 0.0, ..strong() }).unwrap().unwrap().upper;
+    for exponent in [4, 8, 12, 20, 40, 200, 300] {
+        let beta2 = 10f64.powi(-exponent);
+        let near = solve(&Groups { beta2, ..strong() }).unwrap().unwrap().upper;
+        // Everything is analytic in β̂²; the slopes are under ten.
+        let allowed = 10.0 * beta2 + ROUNDING;
+        assert!((near.c - zero.c).abs() < allowed && (near.b - zero.b).abs() < allowed);
+        assert!((near.motion(1.0).w - zero.motion(1.0).w).abs() < allowed);
+        assert!((near.spectral_radius() - zero.spectral_radius()).abs() < 10.0 * allowed);
+        assert_eq!(near.admissibility, zero.admissibility);
+    }
+}
+
+#[test]
+fn impact_law_and_equations_hold() {
+    for g in
+        [strong(), Groups { beta2: 2.0, f10: 3.0, ..strong() }, Groups { kappa: 0.2, beta2: 0.6, ..strong() }]
+    {
+        for p in points(&g) {
+            let scale = 1.0 + p.c.abs() + p.b;
+            let (at, before) = (p.motion(0.0), p.motion(-1e-10));
+            assert!((at.w - 1.0).abs() < ROUNDING * scale);
+            assert!((at.dw + g.kappa * before.dw).abs() < 1e-8 * scale);
+            assert!((p.motion(PI - 1e-12).w + 1.0).abs() < 1e-9 * scale);
+            // X2'' + β²(X2 - X3) = 0 in between, at leading order
+            let h = 1e-4;
+            let x2 = |s: f64| p.motion(s).w + p.motion(s).u;
+            for s in [0.5, 1.5, 2.5] {
+                let curvature = (x2(s + h) - 2.0 * x2(s) + x2(s - h)) / (h * h);
+                assert!((curvature + g.beta2 * (x2(s) - p.motion(s).x[2])).abs() < 1e-6 * scale);
+            }
+        }
+    }
+}
+
+#[test]
+fn steady_states_are_zeros_of_the_slow_equations() {
+    // The solvability conditions by numerical Fourier integrals of the motion instead of the closed form.
+    let g = strong();
+    for p in points(&g) {
+        let n = 20_000;
+        let (mut first, mut second) = (nalgebra::Complex::new(0.0, 0.0), nalgebra::Complex::new(0.0, 0.0));
+        for i in 0..n {
+            let s = PI * (f64::from(i) + 0.5) / f64::from(n);
+            let m = p.motion(s);
+            let (x2, turn) = (m.w + m.u, nalgebra::Complex::cis(-s) * (2.0 / f64::from(n)));
+            // Im(z e^{is}) has z = (i/π)∫ f e^{-is} over the whole period, twice the half.
+            let i_turn = nalgebra::Complex::new(0.0, 1.0) * turn;
+            first += i_turn * (x2 - g.beta2 * (x2 - m.x[2]));
+            second += i_turn * (g.mu13 * g.beta2 * (m.x[2] - x2));
+        }
+        let force = g.f10 * nalgebra::Complex::cis(p.drive_phase);
+        let u = nalgebra::Complex::new(-2.0 * g.sigma1, g.gamma1) * p.u - force - first;
+        let x = nalgebra::Complex::new(g.sigma30 - 2.0 * g.sigma1, g.gamma3) * p.x3 + second;
+        assert!(u.norm() < 1e-7 * (1.0 + p.b) && x.norm() < 1e-7 * (1.0 + p.a3), "{u} {x}");
+    }
+}
+
+#[test]
+fn amplitudes_and_clearance_against_sampling() {
+    for g in
+        [strong(), Groups { beta2: 0.85, f10: 2.0, ..strong() }, Groups { beta2: 2.5, f10: 4.0, ..strong() }]
+    {
+        for p in points(&g) {
+            let mut sampled = [0.0_f64; 3];
+            for i in 0..20_000 {
+                let m = p.motion(2.0 * PI * f64::from(i) / 20_000.0);
+                for (best, x) in sampled.iter_mut().zip([m.x[0], m.x[1], m.w]) {
+                    *best = best.max(x.abs());
+                }
+            }
+            for (exact, sample) in [p.a1(), p.a2()].into_iter().zip(sampled) {
+                assert!(exact > sample - 1e-11 * (1.0 + exact) && exact - sample < 1e-6 * (1.0 + exact));
+            }
+            assert_eq!(p.admissibility.geometric, sampled[2] < 1.0 + 1e-9 && p.motion(-1e-9).dw > 0.0);
+        }
+    }
+}
+
+#[test]
+fn close_to_beta_one_the_motion_stays() {
+    // The singularity of β̂ = 1 is one of C alone: U tends to a limit from both sides.
+    let u = |beta: f64| {
+        let Roots { lower, upper } = solve(&Groups { beta2: beta * beta, ..strong() }).unwrap().unwrap();
+        if upper.c.abs() > lower.c.abs() { upper.b } else { lower.b }
+    };
+    assert!((u(1.0 + 1e-5) - u(1.0 - 1e-5)).abs() < 1e-3, "{} {}", u(1.0 + 1e-5), u(1.0 - 1e-5));
+}
+
+#[test]
+fn resonances_are_errors() {
+    for beta in [1.0, 2.0, 3.0, 1.0 + 1e-9] {
+        let e = solve(&Groups { beta2: beta * beta, ..strong() }).unwrap_err();
+        assert!(matches!(e, Error::Undefined { name: "beta", .. }), "{e}");
+    }
+    let undamped = Groups { beta2: 0.5, mu13: 1.0, sigma30: 0.0, sigma1: 0.5, gamma3: 0.0, ..strong() };
+    assert!(matches!(solve(&undamped), Err(Error::Undefined { name: "gamma3", .. })));
+    assert!(matches!(
+        solve(&Groups { beta2: f64::NAN, ..strong() }),
+        Err(Error::OutOfRange { name: "beta2", .. })
+    ));
+}

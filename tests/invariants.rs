@@ -1,0 +1,220 @@
+//! What must hold whatever the motion: laws of impact, energy, independence of the steps, symmetry, repeatability.
+
+use vibro_impact::simulator::{Contact, Event, Loads};
+use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+
+fn start() -> State {
+    State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }
+}
+
+fn basic(f10: f64, kappa: f64) -> Parameters {
+    Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
+}
+
+/// Distance of two states.
+fn distance(a: &State, b: &State) -> f64 {
+    a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)).map(|(p, q)| (p - q).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn invariant_the_state_does_not_depend_on_the_communication_steps() {
+    /// Issue bound: round-off, multiplied by 400 impacts of a stable motion.
+    const BOUND: f64 = 1e-10;
+    let p = Parameters::default();
+    let end = 200.0 * p.period();
+    let mut whole = Simulator::new(&p, &start(), 0.0).unwrap();
+    whole.advance_to(end).unwrap();
+    for step in [p.period() / 10.0, p.period() / 7.3, 13.0 * p.period(), 1e-3 * p.period()] {
+        let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+        let mut n = 0u32;
+        while simulator.time() < end {
+            n += 1;
+            simulator.advance_to((f64::from(n) * step).min(end)).unwrap();
+        }
+        assert_eq!(simulator.time(), end);
+        let d = distance(&simulator.state(), &whole.state());
+        assert!(d < BOUND, "step {step}: {d:e}");
+        assert_eq!(simulator.impacts().upper, whole.impacts().upper);
+    }
+}
+
+#[test]
+fn invariant_momentum_and_restitution_at_each_impact() {
+    /// Relative rounding of a velocity jump.
+    const ROUNDING: f64 = 1e-13;
+    let p = basic(3.5, 0.75);
+    let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+    let mut seen = 0;
+    while seen < 200 {
+        // The state just before: a copy taken to the impact's time from the last impact's state.
+        let before = simulator.clone();
+        let mut impact = None;
+        let begin = simulator.time();
+        simulator
+            .advance(begin, 100.0, true, &mut |e| {
+                if let Event::Impact { time, side, speed, impulse } = *e {
+                    impact = Some((time, f64::from(side), speed, impulse));
+                }
+            })
+            .unwrap();
+        let (time, side, speed, impulse) = impact.expect("an impact comes");
+        let mut approach = before;
+        let just_before = time - 1e-9;
+        if just_before <= approach.time() {
+            continue;
+        }
+        approach.advance_to(just_before).unwrap();
+        let (a, b) = (approach.state(), simulator.state());
+        let acceleration = approach.acceleration();
+        let v: Vec<f64> = (0..3).map(|i| a.v[i] + acceleration[i] * (time - just_before)).collect();
+        let (m1, m2) = (p.box_mass, p.block_mass);
+        const EXTRAPOLATION: f64 = 1e-12; // the jerk over a nanosecond, and the rounding of time
+        assert!((m1 * (b.v[0] - v[0]) - side * impulse).abs() < EXTRAPOLATION);
+        assert!((m2 * (b.v[1] - v[1]) + side * impulse).abs() < EXTRAPOLATION);
+        assert!((b.v[2] - v[2]).abs() < EXTRAPOLATION);
+        assert!((b.v[1] - b.v[0] + p.stop_restitution * side * speed).abs() < ROUNDING);
+        assert!((impulse - (1.0 + p.stop_restitution) * m1 * m2 / (m1 + m2) * speed).abs() < ROUNDING);
+        assert_eq!(simulator.gap().0, side * p.stop_gap);
+        seen += 1;
+    }
+}
+
+#[test]
+fn invariant_energy_balance_over_ten_thousand_periods() {
+    /// Issue bound: of the energy that passed through.
+    const BOUND: f64 = 1e-10;
+    for (f10, kappa) in [(1.5, 0.75), (0.6, 0.75), (3.6, 0.75), (1.5, 0.0), (1.5, 1.0)] {
+        let p = basic(f10, kappa);
+        let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+        let first = simulator.ledger();
+        simulator.advance_to(1e4 * p.period()).unwrap();
+        let l = simulator.ledger();
+        let error = l.mechanical - first.mechanical - l.input + l.damped + l.impact;
+        assert!(error.abs() < BOUND * l.damped, "f {f10} κ {kappa}: {error:e} of {}", l.damped);
+        assert!(l.damped > 1.0 && l.input > l.damped);
+    }
+}
+
+#[test]
+fn invariant_energy_balance_under_loads_in_all_modes() {
+    /// Rounding of the quadrature over some thousand steps.
+    const BOUND: f64 = 1e-12;
+    let p = basic(3.0, 0.1);
+    let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+    let first = simulator.ledger().mechanical;
+    let mut rests = 0;
+    for n in 0..3000 {
+        let t = 0.31 * f64::from(n);
+        let (s, c) = (0.3 * t).sin_cos();
+        let load = [0.05 * s, 0.015 * c, -0.0045 * s, -0.00135 * c];
+        simulator
+            .set_loads(&Loads { derivatives: [load, load.map(|x| -0.3 * x), load.map(|x| 0.2 * x)] })
+            .unwrap();
+        simulator
+            .advance(t, 0.31, false, &mut |e| rests += u32::from(matches!(e, Event::Rest { .. })))
+            .unwrap();
+    }
+    let l = simulator.ledger();
+    let error = l.mechanical - first - l.input + l.damped + l.impact;
+    assert!(rests > 10, "the case is meant to reach rest: {rests}");
+    assert!(error.abs() < BOUND * l.damped, "{error:e} of {}", l.damped);
+}
+
+#[test]
+fn invariant_reflection_turns_the_motion_by_half_a_period() {
+    let p = basic(3.5, 0.75);
+    let s = start();
+    let mirrored = State { x: s.x.map(|x| -x), v: s.v.map(|v| -v) };
+    let mut one = Simulator::new(&p, &s, 0.0).unwrap();
+    let mut two =
+        Simulator::new(&Parameters { drive_amplitude: -p.drive_amplitude, ..p }, &mirrored, 0.0).unwrap();
+    let end = 500.0 * p.period();
+    one.advance_to(end).unwrap();
+    two.advance_to(end).unwrap();
+    let (a, b) = (one.state(), two.state());
+    assert_eq!(a.x, b.x.map(|x| -x));
+    assert_eq!(a.v, b.v.map(|v| -v));
+    assert_eq!(one.impacts().upper, two.impacts().lower);
+}
+
+#[test]
+fn invariant_snapshot_and_restore_give_the_same_bits() {
+    let p = basic(0.748, 0.5);
+    let mut one = Simulator::new(&p, &start(), 0.0).unwrap();
+    one.set_loads(&Loads { derivatives: [[0.01, 0.001, 0.0, 0.0], [0.0; 4], [0.002, 0.0, 0.0, 0.0]] })
+        .unwrap();
+    let mut two = Simulator::new(&Parameters::default(), &State::default(), 7.0).unwrap();
+    let mut t = 0.0;
+    for n in 1..400 {
+        two.restore(&one.snapshot()).unwrap();
+        t += 0.1 + 0.01 * f64::from(n % 17);
+        one.advance_to(t).unwrap();
+        two.advance_to(t).unwrap();
+        assert_eq!(one.snapshot(), two.snapshot(), "at {t}");
+    }
+}
+
+#[test]
+fn invariant_phase_and_state_after_a_million_periods_equal_a_restart() {
+    /// Both take the same time as a double, so only the rounding of angle and state remains.
+    const BOUND: f64 = 1e-11;
+    let p = Parameters::default();
+    let mut long = Simulator::new(&p, &start(), 0.0).unwrap().without_ledger();
+    let period = p.period();
+    long.advance_to(1e6 * period).unwrap();
+    let mut restart = Simulator::new(&p, &long.state(), long.time()).unwrap();
+    let angle = |s: &Simulator| s.drive_phase().sin_cos();
+    let ((s1, c1), (s2, c2)) = (angle(&long), angle(&restart));
+    assert!((s1 - s2).abs() + (c1 - c2).abs() < BOUND);
+    long.advance_to(1e6 * period + 50.0).unwrap();
+    restart.advance_to(1e6 * period + 50.0).unwrap();
+    assert!(distance(&long.state(), &restart.state()) < BOUND);
+    // And the periodic motion after 10⁶ periods is that after 10³: the phase has not slipped.
+    let mut short = Simulator::new(&p, &start(), 0.0).unwrap();
+    short.advance_to(1e3 * period).unwrap();
+    let mut end = Simulator::new(&p, &start(), 0.0).unwrap();
+    end.advance_to(1e6 * period).unwrap();
+    /// 10⁶ periods as a double are off by up to half its unit in the last place, 5e-10 s, at speeds around 1 m/s.
+    const TIME_ROUNDING: f64 = 2e-9;
+    assert!(distance(&short.state(), &end.state()) < TIME_ROUNDING);
+}
+
+#[test]
+fn invariant_rest_holds_the_stop_and_lets_go_with_falling_force() {
+    let p = basic(3.0, 0.0);
+    let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+    let (mut rests, mut releases) = (0, 0);
+    for n in 0..20_000 {
+        simulator
+            .advance(0.01 * f64::from(n), 0.01, false, &mut |e| match e {
+                Event::Rest { .. } => rests += 1,
+                Event::Release { .. } => releases += 1,
+                _ => {}
+            })
+            .unwrap();
+        let (w, rate) = simulator.gap();
+        assert!(w.abs() <= p.stop_gap);
+        if simulator.contact() != Contact::Flight {
+            assert_eq!((w.abs(), rate), (p.stop_gap, 0.0));
+            assert!(simulator.contact_force() >= 0.0);
+            let a = simulator.acceleration();
+            assert!((a[0] - a[1]).abs() < 1e-14, "box and block move as one");
+        }
+    }
+    assert!(rests > 50 && releases + 1 >= rests, "{rests} {releases}");
+}
+
+#[test]
+fn invariant_a_change_of_frequency_keeps_the_force_continuous() {
+    let p = Parameters::default();
+    let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+    simulator.advance_to(1234.5).unwrap();
+    let before = simulator.drive_phase();
+    simulator.set_parameters(&Parameters { drive_frequency: 1.3, ..p }).unwrap();
+    assert!((simulator.drive_phase() - before).abs() < 1e-14);
+    let wrong = Parameters { drive_frequency: f64::NAN, ..p };
+    let snapshot = simulator.snapshot();
+    let message = simulator.set_parameters(&wrong).unwrap_err().to_string();
+    assert!(message.contains("drive.frequency") && message.contains("NaN"), "{message}");
+    assert_eq!(simulator.snapshot(), snapshot);
+}

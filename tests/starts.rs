@@ -1,0 +1,145 @@
+//! Every way to start, and parameters at the edge of what is allowed.
+
+use vibro_impact::simulator::{Contact, Event, Loads};
+use vibro_impact::{Error, Parameters, Simulator, State};
+
+fn at_stop(side: f64, relative: f64) -> State {
+    State { x: [0.0, side, 0.0], v: [0.0, relative, 0.0] }
+}
+
+/// Without drive and springs only the given push acts.
+fn pushed(push: f64) -> Parameters {
+    Parameters {
+        box_stiffness: 0.0,
+        coupling_stiffness: 0.0,
+        drive_frequency: 0.0,
+        drive_phase: 0.0,
+        ..Parameters::default()
+    }
+    .with_push(push)
+}
+
+trait Push {
+    fn with_push(self, push: f64) -> Self;
+}
+
+impl Push for Parameters {
+    /// A constant force on the box: sin(π/2) of a drive of frequency zero.
+    fn with_push(self, push: f64) -> Self {
+        Self { drive_amplitude: push, drive_phase: std::f64::consts::FRAC_PI_2, ..self }
+    }
+}
+
+#[test]
+fn closed_form_contact_at_the_start() {
+    for side in [1.0, -1.0] {
+        let rest = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+        // The box pushed towards the block presses it; pulled away it leaves it behind.
+        let pressed = Simulator::new(&pushed(-0.1 * side), &at_stop(side, 0.0), 0.0).unwrap();
+        assert_eq!(pressed.contact(), rest);
+        let free = Simulator::new(&pushed(0.1 * side), &at_stop(side, 0.0), 0.0).unwrap();
+        assert_eq!(free.contact(), Contact::Flight);
+        let still = Simulator::new(&pushed(0.0), &at_stop(side, 0.0), 0.0).unwrap();
+        assert_eq!(still.contact(), rest, "touching with nothing that moves them");
+    }
+}
+
+#[test]
+fn closed_form_approach_speed_at_the_start_is_an_impact_at_once() {
+    for side in [1.0, -1.0] {
+        for step in [1e-14, 1e-3, 10.0] {
+            let mut simulator =
+                Simulator::new(&Parameters::default(), &at_stop(side, 0.5 * side), 3.0).unwrap();
+            let mut first = None;
+            simulator.advance(3.0, step, true, &mut |e| first = first.or(Some(*e))).unwrap();
+            match first {
+                Some(Event::Impact { time, speed, side: s, .. }) => {
+                    assert_eq!((time, speed, f64::from(s)), (3.0, 0.5, side));
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn closed_form_leaving_speed_at_the_start_is_none() {
+    let mut simulator = Simulator::new(&Parameters::default(), &at_stop(1.0, -0.5), 0.0).unwrap();
+    simulator.advance_to(0.5).unwrap();
+    assert_eq!(simulator.impacts().upper, 0);
+    assert!(simulator.gap().0 < 0.9);
+}
+
+#[test]
+fn bad_starts_are_named() {
+    let p = Parameters::default();
+    let outside = Simulator::new(&p, &at_stop(1.001, 0.0), 0.0).unwrap_err();
+    assert!(matches!(outside, Error::Penetration { .. }), "{outside}");
+    assert!(outside.to_string().contains("1.001"));
+    let nan = State { v: [0.0, 0.0, f64::NAN], ..State::default() };
+    assert!(Simulator::new(&p, &nan, 0.0).unwrap_err().to_string().contains("secondary.v"));
+    assert!(Simulator::new(&p, &State::default(), f64::INFINITY).unwrap_err().to_string().contains("time"));
+    let far = State { x: [1e12, 1e12, 0.0], v: [0.0; 3] };
+    assert!(matches!(Simulator::new(&p, &far, 0.0).unwrap_err(), Error::PrecisionLost { .. }));
+    let stiff = Parameters { secondary_mass: 1e-30, ..p };
+    assert!(matches!(
+        Simulator::new(&stiff, &State::default(), 0.0).unwrap_err(),
+        Error::PrecisionLost { .. }
+    ));
+    let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
+    for end in [-1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(simulator.advance_to(end).unwrap_err(), Error::Step { .. }));
+    }
+    let loads = Loads { derivatives: [[0.0; 4], [0.0, f64::NAN, 0.0, 0.0], [0.0; 4]] };
+    assert!(simulator.set_loads(&loads).unwrap_err().to_string().contains("block.f"));
+}
+
+#[test]
+fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
+    /// Of the energy that passed; stiff springs store much more than passes.
+    const BOUND: f64 = 1e-9;
+    let p = Parameters::default();
+    let cases = [
+        ("undamped", Parameters { box_damping: 0.0, secondary_damping: 0.0, ..p }),
+        ("uncoupled", Parameters { coupling_stiffness: 0.0, ..p }),
+        ("box adrift", Parameters { box_stiffness: 0.0, ..p }),
+        ("all adrift", Parameters { box_stiffness: 0.0, secondary_stiffness: 0.0, ..p }),
+        ("heavy block", Parameters { block_mass: 1e3, ..p }),
+        ("light block", Parameters { block_mass: 1e-6, ..p }),
+        (
+            "weak springs",
+            Parameters { box_stiffness: 1e-8, coupling_stiffness: 1e-9, secondary_stiffness: 1e-8, ..p },
+        ),
+        ("stiff coupling", Parameters { coupling_stiffness: 1e4, ..p }),
+        ("stiff box", Parameters { box_stiffness: 1e5, ..p }),
+        ("overdamped box", Parameters { box_damping: 1e3, ..p }),
+        ("strong drive", Parameters { drive_amplitude: 1e4, ..p }),
+        ("tiny gap", Parameters { stop_gap: 1e-6, ..p }),
+        ("no drive", Parameters { drive_amplitude: 0.0, ..p }),
+        ("constant force", Parameters { drive_frequency: 0.0, drive_phase: 1.0, ..p }),
+        ("fast drive", Parameters { drive_frequency: 300.0, ..p }),
+        ("slow drive", Parameters { drive_frequency: 1e-4, ..p }),
+    ];
+    for (name, p) in cases {
+        for kappa in [0.0, 0.75, 1.0] {
+            let p = Parameters { stop_restitution: kappa, ..p };
+            let start = State { x: [0.0, 0.9 * p.stop_gap, 0.0], v: [0.0, 0.5, 0.0] };
+            let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+            let first = simulator.ledger().mechanical;
+            let mut passed = first;
+            for n in 1..=500 {
+                simulator
+                    .advance_to(0.2 * f64::from(n))
+                    .unwrap_or_else(|e| panic!("{name}, κ = {kappa}: {e}"));
+                let (w, _) = simulator.gap();
+                assert!(w.abs() <= p.stop_gap, "{name}, κ = {kappa}: {w}");
+                let l = simulator.ledger();
+                passed = passed.max(l.mechanical).max(l.damped).max(l.input.abs());
+            }
+            let l = simulator.ledger();
+            let error = l.mechanical - first - l.input + l.damped + l.impact;
+            assert!(error.abs() < BOUND * passed, "{name}, κ = {kappa}: {error:e} of {passed:e}");
+            assert!(simulator.impacts().upper > 0, "{name}, κ = {kappa}");
+        }
+    }
+}
