@@ -23,8 +23,7 @@ fn exports_are_the_functions_of_fmi2() {
     let exported: BTreeSet<String> = binary
         .exports()
         .unwrap()
-        .iter()
-        .map(|export| String::from_utf8_lossy(export.name()).into_owned())
+        .map(|export| export.unwrap().name_or_ordinal())
         // Mach-O puts an underscore before C names.
         .map(|name| name.strip_prefix("_fmi2").map_or(name.clone(), |rest| format!("fmi2{rest}")))
         .collect();
