@@ -12,6 +12,7 @@ pub mod error;
 mod events;
 mod extended;
 mod flow;
+pub mod fmi2;
 mod ledger;
 mod model;
 pub mod parameters;

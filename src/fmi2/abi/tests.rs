@@ -1,0 +1,378 @@
+use super::*;
+use crate::fmi2::description;
+use crate::fmi2::states::{FUNCTIONS, Interface, STATES, State};
+use crate::fmi2::variables::reference;
+use std::ptr::{null, null_mut};
+
+const OK: FmiStatus = 0;
+const DISCARD: FmiStatus = 2;
+const ERROR: FmiStatus = 3;
+
+/// Stands in for a host's logger: the arguments that are always there are those of the variadic one.
+unsafe extern "C" fn keep_message(
+    environment: *mut c_void,
+    name: *const c_char,
+    status: FmiStatus,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    let text = |p| unsafe { CStr::from_ptr(p) }.to_str().unwrap().to_owned();
+    let messages = unsafe { &mut *environment.cast::<Vec<String>>() };
+    messages.push(format!("{} {status} {} {}", text(name), text(category), text(message)));
+}
+
+struct Host {
+    #[allow(clippy::box_collection)] // its address is the logger's environment
+    messages: Box<Vec<String>>,
+    c: FmiComponent,
+}
+
+impl Host {
+    fn new(interface: Interface) -> Self {
+        let guid = CString::new(description::guid()).unwrap();
+        let kind = match interface {
+            Interface::ModelExchange => 0,
+            Interface::CoSimulation => 1,
+        };
+        Self::with(c"box %d", kind, &guid)
+    }
+
+    fn with(name: &CStr, kind: c_int, guid: &CStr) -> Self {
+        let mut messages = Box::new(Vec::<String>::new());
+        let environment = std::ptr::from_mut(&mut *messages).cast();
+        // On the platforms of the tests a variadic call without variadic arguments is an ordinary one.
+        #[allow(clippy::missing_transmute_annotations)]
+        let logger: FmiLogger = unsafe {
+            std::mem::transmute(
+                keep_message
+                    as unsafe extern "C" fn(
+                        *mut c_void,
+                        *const c_char,
+                        FmiStatus,
+                        *const c_char,
+                        *const c_char,
+                    ),
+            )
+        };
+        let functions = FmiCallbackFunctions {
+            logger: Some(logger),
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            component_environment: environment,
+        };
+        let name = name.to_owned(); // freed after the call
+        let c = unsafe { fmi2Instantiate(name.as_ptr(), kind, guid.as_ptr(), null(), &functions, 0, 1) };
+        Self { messages, c }
+    }
+
+    fn initialized() -> Self {
+        let host = Self::new(Interface::CoSimulation);
+        unsafe {
+            assert_eq!(fmi2SetupExperiment(host.c, 0, 0.0, 0.0, 0, 0.0), OK);
+            assert_eq!(fmi2EnterInitializationMode(host.c), OK);
+            assert_eq!(fmi2ExitInitializationMode(host.c), OK);
+        }
+        host
+    }
+
+    fn get(&self, name: &str) -> f64 {
+        let mut value = f64::NAN;
+        let reference = reference(name);
+        assert_eq!(unsafe { fmi2GetReal(self.c, &reference, 1, &mut value) }, OK);
+        value
+    }
+
+    fn last(&self) -> &str {
+        self.messages.last().map_or("", String::as_str)
+    }
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        unsafe { fmi2FreeInstance(self.c) }
+    }
+}
+
+#[test]
+fn version_and_platform() {
+    let text = |p| unsafe { CStr::from_ptr(p) };
+    assert_eq!(text(fmi2GetVersion()), c"2.0");
+    assert_eq!(text(fmi2GetTypesPlatform()), c"default");
+}
+
+#[test]
+fn a_step_through_the_c_interface() {
+    let host = Host::initialized();
+    assert_eq!(unsafe { fmi2DoStep(host.c, 0.0, 2.0, 1) }, OK);
+    assert_eq!(host.get("time"), 2.0);
+    let mut counts = [-1, -1];
+    let references = [reference("impacts.upper"), reference("stop.state")];
+    assert_eq!(unsafe { fmi2GetInteger(host.c, references.as_ptr(), 2, counts.as_mut_ptr()) }, OK);
+    assert!(counts[0] >= 0 && counts[1] == 1);
+    assert_eq!(unsafe { fmi2Terminate(host.c) }, OK);
+    assert_eq!(host.get("time"), 2.0);
+}
+
+#[test]
+fn failed_instantiation_says_why() {
+    let guid = CString::new(description::guid()).unwrap();
+    for (name, kind, guid, text) in [
+        (c"a", 1, c"{no}", "a 3 logStatusError fmi2Instantiate: fmuGUID = \"{no}\": allowed is {"),
+        (c" ", 1, &*guid, "  3 logStatusError fmi2Instantiate: instanceName = \" \": allowed is"),
+        (c"a", 2, &*guid, "a 3 logStatusError fmi2Instantiate: fmuType = 2: allowed is 0"),
+    ] {
+        let host = Host::with(name, kind, guid);
+        assert!(host.c.is_null());
+        assert!(host.last().starts_with(text), "{}", host.last());
+    }
+    unsafe {
+        assert!(fmi2Instantiate(null(), 1, guid.as_ptr(), null(), null(), 0, 0).is_null());
+        assert!(fmi2Instantiate(c"a".as_ptr(), 1, null(), null(), null(), 0, 0).is_null());
+        // No callbacks at all: an instance that logs nothing.
+        let c = fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 1);
+        assert!(!c.is_null());
+        assert_eq!(fmi2DoStep(c, 0.0, 1.0, 0), ERROR);
+        fmi2FreeInstance(c);
+    }
+}
+
+#[test]
+fn messages_are_finished_text() {
+    let host = Host::new(Interface::CoSimulation);
+    assert_eq!(unsafe { fmi2DoStep(host.c, 0.0, 1.0, 0) }, ERROR);
+    assert_eq!(
+        host.last(),
+        "box %d 3 logStatusError fmi2DoStep: not allowed in state Instantiated of Co-Simulation"
+    );
+    let category = c"100 % #1".as_ptr();
+    assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, &category) }, ERROR);
+    assert!(host.last().contains("category = \"100 %% ##1\": allowed is logEvents, "), "{}", host.last());
+}
+
+#[test]
+fn null_pointers_and_impossible_counts_are_errors() {
+    let host = Host::initialized();
+    let c = host.c;
+    let references = [reference("box.s"), reference("box.v")];
+    let vr = references.as_ptr();
+    let mut values = [0.0; 2];
+    unsafe {
+        assert_eq!(fmi2GetReal(c, null(), 2, values.as_mut_ptr()), ERROR);
+        assert_eq!(
+            host.last(),
+            "box %d 3 logStatusError fmi2GetReal: vr is null: allowed is a valid pointer"
+        );
+        assert_eq!(fmi2GetReal(c, vr, 2, null_mut()), ERROR);
+        assert_eq!(fmi2GetReal(c, null(), 0, null_mut()), OK);
+        assert_eq!(fmi2GetReal(c, vr, usize::MAX, values.as_mut_ptr()), ERROR);
+        assert_eq!(fmi2GetReal(c, vr, 1 << 61, values.as_mut_ptr()), ERROR);
+        assert_eq!(fmi2SetReal(c, null(), 1, values.as_ptr()), ERROR);
+        assert_eq!(fmi2SetReal(c, vr, 1, null()), ERROR);
+        assert_eq!(fmi2GetString(c, vr, 1, [null()].as_mut_ptr()), ERROR);
+        assert_eq!(fmi2SetRealInputDerivatives(c, vr, 1, null(), values.as_ptr()), ERROR);
+        assert_eq!(fmi2GetFMUstate(c, null_mut()), ERROR);
+        assert_eq!(fmi2FreeFMUstate(c, null_mut()), OK);
+        assert_eq!(fmi2SetFMUstate(c, null_mut()), ERROR);
+        assert_eq!(fmi2GetRealStatus(c, 2, null_mut()), ERROR);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 1, null()), ERROR);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 1, [null()].as_ptr()), ERROR);
+        for status in [fmi2Reset(null_mut()), fmi2DoStep(null_mut(), 0.0, 1.0, 0)] {
+            assert_eq!(status, ERROR);
+        }
+        fmi2FreeInstance(null_mut());
+    }
+}
+
+#[test]
+fn statuses() {
+    let host = Host::initialized();
+    let (mut time, mut flag, mut number) = (0.0, 1, 0);
+    unsafe {
+        assert_eq!(fmi2DoStep(host.c, 0.0, 1.5, 0), OK);
+        assert_eq!(fmi2GetRealStatus(host.c, 2, &mut time), OK);
+        assert_eq!(fmi2GetBooleanStatus(host.c, 3, &mut flag), OK);
+        assert_eq!((time, flag), (1.5, 0));
+        assert_eq!(fmi2GetStatus(host.c, 0, &mut number), DISCARD);
+        assert!(host.last().contains("2 logStatusDiscard fmi2GetStatus: fmi2DoStepStatus is not"));
+        assert_eq!(fmi2GetStringStatus(host.c, 1, &mut null()), DISCARD);
+        assert_eq!(fmi2GetIntegerStatus(host.c, 0, &mut number), DISCARD);
+        assert_eq!(fmi2GetRealStatus(host.c, 17, &mut time), ERROR);
+        assert_eq!(fmi2CancelStep(host.c), ERROR);
+    }
+}
+
+#[test]
+fn states_are_kept_serialized_and_freed() {
+    let host = Host::initialized();
+    let c = host.c;
+    let mut state = null_mut();
+    unsafe {
+        assert_eq!(fmi2DoStep(c, 0.0, 13.7, 0), OK);
+        assert_eq!(fmi2GetFMUstate(c, &mut state), OK);
+        assert_eq!(fmi2DoStep(c, 13.7, 13.7, 0), OK);
+        let end = host.get("block.s");
+        assert_eq!(fmi2SetFMUstate(c, state), OK);
+        assert_eq!(host.get("time"), 13.7);
+        assert_eq!(fmi2DoStep(c, 13.7, 13.7, 0), OK);
+        assert_eq!(host.get("block.s").to_bits(), end.to_bits());
+
+        let mut size = 0;
+        assert_eq!(fmi2SerializedFMUstateSize(c, state, &mut size), OK);
+        let mut bytes = vec![0_u8; size];
+        assert_eq!(fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr(), size - 1), ERROR);
+        assert_eq!(fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr(), size), OK);
+        let other = Host::new(Interface::CoSimulation);
+        let mut copy = null_mut();
+        assert_eq!(fmi2DeSerializeFMUstate(other.c, bytes.as_ptr(), size - 1, &mut copy), ERROR);
+        assert!(copy.is_null());
+        assert_eq!(fmi2DeSerializeFMUstate(other.c, bytes.as_ptr(), size, &mut copy), OK);
+        assert_eq!(fmi2SetFMUstate(other.c, state), ERROR); // another instance's
+        assert_eq!(fmi2SetFMUstate(other.c, copy), OK);
+        assert_eq!(fmi2DoStep(other.c, 13.7, 13.7, 0), OK);
+        assert_eq!(other.get("block.s").to_bits(), end.to_bits());
+
+        let dangling = state;
+        assert_eq!(fmi2FreeFMUstate(c, &mut state), OK);
+        assert!(state.is_null());
+        assert_eq!(fmi2FreeFMUstate(c, &mut state), OK);
+        assert_eq!(fmi2SetFMUstate(c, dangling), ERROR);
+        // `copy` is freed with its instance.
+    }
+}
+
+#[test]
+fn a_panic_makes_the_instance_fatal() {
+    let host = Host::initialized();
+    let status = unsafe { call(host.c, Function::GetReal, |_, _| panic!("50 % of nothing")) };
+    assert_eq!(status, 4);
+    assert!(host.last().contains("4 logStatusFatal fmi2GetReal: internal error: 50 %% of nothing;"));
+    unsafe {
+        assert_eq!(fmi2Reset(host.c), ERROR);
+        assert_eq!(
+            host.last(),
+            "box %d 3 logStatusError fmi2Reset: not allowed in state Fatal of Co-Simulation"
+        );
+    }
+}
+
+/// Calls a function with arguments that are legal wherever the call is.
+unsafe fn play(c: FmiComponent, function: Function) -> FmiStatus {
+    let vr = [reference("box.f")];
+    let (vr, mut real, mut flag, mut other) = (vr.as_ptr(), 0.0, 0, 0);
+    let mut six = [0.0; 6];
+    let (x, one, state) = (six.as_mut_ptr(), [1].as_ptr(), &mut null_mut());
+    unsafe {
+        match function {
+            Function::SetDebugLogging => fmi2SetDebugLogging(c, 1, 0, null()),
+            Function::FreeInstance => OK,
+            Function::SetupExperiment => fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
+            Function::EnterInitializationMode => fmi2EnterInitializationMode(c),
+            Function::ExitInitializationMode => fmi2ExitInitializationMode(c),
+            Function::Terminate => fmi2Terminate(c),
+            Function::Reset => fmi2Reset(c),
+            Function::GetReal => fmi2GetReal(c, vr, 1, &mut real),
+            Function::GetInteger => fmi2GetInteger(c, vr, 0, &mut flag),
+            Function::GetBoolean => fmi2GetBoolean(c, vr, 0, &mut flag),
+            Function::GetString => fmi2GetString(c, vr, 0, &mut null()),
+            Function::SetReal => fmi2SetReal(c, vr, 1, &real),
+            Function::SetInteger => fmi2SetInteger(c, vr, 0, &flag),
+            Function::SetBoolean => fmi2SetBoolean(c, vr, 0, &flag),
+            Function::SetString => fmi2SetString(c, vr, 0, &null()),
+            Function::GetFMUstate => fmi2GetFMUstate(c, state),
+            Function::SetFMUstate => fmi2SetFMUstate(c, *state),
+            Function::FreeFMUstate => fmi2FreeFMUstate(c, state),
+            Function::SerializedFMUstateSize => fmi2SerializedFMUstateSize(c, *state, &mut 0),
+            Function::SerializeFMUstate => fmi2SerializeFMUstate(c, *state, null_mut(), 0),
+            Function::DeSerializeFMUstate => fmi2DeSerializeFMUstate(c, null(), 0, state),
+            Function::GetDirectionalDerivative => {
+                fmi2GetDirectionalDerivative(c, vr, 0, vr, 0, &real, &mut 0.0)
+            }
+            Function::EnterEventMode => fmi2EnterEventMode(c),
+            Function::NewDiscreteStates => fmi2NewDiscreteStates(c, &mut FmiEventInfo::default()),
+            Function::EnterContinuousTimeMode => fmi2EnterContinuousTimeMode(c),
+            Function::CompletedIntegratorStep => fmi2CompletedIntegratorStep(c, 1, &mut flag, &mut other),
+            Function::SetTime => fmi2SetTime(c, 0.0),
+            Function::SetContinuousStates => fmi2SetContinuousStates(c, x, 6),
+            Function::GetEventIndicators => fmi2GetEventIndicators(c, x, 3),
+            Function::GetContinuousStates => fmi2GetContinuousStates(c, x, 6),
+            Function::GetDerivatives => fmi2GetDerivatives(c, x, 6),
+            Function::GetNominalsOfContinuousStates => fmi2GetNominalsOfContinuousStates(c, x, 6),
+            Function::SetRealInputDerivatives => fmi2SetRealInputDerivatives(c, vr, 1, one, &real),
+            Function::GetRealOutputDerivatives => {
+                fmi2GetRealOutputDerivatives(c, &reference("box.s"), 1, one, &mut real)
+            }
+            Function::DoStep => fmi2DoStep(c, 0.0, 1.0, 1),
+            Function::CancelStep => fmi2CancelStep(c),
+            Function::GetStatus => fmi2GetStatus(c, 0, &mut flag),
+            Function::GetRealStatus => fmi2GetRealStatus(c, 2, &mut real),
+            Function::GetIntegerStatus => fmi2GetIntegerStatus(c, 0, &mut flag),
+            Function::GetBooleanStatus => fmi2GetBooleanStatus(c, 3, &mut flag),
+            Function::GetStringStatus => fmi2GetStringStatus(c, 1, &mut null()),
+        }
+    }
+}
+
+/// An instance brought to `state` by calls where there is a way, else put there.
+fn brought_to(interface: Interface, state: State) -> Host {
+    let host = Host::new(interface);
+    let way: &[Function] = match (interface, state) {
+        (_, State::Instantiated) => &[],
+        (_, State::InitializationMode) => &[Function::SetupExperiment, Function::EnterInitializationMode],
+        (Interface::CoSimulation, _) | (_, State::EventMode) => {
+            &[Function::SetupExperiment, Function::EnterInitializationMode, Function::ExitInitializationMode]
+        }
+        (Interface::ModelExchange, _) => &[
+            Function::SetupExperiment,
+            Function::EnterInitializationMode,
+            Function::ExitInitializationMode,
+            Function::NewDiscreteStates,
+            Function::EnterContinuousTimeMode,
+        ],
+    };
+    for function in way {
+        assert_eq!(unsafe { play(host.c, *function) }, OK, "{function:?}: {}", host.last());
+    }
+    let component = unsafe { &mut *host.c.cast::<Component>() };
+    component.instance.force(state);
+    host
+}
+
+fn belongs(interface: Interface, state: State) -> bool {
+    use State::*;
+    match interface {
+        Interface::CoSimulation => !matches!(state, EventMode | ContinuousTimeMode),
+        Interface::ModelExchange => {
+            !matches!(state, StepComplete | StepInProgress | StepFailed | StepCanceled)
+        }
+    }
+}
+
+#[test]
+fn every_cell_of_both_state_machines() {
+    for interface in [Interface::CoSimulation, Interface::ModelExchange] {
+        if interface == Interface::ModelExchange && !description::MODEL_EXCHANGE {
+            continue;
+        }
+        for state in STATES.into_iter().filter(|state| belongs(interface, *state)) {
+            for function in FUNCTIONS {
+                if *function == Function::FreeInstance {
+                    continue; // every instance is freed, in every state
+                }
+                let host = brought_to(interface, state);
+                let instance = |host: &Host| unsafe { &*host.c.cast::<Component>() }.instance.image();
+                let before = instance(&host);
+                let status = unsafe { play(host.c, *function) };
+                let refusal =
+                    format!("{}: not allowed in state {state:?} of {}", function.name(), interface.name());
+                let refused = host.last().ends_with(&refusal);
+                let allowed = function.allowed(interface, state);
+                assert_eq!(refused, !allowed, "{refusal}: {}", host.last());
+                if !allowed {
+                    assert_eq!(status, ERROR, "{refusal}");
+                    assert_eq!(instance(&host), before, "{refusal}");
+                }
+            }
+        }
+    }
+}

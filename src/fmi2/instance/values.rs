@@ -1,0 +1,300 @@
+//! Getting and setting values (FMI 2.0, 2.1.7 and 2.2.7).
+
+use super::{Engine, Instance, Outcome};
+use crate::fmi2::problem::Problem;
+use crate::fmi2::states::{Function, State};
+use crate::fmi2::variables::{Access, Base, Causality, Initial, VARIABLES, Variability, Variable};
+use crate::parameters::Parameters;
+
+/// Highest order of input derivatives.
+const INPUT_ORDER: i32 = 3;
+/// Highest order of output derivatives: the displacements' fifth is known, so velocities and accelerations have three.
+const OUTPUT_ORDER: i32 = 3;
+
+impl Base {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Real => "Real",
+            Self::Integer => "Integer",
+            Self::Boolean => "Boolean",
+            Self::String => "String",
+        }
+    }
+
+    fn getter(self) -> Function {
+        match self {
+            Self::Real => Function::GetReal,
+            Self::Integer => Function::GetInteger,
+            Self::Boolean => Function::GetBoolean,
+            Self::String => Function::GetString,
+        }
+    }
+
+    fn setter(self) -> Function {
+        match self {
+            Self::Real => Function::SetReal,
+            Self::Integer => Function::SetInteger,
+            Self::Boolean => Function::SetBoolean,
+            Self::String => Function::SetString,
+        }
+    }
+}
+
+/// The variable of that reference and base type.
+#[inline]
+fn look_up(reference: u32, base: Base) -> Outcome<&'static Variable> {
+    match VARIABLES.get(reference as usize) {
+        Some(variable) if variable.base() == base => Ok(variable),
+        found => Err(no_such(reference, base, found)),
+    }
+}
+
+#[cold]
+fn no_such(reference: u32, base: Base, found: Option<&Variable>) -> Problem {
+    let found = match found {
+        Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
+        None => format!("allowed is 0 to {}", VARIABLES.len() - 1),
+    };
+    Problem::Reference { reference, base: base.name(), found }
+}
+
+impl Instance {
+    /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`, `fmi2GetString` (FMI 2.0, 2.1.7): hands value `i` to `write`.
+    ///
+    /// # Errors
+    /// Before anything is written: a reference that is not of this base type, or, in Initialization Mode, a start that is
+    /// not possible.
+    #[inline]
+    pub fn get(&mut self, base: Base, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
+        self.guard(base.getter())?;
+        let initialized = !matches!(self.engine, Engine::None);
+        let (mut moves, mut follows) = (false, false);
+        for &reference in references {
+            match look_up(reference, base)?.access {
+                Access::Motion(_) => moves = true,
+                Access::Start { .. } => moves |= initialized,
+                Access::Derived(_) => follows = true,
+                Access::Setting { .. } => {}
+            }
+        }
+        if moves {
+            self.refresh_motion()?;
+        }
+        if follows {
+            self.refresh_derived();
+        }
+        for (i, &reference) in references.iter().enumerate() {
+            let value = match VARIABLES[reference as usize].access {
+                Access::Setting { get, .. } => get(&self.settings),
+                Access::Start { now, .. } if initialized => now(&self.motion),
+                Access::Start { get, .. } => get(&self.settings),
+                Access::Motion(get) => get(&self.motion),
+                Access::Derived(get) => get(&self.derived),
+            };
+            write(i, value);
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`, `fmi2SetString` (FMI 2.0, 2.1.7): takes value `i` from `read`.
+    /// All are checked before the first is set.
+    ///
+    /// # Errors
+    /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has changed then.
+    #[inline]
+    pub fn set(&mut self, base: Base, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
+        self.guard(base.setter())?;
+        for (i, &reference) in references.iter().enumerate() {
+            let variable = look_up(reference, base)?;
+            self.check_settable(variable)?;
+            let value = read(i);
+            if !variable.accepts(value) {
+                return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed });
+            }
+        }
+        for (i, &reference) in references.iter().enumerate() {
+            self.assign(&VARIABLES[reference as usize], read(i));
+        }
+        Ok(())
+    }
+
+    fn assign(&mut self, variable: &Variable, value: f64) {
+        let (Access::Setting { set, .. } | Access::Start { set, .. }) = variable.access else { return };
+        let settings = &mut self.settings;
+        if variable.causality == Causality::Input {
+            let slopes = settings.loads.derivatives;
+            set(settings, value);
+            // Derivatives set for this communication point hold whichever of the two calls comes first.
+            for body in (0..3).filter(|body| self.slopes_set[*body]) {
+                settings.loads.derivatives[body][1..].copy_from_slice(&slopes[body][1..]);
+            }
+            self.loads_set = true;
+        } else {
+            set(settings, value);
+            self.parameters_set = true;
+            self.derived_stale = true;
+        }
+        if matches!(self.engine, Engine::None) {
+            self.motion_stale = true;
+        }
+    }
+
+    /// FMI 2.0, 2.2.7: what may be set when. Inputs are also taken before initialization, where the standard has their
+    /// start values stand: several hosts set them there.
+    fn check_settable(&self, variable: &Variable) -> Outcome {
+        let input = variable.causality == Causality::Input;
+        let exact = variable.initial == Some(Initial::Exact);
+        let tunable =
+            variable.causality == Causality::Parameter && variable.variability == Variability::Tunable;
+        let (settable, allowed) = match self.state {
+            State::Instantiated | State::InitializationMode => {
+                (exact || input, "parameters, start values and inputs")
+            }
+            State::ContinuousTimeMode => (input, "inputs and continuous states"),
+            _ => (input || tunable, "inputs and tunable parameters"),
+        };
+        if settable {
+            return Ok(());
+        }
+        Err(Problem::NotSettable { name: variable.name, state: self.state, allowed })
+    }
+
+    /// `fmi2SetRealInputDerivatives` (FMI 2.0, 4.2.1), orders 1 to 3, at the coming step's start.
+    ///
+    /// # Errors
+    /// A reference that is no input, an order outside 1…3, a value that is not finite; nothing has changed then.
+    pub fn set_real_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Outcome {
+        self.guard(Function::SetRealInputDerivatives)?;
+        let body = |variable: &Variable| {
+            ["box.f", "block.f", "secondary.f"].iter().position(|n| *n == variable.name)
+        };
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let variable = look_up(reference, Base::Real)?;
+            if body(variable).is_none() {
+                return Err(Problem::NotSettable {
+                    name: variable.name,
+                    state: self.state,
+                    allowed: "derivatives of inputs",
+                });
+            }
+            check_order(order, INPUT_ORDER, "1, 2 or 3")?;
+            if !value.is_finite() {
+                return Err(Problem::Value { name: variable.name, value, allowed: "a finite derivative" });
+            }
+        }
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let variable = &VARIABLES[reference as usize];
+            if let Some(body) = body(variable) {
+                let load = &mut self.settings.loads.derivatives[body];
+                if !self.slopes_set[body] {
+                    self.slopes_set[body] = true;
+                    load[1..].fill(0.0);
+                }
+                load[order as usize] = value;
+                self.loads_set = true;
+            }
+        }
+        if matches!(self.engine, Engine::None) {
+            self.motion_stale = true;
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetRealOutputDerivatives` (FMI 2.0, 4.2.1), orders 1 to 3 of continuous outputs at the present time. Those of
+    /// the motion and of what follows from it linearly are exact; others are refused.
+    ///
+    /// # Errors
+    /// A reference that is no output of the motion, an order outside 1…3; nothing is written then.
+    pub fn get_real_output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        self.guard(Function::GetRealOutputDerivatives)?;
+        for (&reference, &order) in references.iter().zip(orders) {
+            let variable = look_up(reference, Base::Real)?;
+            if path(variable).is_none() {
+                return Err(Problem::NotSettable {
+                    name: variable.name,
+                    state: self.state,
+                    allowed: "reading derivatives of displacements, velocities, accelerations, stop.s, stop.v and coupling.f",
+                });
+            }
+            check_order(order, OUTPUT_ORDER, "1, 2 or 3")?;
+        }
+        let derivatives = self.path_derivatives()?;
+        let parameters = self.motion_parameters();
+        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
+            if let Some(path) = path(&VARIABLES[reference as usize]) {
+                write(i, path.derivative(&derivatives, &parameters, order as usize));
+            }
+        }
+        Ok(())
+    }
+
+    fn path_derivatives(&mut self) -> Outcome<[[f64; 6]; 3]> {
+        match &self.engine {
+            Engine::Simulation(simulator) => Ok(simulator.derivatives()),
+            Engine::None => Ok(self.initial_simulator()?.derivatives()),
+        }
+    }
+
+    /// The parameters the motion at the present time was made with.
+    fn motion_parameters(&self) -> Parameters {
+        match &self.engine {
+            Engine::Simulation(simulator) => *simulator.parameters(),
+            Engine::None => self.settings.parameters,
+        }
+    }
+}
+
+fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
+    if (1..=highest).contains(&order) {
+        return Ok(());
+    }
+    Err(Problem::Value { name: "order", value: f64::from(order), allowed })
+}
+
+/// An output as a combination of displacements or their derivatives.
+#[derive(Clone, Copy)]
+enum Path {
+    /// Derivative `order` of a body's displacement.
+    Body { body: usize, order: usize },
+    /// Derivative `order` of x2 - x1.
+    Gap { order: usize },
+    /// k23 (x2 - x3).
+    Coupling,
+}
+
+impl Path {
+    fn derivative(self, d: &[[f64; 6]; 3], parameters: &Parameters, order: usize) -> f64 {
+        match self {
+            Self::Body { body, order: base } => d[body][base + order],
+            Self::Gap { order: base } => d[1][base + order] - d[0][base + order],
+            Self::Coupling => parameters.coupling_stiffness * (d[1][order] - d[2][order]),
+        }
+    }
+}
+
+fn path(variable: &Variable) -> Option<Path> {
+    let (group, member) = variable.name.split_once('.')?;
+    let order = match member {
+        "s" => 0,
+        "v" => 1,
+        "a" => 2,
+        _ => return (variable.name == "coupling.f").then_some(Path::Coupling),
+    };
+    match group {
+        "box" => Some(Path::Body { body: 0, order }),
+        "block" => Some(Path::Body { body: 1, order }),
+        "secondary" => Some(Path::Body { body: 2, order }),
+        "stop" if order < 2 => Some(Path::Gap { order }),
+        _ => None,
+    }
+}

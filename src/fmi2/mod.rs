@@ -1,0 +1,26 @@
+//! The FMI 2.0 layer: `variables` (one table) → `instance` (safe state machine) → `abi` (every `extern "C"`).
+//!
+//! ```text
+//! host ── fmi2XXX ──▶ abi.rs        pointers checked, panics caught, nothing decided
+//!                      │
+//!                      ▼
+//!                     instance.rs   who may call what when (states.rs), what it means
+//!                      │    │
+//!                      │    └─────▶ variables.rs   names, units, ranges, getters, setters
+//!                      ▼
+//!                     simulator / steady
+//! ```
+//!
+//! Clauses are those of *Functional Mock-up Interface for Model Exchange and Co-Simulation*, version 2.0.x.
+
+pub mod abi;
+mod bytes;
+pub mod description;
+pub mod instance;
+pub mod logging;
+pub mod problem;
+pub mod settings;
+pub mod states;
+pub mod structure;
+pub mod units;
+pub mod variables;
