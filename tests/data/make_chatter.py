@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes chatter.csv: states that run into a complete chatter, followed impact by impact in 80 digits.
 
-Regenerate with `python3 tests/data/make_chatter.py` (needs mpmath; a few minutes; the output is reproducible).
+Regenerate with `python3 tests/data/make_chatter.py` (needs mpmath; about two CPU minutes; reproducible).
 
 Every impact is located exactly until the approach speed is under 1e-30 of the first one; the rest of the series
 (duration 2 v / (a (1 - kappa)), under 1e-29) is summed and the rest mode is integrated exactly from there. With
