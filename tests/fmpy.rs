@@ -36,16 +36,18 @@ fn native_trajectory(file: &Path, step: f64) {
 
 #[test]
 fn fmpy_drives_the_packaged_fmu() {
-    let python = common::python();
-    let fmu = common::fmu();
+    let python = common::python::python();
+    let fmu = common::python::fmu();
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("native");
     fs::create_dir_all(&folder).expect("target can be written");
     for (name, step) in STEPS {
         native_trajectory(&folder.join(format!("{name}.csv")), step);
     }
     let mut pytest = Command::new(python);
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fmpy"]).current_dir(common::root());
+    pytest
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fmpy"])
+        .current_dir(common::python::root());
     pytest.env("VIBRO_IMPACT_FMU", fmu).env("VIBRO_IMPACT_NATIVE", folder);
     pytest.env("PYTHONDONTWRITEBYTECODE", "1");
-    println!("{}", common::run("pytest tests/fmpy", &mut pytest));
+    println!("{}", common::python::run("pytest tests/fmpy", &mut pytest));
 }

@@ -27,19 +27,20 @@ fn blocks(markdown: &str) -> Vec<(String, String)> {
 
 #[test]
 fn every_code_block_works() {
-    let readme = fs::read_to_string(common::root().join("README.md")).expect("README.md can be read");
+    let readme = fs::read_to_string(common::python::root().join("README.md")).expect("README.md can be read");
     let blocks = blocks(&readme);
     assert!(blocks.iter().any(|(language, _)| language == "python"), "the README shows the use in fmpy");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
     fs::create_dir_all(folder.join("target")).expect("target can be written");
-    fs::copy(common::fmu(), folder.join("target/VibroImpact3DOF.fmu")).expect("target can be written");
-    let requirements = fs::read_to_string(common::root().join("tests/fmpy/requirements.txt"))
+    fs::copy(common::python::fmu(), folder.join("target/VibroImpact3DOF.fmu"))
+        .expect("target can be written");
+    let requirements = fs::read_to_string(common::python::root().join("tests/fmpy/requirements.txt"))
         .expect("requirements.txt can be read");
     for (language, text) in blocks {
         match language.as_str() {
             "python" => {
-                let mut python = Command::new(common::python());
-                let printed = common::run(
+                let mut python = Command::new(common::python::python());
+                let printed = common::python::run(
                     "a Python block of README.md",
                     python.args(["-c", &text]).current_dir(&folder),
                 );
