@@ -23,7 +23,10 @@ fn exports_are_the_functions_of_fmi2() {
     let exported: BTreeSet<String> = binary
         .exports()
         .unwrap()
-        .map(|export| export.unwrap().name_or_ordinal())
+        .map(|export| {
+            let name = export.unwrap().into_name().into_name().expect("exported by name, not by number");
+            String::from_utf8_lossy(&name).into_owned()
+        })
         // Mach-O puts an underscore before C names.
         .map(|name| name.strip_prefix("_fmi2").map_or(name.clone(), |rest| format!("fmi2{rest}")))
         .collect();
