@@ -16,6 +16,7 @@ pub mod fmi2;
 mod ledger;
 mod model;
 pub mod parameters;
+pub mod reference;
 pub mod simulator;
 pub mod steady;
 

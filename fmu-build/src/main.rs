@@ -1,2 +1,86 @@
-//! Placeholder entry until the packager lands.
-fn main() {}
+//! The packager's command line: arguments and printing only.
+
+use clap::{Parser, Subcommand};
+use fmu_build::picture::Picture;
+use fmu_build::table::Table;
+use fmu_build::{archive, canvas, compile, package, run};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Builds VibroImpact3DOF.fmu, runs it beside the native library and draws what happened.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    /// Where the FMU goes [default: target/VibroImpact3DOF.fmu]; the pictures go beside it
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+    /// Drive periods to run
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    periods: u32,
+    /// Build only
+    #[arg(long)]
+    no_run: bool,
+    #[command(subcommand)]
+    command: Option<Task>,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Writes the generated files that are committed (modelDescription/, the pictures of README and documentation)
+    Refresh,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = match arguments.command {
+        Some(Task::Refresh) => refresh(),
+        None => build(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("fmu-build: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Shrinking of the pictures from their drawing size, for the screen.
+const SHRINK: u32 = 2;
+
+fn build(arguments: &Arguments) -> fmu_build::Result<()> {
+    let output = arguments.output.clone().unwrap_or_else(package::default_output);
+    package::build(&output)?;
+    println!("{}", output.display());
+    if arguments.no_run {
+        return Ok(());
+    }
+    let run = run::run(&output, arguments.periods)?;
+    println!("{}", Table(&run));
+    for path in pictures(&run, &output)? {
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
+fn pictures(run: &run::Run, beside: &Path) -> fmu_build::Result<[PathBuf; 2]> {
+    let paths = [beside.with_extension("svg"), beside.with_extension("png")];
+    archive::write_file(&paths[0], canvas::svg(&Picture(run), SHRINK)?.as_bytes())?;
+    archive::write_file(&paths[1], &canvas::png(&Picture(run), SHRINK)?)?;
+    Ok(paths)
+}
+
+fn refresh() -> fmu_build::Result<()> {
+    let mut files = package::committed()?;
+    let fmu = package::default_output();
+    package::build(&fmu)?;
+    let run = run::run(&fmu, 200)?;
+    let folder = "modelDescription/documentation";
+    files.insert(format!("{folder}/run.svg"), canvas::svg(&Picture(&run), SHRINK)?.into_bytes());
+    files.insert(format!("{folder}/run.png"), canvas::png(&Picture(&run), SHRINK)?);
+    for (name, bytes) in files {
+        archive::write_file(&compile::workspace().join(&name), &bytes)?;
+        println!("{name}");
+    }
+    Ok(())
+}

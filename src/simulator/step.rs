@@ -17,8 +17,11 @@ const MAX_BURST: u32 = 1_000_000;
 const MAX_REACH: f64 = 4.0;
 /// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
-/// For κ nearer to 1 than this the run is closed by the height of its bounces (then under 1e-3 of the same bound).
+/// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
+/// without end; it is closed by the height of its bounces instead.
 const LEAST_LOSS: f64 = 1e-3;
+/// That height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
+const LEAST_BOUNCE: f64 = 1e-12;
 /// A run is closed only while the free acceleration changes by less than this part of itself until its end.
 const STEADY: f64 = 0.25;
 
@@ -526,22 +529,30 @@ impl Simulator {
         true
     }
 
-    /// Whether the chatter run that starts with rebound speed `u` is under round-off: it lasts 2u/(a(1-κ)) and moves the
-    /// block relative to the box, and box and block against the merged motion, by no more than u times that. Returns the
-    /// time that is left of it, s.
+    /// Whether the chatter run that starts with rebound speed `u` is to be closed. It lasts 2u/(a(1-κ)) and moves the
+    /// block relative to the box, and box and block against the merged motion, by no more than u times that: closed when
+    /// this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are under
+    /// [`LEAST_BOUNCE`]. Returns the time to the instant at which the run's impacts accumulate, s.
     #[inline(always)]
     fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
         let now = forces.first().map(|f| f.map(|d| d[0]));
         let a = side * self.model.acceleration(Mode::Flight, z, now).1;
-        let loss = (1.0 - self.model.restitution).max(LEAST_LOSS);
-        let left = 2.0 * u / (a * loss);
-        if a <= 0.0 || u * left > CHATTER * self.model.gap {
+        let (gap, loss) = (self.model.gap, 1.0 - self.model.restitution);
+        let elastic = loss < LEAST_LOSS;
+        let under = if elastic {
+            u * u <= 2.0 * a * LEAST_BOUNCE * gap
+        } else {
+            2.0 * u * u <= a * loss * CHATTER * gap
+        };
+        if a <= 0.0 || !under {
             return None;
         }
+        // The acceleration must not change until the end of the run, or of the bounce.
+        let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
         let rate = self.model.rate;
         let series = Series::<2>::expand(&self.model, Mode::Flight, z, forces.first(), 1.0 / rate);
-        let under = (series.free[1] * rate * left).abs() <= STEADY * a;
-        under.then_some(if self.model.restitution < 1.0 { left } else { 0.0 })
+        let steady = (series.free[1] * rate * span).abs() <= STEADY * a;
+        steady.then_some(if elastic { 0.0 } else { span })
     }
 }

@@ -1,0 +1,92 @@
+//! The `.fmu` archive: written so that the same content gives the same bytes, read as a host does.
+
+use crate::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{Cursor, Read, Write};
+use std::path::{Path, PathBuf};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+/// Content of an archive: path inside it → bytes, in the order of the paths.
+pub type Content = BTreeMap<String, Vec<u8>>;
+
+/// The archive's bytes: entries sorted, times 1980-01-01, permissions fixed.
+///
+/// # Errors
+/// [`Error::Archive`] when an entry cannot be written.
+pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
+    let failed = |source| Error::Archive { path: PathBuf::from("(in memory)"), source };
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in content {
+        let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(DateTime::default())
+            .unix_permissions(mode);
+        zip.start_file(name.as_str(), options).map_err(failed)?;
+        zip.write_all(bytes).map_err(|e| failed(e.into()))?;
+    }
+    Ok(zip.finish().map_err(failed)?.into_inner())
+}
+
+/// Writes the archive, whole or not at all: another process never sees a half-written one.
+///
+/// # Errors
+/// [`Error::Archive`], [`Error::File`].
+pub fn write(content: &Content, path: &Path) -> Result<()> {
+    write_file(path, &to_bytes(content)?)
+}
+
+/// Writes a file by way of a temporary one beside it; makes its folder.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder).map_err(Error::file("making the folder", folder))?;
+    let mut file = tempfile::Builder::new()
+        .permissions_if_supported()
+        .tempfile_in(folder)
+        .map_err(Error::file("writing into", folder))?;
+    file.write_all(bytes).map_err(Error::file("writing", path))?;
+    file.persist(path).map_err(|e| Error::file("writing", path)(e.error))?;
+    Ok(())
+}
+
+/// Temporary files are private by default; what we write is for everybody.
+trait Permissions {
+    fn permissions_if_supported(&mut self) -> &mut Self;
+}
+
+impl Permissions for tempfile::Builder<'_, '_> {
+    #[cfg(unix)]
+    fn permissions_if_supported(&mut self) -> &mut Self {
+        use std::os::unix::fs::PermissionsExt;
+        self.permissions(fs::Permissions::from_mode(0o666)) // the umask takes its part
+    }
+    #[cfg(not(unix))]
+    fn permissions_if_supported(&mut self) -> &mut Self {
+        self
+    }
+}
+
+/// Reads one file out of an archive.
+///
+/// # Errors
+/// [`Error::Missing`], [`Error::Archive`], [`Error::File`].
+pub fn read(path: &Path, name: &str) -> Result<Vec<u8>> {
+    let failed = |source| Error::Archive { path: path.to_owned(), source };
+    let file = fs::File::open(path).map_err(Error::file("opening", path))?;
+    let mut zip = ZipArchive::new(file).map_err(failed)?;
+    let mut entry = match zip.by_name(name) {
+        Ok(entry) => entry,
+        Err(zip::result::ZipError::FileNotFound) => {
+            return Err(Error::Missing { path: path.to_owned(), name: name.to_owned() });
+        }
+        Err(source) => return Err(failed(source)),
+    };
+    let mut bytes = Vec::new();
+    entry.read_to_end(&mut bytes).map_err(|e| failed(e.into()))?;
+    Ok(bytes)
+}

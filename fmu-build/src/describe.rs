@@ -1,0 +1,203 @@
+//! From the variable table to `modelDescription.xml`.
+
+use crate::error::{Error, Result};
+use crate::schema::*;
+use serde::Serialize;
+use vibro_impact::fmi2::structure::{self, DependencyKind};
+use vibro_impact::fmi2::variables::{Causality, Initial, Kind, VARIABLES, Variability, Variable, find};
+use vibro_impact::fmi2::{description, units};
+
+/// The model description, made from the table.
+pub fn model_description() -> ModelDescription {
+    let identifier = || description::MODEL_IDENTIFIER.to_owned();
+    let can = description::CAPABILITIES;
+    let model_exchange = description::MODEL_EXCHANGE.then(|| ModelExchange {
+        model_identifier: identifier(),
+        needs_execution_tool: can.needs_execution_tool,
+        completed_integrator_step_not_needed: can.completed_integrator_step_not_needed,
+        only_once_per_process: can.can_be_instantiated_only_once_per_process,
+        no_memory_functions: can.can_not_use_memory_management_functions,
+        get_and_set_state: can.can_get_and_set_fmu_state,
+        serialize_state: can.can_serialize_fmu_state,
+        directional_derivative: can.provides_directional_derivative,
+    });
+    let experiment = description::default_experiment();
+    ModelDescription {
+        fmi_version: "2.0".into(),
+        model_name: identifier(),
+        guid: description::guid(),
+        description: description::MODEL_DESCRIPTION.into(),
+        version: description::MODEL_VERSION.into(),
+        license: description::LICENSE.into(),
+        generation_tool: concat!("fmu-build ", env!("CARGO_PKG_VERSION")).into(),
+        variable_naming_convention: description::NAMING_CONVENTION.into(),
+        number_of_event_indicators: model_exchange.as_ref().map(|_| description::EVENT_INDICATORS),
+        model_exchange,
+        co_simulation: CoSimulation {
+            model_identifier: identifier(),
+            needs_execution_tool: can.needs_execution_tool,
+            variable_step: can.can_handle_variable_communication_step_size,
+            interpolate_inputs: can.can_interpolate_inputs,
+            max_output_derivative_order: can.max_output_derivative_order,
+            asynchronous: can.can_run_asynchronuously,
+            only_once_per_process: can.can_be_instantiated_only_once_per_process,
+            no_memory_functions: can.can_not_use_memory_management_functions,
+            get_and_set_state: can.can_get_and_set_fmu_state,
+            serialize_state: can.can_serialize_fmu_state,
+            directional_derivative: can.provides_directional_derivative,
+        },
+        unit_definitions: UnitDefinitions { units: units::UNITS.iter().map(unit).collect() },
+        type_definitions: TypeDefinitions { types: types() },
+        log_categories: LogCategories {
+            categories: description::LOG_CATEGORIES
+                .iter()
+                .map(|c| Category { name: c.name.into(), description: c.description.into() })
+                .collect(),
+        },
+        default_experiment: DefaultExperiment {
+            start: experiment.start_time,
+            stop: experiment.stop_time,
+            tolerance: experiment.tolerance,
+            step: experiment.step_size,
+        },
+        model_variables: ModelVariables { variables: (0..).zip(&VARIABLES).map(variable).collect() },
+        model_structure: ModelStructure {
+            outputs: unknowns(&structure::outputs()),
+            derivatives: unknowns(&structure::derivatives()),
+            initial_unknowns: unknowns(&structure::initial_unknowns()),
+        },
+    }
+}
+
+/// `modelDescription.xml` as text.
+///
+/// # Errors
+/// [`Error::Xml`] when it cannot be written.
+pub fn to_xml(model: &ModelDescription) -> Result<String> {
+    let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    let mut serializer = quick_xml::se::Serializer::new(&mut text);
+    serializer.indent(' ', 2);
+    model.serialize(serializer).map_err(|e| Error::Xml(e.to_string()))?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// The model description of a text.
+///
+/// # Errors
+/// [`Error::Xml`] when the text is none.
+pub fn from_xml(text: &str) -> Result<ModelDescription> {
+    quick_xml::de::from_str(text).map_err(|e| Error::Xml(e.to_string()))
+}
+
+fn unit(unit: &units::Unit) -> Unit {
+    let exponent = |n: i32| (n != 0).then_some(n);
+    Unit {
+        name: unit.name.into(),
+        base: BaseUnit {
+            kg: exponent(unit.kg),
+            m: exponent(unit.m),
+            s: exponent(unit.s),
+            rad: exponent(unit.rad),
+        },
+        display: unit.display.iter().map(|d| DisplayUnit { name: d.name.into(), factor: d.factor }).collect(),
+    }
+}
+
+fn types() -> Vec<SimpleType> {
+    let reals = units::REAL_TYPES.iter().map(|t| SimpleType {
+        name: t.name.into(),
+        description: t.description.into(),
+        kind: SimpleKind::Real(RealType {
+            quantity: t.quantity.into(),
+            unit: t.unit.into(),
+            display_unit: t.display_unit.map(Into::into),
+        }),
+    });
+    let item =
+        |i: &units::Item| Item { name: i.name.into(), value: i.value, description: i.description.into() };
+    let enumerations = units::ENUMERATION_TYPES.iter().map(|t| SimpleType {
+        name: t.name.into(),
+        description: t.description.into(),
+        kind: SimpleKind::Enumeration(EnumerationType { items: t.items.iter().map(item).collect() }),
+    });
+    reals.chain(enumerations).collect()
+}
+
+/// `causality` as the standard writes it.
+pub fn causality(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Parameter => "parameter",
+        Causality::CalculatedParameter => "calculatedParameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Independent => "independent",
+    }
+}
+
+/// `variability` as the standard writes it.
+pub fn variability(variability: Variability) -> &'static str {
+    match variability {
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    }
+}
+
+fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
+    let start = v.start();
+    // Integers, enumerations and Booleans travel as whole f64 in the table.
+    let whole = start.map(|x| x as i32);
+    let kind = match v.kind {
+        Kind::Real { declared, min, max, nominal, derivative_of, reinit } => VariableKind::Real(Real {
+            declared_type: declared.name.into(),
+            // Repeated from the declared type: some hosts read units of variables only.
+            unit: Some(declared.unit.into()),
+            display_unit: declared.display_unit.map(Into::into),
+            min,
+            max,
+            nominal,
+            start,
+            derivative: derivative_of.and_then(find).map(|(state, _)| state + 1),
+            reinit: (reinit && description::MODEL_EXCHANGE).then_some(true),
+        }),
+        Kind::Integer { min } => VariableKind::Integer(Integer { min: Some(min), start: whole }),
+        Kind::Boolean => VariableKind::Boolean(Boolean { start: start.map(|x| x != 0.0) }),
+        Kind::Enumeration(declared) => {
+            VariableKind::Enumeration(Enumeration { declared_type: declared.name.into(), start: whole })
+        }
+    };
+    ScalarVariable {
+        name: v.name.into(),
+        value_reference: reference,
+        description: v.description.into(),
+        causality: causality(v.causality).into(),
+        variability: variability(v.variability).into(),
+        initial: v.initial.map(|initial| match initial {
+            Initial::Exact => "exact".into(),
+            Initial::Calculated => "calculated".into(),
+        }),
+        kind,
+    }
+}
+
+fn unknowns(list: &[structure::Unknown]) -> Unknowns {
+    let kind = |kind: &DependencyKind| match kind {
+        DependencyKind::Dependent => "dependent",
+        DependencyKind::Constant => "constant",
+        DependencyKind::Fixed => "fixed",
+        DependencyKind::Tunable => "tunable",
+        DependencyKind::Discrete => "discrete",
+    };
+    let joined = |words: Vec<String>| words.join(" ");
+    let unknown = |u: &structure::Unknown| Unknown {
+        index: u.index,
+        dependencies: u
+            .dependencies
+            .as_ref()
+            .map(|d| joined(d.iter().map(|(index, _)| index.to_string()).collect())),
+        kinds: u.dependencies.as_ref().map(|d| joined(d.iter().map(|(_, k)| kind(k).to_owned()).collect())),
+    };
+    Unknowns { unknowns: list.iter().map(unknown).collect() }
+}

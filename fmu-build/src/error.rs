@@ -1,0 +1,110 @@
+//! The one error type of the packager.
+
+use std::path::{Path, PathBuf};
+
+/// What can go wrong while packing or running; every message says what was wrong and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read or written.
+    #[error("{action} {}: {source}", path.display())]
+    File {
+        /// What was tried, e.g. `writing`.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// Cargo could not be run or failed.
+    #[error("`{command}` {problem}")]
+    Cargo {
+        /// The command line.
+        command: String,
+        /// What happened, and what to do.
+        problem: String,
+    },
+    /// The model description could not be written or read.
+    #[error("modelDescription.xml: {0}")]
+    Xml(String),
+    /// The model description contradicts itself or FMI 2.0.
+    #[error("modelDescription.xml is not valid; correct the table in src/fmi2:\n  {}", .0.join("\n  "))]
+    Invalid(Vec<String>),
+    /// The archive could not be written or read.
+    #[error("archive {}: {source}", path.display())]
+    Archive {
+        /// The archive.
+        path: PathBuf,
+        /// Why not.
+        source: zip::result::ZipError,
+    },
+    /// The archive lacks a file.
+    #[error("archive {} has no {name}; build it again with `cargo run --release -p fmu-build`", path.display())]
+    Missing {
+        /// The archive.
+        path: PathBuf,
+        /// The file looked for.
+        name: String,
+    },
+    /// The packaged binary could not be loaded, or lacks a function.
+    #[error("loading the packaged binary: {0}")]
+    Load(#[from] libloading::Error),
+    /// A call into the packaged binary did not return `fmi2OK`.
+    #[error("{call} returned {status}; the FMU's log says: {log}")]
+    Call {
+        /// The function.
+        call: &'static str,
+        /// Name of the status.
+        status: &'static str,
+        /// What the FMU logged.
+        log: String,
+    },
+    /// No variable has that name.
+    #[error("the FMU has no variable {0}")]
+    Variable(String),
+    /// The simulator refused.
+    #[error("native run: {0}")]
+    Native(#[from] vibro_impact::Error),
+    /// The packaged binary and the native library disagree.
+    #[error(
+        "{name} at t = {time} s is {packaged:e} in the packaged binary and {native:e} in the native run: they must be equal bit for bit; clean both with `cargo clean` and, if it stays, report it"
+    )]
+    Differs {
+        /// Variable.
+        name: &'static str,
+        /// Time in s.
+        time: f64,
+        /// Value from the packaged binary.
+        packaged: f64,
+        /// Value from the native run.
+        native: f64,
+    },
+    /// A picture could not be drawn.
+    #[error("drawing {what}: {problem}")]
+    Picture {
+        /// Which picture.
+        what: &'static str,
+        /// What the drawing library says.
+        problem: String,
+    },
+    /// An option of the command line makes no sense.
+    #[error("{name} = {value}: allowed is {allowed}")]
+    Option {
+        /// The option.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+impl Error {
+    /// For `map_err` on file operations.
+    pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::File { action, path: path.to_owned(), source }
+    }
+}
+
+/// Result with the packager's error.
+pub type Result<T> = std::result::Result<T, Error>;

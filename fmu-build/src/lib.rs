@@ -1,0 +1,27 @@
+//! Packs the vibro-impact library into `VibroImpact3DOF.fmu`, runs it and draws what happened.
+//!
+//! ```text
+//! table (vibro_impact::fmi2) ─▶ describe ─▶ check ─┐
+//!                               page, icon ────────┼─▶ package ─▶ archive ─▶ .fmu
+//!                               compile, licences ─┘                          │
+//!                 table ◀─ run (host: the packaged binary; native library) ◀──┘
+//!               picture ◀──┘
+//! ```
+
+pub mod archive;
+pub mod canvas;
+pub mod check;
+pub mod compile;
+pub mod describe;
+mod error;
+pub mod host;
+pub mod icon;
+pub mod licences;
+pub mod package;
+pub mod page;
+pub mod picture;
+pub mod run;
+pub mod schema;
+pub mod table;
+
+pub use error::{Error, Result};

@@ -1,0 +1,93 @@
+//! Licences of everything that is linked into the packaged binary.
+
+use crate::archive::Content;
+use crate::compile::{cargo, output, workspace};
+use crate::error::{Error, Result};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// Adds `licenses/` to an archive: our own texts, those of every crate linked, and a list of them.
+///
+/// # Errors
+/// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot be read.
+pub fn add(content: &mut Content) -> Result<()> {
+    for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        let path = workspace().join(name);
+        let text = fs::read(&path).map_err(Error::file("reading", &path))?;
+        content.insert(format!("licenses/{name}"), text);
+    }
+    let mut list =
+        String::from("Linked into the binaries of this FMU, beside its own code (MIT OR Apache-2.0):\n");
+    for package in linked()? {
+        let (name, version) = (text(&package["name"]), text(&package["version"]));
+        list += &format!("\n{name} {version}: {}", text(&package["license"]));
+        let folder = Path::new(text(&package["manifest_path"])).parent().unwrap_or(Path::new("."));
+        for file in licence_files(folder)? {
+            let path = folder.join(&file);
+            let bytes = fs::read(&path).map_err(Error::file("reading", &path))?;
+            content.insert(format!("licenses/{name}-{version}/{file}"), bytes);
+        }
+    }
+    content.insert("licenses/README.txt".into(), (list + "\n").into_bytes());
+    Ok(())
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or("unknown")
+}
+
+/// Packages of the normal dependency tree, without ourselves and without what only runs while compiling, sorted by name.
+fn linked() -> Result<Vec<Value>> {
+    let mut tree = cargo();
+    tree.args([
+        "tree",
+        "--package",
+        "vibro-impact",
+        "--no-default-features",
+        "--edges",
+        "normal,no-proc-macro",
+    ]);
+    tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);
+    // A line reads `name vVERSION` and perhaps `(…)`.
+    let names: BTreeSet<(String, String)> = output(&mut tree)?
+        .lines()
+        .filter_map(|line| {
+            let mut words = line.split(' ');
+            Some((words.next()?.to_owned(), words.next()?.trim_start_matches('v').to_owned()))
+        })
+        .collect();
+    let mut metadata = cargo();
+    metadata.args(["metadata", "--format-version", "1", "--locked"]);
+    let metadata: Value = serde_json::from_str(&output(&mut metadata)?).map_err(|e| Error::Cargo {
+        command: "cargo metadata".into(),
+        problem: format!("printed no JSON: {e}"),
+    })?;
+    let mut packages: Vec<Value> = metadata["packages"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter(|p| names.contains(&(text(&p["name"]).to_owned(), text(&p["version"]).to_owned())))
+        .filter(|p| text(&p["name"]) != "vibro-impact")
+        .cloned()
+        .collect();
+    packages.sort_by_key(|p| (text(&p["name"]).to_owned(), text(&p["version"]).to_owned()));
+    Ok(packages)
+}
+
+fn licence_files(folder: &Path) -> Result<BTreeSet<String>> {
+    let reading = || Error::file("reading the folder", folder);
+    let mut found = BTreeSet::new();
+    for entry in fs::read_dir(folder).map_err(reading())? {
+        let entry = entry.map_err(reading())?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let upper = name.to_uppercase();
+        let licence =
+            ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"].iter().any(|s| upper.starts_with(s));
+        if licence && entry.path().is_file() {
+            found.insert(name);
+        }
+    }
+    Ok(found)
+}

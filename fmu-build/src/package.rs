@@ -1,0 +1,69 @@
+//! Puts the archive together: description, binary, documentation, icon, licences.
+
+use crate::archive::{self, Content};
+use crate::compile::{self, PLATFORM, SHARED_LIBRARY};
+use crate::error::{Error, Result};
+use crate::{canvas, check, describe, icon, licences, page};
+use std::fs;
+use std::path::{Path, PathBuf};
+use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
+
+/// Where the archive goes when nobody says otherwise.
+pub fn default_output() -> PathBuf {
+    compile::target().join(format!("{MODEL_IDENTIFIER}.fmu"))
+}
+
+/// `modelDescription.xml`, checked.
+///
+/// # Errors
+/// [`Error::Invalid`] with everything that is wrong.
+pub fn description() -> Result<String> {
+    let text = describe::to_xml(&describe::model_description())?;
+    let problems = check::problems(&text)?;
+    if problems.is_empty() { Ok(text) } else { Err(Error::Invalid(problems)) }
+}
+
+/// The icon as PNG.
+///
+/// # Errors
+/// [`Error::Picture`].
+pub fn icon() -> Result<Vec<u8>> {
+    canvas::png(&icon::Icon, icon::SHRINK)
+}
+
+/// Files that are generated and committed: path in the workspace → content. A test fails when one is stale.
+///
+/// # Errors
+/// As [`description`] and [`icon`].
+pub fn committed() -> Result<Content> {
+    Ok(Content::from([
+        ("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes()),
+        ("modelDescription/model.png".to_owned(), icon()?),
+    ]))
+}
+
+/// Everything the archive holds, around a library compiled before.
+///
+/// # Errors
+/// [`Error::File`] when the library or a licence cannot be read, and as [`description`] and [`icon`].
+pub fn content(library: &Path) -> Result<Content> {
+    let binary = fs::read(library).map_err(Error::file("reading", library))?;
+    let mut content = Content::from([
+        ("modelDescription.xml".to_owned(), description()?.into_bytes()),
+        ("model.png".to_owned(), icon()?),
+        ("documentation/index.html".to_owned(), page::page().into_bytes()),
+        (format!("binaries/{PLATFORM}/{MODEL_IDENTIFIER}{SHARED_LIBRARY}"), binary),
+        // Nothing is read from it; hosts hand over its place all the same.
+        ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
+    ]);
+    licences::add(&mut content)?;
+    Ok(content)
+}
+
+/// Compiles the library and writes the archive.
+///
+/// # Errors
+/// Everything that can go wrong on the way.
+pub fn build(output: &Path) -> Result<()> {
+    archive::write(&content(&compile::library()?)?, output)
+}

@@ -1,0 +1,232 @@
+//! Runs the packaged binary, out of its archive, beside the native library and compares them bit for bit.
+
+use crate::archive;
+use crate::compile::{PLATFORM, SHARED_LIBRARY};
+use crate::describe::from_xml;
+use crate::error::{Error, Result};
+use crate::host::Binary;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::path::Path;
+use std::time::{Duration, Instant};
+use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
+use vibro_impact::fmi2::variables;
+use vibro_impact::simulator::{Event, StopReason};
+use vibro_impact::{Parameters, Simulator, State};
+
+/// Communication steps per drive period: enough for a smooth picture and for amplitudes to three digits.
+pub const STEPS_PER_PERIOD: u32 = 200;
+
+/// After this time a progress bar is worth its place.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
+const COUNTS: [&str; 2] = ["impacts.upper", "impacts.lower"];
+
+/// The motion at a communication point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Time, s.
+    pub time: f64,
+    /// Displacements and velocities.
+    pub state: State,
+    /// Impacts at the upper and the lower stop so far.
+    pub impacts: [i32; 2],
+}
+
+/// The motion on both sides of an impact; it falls between communication points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Time, s.
+    pub time: f64,
+    /// Just before.
+    pub before: State,
+    /// Just after.
+    pub after: State,
+}
+
+/// What a run gave.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Parameters of the run: those of the FMU's start values.
+    pub parameters: Parameters,
+    /// Drive periods.
+    pub periods: u32,
+    /// The motion at every communication point, the start included.
+    pub samples: Vec<Sample>,
+    /// Every impact, from a native run that stops at each.
+    pub contacts: Vec<Contact>,
+    /// Wall time of all `fmi2DoStep` together.
+    pub stepping: Duration,
+    /// Wall time of the whole run of the FMU: instantiate, initialize, step, read.
+    pub whole: Duration,
+}
+
+/// Runs an archive for that many drive periods from its start values, the native library beside it.
+///
+/// # Errors
+/// [`Error::Differs`] when the two are not equal bit for bit; everything else that can go wrong on the way.
+pub fn run(archive: &Path, periods: u32) -> Result<Run> {
+    let folder = tempfile::tempdir().map_err(Error::file("making a folder in", &std::env::temp_dir()))?;
+    let name = format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}");
+    let file = folder.path().join(&name);
+    archive::write_file(&file, &archive::read(archive, &format!("binaries/{PLATFORM}/{name}"))?)?;
+    let text = archive::read(archive, "modelDescription.xml")?;
+    let model = from_xml(&String::from_utf8_lossy(&text))?;
+
+    let parameters = Parameters::default();
+    let step = parameters.period() / f64::from(STEPS_PER_PERIOD);
+    let steps = periods * STEPS_PER_PERIOD;
+    let mut native = Simulator::new(&parameters, &State::default(), 0.0)?;
+
+    let begin = Instant::now();
+    let binary = Binary::load(&file)?;
+    let mut instance = binary.instantiate(&model.guid)?;
+    instance.initialize(0.0)?;
+    let reals = references(NAMES)?;
+    let counts = references(COUNTS)?;
+    let mut stepping = Duration::ZERO;
+    let mut whole = begin.elapsed();
+    let mut samples = vec![Sample { time: 0.0, state: State::default(), impacts: [0; 2] }];
+    let bar = Bar::new(u64::from(steps));
+    for i in 0..steps {
+        let from = f64::from(i) * step;
+        let begin = Instant::now();
+        instance.step(from, step)?;
+        stepping += begin.elapsed();
+        let values = instance.real(&reals)?;
+        let impacts = instance.integer(&counts)?;
+        whole += begin.elapsed();
+
+        native.advance(from, step, false, &mut |_| {})?;
+        let (state, time) = (native.state(), native.time());
+        let record = native.impacts();
+        let expected = [state.x, state.v].concat();
+        for ((name, packaged), native) in NAMES.into_iter().zip(values).zip(expected) {
+            same(name, time, packaged, native)?;
+        }
+        for ((name, packaged), native) in COUNTS.into_iter().zip(impacts).zip([record.upper, record.lower]) {
+            same(name, time, f64::from(packaged), native as f64)?;
+        }
+        samples.push(Sample { time, state, impacts });
+        bar.at(u64::from(i));
+    }
+    instance.terminate()?;
+    let contacts = contacts(&parameters, native.time())?;
+    Ok(Run { parameters, periods, samples, contacts, stepping, whole })
+}
+
+/// The motion at every impact up to `end`.
+fn contacts(parameters: &Parameters, end: f64) -> Result<Vec<Contact>> {
+    let mut simulator = Simulator::new(parameters, &State::default(), 0.0)?;
+    let mut found = Vec::new();
+    loop {
+        let mut impact = None;
+        let reason = simulator.advance(end, 0.0, true, &mut |event| {
+            if let Event::Impact { time, side, impulse, .. } = *event {
+                impact = Some((time, f64::from(side) * impulse));
+            }
+        })?;
+        if let Some((time, impulse)) = impact {
+            let after = simulator.state();
+            let mut before = after;
+            before.v[0] -= impulse / parameters.box_mass;
+            before.v[1] += impulse / parameters.block_mass;
+            found.push(Contact { time, before, after });
+        }
+        if reason == StopReason::End {
+            return Ok(found);
+        }
+    }
+}
+
+fn references<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
+    let mut references = [0; N];
+    for (reference, name) in references.iter_mut().zip(names) {
+        *reference = variables::find(name).ok_or_else(|| Error::Variable(name.into()))?.0;
+    }
+    Ok(references)
+}
+
+fn same(name: &'static str, time: f64, packaged: f64, native: f64) -> Result<()> {
+    if packaged.to_bits() == native.to_bits() {
+        return Ok(());
+    }
+    Err(Error::Differs { name, time, packaged, native })
+}
+
+/// A progress bar that shows itself only when the work takes long.
+struct Bar {
+    bar: ProgressBar,
+    begin: Instant,
+}
+
+impl Bar {
+    fn new(length: u64) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("running the FMU {wide_bar} {percent} %, {eta} to go");
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        Self { bar, begin: Instant::now() }
+    }
+
+    fn at(&self, position: u64) {
+        if self.bar.is_hidden() && self.begin.elapsed() > PATIENCE {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.bar.set_position(position);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Run {
+    /// The last periods: where the transient of the default set has died away.
+    pub fn tail(&self, periods: u32) -> &[Sample] {
+        let count = (periods.min(self.periods) * STEPS_PER_PERIOD) as usize;
+        &self.samples[self.samples.len() - 1 - count..]
+    }
+
+    /// The path of the motion between two times, in s, cut at its impacts; each piece holds (time, state).
+    pub fn path(&self, from: f64, to: f64) -> Vec<Vec<(f64, State)>> {
+        let mut contacts = self.contacts.iter().filter(|c| (from..=to).contains(&c.time)).peekable();
+        let mut pieces = Vec::new();
+        let mut piece = Vec::new();
+        for sample in self.samples.iter().filter(|s| (from..=to).contains(&s.time)) {
+            while let Some(contact) = contacts.next_if(|c| c.time <= sample.time) {
+                piece.push((contact.time, contact.before));
+                pieces.push(std::mem::take(&mut piece));
+                piece.push((contact.time, contact.after));
+            }
+            piece.push((sample.time, sample.state));
+        }
+        pieces.push(piece);
+        pieces
+    }
+
+    /// Half the range of each displacement over the last periods, impacts included, m.
+    pub fn amplitudes(&self, periods: u32) -> [f64; 3] {
+        let begin = self.tail(periods).first().map_or(0.0, |s| s.time);
+        let pieces = self.path(begin, f64::INFINITY);
+        std::array::from_fn(|body| {
+            let values = pieces.iter().flatten().map(|(_, state)| state.x[body]);
+            let (low, high) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+            (high - low) / 2.0
+        })
+    }
+
+    /// Impacts per period at the upper and the lower stop over the last periods.
+    pub fn impacts_per_period(&self, periods: u32) -> [f64; 2] {
+        let tail = self.tail(periods);
+        let count = f64::from(periods.min(self.periods));
+        std::array::from_fn(|side| {
+            let at = |sample: Option<&Sample>| sample.map_or(0, |s| s.impacts[side]);
+            f64::from(at(tail.last()) - at(tail.first())) / count
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! The model description: committed file up to date, valid, and every own check notices what it is there for.
+
+use fmu_build::check::{problems, problems_of};
+use fmu_build::compile::workspace;
+use fmu_build::describe::{from_xml, model_description, to_xml};
+use fmu_build::schema::{ModelDescription, Real, ScalarVariable, VariableKind};
+use fmu_build::{licences, package};
+
+#[test]
+fn committed_files_are_what_is_generated() {
+    for (name, bytes) in package::committed().unwrap() {
+        let committed = std::fs::read(workspace().join(&name)).unwrap_or_default();
+        assert!(committed == bytes, "{name} is stale: run `cargo run --release -p fmu-build refresh`");
+    }
+}
+
+#[test]
+fn text_and_structs_say_the_same() {
+    let model = model_description();
+    let text = to_xml(&model).unwrap();
+    assert_eq!(from_xml(&text).unwrap(), model);
+    assert_eq!(problems(&text).unwrap(), [""; 0]);
+}
+
+#[test]
+fn text_that_is_no_description_is_an_error() {
+    assert!(problems("<fmiModelDescription fmiVersion=\"2.0\"/>").is_err());
+    assert!(problems("not XML").is_err());
+}
+
+fn named<'a>(model: &'a mut ModelDescription, name: &str) -> &'a mut ScalarVariable {
+    model.model_variables.variables.iter_mut().find(|v| v.name == name).unwrap()
+}
+
+fn real<'a>(model: &'a mut ModelDescription, name: &str) -> &'a mut Real {
+    match &mut named(model, name).kind {
+        VariableKind::Real(real) => real,
+        _ => panic!("{name} is a Real"),
+    }
+}
+
+type Damage = fn(&mut ModelDescription);
+
+/// What each check must notice, and a word of its message.
+const DAMAGES: [(&str, Damage); 24] = [
+    ("fmiVersion", |m| m.fmi_version = "3.0".into()),
+    ("guid", |m| m.guid.clear()),
+    ("modelIdentifier", |m| m.co_simulation.model_identifier = "3DOF".into()),
+    ("numberOfEventIndicators", |m| {
+        m.number_of_event_indicators = if m.number_of_event_indicators.is_some() { None } else { Some(1) };
+    }),
+    ("DefaultExperiment", |m| m.default_experiment.stop = -1.0),
+    ("log category", |m| m.log_categories.categories.push(m.log_categories.categories[0].clone())),
+    ("unit kg", |m| m.unit_definitions.units.retain(|unit| unit.name != "kg")),
+    ("display unit mm", |m| m.unit_definitions.units.iter_mut().for_each(|unit| unit.display.clear())),
+    ("box.m is defined twice", |m| named(m, "box.k").name = "box.m".into()),
+    ("share value reference", |m| named(m, "box.k").value_reference = 1),
+    ("no description", |m| named(m, "box.k").description.clear()),
+    ("outside", |m| real(m, "stop.restitution").start = Some(1.5)),
+    ("above max", |m| real(m, "stop.restitution").min = Some(2.0)),
+    ("nominal", |m| real(m, "box.s").nominal = Some(0.0)),
+    ("declared type Weight", |m| real(m, "box.m").declared_type = "Weight".into()),
+    ("no item of Mode", |m| {
+        if let VariableKind::Enumeration(mode) = &mut named(m, "mode").kind {
+            mode.start = Some(9);
+        }
+    }),
+    ("do not go together", |m| named(m, "box.m").initial = Some("calculated".into())),
+    ("a start value belongs", |m| real(m, "box.m").start = None),
+    ("only a Real", |m| named(m, "impacts.upper").variability = "continuous".into()),
+    ("independent", |m| m.model_variables.variables.retain(|v| v.causality != "independent")),
+    ("derivative = 999", |m| real(m, "box.a").derivative = Some(999)),
+    ("is missing from ModelStructure/Outputs", |m| drop(m.model_structure.outputs.unknowns.pop())),
+    ("does not belong in ModelStructure/Derivatives", |m| {
+        m.model_structure.derivatives.unknowns[0].index = 1;
+    }),
+    ("dependencies of", |m| {
+        let unknown = m.model_structure.outputs.unknowns.iter_mut().find(|u| u.dependencies.is_some());
+        unknown.unwrap().dependencies = Some("5 4".into());
+    }),
+];
+
+#[test]
+fn every_check_notices_its_damage() {
+    for (word, damage) in DAMAGES {
+        let mut model = model_description();
+        damage(&mut model);
+        let found = problems_of(&model);
+        assert!(found.iter().any(|problem| problem.contains(word)), "{word}: {found:?}");
+    }
+}
+
+#[test]
+fn licences_of_what_is_linked_are_packed() {
+    let mut content = fmu_build::archive::Content::new();
+    licences::add(&mut content).unwrap();
+    assert!(content.keys().any(|name| name.starts_with("licenses/nalgebra-")), "{:?}", content.keys());
+    // Runs while compiling only.
+    assert!(!content.keys().any(|name| name.contains("syn-")));
+}

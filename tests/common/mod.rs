@@ -1,0 +1,5 @@
+//! What several tests share.
+#![allow(dead_code, missing_docs)] // every test binary uses its own part
+
+pub mod golden;
+pub mod python;

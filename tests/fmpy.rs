@@ -1,0 +1,55 @@
+//! Drives the packaged FMU from Python: builds it, writes native trajectories to compare with, runs `tests/fmpy/`.
+
+mod common;
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use vibro_impact::{Parameters, Simulator, State};
+
+/// Drive periods of the comparison.
+const PERIODS: f64 = 200.0;
+
+/// Communication steps in drive periods, as file names have them.
+const STEPS: [(&str, f64); 3] = [("tenth", 1.0 / 10.0), ("odd", 1.0 / 7.3), ("long", 13.0)];
+
+/// Writes the native states at the communication points of one step size as CSV, numbers with all their digits.
+fn native_trajectory(file: &Path, step: f64) {
+    let parameters = Parameters::default();
+    let period = parameters.period();
+    let (end, step) = (PERIODS * period, step * period);
+    let mut simulator =
+        Simulator::new(&parameters, &State::default(), 0.0).expect("the default set is valid");
+    let mut csv = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v,impacts\n");
+    for i in 0.. {
+        let time = (f64::from(i) * step).min(end);
+        simulator.advance_to(time).expect("the default set runs");
+        let (State { x, v }, record) = (simulator.state(), simulator.impacts());
+        let impacts = record.upper + record.lower;
+        let [[x1, x2, x3], [v1, v2, v3]] = [x, v];
+        writeln!(csv, "{time},{x1},{x2},{x3},{v1},{v2},{v3},{impacts}").expect("a String takes all");
+        if time == end {
+            break;
+        }
+    }
+    fs::write(file, csv).expect("target can be written");
+}
+
+#[test]
+fn fmpy_drives_the_packaged_fmu() {
+    let python = common::python::python();
+    let fmu = common::python::fmu();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("native");
+    fs::create_dir_all(&folder).expect("target can be written");
+    for (name, step) in STEPS {
+        native_trajectory(&folder.join(format!("{name}.csv")), step);
+    }
+    let mut pytest = Command::new(python);
+    pytest
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fmpy"])
+        .current_dir(common::python::root());
+    pytest.env("VIBRO_IMPACT_FMU", fmu).env("VIBRO_IMPACT_NATIVE", folder);
+    pytest.env("PYTHONDONTWRITEBYTECODE", "1");
+    println!("{}", common::python::run("pytest tests/fmpy", &mut pytest));
+}

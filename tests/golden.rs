@@ -1,0 +1,109 @@
+//! The simulator against sets made in 60 digits by the scripts in `tests/data`.
+
+mod common;
+
+use common::golden::{distance, table};
+use vibro_impact::simulator::Event;
+use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+
+/// Round-off of the gap after a flight of up to one and a half periods (the rows' states are of order one).
+const GAP_ROUNDING: f64 = 2e-14;
+
+#[test]
+fn golden_every_graze_is_found_at_its_time_and_none_invented() {
+    let rows = table("grazing.csv");
+    assert!(rows.len() > 300);
+    let mut contacts = 0;
+    for row in &rows {
+        let id = format!(
+            "row {} ({} {} depth {})",
+            row.text("id"),
+            row.text("set"),
+            row.text("kind"),
+            row.text("depth")
+        );
+        let (start, end) = (row.get("t0"), row.get("t_end"));
+        let mut simulator = Simulator::new(&row.parameters(), &row.state(""), start).unwrap();
+        let mut seen = Vec::new();
+        simulator
+            .advance(end, 0.0, false, &mut |e| {
+                if let Event::Impact { time, side, speed, .. } = *e {
+                    seen.push((time, f64::from(side), speed));
+                }
+            })
+            .unwrap();
+        let expected = usize::from(row.text("contact") == "1");
+        assert_eq!(seen.len(), expected, "{id}: {seen:?}");
+        let mut loosened = 1.0;
+        if let Some(&(time, side, speed)) = seen.first() {
+            contacts += 1;
+            let exact = row.get("speed");
+            assert_eq!(side, row.get("side"), "{id}");
+            // Time as a double, and the gap's rounding over the approach speed.
+            let late = (time - start) - row.get("delay");
+            let bound = 4.0 * f64::EPSILON * time.abs() + GAP_ROUNDING / exact;
+            assert!(late.abs() < bound, "{id}: {late:e}, allowed {bound:e}");
+            assert!((speed - exact).abs() < GAP_ROUNDING * (1.0 + 10.0 / exact), "{id}: {speed} {exact}");
+            loosened += 10.0 / exact;
+        }
+        let d = distance(&simulator.state(), &row.state("e_"), 1.0, 1.0);
+        assert!(d < GAP_ROUNDING * loosened * 10.0, "{id}: {d:e}");
+    }
+    assert!(contacts > 250, "{contacts}");
+}
+
+/// The standard work of performance.md in the very doubles that the library uses for it.
+fn standard() -> (Parameters, State) {
+    let p = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).unwrap();
+    (p, State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] })
+}
+
+#[test]
+fn golden_standard_work_over_twenty_periods() {
+    /// The product's target (performance.md), a rounding multiplied by 50 impacts, some of them nearly grazing.
+    const TARGET: f64 = 5e-11;
+    let (p, start) = standard();
+    let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+    let mut impacts = Vec::new();
+    let mut worst: f64 = 0.0;
+    for row in table("standard_double_periods.csv") {
+        let begin = simulator.time();
+        let end = row.get("t");
+        simulator
+            .advance(begin, end - begin, false, &mut |e| {
+                if let Event::Impact { time, side, speed, .. } = *e {
+                    impacts.push((time, f64::from(side), speed));
+                }
+            })
+            .unwrap();
+        worst = worst.max(distance(&simulator.state(), &row.state(""), 1.0, 1.0));
+        assert_eq!(impacts.len() as f64, row.get("impacts"));
+    }
+    let rows = table("standard_double_impacts.csv");
+    assert_eq!((impacts.len(), rows.len()), (50, 50));
+    for (row, (time, side, speed)) in rows.iter().zip(impacts) {
+        assert_eq!(side, row.get("side"));
+        worst = worst.max((time - row.get("t")).abs()).max((speed - row.get("speed")).abs());
+    }
+    println!("largest error over 20 periods: {worst:e}");
+    assert!(worst < TARGET, "{worst:e}");
+}
+
+#[test]
+fn golden_standard_work_after_two_thousand_periods() {
+    /// The motion is stable: the end is forgotten but for the rounding of 2000 periods as a double, 1e-12 s.
+    const END: f64 = 1e-11;
+    let (p, start) = standard();
+    let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+    simulator.advance_to(2000.0 * p.period()).unwrap();
+    // performance.md, interval-arithmetic certificate
+    let certified = State {
+        x: [-0.4253110842429075, 0.2872634800253607, 0.4900836440556809],
+        v: [-0.7166788315354791, -1.2876764920670574, -0.3927812190837065],
+    };
+    let d = distance(&simulator.state(), &certified, 1.0, 1.0);
+    assert!(d < END, "{d:e}");
+    let impacts = simulator.impacts();
+    // A near graze of the transient may fall either way by rounding (performance.md).
+    assert!((impacts.upper + impacts.lower).abs_diff(5978) <= 4, "{impacts:?}");
+}

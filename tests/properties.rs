@@ -1,0 +1,195 @@
+//! Properties over wide random parameters, loads and steps (proptest shrinks what fails; `proptest-regressions/` keeps it).
+
+use proptest::prelude::*;
+use vibro_impact::simulator::{Contact, Event, Loads};
+use vibro_impact::{Error, Parameters, Simulator, State};
+
+/// A number over several decades.
+fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (low.ln()..high.ln()).prop_map(f64::exp)
+}
+
+/// Zero now and then, else over several decades.
+fn zero_or(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 5 => decades(low, high)]
+}
+
+fn restitution() -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 1 => Just(1.0), 6 => 0.0..1.0f64, 1 => 0.99..1.0f64]
+}
+
+fn parameters() -> impl Strategy<Value = Parameters> {
+    let masses = (decades(0.05, 20.0), decades(1e-3, 1e2), decades(1e-2, 1e2));
+    let springs = (zero_or(1e-3, 30.0), zero_or(1e-3, 30.0), zero_or(1e-4, 3.0));
+    let dampers = (zero_or(1e-4, 3.0), zero_or(1e-4, 3.0));
+    let stop = (decades(0.1, 10.0), restitution());
+    let drive = (zero_or(1e-2, 30.0), zero_or(0.05, 10.0), -4.0..4.0f64);
+    (masses, springs, dampers, stop, drive).prop_map(|(m, k, c, stop, drive)| Parameters {
+        box_mass: m.0,
+        block_mass: m.1,
+        secondary_mass: m.2,
+        box_stiffness: k.0,
+        secondary_stiffness: k.1,
+        coupling_stiffness: k.2,
+        box_damping: c.0,
+        secondary_damping: c.1,
+        stop_gap: stop.0,
+        stop_restitution: stop.1,
+        drive_amplitude: drive.0,
+        drive_frequency: drive.1,
+        drive_phase: drive.2,
+    })
+}
+
+/// A start inside or on the stops.
+fn state(gap: f64) -> impl Strategy<Value = State> {
+    let relative = prop_oneof![4 => -1.0..1.0f64, 1 => Just(1.0), 1 => Just(-1.0)];
+    (-2.0..2.0f64, relative, -2.0..2.0f64, prop::array::uniform3(-2.0..2.0f64), any::<bool>()).prop_map(
+        move |(x1, w, x3, v, still)| {
+            let v = if still { [v[0], v[0], v[2]] } else { v };
+            // w is exactly a stop where it is meant to be: the box then stands at zero.
+            let x1 = if w.abs() == 1.0 { 0.0 } else { x1 };
+            State { x: [x1, x1 + w * gap, x3], v }
+        },
+    )
+}
+
+fn loads() -> impl Strategy<Value = Loads> {
+    let some = prop::array::uniform3(prop::array::uniform4(-0.5..0.5f64))
+        .prop_map(|derivatives| Loads { derivatives });
+    prop_oneof![Just(Loads::default()), some]
+}
+
+fn system() -> impl Strategy<Value = (Parameters, State)> {
+    parameters().prop_flat_map(|p| (Just(p), state(p.stop_gap)))
+}
+
+/// The approach to an impact rate that is reported, not followed, is the only refusal of a valid step.
+fn allowed(error: &Error) -> bool {
+    matches!(error, Error::ImpactRate { restitution, .. } if *restitution > 0.99)
+}
+
+/// Enough for a test run; `PROPTEST_CASES=100000 cargo test --release --test properties` digs deeper.
+fn cases() -> ProptestConfig {
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(400);
+    ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
+}
+
+proptest! {
+    #![proptest_config(cases())]
+
+    #[test]
+    fn invariant_stops_restitution_energy_and_work(
+        (p, start) in system(),
+        script in prop::collection::vec((1e-3..3.0f64, loads()), 1..20),
+    ) {
+        /// Rounding of a state that may have grown to thousands of gaps under loads.
+        const BALANCE: f64 = 1e-9;
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        let first = simulator.ledger().mechanical;
+        let (mut passed, mut t) = (first, 0.0);
+        for (step, load) in script {
+            simulator.set_loads(&load).unwrap();
+            let mut previous = f64::NEG_INFINITY;
+            let mut wrong = None;
+            let outcome = simulator.advance(t, step, false, &mut |e| {
+                let (time, speed, impulse) = match *e {
+                    Event::Impact { time, speed, impulse, .. } => (time, speed, impulse),
+                    Event::Rest { .. } => return,
+                    Event::Release { time, .. } => (time, 0.0, 0.0),
+                };
+                let reduced = p.box_mass * p.block_mass / (p.box_mass + p.block_mass);
+                let expected = (1.0 + p.stop_restitution) * reduced * speed;
+                let in_step = time >= t * (1.0 - 1e-15) && time <= (t + step) * (1.0 + 1e-15);
+                if speed < 0.0 || (impulse - expected).abs() > 1e-14 * expected || time < previous || !in_step {
+                    wrong = Some(*e);
+                }
+                previous = time;
+            });
+            if let Err(error) = outcome {
+                prop_assert!(allowed(&error), "{error}");
+                return Ok(());
+            }
+            prop_assert!(wrong.is_none(), "{wrong:?}");
+            t += step;
+            prop_assert!((simulator.time() - t).abs() <= 1e-15 * t);
+            let (w, rate) = simulator.gap();
+            prop_assert!(w.abs() <= p.stop_gap * (1.0 + 1e-12));
+            if simulator.contact() != Contact::Flight {
+                prop_assert!(rate == 0.0 && simulator.contact_force() >= 0.0);
+            }
+            let l = simulator.ledger();
+            prop_assert!(l.damped >= 0.0 && l.impact >= 0.0);
+            passed = passed.max(l.mechanical).max(l.damped).max(l.input.abs()).max(l.impact);
+            let error = l.mechanical - first - l.input + l.damped + l.impact;
+            prop_assert!(error.abs() <= BALANCE * passed.max(1e-6), "{error:e} of {passed:e}");
+        }
+        /// Sub-steps beside one an event and one an interval of wild motion: bounded by rate, reach and events.
+        const PER_TIME: f64 = 20_000.0;
+        let work = simulator.work();
+        prop_assert!((work.substeps as f64) < 100.0 + 8.0 * work.events as f64 + PER_TIME * t, "{work:?} in {t}");
+    }
+
+    #[test]
+    fn invariant_splitting_a_step_changes_nothing_but_round_off(
+        (p, start) in system(),
+        load in loads(),
+        end in 0.1..6.0f64,
+        parts in 2..40u32,
+    ) {
+        let mut whole = Simulator::new(&p, &start, 0.0).unwrap();
+        whole.set_loads(&load).unwrap();
+        let mut split = whole.clone();
+        let mut least = f64::INFINITY;
+        let mut impacts = 0;
+        let outcome = whole.advance(0.0, end, false, &mut |e| if let Event::Impact { speed, .. } = e {
+            least = least.min(*speed);
+            impacts += 1;
+        });
+        prop_assume!(outcome.is_ok());
+        for n in 1..=parts {
+            let t = if n == parts { end } else { end * f64::from(n) / f64::from(parts) };
+            split.advance_to(t).unwrap();
+        }
+        // A slow impact or a long run of them multiplies round-off: there the two may part in earnest.
+        prop_assume!(least > 1e-2 && impacts < 30);
+        /// Round-off of some hundred sub-steps, times the growth over up to 30 impacts no slower than 0.01 m/s.
+        const BOUND: f64 = 1e-7;
+        let (a, b) = (whole.state(), split.state());
+        let scale = a.x.iter().chain(&a.v).fold(1.0f64, |m, x| m.max(x.abs()));
+        for (x, y) in a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)) {
+            prop_assert!((x - y).abs() <= BOUND * scale, "{a:?} {b:?}");
+        }
+        prop_assert_eq!(whole.impacts().upper, split.impacts().upper);
+    }
+
+    #[test]
+    fn invariant_repeats_mirrors_and_resumes_bit_by_bit(
+        (p, start) in system(),
+        load in loads(),
+        steps in prop::collection::vec(1e-4..2.0f64, 1..12),
+    ) {
+        let mirror = |s: &State| State { x: s.x.map(|x| -x), v: s.v.map(|v| -v) };
+        let opposite = Parameters { drive_amplitude: -p.drive_amplitude, ..p };
+        let against = Loads { derivatives: load.derivatives.map(|d| d.map(|x| -x)) };
+        let mut one = Simulator::new(&p, &start, 0.0).unwrap();
+        let mut two = Simulator::new(&opposite, &mirror(&start), 0.0).unwrap();
+        let mut other = Simulator::new(&Parameters::default(), &State::default(), -5.0).unwrap();
+        one.set_loads(&load).unwrap();
+        two.set_loads(&against).unwrap();
+        let mut t = 0.0;
+        for step in steps {
+            other.restore(&one.snapshot()).unwrap();
+            t += step;
+            let outcome = one.advance_to(t);
+            prop_assert_eq!(&outcome, &two.advance_to(t));
+            prop_assert_eq!(&outcome, &other.advance_to(t));
+            prop_assert_eq!(one.snapshot(), other.snapshot());
+            // Equal as numbers: the mirror of 0 is -0.
+            prop_assert_eq!(one.state(), mirror(&two.state()));
+            if outcome.is_err() {
+                return Ok(());
+            }
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Every code block of README.md works: Python blocks are run, shell commands are known to be tested.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// Shell commands of the README and what runs them.
+const COVERED: [(&str, &str); 2] = [
+    ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
+    ("cargo test --workspace", "is running now"),
+];
+
+/// Fenced blocks as (language, text).
+fn blocks(markdown: &str) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut lines = markdown.lines();
+    while let Some(line) = lines.next() {
+        if let Some(language) = line.strip_prefix("```") {
+            let text: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+            found.push((language.to_owned(), text.join("\n")));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_code_block_works() {
+    let readme = fs::read_to_string(common::python::root().join("README.md")).expect("README.md can be read");
+    let blocks = blocks(&readme);
+    assert!(blocks.iter().any(|(language, _)| language == "python"), "the README shows the use in fmpy");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
+    fs::create_dir_all(folder.join("target")).expect("target can be written");
+    fs::copy(common::python::fmu(), folder.join("target/VibroImpact3DOF.fmu"))
+        .expect("target can be written");
+    let requirements = fs::read_to_string(common::python::root().join("tests/fmpy/requirements.txt"))
+        .expect("requirements.txt can be read");
+    for (language, text) in blocks {
+        match language.as_str() {
+            "python" => {
+                let mut python = Command::new(common::python::python());
+                let printed = common::python::run(
+                    "a Python block of README.md",
+                    python.args(["-c", &text]).current_dir(&folder),
+                );
+                assert!(!printed.trim().is_empty(), "the block prints nothing to look at:\n{text}");
+            }
+            "sh" => {
+                for line in text.lines().map(|line| line.split('#').next().unwrap_or("").trim()) {
+                    // What is installed is what the tests have installed.
+                    let installed = line.strip_prefix("pip install ").is_some_and(|list| {
+                        list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
+                    });
+                    let covered = line.is_empty() || COVERED.iter().any(|(command, _)| *command == line);
+                    assert!(
+                        covered || installed,
+                        "no test runs `{line}` of README.md; add one and name it here"
+                    );
+                }
+            }
+            "text" => {}
+            other => panic!("README.md has a block in {other:?}, which no test runs"),
+        }
+    }
+}
