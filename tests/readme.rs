@@ -32,8 +32,8 @@ fn every_code_block_works() {
     assert!(blocks.iter().any(|(language, _)| language == "python"), "the README shows the use in fmpy");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
     fs::create_dir_all(folder.join("target")).expect("target can be written");
-    fs::copy(common::python::fmu(), folder.join("target/VibroImpact3DOF.fmu"))
-        .expect("target can be written");
+    let fmu = common::python::fmu();
+    fs::copy(&fmu, folder.join("target/VibroImpact3DOF.fmu")).expect("target can be written");
     let requirements = fs::read_to_string(common::python::root().join("tests/fmpy/requirements.txt"))
         .expect("requirements.txt can be read");
     for (language, text) in blocks {
@@ -59,7 +59,11 @@ fn every_code_block_works() {
                     );
                 }
             }
-            "text" => {}
+            "text" => {
+                let run = fmu_build::run::run(&fmu, 200).expect("the FMU runs");
+                let table = fmu_build::table::Table(&run).to_string();
+                assert!(table.starts_with(&text), "README.md shows\n{text}\nbut the run gives\n{table}");
+            }
             other => panic!("README.md has a block in {other:?}, which no test runs"),
         }
     }
