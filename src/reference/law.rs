@@ -1,4 +1,4 @@
-//! The equations of motion [1]–[3] as the reference method integrates them.
+//! The equations of motion (paper, equations 1–3) as the reference method integrates them.
 
 use crate::parameters::Parameters;
 use crate::simulator::Loads;
@@ -9,7 +9,7 @@ pub(super) type Vector = [f64; 6];
 /// Slack of the constraint in units of round-off of the coordinates: a block set on the stop is not outside.
 const SLACK: f64 = 8.0 * f64::EPSILON;
 
-/// The equations of motion [1]–[3], divided by the masses.
+/// The equations of motion (paper, equations 1–3), divided by the masses.
 #[derive(Clone, Debug)]
 pub(super) struct Law {
     pub(super) m1: f64,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes chatter.csv: states that run into a complete chatter, followed impact by impact in 80 digits.
 
-Regenerate with `python3 tests/data/make_chatter.py` (needs mpmath; a few minutes; the output is reproducible).
+Regenerate with `python3 tests/data/make_chatter.py` (needs mpmath; about two CPU minutes; reproducible).
 
 Every impact is located exactly until the approach speed is under 1e-30 of the first one; the rest of the series
 (duration 2 v / (a (1 - kappa)), under 1e-29) is summed and the rest mode is integrated exactly from there. With
@@ -20,7 +20,7 @@ import random
 
 from mpmath import mp, mpf
 
-from exact import FIELDS, FLIGHT, STATE, System, check_against_expm, doubles, exactly_on_stop, horner, write
+from exact import FIELDS, FLIGHT, STATE, System, check_against_expm, doubles, exactly_on_stop, first_root, horner, write
 
 mp.dps = 80
 END_SPEED = mpf(10) ** -30
@@ -45,15 +45,20 @@ def chatter(s, y, t, side, limit):
     """Follows the impacts; ((first instant, speed), end of the chatter, state there), or None when it is not complete
     before `limit`."""
     first = None
-    touching = 0
+    touching, reach = 0, limit
     while True:
-        hit = s.first_contact(y, t, min(limit, t + s.period() / 2), touching)
+        # A short look first: rebounds become far shorter than a period.
+        hit = s.first_contact(y, t, min(limit, reach), touching)
+        if hit is None and reach < limit:
+            hit = s.first_contact(y, t, limit, touching)
         if hit is None or hit[1] != side:
             return None
         y, speed = s.impact(s.flow(FLIGHT, y, t, hit[0]), side)
         t, touching = hit[0], side
-        first = first or (t, speed)
+        first, reach = first or (t, speed), limit
         pressing = side * s.relative_acceleration(y, t)
+        if pressing > 0:
+            reach = t + 4 * s.kappa * speed / pressing
         if speed <= END_SPEED * first[1] or s.kappa == 0:
             if pressing <= 0:
                 return None
@@ -80,8 +85,6 @@ def force_polynomial(s, y, t, side, h):
 
 def release(s, y, t, side, limit):
     """Instant and state of the release, or None before `limit`."""
-    from exact import first_root
-
     h = mpf(s.window)
     while t < limit:
         x, v, force = force_polynomial(s, y, t, side, h)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes grazing.csv: states whose free flight touches a stop with a given depth, in 60 digits.
 
-Regenerate with `python3 tests/data/make_grazing.py` (needs mpmath; a few minutes; the output is reproducible).
+Regenerate with `python3 tests/data/make_grazing.py` (needs mpmath; 7 CPU minutes on a busy machine; reproducible).
 
 A state at the top of the flight is drawn: w = side (1 + depth) L, w' = 0, side w'' < 0, and flown back in time,
 without stops, over a span in which the flight touches none. The start is rounded to doubles; every expected value is
