@@ -8,14 +8,14 @@ use crate::parameters::Parameters;
 use serde::{Deserialize, Serialize};
 
 /// Gauss–Legendre nodes and weights on [0, 1]; over a length of 0.15/rate the error is under 1e-18 of the integral.
-const NODES: [f64; 5] = [
+pub(crate) const NODES: [f64; 5] = [
     0.046_910_077_030_668_004,
     0.230_765_344_947_158_45,
     0.5,
     0.769_234_655_052_841_5,
     0.953_089_922_969_332,
 ];
-const WEIGHTS: [f64; 5] = [
+pub(crate) const WEIGHTS: [f64; 5] = [
     0.118_463_442_528_094_54,
     0.239_314_335_249_683_23,
     0.284_444_444_444_444_44,

@@ -3,7 +3,9 @@
 //! Each method is one function of the standard: it looks up in [`states`](super::states) whether it may be called, checks
 //! everything it was given, and only then changes anything. A refused call leaves the instance as it was.
 
+mod derivative;
 mod exchange;
+mod initial;
 mod memory;
 mod step;
 mod values;
@@ -11,10 +13,12 @@ mod values;
 #[cfg(test)]
 mod tests;
 
+use super::closed_form::ClosedForm;
+use super::continuous::Continuous;
 use super::description;
-use super::logging::{Enabled, Log};
+use super::logging::{Category, Enabled, Log, Status};
 use super::problem::Problem;
-use super::settings::{Derived, Mode, Motion, Settings, Steady};
+use super::settings::{Derived, Motion, Settings};
 use super::states::{Function, Interface, State};
 use crate::simulator::Simulator;
 use serde::{Deserialize, Serialize};
@@ -40,6 +44,10 @@ enum Engine {
     None,
     /// Event-driven co-simulation.
     Simulation(Box<Simulator>),
+    /// Co-simulation that plays a steady state.
+    Closed(Box<ClosedForm>),
+    /// Model Exchange.
+    Continuous(Box<Continuous>),
 }
 
 /// One instance.
@@ -207,15 +215,20 @@ impl Instance {
     /// When the start values or the parameters are not possible; the instance stays in Initialization Mode.
     pub fn exit_initialization_mode(&mut self, log: &mut dyn Log) -> Outcome {
         self.guard(Function::ExitInitializationMode)?;
-        let _ = log;
-        if self.interface == Interface::ModelExchange {
-            return Err(Problem::Unsupported { what: "Model Exchange is not supported yet" });
+        let (engine, objections) = self.initial_engine()?;
+        if let Some(objections) = objections
+            && self.enabled.contains(Category::Warning)
+        {
+            log.log(Status::Warning, Category::Warning, &format!("fmi2ExitInitializationMode: {objections}"));
         }
-        self.engine = Engine::Simulation(Box::new(self.initial_simulator()?));
+        self.engine = engine;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
         self.motion_stale = true;
-        self.state = State::StepComplete;
+        self.state = match self.interface {
+            Interface::CoSimulation => State::StepComplete,
+            Interface::ModelExchange => State::EventMode,
+        };
         Ok(())
     }
 
@@ -245,17 +258,6 @@ impl Instance {
         Ok(())
     }
 
-    /// A simulator at the start, with the present parameters, start values and loads.
-    fn initial_simulator(&self) -> Outcome<Simulator> {
-        if self.settings.mode != Mode::EventDriven || self.settings.start_on_orbit {
-            return Err(Problem::Unsupported { what: "closed forms are not plugged in yet" });
-        }
-        let start = self.experiment.unwrap_or_default().start;
-        let mut simulator = Simulator::new(&self.settings.parameters, &self.settings.start, start)?;
-        simulator.set_loads(&self.settings.loads)?;
-        Ok(simulator)
-    }
-
     /// Brings `motion` up to date. In Initialization Mode that evaluates the start.
     fn refresh_motion(&mut self) -> Outcome {
         if !self.motion_stale {
@@ -263,7 +265,9 @@ impl Instance {
         }
         self.motion = match &self.engine {
             Engine::Simulation(simulator) => Motion::of(simulator),
-            Engine::None => Motion::of(&self.initial_simulator()?),
+            Engine::Closed(form) => form.motion(),
+            Engine::Continuous(continuous) => continuous.motion(),
+            Engine::None => self.initial_motion(&self.settings)?,
         };
         self.motion_stale = false;
         Ok(())
@@ -272,8 +276,7 @@ impl Instance {
     /// Brings `derived` up to date; only after parameters were set, since steady states take a while to compute.
     fn refresh_derived(&mut self) {
         if self.derived_stale {
-            self.derived =
-                Derived { groups: self.settings.parameters.groups().ok(), steady: Steady::default() };
+            self.derived = Derived::of(&self.settings.parameters);
             self.derived_stale = false;
         }
     }

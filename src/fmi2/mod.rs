@@ -15,12 +15,15 @@
 
 pub mod abi;
 mod bytes;
+mod closed_form;
+mod continuous;
 pub mod description;
 pub mod instance;
 pub mod logging;
 pub mod problem;
 pub mod settings;
 pub mod states;
+mod steady;
 pub mod structure;
 pub mod units;
 pub mod variables;

@@ -17,6 +17,11 @@ impl Interface {
             Self::CoSimulation => "Co-Simulation",
         }
     }
+
+    /// Whether a set acts at once, not with the next step.
+    pub fn applies_at_once(self) -> bool {
+        self == Self::ModelExchange
+    }
 }
 
 /// States of the state machines (FMI 2.0, 3.2.3 and 4.2.4).

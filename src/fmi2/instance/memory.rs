@@ -2,6 +2,8 @@
 
 use super::{Engine, Experiment, Instance, Outcome};
 use crate::fmi2::bytes;
+use crate::fmi2::closed_form::{self, ClosedForm};
+use crate::fmi2::continuous::{self, Continuous};
 use crate::fmi2::description;
 use crate::fmi2::problem::Problem;
 use crate::fmi2::settings::Settings;
@@ -33,6 +35,8 @@ pub struct FmuState {
 enum EngineState {
     None,
     Simulation(Snapshot),
+    Closed(closed_form::Data),
+    Continuous(continuous::Data),
 }
 
 /// What comes before the state.
@@ -115,6 +119,8 @@ impl Instance {
             engine: match &self.engine {
                 Engine::None => EngineState::None,
                 Engine::Simulation(simulator) => EngineState::Simulation(simulator.snapshot()),
+                Engine::Closed(form) => EngineState::Closed(form.data()),
+                Engine::Continuous(continuous) => EngineState::Continuous(continuous.data()),
             },
         }
     }
@@ -144,6 +150,14 @@ impl Instance {
                 let mut simulator = Simulator::new(&standard.parameters, &standard.start, 0.0)?;
                 simulator.restore(snapshot)?;
                 *engine = Engine::Simulation(Box::new(simulator));
+            }
+            (Engine::Closed(form), EngineState::Closed(data)) => form.restore(*data)?,
+            (engine, EngineState::Closed(data)) => {
+                *engine = Engine::Closed(Box::new(ClosedForm::of(*data)?));
+            }
+            (Engine::Continuous(continuous), EngineState::Continuous(data)) => continuous.restore(*data)?,
+            (engine, EngineState::Continuous(data)) => {
+                *engine = Engine::Continuous(Box::new(Continuous::of(*data)?));
             }
         }
         self.state = saved.state;

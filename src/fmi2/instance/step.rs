@@ -5,7 +5,8 @@ use crate::error::Error;
 use crate::fmi2::logging::{Category, Log, Status};
 use crate::fmi2::problem::Problem;
 use crate::fmi2::states::{Function, State};
-use crate::simulator::{Event, StopReason};
+use crate::parameters::Parameters;
+use crate::simulator::{Event, Loads, Simulator, StopReason};
 
 /// How far a master's time may be off ours, relative to max(1, |t|): masters add step sizes up and drift by about 1e-14 a
 /// step, which stays below this for 1e5 steps; anything larger is a mistake.
@@ -52,10 +53,13 @@ impl Instance {
     /// all and the instance stands where it stood.
     pub fn do_step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome {
         self.guard(Function::DoStep)?;
-        let Engine::Simulation(simulator) = &mut self.engine else {
-            return Err(Problem::Sequence { what: "the instance is not initialized" });
+        let own = match &self.engine {
+            Engine::Simulation(simulator) => simulator.time(),
+            Engine::Closed(form) => form.time(),
+            Engine::None | Engine::Continuous(_) => {
+                return Err(Problem::Sequence { what: "the instance is not initialized" });
+            }
         };
-        let own = simulator.time();
         check_step(point, size, own)?;
         let end = point + size;
         if let Some(stop) = self.experiment.and_then(|experiment| experiment.stop)
@@ -63,44 +67,52 @@ impl Instance {
         {
             return Err(Problem::StopTime { end, stop });
         }
-
-        let before = simulator.snapshot();
         let events = self.enabled.contains(Category::Events);
-        let mut report = |event: &Event| {
-            if events {
-                log.log(Status::Ok, Category::Events, &describe(event));
+        let mut report = |event: &Event| log.log(Status::Ok, Category::Events, &describe(event));
+        let reason = match &mut self.engine {
+            Engine::Simulation(simulator) => {
+                let parameters = self.parameters_set.then_some(&self.settings.parameters);
+                let loads = self.loads_set.then_some(&self.settings.loads);
+                let mut quiet = |event: &Event| {
+                    if events {
+                        report(event);
+                    }
+                };
+                simulate(
+                    simulator,
+                    parameters,
+                    loads,
+                    (point, size),
+                    self.settings.stop_at_impact,
+                    &mut quiet,
+                )?
             }
-        };
-        let mut advance = || -> Result<StopReason, Error> {
-            if self.parameters_set {
-                simulator.set_parameters(&self.settings.parameters)?;
+            Engine::Closed(form) => {
+                if self.parameters_set {
+                    form.set_parameters(&self.settings.parameters)?;
+                }
+                let report: Option<&mut dyn FnMut(&Event)> = if events { Some(&mut report) } else { None };
+                form.advance(point, size, self.settings.stop_at_impact, report)
             }
-            if self.loads_set {
-                simulator.set_loads(&self.settings.loads)?;
-            }
-            match simulator.advance(point, size, self.settings.stop_at_impact, &mut report) {
-                // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
-                Err(Error::Step { .. }) => Ok(StopReason::End),
-                reason => reason,
-            }
-        };
-        let reason = match advance() {
-            Ok(reason) => reason,
-            Err(error) => {
-                // Cannot fail: it is this simulator's own.
-                let _ = simulator.restore(&before);
-                return Err(error.into());
-            }
+            Engine::None | Engine::Continuous(_) => StopReason::End,
         };
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
         self.motion_stale = true;
-        if self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]).any(|slope| *slope != 0.0) {
-            self.settings.loads = simulator.loads();
-        }
-        if reason == StopReason::Impact && simulator.time() < end {
+        let time = match &self.engine {
+            Engine::Simulation(simulator) => {
+                let slopes = self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]);
+                if slopes.into_iter().any(|slope| *slope != 0.0) {
+                    self.settings.loads = simulator.loads();
+                }
+                simulator.time()
+            }
+            Engine::Closed(form) => form.time(),
+            Engine::None | Engine::Continuous(_) => end,
+        };
+        if reason == StopReason::Impact && time < end {
             self.state = State::StepFailed;
-            return Err(Problem::Impact { time: simulator.time() });
+            return Err(Problem::Impact { time });
         }
         Ok(())
     }
@@ -149,6 +161,36 @@ impl Instance {
     }
 }
 
+/// One step of the simulator, all or nothing.
+fn simulate(
+    simulator: &mut Simulator,
+    parameters: Option<&Parameters>,
+    loads: Option<&Loads>,
+    (point, size): (f64, f64),
+    stop_at_impact: bool,
+    report: &mut dyn FnMut(&Event),
+) -> Outcome<StopReason> {
+    let before = simulator.snapshot();
+    let mut advance = || {
+        if let Some(parameters) = parameters {
+            simulator.set_parameters(parameters)?;
+        }
+        if let Some(loads) = loads {
+            simulator.set_loads(loads)?;
+        }
+        match simulator.advance(point, size, stop_at_impact, report) {
+            // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
+            Err(Error::Step { .. }) => Ok(StopReason::End),
+            reason => reason,
+        }
+    };
+    advance().map_err(|error| {
+        // Cannot fail: it is this simulator's own.
+        let _ = simulator.restore(&before);
+        error.into()
+    })
+}
+
 fn not_available(kind: StatusKind) -> Problem {
     Problem::StatusNotAvailable {
         what: match kind {
@@ -174,7 +216,7 @@ fn check_step(point: f64, size: f64, own: f64) -> Outcome {
     Ok(())
 }
 
-fn describe(event: &Event) -> String {
+pub(super) fn describe(event: &Event) -> String {
     let stop = |side: i8| if side > 0 { "upper" } else { "lower" };
     match *event {
         Event::Impact { time, side, speed, impulse } => format!(

@@ -2,10 +2,13 @@
 
 use super::{Engine, Instance, Outcome};
 use crate::fmi2::problem::Problem;
+use crate::fmi2::settings::Settings;
 use crate::fmi2::states::{Function, State};
 use crate::fmi2::variables::{Access, Base, Causality, Initial, VARIABLES, Variability, Variable};
 use crate::parameters::Parameters;
 
+/// What loads may be while a closed form is played.
+pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
 /// Highest order of input derivatives.
 const INPUT_ORDER: i32 = 3;
 /// Highest order of output derivatives: the displacements' fifth is known, so velocities and accelerations have three.
@@ -42,7 +45,7 @@ impl Base {
 
 /// The variable of that reference and base type.
 #[inline]
-fn look_up(reference: u32, base: Base) -> Outcome<&'static Variable> {
+pub(super) fn look_up(reference: u32, base: Base) -> Outcome<&'static Variable> {
     match VARIABLES.get(reference as usize) {
         Some(variable) if variable.base() == base => Ok(variable),
         found => Err(no_such(reference, base, found)),
@@ -111,14 +114,46 @@ impl Instance {
             if !variable.accepts(value) {
                 return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed });
             }
+            self.check_load(variable, value)?;
         }
+        let before = self.interface.applies_at_once().then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
             self.assign(&VARIABLES[reference as usize], read(i));
+        }
+        if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
+        {
+            if self.parameters_set
+                && let Err(error) = continuous.set_parameters(&self.settings.parameters)
+            {
+                (self.settings, self.parameters_set) = (settings, parameters_set);
+                return Err(error.into());
+            }
+            self.parameters_set = false;
+            continuous.set_forces(self.settings.loads.derivatives.map(|load| load[0]));
+            self.motion_stale = true;
+        }
+        Ok(())
+    }
+
+    /// A closed form is a motion without loads.
+    fn check_load(&self, variable: &Variable, value: f64) -> Outcome {
+        if variable.causality == Causality::Input && value != 0.0 && matches!(self.engine, Engine::Closed(_))
+        {
+            return Err(Problem::Value { name: variable.name, value, allowed: NO_LOADS });
         }
         Ok(())
     }
 
     fn assign(&mut self, variable: &Variable, value: f64) {
+        if let (Engine::Continuous(continuous), Access::Start { set, .. }) =
+            (&mut self.engine, variable.access)
+        {
+            // A continuous state, set one by one (FMI 2.0, 3.2.3, condition 5).
+            let mut settings = Settings { start: continuous.state(), ..self.settings };
+            set(&mut settings, value);
+            continuous.set_state(settings.start);
+            return;
+        }
         let (Access::Setting { set, .. } | Access::Start { set, .. }) = variable.access else { return };
         let settings = &mut self.settings;
         if variable.causality == Causality::Input {
@@ -150,7 +185,10 @@ impl Instance {
             State::Instantiated | State::InitializationMode => {
                 (exact || input, "parameters, start values and inputs")
             }
-            State::ContinuousTimeMode => (input, "inputs and continuous states"),
+            State::ContinuousTimeMode => {
+                let state = matches!(variable.access, Access::Start { .. });
+                (input || state, "inputs and continuous states")
+            }
             _ => (input || tunable, "inputs and tunable parameters"),
         };
         if settable {
@@ -186,6 +224,7 @@ impl Instance {
             if !value.is_finite() {
                 return Err(Problem::Value { name: variable.name, value, allowed: "a finite derivative" });
             }
+            self.check_load(variable, value)?;
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let variable = &VARIABLES[reference as usize];
@@ -241,14 +280,19 @@ impl Instance {
     fn path_derivatives(&mut self) -> Outcome<[[f64; 6]; 3]> {
         match &self.engine {
             Engine::Simulation(simulator) => Ok(simulator.derivatives()),
-            Engine::None => Ok(self.initial_simulator()?.derivatives()),
+            Engine::Closed(form) => Ok(form.derivatives()),
+            Engine::None | Engine::Continuous(_) => {
+                Err(Problem::Sequence { what: "the instance is not initialized" })
+            }
         }
     }
 
     /// The parameters the motion at the present time was made with.
-    fn motion_parameters(&self) -> Parameters {
+    pub(super) fn motion_parameters(&self) -> Parameters {
         match &self.engine {
             Engine::Simulation(simulator) => *simulator.parameters(),
+            Engine::Closed(form) => *form.parameters(),
+            Engine::Continuous(continuous) => *continuous.parameters(),
             Engine::None => self.settings.parameters,
         }
     }

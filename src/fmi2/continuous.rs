@@ -1,0 +1,383 @@
+//! The model for a host's own solver (FMI 2.0, 3.1): states, derivatives, event indicators, and what happens at events.
+
+use super::problem::Problem;
+use super::settings::Motion;
+use crate::error::Error;
+use crate::extended::{Extended, Phase};
+use crate::ledger;
+use crate::model::{Augmented, GAP, GAP_RATE, LANES, Mode, Model};
+use crate::parameters::Parameters;
+use crate::simulator::{Contact, Event, ImpactRecord, Ledger, Simulator, State};
+use serde::{Deserialize, Serialize};
+
+/// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10 off. A bounce lower than
+/// this cannot be told from resting, so there a chatter run ends.
+const CONTACT: f64 = 1e-9;
+/// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero
+/// (FMI 2.0, 3.2.2); it is far below [`CONTACT`] and above the rounding of the displacements.
+const SHIFT: f64 = 1e-12;
+/// Indicator of what cannot happen in the present contact.
+const IDLE: f64 = 1.0;
+
+/// Everything that changes, as plain data.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Data {
+    parameters: Parameters,
+    time: f64,
+    state: State,
+    contact: Contact,
+    phase: Phase,
+    forces: [f64; 3],
+    record: ImpactRecord,
+    /// Mechanical energy at the start, damped energy up to the last accepted step, impact losses.
+    initial: f64,
+    damped: f64,
+    lost: f64,
+    /// The last accepted step or event: time, damping power and its rate.
+    accepted: [f64; 3],
+}
+
+/// The model as a host's solver sees it.
+#[derive(Clone, Debug)]
+pub(crate) struct Continuous {
+    data: Data,
+    model: Model,
+}
+
+impl Continuous {
+    /// Where a simulation would start.
+    ///
+    /// # Errors
+    /// As [`Simulator::new`].
+    pub(crate) fn start(simulator: &Simulator, forces: [f64; 3]) -> Result<Self, Error> {
+        Self::frozen(simulator.parameters(), simulator.state(), simulator.time(), simulator.contact(), forces)
+    }
+
+    /// A motion in a given contact, for what-if evaluations at the start.
+    pub(crate) fn frozen(
+        parameters: &Parameters,
+        state: State,
+        time: f64,
+        contact: Contact,
+        forces: [f64; 3],
+    ) -> Result<Self, Error> {
+        let mut frozen = Self::of(Data {
+            parameters: *parameters,
+            time,
+            state,
+            contact,
+            phase: Phase::new(parameters.drive_phase),
+            forces,
+            record: ImpactRecord::default(),
+            initial: 0.0,
+            damped: 0.0,
+            lost: 0.0,
+            accepted: [0.0; 3],
+        })?;
+        frozen.anchor();
+        // Nothing has been put in yet.
+        frozen.data.initial = frozen.motion().ledger.mechanical;
+        Ok(frozen)
+    }
+
+    pub(crate) fn of(data: Data) -> Result<Self, Error> {
+        Ok(Self { data, model: Model::new(&data.parameters)? })
+    }
+
+    /// Goes back to what [`data`](Self::data) gave.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of); nothing has changed then.
+    pub(crate) fn restore(&mut self, data: Data) -> Result<(), Error> {
+        if data.parameters != self.data.parameters {
+            self.model = Model::new(&data.parameters)?;
+        }
+        self.data = data;
+        Ok(())
+    }
+
+    pub(crate) fn data(&self) -> Data {
+        self.data
+    }
+
+    pub(crate) fn parameters(&self) -> &Parameters {
+        &self.data.parameters
+    }
+
+    pub(crate) fn time(&self) -> f64 {
+        self.data.time
+    }
+
+    pub(crate) fn set_time(&mut self, time: f64) {
+        self.data.time = time;
+    }
+
+    pub(crate) fn state(&self) -> State {
+        self.data.state
+    }
+
+    pub(crate) fn set_state(&mut self, state: State) {
+        self.data.state = state;
+    }
+
+    pub(crate) fn set_forces(&mut self, forces: [f64; 3]) {
+        self.data.forces = forces;
+    }
+
+    /// Takes effect at once; the drive's phase stays continuous. What it adds to springs and masses counts as input, since
+    /// the input is what the balance leaves.
+    ///
+    /// # Errors
+    /// As [`Simulator::set_parameters`]; nothing has changed then.
+    pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), Error> {
+        let old = self.data.parameters;
+        let model = Model::new(parameters)?;
+        let shift = parameters.drive_phase - old.drive_phase;
+        if parameters.drive_frequency != old.drive_frequency || shift != 0.0 {
+            self.data.phase.rebase(old.drive_frequency, Extended::new(self.data.time), shift);
+        }
+        self.data.parameters = *parameters;
+        self.model = model;
+        self.anchor();
+        Ok(())
+    }
+
+    fn mode(&self) -> Mode {
+        if self.data.contact == Contact::Flight { Mode::Flight } else { Mode::Rest }
+    }
+
+    fn augmented(&self) -> Augmented {
+        let mut z = [0.0; LANES];
+        z[..6].copy_from_slice(&super::steady::coordinates(&self.data.state));
+        let theta = self.data.phase.angle(self.model.omega, Extended::new(self.data.time));
+        (z[7], z[6]) = theta.sin_cos();
+        z
+    }
+
+    /// x1'', x2'', x3'' and the free relative acceleration.
+    fn accelerations(&self) -> ([f64; 3], f64) {
+        let (a, free) = self.model.acceleration(self.mode(), &self.augmented(), Some(self.data.forces));
+        ([a[0], a[0] + a[1], a[2]], free)
+    }
+
+    /// Time derivatives of x1, x2, x3, v1, v2, v3.
+    pub(crate) fn derivatives(&self) -> [f64; 6] {
+        let (v, (a, _)) = (self.data.state.v, self.accelerations());
+        [v[0], v[1], v[2], a[0], a[1], a[2]]
+    }
+
+    /// Distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration that presses the
+    /// block on, in units of the largest that springs and drive make at one gap's displacement.
+    pub(crate) fn indicators(&self) -> [f64; 3] {
+        let gap = self.model.gap;
+        match self.data.contact {
+            Contact::Flight => {
+                let w = self.data.state.x[1] - self.data.state.x[0];
+                [(gap - w) / gap, (gap + w) / gap, IDLE]
+            }
+            contact => {
+                let m = &self.model;
+                let scale = (m.k1 + m.k2) * gap + m.drive.abs();
+                let pressing = contact.side() * self.accelerations().1;
+                [IDLE, IDLE, if scale > 0.0 { pressing / scale } else { pressing }]
+            }
+        }
+    }
+
+    /// Takes the present point as accepted: damped energy is summed up to here.
+    pub(crate) fn accept(&mut self) {
+        self.data.damped = self.damped();
+        self.anchor();
+    }
+
+    /// The point from which the damped energy is summed on.
+    fn anchor(&mut self) {
+        let (power, rate) = self.damping();
+        self.data.accepted = [self.data.time, power, rate];
+    }
+
+    /// Power lost in the dampers and its rate.
+    fn damping(&self) -> (f64, f64) {
+        let (p, v, (a, _)) = (&self.data.parameters, self.data.state.v, self.accelerations());
+        let (c1, c3) = (p.box_damping, p.secondary_damping);
+        (c1 * v[0] * v[0] + c3 * v[2] * v[2], 2.0 * (c1 * v[0] * a[0] + c3 * v[2] * a[2]))
+    }
+
+    /// Damped energy by the trapezoidal rule with end correction (an error of h⁵ a step).
+    fn damped(&self) -> f64 {
+        let [from, power, rate] = self.data.accepted;
+        let (now, rate_now) = self.damping();
+        let h = self.data.time - from;
+        self.data.damped + 0.5 * h * (power + now) + h * h / 12.0 * (rate - rate_now)
+    }
+
+    /// The laws at an event: impact, rest or release, as far as the present point calls for one; reports them and returns
+    /// whether states changed.
+    pub(crate) fn handle_event(&mut self, report: &mut dyn FnMut(&Event)) -> bool {
+        let before = self.data.state;
+        match self.data.contact {
+            Contact::Flight => {
+                let w = before.x[1] - before.x[0];
+                let gap = self.model.gap;
+                if gap - w.abs() <= CONTACT * gap {
+                    self.touch(w.signum(), report);
+                }
+            }
+            contact => {
+                if contact.side() * self.accelerations().1 <= 0.0 {
+                    self.data.contact = Contact::Flight;
+                    self.data.state.v[1] = self.data.state.v[0];
+                    self.place(contact.side(), 1.0 - SHIFT);
+                    let side = contact.side() as i8;
+                    report(&Event::Release { time: self.data.time, side });
+                }
+            }
+        }
+        self.anchor();
+        self.data.state != before
+    }
+
+    /// At stop `side`: an impact when it is approached, rest when it is pressed on without bouncing.
+    fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
+        let (time, stop) = (self.data.time, side as i8);
+        let mut z = self.augmented();
+        if side * z[GAP_RATE] > 0.0 {
+            let (speed, impulse, lost) = self.model.impact(&mut z, side);
+            let record = &mut self.data.record;
+            if side > 0.0 {
+                record.upper += 1;
+            } else {
+                record.lower += 1;
+            }
+            (record.last_time, record.last_speed, record.last_impulse) = (time, speed, impulse);
+            record.total_impulse += impulse;
+            self.data.lost += lost;
+            report(&Event::Impact { time, side: stop, speed, impulse });
+        }
+        let rebound = -side * z[GAP_RATE];
+        let pressing = side * self.model.acceleration(Mode::Flight, &z, Some(self.data.forces)).1;
+        // Height of the bounce: rebound²/(2 pressing). An elastic block bounces for ever.
+        let low = rebound * rebound <= 2.0 * pressing * CONTACT * self.model.gap;
+        if pressing > 0.0 && low && (rebound == 0.0 || self.model.restitution < 1.0) {
+            self.data.lost += self.model.merge(&mut z);
+            self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+            report(&Event::Rest { time, side: stop });
+        }
+        (self.data.state.v[0], self.data.state.v[1]) = (z[3], z[3] + z[GAP_RATE]);
+        let resting = self.data.contact != Contact::Flight;
+        self.place(side, if resting { 1.0 } else { 1.0 - SHIFT });
+        if resting {
+            self.data.state.v[1] = self.data.state.v[0];
+        }
+    }
+
+    /// Puts box and block `share` gaps apart, their centre of mass held; further inside they stay where they are.
+    fn place(&mut self, side: f64, share: f64) {
+        let x = &mut self.data.state.x;
+        let excess = (x[1] - x[0]) - side * share * self.model.gap;
+        if side * excess > 0.0 || share == 1.0 {
+            x[0] += self.model.block_share * excess;
+            x[1] -= (1.0 - self.model.block_share) * excess;
+        }
+    }
+
+    /// What the motion is at the present point. In rest the gap is exact, whatever rounding the solver adds.
+    pub(crate) fn motion(&self) -> Motion {
+        let (data, (a, free)) = (&self.data, self.accelerations());
+        let z = self.augmented();
+        let (gap, contact_force) = match data.contact {
+            Contact::Flight => ((z[GAP], z[GAP_RATE]), 0.0),
+            contact => {
+                let force = self.model.reduced_mass * contact.side() * free;
+                ((contact.side() * self.model.gap, 0.0), force.max(0.0))
+            }
+        };
+        let mut y = [0.0; 6];
+        y.copy_from_slice(&z[..6]);
+        let (mechanical, damped) = (ledger::mechanical(&data.parameters, &y), self.damped());
+        let x = data.state.x;
+        Motion {
+            time: data.time,
+            state: data.state,
+            acceleration: a,
+            gap,
+            contact_force,
+            contact: data.contact,
+            coupling_force: data.parameters.coupling_stiffness * (x[1] - x[2]),
+            impacts: data.record,
+            ledger: Ledger {
+                mechanical,
+                // What the balance leaves: the work of inputs between steps is the host's to know.
+                input: mechanical - data.initial + damped + data.lost,
+                damped,
+                impact: data.lost,
+            },
+        }
+    }
+
+    /// How the motion varies with states and forces, all else held (FMI 2.0, 2.1.9).
+    pub(crate) fn variation(&self, dx: &State, df: [f64; 3]) -> Motion {
+        let p = &self.data.parameters;
+        let mut motion = variation(&self.model, p, self.data.contact, &self.data.state, dx, df);
+        // The open interval's trapezoidal rule varies with the velocities at its end.
+        let (v, (a, _)) = (self.data.state.v, self.accelerations());
+        let h = self.data.time - self.data.accepted[0];
+        let damped = [(p.box_damping, 0), (p.secondary_damping, 2)].into_iter().map(|(c, i)| {
+            let power = 2.0 * c * v[i] * dx.v[i];
+            let rate = 2.0 * c * (dx.v[i] * a[i] + v[i] * motion.acceleration[i]);
+            0.5 * h * power - h * h / 12.0 * rate
+        });
+        motion.ledger.damped = damped.sum();
+        motion.ledger.input = motion.ledger.mechanical + motion.ledger.damped;
+        motion
+    }
+}
+
+/// How a motion varies with states and forces in a given contact: everything is linear but the mechanical energy, whose
+/// gradient is taken. Energies that have been summed up do not vary.
+pub(crate) fn variation(
+    model: &Model,
+    p: &Parameters,
+    contact: Contact,
+    state: &State,
+    dx: &State,
+    df: [f64; 3],
+) -> Motion {
+    let mut z = [0.0; LANES];
+    z[..6].copy_from_slice(&super::steady::coordinates(dx));
+    let mode = if contact == Contact::Flight { Mode::Flight } else { Mode::Rest };
+    let (a, free) = model.acceleration(mode, &z, Some(df));
+    let (x, v) = (&state.x, &state.v);
+    let (gap, contact_force) = match contact {
+        Contact::Flight => ((z[GAP], z[GAP_RATE]), 0.0),
+        contact => ((0.0, 0.0), model.reduced_mass * contact.side() * free),
+    };
+    let mechanical = p.box_mass * v[0] * dx.v[0]
+        + p.block_mass * v[1] * dx.v[1]
+        + p.secondary_mass * v[2] * dx.v[2]
+        + p.box_stiffness * x[0] * dx.x[0]
+        + p.secondary_stiffness * x[2] * dx.x[2]
+        + p.coupling_stiffness * (x[1] - x[2]) * (dx.x[1] - dx.x[2]);
+    Motion {
+        time: 0.0,
+        state: *dx,
+        acceleration: [a[0], a[0] + a[1], a[2]],
+        gap,
+        contact_force,
+        contact,
+        coupling_force: p.coupling_stiffness * (dx.x[1] - dx.x[2]),
+        impacts: ImpactRecord::default(),
+        ledger: Ledger { mechanical, ..Ledger::default() },
+    }
+}
+
+/// A set of states that is not finite.
+pub(crate) fn check_states(states: &[f64; 6]) -> Result<State, Problem> {
+    for (name, value) in super::structure::STATES.iter().zip(states) {
+        if !value.is_finite() {
+            return Err(Problem::Value { name, value: *value, allowed: "a finite number" });
+        }
+    }
+    let [x1, x2, x3, v1, v2, v3] = *states;
+    Ok(State { x: [x1, x2, x3], v: [v1, v2, v3] })
+}
