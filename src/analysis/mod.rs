@@ -13,7 +13,9 @@ pub mod motion;
 pub mod plane;
 pub mod response;
 mod settings;
+pub mod studies;
 pub mod table;
+pub mod words;
 
 pub use error::{Error, Result};
 pub use groups::{GROUPS, Group, check_together};

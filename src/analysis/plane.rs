@@ -108,7 +108,7 @@ impl PlaneAxis {
     /// # Errors
     /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the group's own range.
     pub fn new(group: &'static Group, (from, to): (f64, f64), count: usize) -> Result<Self> {
-        if !(from < to) || !(to - from).is_finite() || count < 2 {
+        if !(from < to && (to - from).is_finite() && count >= 2) {
             let text = format!("{}={from}:{to} in {count} values", group.name);
             return Err(Error::Form { text, expected: "from < to, both finite, and at least 2 values" });
         }

@@ -112,7 +112,11 @@ fn unknown(name: &str, valid: &[Name]) -> Error {
 /// [`Error::NotANumber`].
 pub fn number(name: Name, text: &str) -> Result<f64> {
     let text = text.trim();
-    text.parse().map_err(|_| Error::NotANumber { name: name.name(), text: text.into(), allowed: name.allowed() })
+    text.parse().map_err(|_| Error::NotANumber {
+        name: name.name(),
+        text: text.into(),
+        allowed: name.allowed(),
+    })
 }
 
 impl Settings {
@@ -323,7 +327,9 @@ fn collect(prefix: &str, value: &toml::Value, si: bool, into: &mut Vec<(Name, f6
     }
     let name = match (si, Group::named(prefix)) {
         (false, Some(group)) => Name::Group(group),
-        (false, None) => return Err(find_group(prefix).err().unwrap_or_else(|| unknown(prefix, &all_names()))),
+        (false, None) => {
+            return Err(find_group(prefix).err().unwrap_or_else(|| unknown(prefix, &all_names())));
+        }
         (true, _) => {
             let fields: Vec<Name> = FIELDS.iter().map(Name::Si).collect();
             let found = fields.iter().copied().find(|f| f.name() == prefix);

@@ -84,7 +84,11 @@ pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
     let mut encoder = png::Encoder::new(&mut file, columns, rows);
     encoder.set_color(png::ColorType::Rgb);
     let density = Some(PIXELS_PER_METRE);
-    encoder.set_pixel_dims(density.map(|d| png::PixelDimensions { xppu: d, yppu: d, unit: png::Unit::Meter }));
+    encoder.set_pixel_dims(density.map(|d| png::PixelDimensions {
+        xppu: d,
+        yppu: d,
+        unit: png::Unit::Meter,
+    }));
     let mut writer = encoder.write_header().map_err(Error::output("a PNG file"))?;
     writer.write_image_data(&pixels).map_err(Error::output("a PNG file"))?;
     writer.finish().map_err(Error::output("a PNG file"))?;

@@ -211,7 +211,8 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
                     }
                 }
                 Shape::Band { points, .. } => {
-                    places.extend(points.iter().flat_map(|p| [(p.0, p.1), (p.0, p.2)]).map(|p| self.place(p)));
+                    places
+                        .extend(points.iter().flat_map(|p| [(p.0, p.1), (p.0, p.2)]).map(|p| self.place(p)));
                 }
                 _ => places.extend(layer.extent().into_iter().map(|p| self.place(p))),
             }

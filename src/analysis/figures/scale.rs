@@ -22,8 +22,9 @@ impl Scale {
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let fits = |v: &f64| v.is_finite() && (!axis.log || *v > 0.0);
         let (low, high) = axis.range.unwrap_or_else(|| {
-            let (low, high) =
-                values.filter(fits).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            let (low, high) = values
+                .filter(fits)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
             match (low < high, low.is_finite()) {
                 (true, _) if axis.log => {
                     let air = (high / low).powf(AIR);
@@ -59,7 +60,8 @@ impl Scale {
         let step = steps.iter().map(|s| s * power).find(|s| *s >= rough * 0.999).unwrap_or(rough);
         let decimals = |d: i32| (step * 10f64.powi(d)).fract();
         let digits = (0..12).find(|&d| decimals(d).min(1.0 - decimals(d)) < 1e-6).unwrap_or(12) as usize;
-        let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
+        let (first, last) =
+            ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
         let label = |v: f64| format!("{:.digits$}", v + 0.0).replace('-', "−");
         (first..=last).map(|i| i as f64 * step).map(|v| (v, label(v))).collect()
     }

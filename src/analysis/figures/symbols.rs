@@ -57,8 +57,7 @@ pub(super) fn mark<DB: DrawingBackend>(
     let (x, y) = whole(at);
     let r = radius as i32;
     let near = |dx: i32, dy: i32| (x + dx, y + dy);
-    let polygon =
-        |points: Vec<(i32, i32)>| area.draw(&Polygon::new(points, colour.filled())).map_err(failed);
+    let polygon = |points: Vec<(i32, i32)>| area.draw(&Polygon::new(points, colour.filled())).map_err(failed);
     match mark {
         Mark::Disc => area.draw(&Circle::new((x, y), r, colour.filled())).map_err(failed),
         Mark::Ring => {
