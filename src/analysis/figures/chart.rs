@@ -41,6 +41,8 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// Logarithmic.
     pub log: bool,
+    /// Names at 1, 2, … in place of numbers.
+    pub names: Vec<String>,
 }
 
 /// One curve, set of marks or area.
@@ -143,17 +145,17 @@ pub const MARK: u32 = 13;
 impl Axis {
     /// An axis over its data.
     pub fn new(label: impl Into<String>) -> Self {
-        Self { label: label.into(), range: None, log: false }
+        Self { label: label.into(), ..Self::default() }
     }
 
     /// An axis over a range.
     pub fn over(label: impl Into<String>, from: f64, to: f64) -> Self {
-        Self { label: label.into(), range: Some((from, to)), log: false }
+        Self { label: label.into(), range: Some((from, to)), ..Self::default() }
     }
 
     /// A logarithmic axis over its data.
     pub fn log(label: impl Into<String>) -> Self {
-        Self { label: label.into(), range: None, log: true }
+        Self { label: label.into(), log: true, ..Self::default() }
     }
 }
 

@@ -8,11 +8,12 @@ const TICKS: f64 = 6.0;
 const AIR: f64 = 0.05;
 
 /// The map of one axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Scale {
     pub low: f64,
     pub high: f64,
     log: bool,
+    names: Vec<String>,
     from: f64,
     to: f64,
 }
@@ -36,7 +37,7 @@ impl Scale {
                 _ => (0.0, 1.0),
             }
         });
-        Self { low, high, log: axis.log, from, to }
+        Self { low, high, log: axis.log, names: axis.names.clone(), from, to }
     }
 
     /// The place of a value.
@@ -51,6 +52,9 @@ impl Scale {
 
     /// Values and labels of the ticks.
     pub fn ticks(&self) -> Vec<(f64, String)> {
+        if !self.names.is_empty() {
+            return (1..).map(f64::from).zip(self.names.iter().cloned()).collect();
+        }
         if self.log {
             return self.log_ticks();
         }

@@ -7,26 +7,43 @@ use super::scale::dashes;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// Points nearer than this on a path are one.
-const NEAR: f64 = 1.5;
+/// A path may be off by this much.
+const TOLERANCE: f64 = 0.6;
+/// Segments drawn at once: a stroke is filled as a polygon, which must not meet itself.
+const AT_ONCE: usize = 10;
 
 fn whole((x, y): (f64, f64)) -> (i32, i32) {
     (x.round() as i32, y.round() as i32)
 }
 
-/// A path without points that its neighbours hide: strokes of many tiny segments come out ragged.
-fn thinned(path: &[(f64, f64)]) -> Vec<(i32, i32)> {
-    let mut kept: Vec<(f64, f64)> = Vec::new();
-    for (i, &point) in path.iter().enumerate() {
-        let far = |k: &(f64, f64)| (point.0 - k.0).hypot(point.1 - k.1) >= NEAR;
-        if kept.last().is_none_or(far) {
-            kept.push(point);
-        } else if i + 1 == path.len() && kept.len() > 1 {
-            kept.pop();
-            kept.push(point);
+/// The points of a path that it needs to look the same (Ramer, Douglas and Peucker): strokes of many tiny segments,
+/// rounded to whole units, come out ragged.
+fn simplified(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut kept = vec![false; path.len()];
+    let mut open = vec![(0, path.len().saturating_sub(1))];
+    while let Some((from, to)) = open.pop() {
+        for end in [from, to] {
+            kept.get_mut(end).into_iter().for_each(|k| *k = true);
         }
+        let (mut worst, mut at) = (TOLERANCE, None);
+        for i in from + 1..to {
+            let off = distance(path[i], path[from], path[to]);
+            if off > worst {
+                (worst, at) = (off, Some(i));
+            }
+        }
+        open.extend(at.into_iter().flat_map(|i| [(from, i), (i, to)]));
     }
-    kept.into_iter().map(whole).collect()
+    path.iter().zip(kept).filter(|p| p.1).map(|p| *p.0).collect()
+}
+
+/// Distance of a point from a segment.
+fn distance(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
+    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let square = dx * dx + dy * dy;
+    let part = if square > 0.0 { ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / square } else { 0.0 };
+    let t = part.clamp(0.0, 1.0);
+    (p.0 - a.0 - t * dx).hypot(p.1 - a.1 - t * dy)
 }
 
 /// Strokes a path of places.
@@ -38,9 +55,11 @@ pub(super) fn stroke<DB: DrawingBackend>(
     dash: Dash,
 ) -> Drawn {
     for piece in dashes(path, dash, f64::from(width)) {
-        let points = thinned(&piece);
-        if points.len() > 1 {
-            area.draw(&PathElement::new(points, colour.stroke_width(width))).map_err(failed)?;
+        let points: Vec<_> = simplified(&piece).into_iter().map(whole).collect();
+        for from in (0..points.len().saturating_sub(1)).step_by(AT_ONCE) {
+            // One segment more than the step, so that the joints are filled.
+            let part = points[from..points.len().min(from + AT_ONCE + 2)].to_vec();
+            area.draw(&PathElement::new(part, colour.stroke_width(width))).map_err(failed)?;
         }
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Theory against simulation (figures 8, 16, 17, 19).
 
 use super::super::error::Result;
-use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, GREY, VERMILLION};
+use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
 use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use super::super::groups::Group;
 use super::super::motion::{amplitude, maxima, record, settled};
@@ -118,8 +118,14 @@ fn four_panels(title: &str, settings: &Settings, theory: &[Point], name: &str, p
         ],
         columns: 2,
         panel: PANEL,
-        shared_legend: false,
+        shared_legend: true,
     }
+}
+
+/// A start with the block on its way to a stop.
+fn kicked(p: &Parameters) -> State {
+    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
+    State { x: [0.0; 3], v: [0.0, speed, 0.0] }
 }
 
 /// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the simulated local
@@ -136,7 +142,7 @@ pub fn force_overlay(
     let along: &'static Group = find_group("f10")?;
     let mut table = Table::new(&["f10", "theory", "A2", "stable"]);
     let (mut tops, mut lost) = (Path::new(), 0);
-    let mut state = State::default();
+    let mut state = kicked(settings.parameters());
     for i in 0..count {
         let part = i as f64 / (count - 1).max(1) as f64;
         let value = range.0 * (1.0 - part) + range.1 * part;
@@ -155,7 +161,7 @@ pub fn force_overlay(
         done();
     }
     table.rows.extend(tops.iter().map(|t| vec![exact(t.0), "simulation".into(), exact(t.1), String::new()]));
-    let mut layers = vec![Layer::marks("simulated maxima of X₂", GREY, Mark::Square, tops).stroke(2)];
+    let mut layers = Vec::new();
     for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, VERMILLION)] {
         let found = response(settings, along, range, method, NODES)?;
         let (mut stable, mut unstable): (Vec<Path>, Vec<Path>) = (Vec::new(), Vec::new());
@@ -174,6 +180,8 @@ pub fn force_overlay(
         let name = format!("A₂, {}, unstable", method.name());
         layers.push(Layer::lines(&name, colour, Dash::Dashed, unstable).stroke(THIN));
     }
+    // On top: where they lie on a curve, they agree.
+    layers.push(Layer::marks("simulated maxima of X₂", BLACK, Mark::Square, tops).stroke(2));
     let panel = Panel {
         title: String::new(),
         x: Axis::over(along.label(), range.0, range.1),
@@ -184,7 +192,7 @@ pub fn force_overlay(
         title: "Force response over the simulated maxima (cf. figure 16)".into(),
         caption: vec![
             format!(
-                "{DISCARDED} periods discarded and {KEPT} kept at each of {count} values; the state is carried upwards."
+                "{DISCARDED} periods discarded and {KEPT} kept at each of {count} values; the state is carried upwards and started anew with a moving block where impacts had ceased."
             ),
             settings.caption(),
         ],
@@ -278,7 +286,7 @@ pub fn accuracy(settings: &Settings, epsilons: &[f64]) -> Result<Study> {
         panels,
         columns: 2,
         panel: PANEL,
-        shared_legend: false,
+        shared_legend: true,
     };
     Ok(Study {
         name: "compare-17".into(),
@@ -340,7 +348,8 @@ pub fn strong_case(settings: &Settings) -> Result<Study> {
         return Ok(no_motion("compare-19", "strong coupling"));
     };
     let (amplitudes, points) = simulate(p, &theory)?;
-    let (table, remarks) = amplitude_table("strong_coupling", theory.amplitudes(p), amplitudes);
+    let (table, mut remarks) = amplitude_table("strong_coupling", theory.amplitudes(p), amplitudes);
+    remarks.insert(0, format!("parameters here: {}", settings.caption()));
     let history = theory.history(p, f64::from(SHOWN));
     let mut figure = four_panels(
         "Strong coupling against simulation (cf. figures 18, 19)",
@@ -362,6 +371,7 @@ pub fn strong_case(settings: &Settings) -> Result<Study> {
     for (panel, title) in figure.panels.iter_mut().zip(titles) {
         panel.title = title.into();
     }
+    figure.shared_legend = false;
     figure.columns = 3;
     figure.panel = (1500, 1100);
     Ok(Study {
@@ -375,7 +385,8 @@ pub fn strong_case(settings: &Settings) -> Result<Study> {
 }
 
 fn sawtooth_panel(beta: f64) -> Panel {
-    let mut betas = vec![0.0, 0.5, 0.8];
+    // β̂ = 0 is the plain sawtooth; past 1 the block overshoots the stop's place.
+    let mut betas = vec![0.0, 0.8, 1.4];
     if !betas.iter().any(|b| (b - beta).abs() < 1e-9) {
         betas.push(beta);
     }
@@ -387,7 +398,7 @@ fn sawtooth_panel(beta: f64) -> Panel {
     Panel {
         title: String::new(),
         x: Axis::over("phase s/π (–)", 0.0, 4.0),
-        y: Axis::over("Z* (–)", -1.3, 1.3),
+        y: Axis::new("Z* (–)"),
         layers: betas.iter().zip([BLACK, BLUE, GREEN, VERMILLION]).zip(dash).map(curve).collect(),
     }
 }
@@ -395,17 +406,15 @@ fn sawtooth_panel(beta: f64) -> Panel {
 fn amplitude_panel(theory: [f64; 4], simulation: [f64; 4]) -> Panel {
     let at = |values: [f64; 4]| (1..).map(f64::from).zip(values).collect::<Path>();
     let highest = theory.into_iter().chain(simulation).fold(0.0, f64::max);
-    let mut layers = vec![
+    let layers = vec![
         Layer::marks("closed form", BLUE, Mark::Disc, at(theory)).stroke(18),
         Layer::marks("simulation", BLACK, Mark::Cross, at(simulation)).stroke(18),
     ];
-    for (i, name) in ["B", "A₁", "A₂", "A₃"].into_iter().enumerate() {
-        layers.push(Layer::text(((i + 1) as f64, -0.08 * highest), name, BLACK));
-    }
+    let names = ["B", "A₁", "A₂", "A₃"].map(String::from).to_vec();
     Panel {
         title: String::new(),
-        x: Axis::over("amplitude (B, A₁, A₂, A₃ by number)", 0.5, 4.5),
-        y: Axis::over("amplitude (units of L)", -0.15 * highest, 1.2 * highest),
+        x: Axis { names, ..Axis::over("amplitude of U, X₁, X₂, X₃", 0.5, 4.5) },
+        y: Axis::over("amplitude (units of L)", 0.0, 1.2 * highest),
         layers,
     }
 }

@@ -94,11 +94,8 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>;
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
-            // The paper shows the right branch only; an orbit that passes a stop is none.
-            let shown = match response.method {
-                Method::ExactOrbit => pair[0].clear && pair[1].clear,
-                _ => pair[0].right && pair[1].right && pair[0].clear && pair[1].clear,
-            };
+            // The paper shows the right branch only; a motion that passes a stop is none.
+            let shown = pair.iter().all(|p| p.right && p.clear);
             if !shown {
                 state = None;
                 continue;
@@ -154,7 +151,7 @@ fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third
 }
 
 fn caption(settings: &Settings) -> Vec<String> {
-    let exact = "Coloured: multiple scales, right branch C > C_Smin. Black: exact orbit; for it C is A₂/(1 − ε + ε²).";
+    let exact = "Coloured: multiple scales. Black: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
     vec![exact.into(), settings.caption()]
 }
 

@@ -184,10 +184,10 @@ pub fn masri(settings: &Settings) -> Result<Study> {
         y: Axis::over("ξ = k₁L/F₁₀ (–)", 0.0, 1.15 * top),
         layers: vec![
             Layer::band("stable, multiple scales", SKY, 0.45, band.clone()),
-            Layer::line("C = C_Smax", VERMILLION, Dash::Solid, side(|p| p.1, &band)),
-            Layer::line("lower limit of f̂₁₀", BLUE, Dash::Solid, side(|p| p.2, &band)),
-            Layer::marks("exact orbit, least f̂₁₀", BLACK, Mark::Ring, side(|p| p.2, &marks)).stroke(10),
-            Layer::marks("exact orbit, largest f̂₁₀", BLACK, Mark::Triangle, side(|p| p.1, &marks)).stroke(10),
+            Layer::line("highest f̂₁₀", VERMILLION, Dash::Solid, side(|p| p.1, &band)),
+            Layer::line("lowest f̂₁₀", BLUE, Dash::Solid, side(|p| p.2, &band)),
+            Layer::marks("exact orbit, lowest f̂₁₀", BLACK, Mark::Ring, side(|p| p.2, &marks)).stroke(10),
+            Layer::marks("exact orbit, highest f̂₁₀", BLACK, Mark::Triangle, side(|p| p.1, &marks)).stroke(10),
         ],
     };
     let figure = Figure {

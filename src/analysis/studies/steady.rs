@@ -208,7 +208,7 @@ fn picture(settings: &Settings) -> Result<(String, Option<Figure>)> {
         ],
         columns: 2,
         panel: PANEL,
-        shared_legend: false,
+        shared_legend: true,
     };
     Ok((what, Some(figure)))
 }
@@ -230,7 +230,9 @@ pub(super) fn comparison_panel(
         layers.push(Layer::lines("stops, W = ±1", BLACK, Dash::Dotted, stops).stroke(THIN));
     }
     let path = |points: &[Point], q: usize| {
-        points.iter().map(|p| if portrait { (p.x[q], p.v[q]) } else { (p.time, p.x[q]) }).collect::<Vec<_>>()
+        // A portrait closes after one period; twice would fill its dashes.
+        let shown = points.iter().filter(|p| !portrait || p.time <= 1.0 + 1e-9);
+        shown.map(|p| if portrait { (p.x[q], p.v[q]) } else { (p.time, p.x[q]) }).collect::<Vec<_>>()
     };
     for &q in quantities {
         let (name, colour) = CURVES[q];

@@ -79,7 +79,7 @@ fn response(settings: &Settings, a: &arguments::Response) -> Result<Vec<Study>> 
     let mut found = Vec::new();
     if a.kind != Kind::Force {
         let range = range_of(&ranges, "sigma1", (-2.5, 2.5));
-        let (forces, dampings) = (list("f10", &[0.6, 1.0, 1.5, 2.0]), list("gamma1", &[0.2, 0.5, 1.0, 1.5]));
+        let (forces, dampings) = (list("f10", &[1.0, 1.5, 2.0, 2.5]), list("gamma1", &[0.2, 0.5, 1.0, 1.5]));
         found.push(studies::frequency(settings, range, &forces, &dampings)?);
     }
     if a.kind != Kind::Frequency {
