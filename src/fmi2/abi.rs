@@ -11,10 +11,14 @@
 mod common;
 mod cosimulation;
 mod exchange;
+mod memory;
+mod values;
 
 pub use common::*;
 pub use cosimulation::*;
 pub use exchange::*;
+pub use memory::*;
+pub use values::*;
 
 #[cfg(test)]
 mod tests;

@@ -66,11 +66,11 @@ pub const CAPABILITIES: Capabilities = Capabilities {
     can_not_use_memory_management_functions: true,
     can_get_and_set_fmu_state: true,
     can_serialize_fmu_state: true,
-    provides_directional_derivative: false,
+    provides_directional_derivative: true,
 };
 
 /// Whether `ModelExchange` is part of the archive.
-pub const MODEL_EXCHANGE: bool = false;
+pub const MODEL_EXCHANGE: bool = true;
 
 /// A log category (FMI 2.0, 2.2.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,112 @@
+//! Steps and events.
+
+use super::*;
+
+#[test]
+fn ten_steps_and_one_agree_and_land_on_their_end() {
+    let (mut ten, mut one) = (initialized(), initialized());
+    for i in 0..10 {
+        step(&mut ten, f64::from(i) * 3.0, 3.0).unwrap();
+    }
+    step(&mut one, 0.0, 30.0).unwrap();
+    assert_eq!(get(&mut ten, "time"), 30.0);
+    assert!(get(&mut one, "impacts.upper") > 0.0);
+    for name in MOTION {
+        let (a, b) = (get(&mut ten, name), get(&mut one, name));
+        assert!((a - b).abs() < 1e-11, "{name}: {a} {b}");
+    }
+}
+
+#[test]
+fn time_may_be_off_by_rounding_but_not_by_more() {
+    let mut fmu = initialized();
+    step(&mut fmu, 0.0, 100.0).unwrap();
+    step(&mut fmu, 100.0 + 5e-8, 1.0).unwrap();
+    assert_eq!(get(&mut fmu, "time"), 100.0 + 5e-8 + 1.0);
+    let before = motion(&mut fmu);
+    let error = step(&mut fmu, 101.1, 1.0).unwrap_err().to_string();
+    assert!(error.contains("101.1 s") && error.contains("t = 101.00000005 s"), "{error}");
+    // A step that ends before own time, by less than the allowed mismatch, is a valid one and does nothing.
+    step(&mut fmu, 101.0, 1e-9).unwrap();
+    for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(step(&mut fmu, 101.0, size).is_err(), "{size}");
+    }
+    assert!(step(&mut fmu, f64::NAN, 1.0).is_err());
+    assert_eq!(motion(&mut fmu), before);
+    step(&mut fmu, 101.0, 1e-14).unwrap();
+    step(&mut fmu, 101.0, 1.0).unwrap();
+    assert_eq!(get(&mut fmu, "time"), 102.0);
+}
+
+#[test]
+fn the_smallest_steps_are_steps() {
+    let mut fmu = initialized();
+    for _ in 0..10 {
+        step(&mut fmu, 0.0, 1e-14).unwrap();
+    }
+    step(&mut fmu, 0.0, 1.0).unwrap();
+    for _ in 0..10 {
+        step(&mut fmu, 1.0, 1e-14).unwrap();
+    }
+    assert!((get(&mut fmu, "time") - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_stop_time_is_not_passed() {
+    let mut fmu = instance();
+    fmu.setup_experiment(None, 0.0, Some(1.0)).unwrap();
+    fmu.enter_initialization_mode().unwrap();
+    fmu.exit_initialization_mode(&mut Messages::default()).unwrap();
+    let error = step(&mut fmu, 0.0, 1.5).unwrap_err().to_string();
+    assert_eq!(error, "step to t = 1.5 s: allowed is up to the stop time 1 s of fmi2SetupExperiment");
+    step(&mut fmu, 0.0, 1.0 + 1e-12).unwrap();
+}
+
+#[test]
+fn tunable_parameters_act_from_the_next_step_on() {
+    let (mut fmu, mut other) = (initialized(), initialized());
+    step(&mut fmu, 0.0, 5.0).unwrap();
+    step(&mut other, 0.0, 5.0).unwrap();
+    set(&mut fmu, "drive.amplitude", 0.3).unwrap();
+    assert_eq!(get(&mut fmu, "drive.amplitude"), 0.3);
+    assert!((get(&mut fmu, "groups.f10") - 3.0).abs() < 1e-12);
+    assert_eq!(get(&mut fmu, "box.s"), get(&mut other, "box.s"));
+    step(&mut fmu, 5.0, 1.0).unwrap();
+    step(&mut other, 5.0, 1.0).unwrap();
+    assert!((get(&mut fmu, "box.s") - get(&mut other, "box.s")).abs() > 1e-3);
+}
+
+#[test]
+fn events_are_logged_when_asked_for() {
+    let mut fmu = initialized();
+    let mut messages = Messages::default();
+    fmu.do_step(0.0, 40.0, &mut messages).unwrap();
+    let impacts = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
+    assert!(impacts > 0.0);
+    assert_eq!(messages.0.len() as f64, impacts);
+    assert!(messages.0.iter().all(|(s, c, _)| (*s, *c) == (Status::Ok, Category::Events)));
+    assert!(messages.0[0].2.starts_with("impact on the"), "{}", messages.0[0].2);
+    fmu.set_debug_logging(false, [Ok("logEvents")]).unwrap();
+    let mut messages = Messages::default();
+    fmu.do_step(40.0, 40.0, &mut messages).unwrap();
+    assert!(messages.0.is_empty());
+}
+
+#[test]
+fn stop_at_impact_ends_the_step_there_and_can_be_redone() {
+    let mut fmu = instance();
+    set(&mut fmu, "stopAtImpact", 1.0).unwrap();
+    let mut fmu = initialize(fmu);
+    let before = fmu.fmu_state().unwrap();
+    let problem = step(&mut fmu, 0.0, 40.0).unwrap_err();
+    assert_eq!(problem.status(), Status::Discard);
+    assert_eq!(fmu.state(), State::StepFailed);
+    let time = fmu.real_status(StatusKind::LastSuccessfulTime).unwrap();
+    assert!(time > 0.0 && time < 40.0);
+    assert_eq!(get(&mut fmu, "impacts.lastTime"), time);
+    assert!(!fmu.boolean_status(StatusKind::Terminated).unwrap());
+    // As the standard has it: back to the step's start, then a step that ends at the impact.
+    fmu.set_fmu_state(&before).unwrap();
+    step(&mut fmu, 0.0, time).unwrap();
+    assert_eq!(get(&mut fmu, "time"), time);
+}
