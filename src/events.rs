@@ -97,18 +97,22 @@ fn refine<const N: usize>(
         } else {
             return u;
         }
-        let mut next = u - p / d;
-        if !(next > lo && next < hi) {
-            next = 0.5 * (lo + hi);
-            if next <= lo || next >= hi {
+        let moved = (p / d).abs();
+        let resolution = f64::EPSILON * u.abs();
+        let newton = u - p / d;
+        if moved <= 2.0 * resolution {
+            return newton.clamp(lo, hi);
+        }
+        if newton > lo && newton < hi {
+            u = newton;
+            if 4.0 * squares * moved * moved <= resolution {
+                return u;
+            }
+        } else {
+            u = 0.5 * (lo + hi);
+            if u <= lo || u >= hi {
                 return hi; // the bracket has closed on neighbouring doubles
             }
-        }
-        let moved = (next - u).abs();
-        u = next;
-        let resolution = f64::EPSILON * u.abs();
-        if moved <= 2.0 * resolution || 4.0 * squares * moved * moved <= resolution {
-            return u;
         }
     }
     u
@@ -334,6 +338,26 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The case by which the grazing set showed that a bisection must not end the search as a Newton step would: the last
+    /// Newton step, of zero length, falls on the bracket's end.
+    #[test]
+    fn closed_form_shallow_crossing_to_the_last_digit() {
+        let p = [
+            0.0002518929741130993,
+            0.0008843076351634871,
+            -0.00026608857974628575,
+            2.6542260945315372e-6,
+            8.79088555918616e-8,
+            -8.895322895182953e-10,
+            -1.042277700938083e-11,
+            9.206210981156425e-14,
+            6.244189292771136e-16,
+            -4.7981929021522255e-18,
+        ];
+        let u = first_crossing(&p, -1.0, 1.0, &mut 0).unwrap();
+        assert!((u + 0.263_845_939_068_308_9).abs() < ROOT, "{u}");
     }
 
     #[test]

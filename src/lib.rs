@@ -8,6 +8,8 @@
 //!
 //! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's oracle.
 
+#[cfg(feature = "cli")]
+pub mod analysis;
 pub mod error;
 mod events;
 mod extended;

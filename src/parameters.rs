@@ -152,7 +152,7 @@ impl Parameters {
         Scales { mass: self.box_mass, stiffness: self.box_stiffness, length: self.stop_gap }
     }
 
-    /// The dimensionless groups (model.md section 2, paper [5] and [7]–[8]).
+    /// The dimensionless groups (model.md section 2, paper (5) and (7)–(8)).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] as [`validate`](Self::validate); [`Error::Undefined`] when k1 = 0, since ω10 scales time.

@@ -18,20 +18,18 @@ const STEPS: [(&str, f64); 3] = [("tenth", 1.0 / 10.0), ("odd", 1.0 / 7.3), ("lo
 fn native_trajectory(file: &Path, step: f64) {
     let parameters = Parameters::default();
     let period = parameters.period();
+    // Steps before the last; the 200 periods may be a whole number of steps but for rounding.
+    let count = (PERIODS / step - 1e-9).ceil() as u32;
     let (end, step) = (PERIODS * period, step * period);
     let mut simulator =
         Simulator::new(&parameters, &State::default(), 0.0).expect("the default set is valid");
     let mut csv = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v,impacts\n");
-    for i in 0.. {
-        let time = (f64::from(i) * step).min(end);
+    for time in (0..count).map(|i| f64::from(i) * step).chain([end]) {
         simulator.advance_to(time).expect("the default set runs");
         let (State { x, v }, record) = (simulator.state(), simulator.impacts());
         let impacts = record.upper + record.lower;
         let [[x1, x2, x3], [v1, v2, v3]] = [x, v];
         writeln!(csv, "{time},{x1},{x2},{x3},{v1},{v2},{v3},{impacts}").expect("a String takes all");
-        if time == end {
-            break;
-        }
     }
     fs::write(file, csv).expect("target can be written");
 }

@@ -8,7 +8,7 @@ use std::sync::Once;
 
 /// Font of all labels, embedded so that no font has to be installed.
 pub const FONT: &str = "DejaVu Sans";
-static FONT_DATA: &[u8] = include_bytes!("../assets/DejaVuSans.ttf");
+static FONT_DATA: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 
 /// Okabe–Ito colours: told apart by colour-blind eyes, and in print by their lightness.
 pub mod colour {

@@ -34,7 +34,7 @@ pub fn icon() -> Result<Vec<u8>> {
 /// Files that are generated and committed: path in the workspace → content. A test fails when one is stale.
 ///
 /// # Errors
-/// As [`description`] and [`icon`].
+/// As [`description`] and [`icon()`].
 pub fn committed() -> Result<Content> {
     Ok(Content::from([
         ("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes()),
@@ -45,7 +45,7 @@ pub fn committed() -> Result<Content> {
 /// Everything the archive holds, around a library compiled before.
 ///
 /// # Errors
-/// [`Error::File`] when the library or a licence cannot be read, and as [`description`] and [`icon`].
+/// [`Error::File`] when the library or a licence cannot be read, and as [`description`] and [`icon()`].
 pub fn content(library: &Path) -> Result<Content> {
     let binary = fs::read(library).map_err(Error::file("reading", library))?;
     let mut content = Content::from([

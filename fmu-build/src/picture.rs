@@ -216,7 +216,7 @@ fn legend<DB: DrawingBackend>(
         match curve.dash {
             None => area.draw(&PathElement::new(piece, curve.style)).map_err(text)?,
             Some((dash, space)) => {
-                for part in DashedLineSeries::new(piece.into_iter(), dash, space, curve.style) {
+                for part in DashedLineSeries::new(piece, dash, space, curve.style) {
                     area.draw(&part).map_err(text)?;
                 }
             }

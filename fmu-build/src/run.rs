@@ -230,3 +230,44 @@ impl Run {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_bit_is_a_difference() {
+        assert!(same("box.s", 1.0, 0.1, 0.1).is_ok());
+        for (packaged, native) in [(0.1, 0.1_f64.next_up()), (0.0, -0.0)] {
+            let error = same("box.s", 1.0, packaged, native).unwrap_err();
+            assert!(matches!(error, Error::Differs { name: "box.s", .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn path_is_cut_at_impacts() {
+        let parameters = Parameters::default();
+        let contacts = contacts(&parameters, 10.0 * parameters.period()).unwrap();
+        assert!(contacts.len() > 5);
+        for contact in &contacts {
+            let (b, a) = (contact.before, contact.after);
+            assert_eq!(b.x, a.x);
+            let ratio = (a.v[1] - a.v[0]) / (b.v[1] - b.v[0]);
+            // Round-off of the differences of velocities of about 1 m/s.
+            assert!((ratio + parameters.stop_restitution).abs() < 1e-12, "{ratio}");
+        }
+        let sample = |time| Sample { time, state: State::default(), impacts: [0; 2] };
+        let end = contacts[1].time + 1.0;
+        let samples = vec![sample(0.0), sample(end)];
+        let run = Run {
+            parameters,
+            periods: 1,
+            samples,
+            contacts: contacts[..2].to_vec(),
+            stepping: Duration::ZERO,
+            whole: Duration::ZERO,
+        };
+        let lengths: Vec<_> = run.path(0.0, end).iter().map(Vec::len).collect();
+        assert_eq!(lengths, [2, 2, 2]);
+    }
+}

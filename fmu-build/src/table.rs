@@ -2,9 +2,13 @@
 
 use crate::run::{Run, STEPS_PER_PERIOD};
 use std::fmt::{self, Display, Formatter};
+use vibro_impact::steady::{exact_orbit, multiple_scales};
 
 /// Periods at the end of a run over which impacts are counted and amplitudes taken.
 pub const TAIL: u32 = 50;
+
+/// Amplitudes in m, and whether the motion is stable and possible.
+type Prediction = Option<([f64; 3], bool)>;
 
 /// The table of a run.
 pub struct Table<'a>(pub &'a Run);
@@ -26,8 +30,12 @@ impl Display for Table<'_> {
         )?;
         writeln!(f, "  amplitudes (m)                 x1        x2        x3")?;
         row(f, &format!("simulated (last {tail} periods)"), measured)?;
-        for (name, amplitudes) in predictions(run) {
-            row(f, name, amplitudes)?;
+        for (name, prediction) in predictions(run) {
+            match prediction {
+                Some((amplitudes, true)) => row(f, name, amplitudes)?,
+                Some((amplitudes, false)) => row(f, &format!("{name} (not stable)"), amplitudes)?,
+                None => writeln!(f, "    {name:<28} does not exist")?,
+            }
         }
         let (whole, stepping) = (run.whole.as_secs_f64(), run.stepping.as_secs_f64());
         writeln!(f, "  wall time                      {:.1} ms, reading the outputs included", whole * 1e3)?;
@@ -36,10 +44,22 @@ impl Display for Table<'_> {
 }
 
 fn row(f: &mut Formatter<'_>, name: &str, [x1, x2, x3]: [f64; 3]) -> fmt::Result {
-    writeln!(f, "    {name:<28} {x1:<9.5} {x2:<9.5} {x3:<9.5}")
+    writeln!(f, "    {name:<28} {x1:<9.5} {x2:<9.5} {x3:.5}")
 }
 
-/// Amplitudes known in closed form, where they exist.
-fn predictions(_run: &Run) -> Vec<(&'static str, [f64; 3])> {
-    Vec::new()
+/// Amplitudes known in closed form; the row says so where there is no such motion.
+fn predictions(run: &Run) -> [(&'static str, Prediction); 2] {
+    let p = &run.parameters;
+    let exact = exact_orbit::solve(p).ok().and_then(|roots| roots.upper);
+    let scales = p.groups().and_then(|groups| multiple_scales::fixed_points(&groups)).ok().flatten();
+    let length = p.stop_gap;
+    [
+        ("exact orbit", exact.map(|orbit| (orbit.amplitudes(), orbit.is_clear() && orbit.is_stable()))),
+        (
+            "multiple scales",
+            scales.map(|roots| roots.upper).map(|point| {
+                ([point.a1(), point.a2(), point.a3].map(|a| a * length), point.admissibility.all())
+            }),
+        ),
+    ]
 }

@@ -41,9 +41,10 @@ fn entries_carry_nothing_of_the_moment() {
         let entry = zip.by_index(i).unwrap();
         let time = entry.last_modified().unwrap();
         assert_eq!((time.year(), time.month(), time.day(), time.hour()), (1980, 1, 1, 0));
-        let mode = if entry.name().starts_with("binaries/") { 0o755 } else { 0o644 };
+        let name = entry.name().unwrap().into_owned();
+        let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
         assert_eq!(entry.unix_mode().unwrap() & 0o777, mode);
-        names.push(entry.name().to_owned());
+        names.push(name);
     }
     assert!(names.is_sorted(), "{names:?}");
 }

@@ -26,6 +26,9 @@ fn builds_runs_and_draws() {
         // Sampling 200 times a period misses a smooth maximum by up to 1.2e-4 of it.
         assert!((amplitude / expected - 1.0).abs() < 2e-4, "{simulated}");
     }
+    for name in ["exact orbit", "multiple scales"] {
+        assert!(printed.lines().any(|line| line.contains(name) && !line.contains("not")), "{printed}");
+    }
     let svg = std::fs::read_to_string(fmu.with_extension("svg")).unwrap();
     for label in ["time t/T", "displacement x (m)", "velocity v (m/s)", "relative displacement w (m)"] {
         assert!(svg.contains(label), "{label}");

@@ -36,6 +36,8 @@ def table(result):
 @pytest.mark.parametrize("name", STEPS)
 def test_equals_the_native_run(fmu, native, period, name):
     result, expected = run(fmu, period, STEPS[name]), native(name)
+    # fmpy before 0.3.22 may end with a step as short as a rounding error; the native run has no point for it.
+    result = result[np.append(np.diff(result["time"]) > 1e-9, True)]
     assert len(result) == len(expected)
     np.testing.assert_allclose(result["time"], expected["time"], rtol=1e-13, atol=0)
     np.testing.assert_allclose(table(result), table(expected), rtol=0, atol=SAME)

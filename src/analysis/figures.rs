@@ -1,0 +1,8 @@
+//! Pictures: what they consist of, how they are drawn, and the figures of the paper.
+
+pub mod canvas;
+pub mod chart;
+mod draw;
+mod panel;
+mod scale;
+mod symbols;

@@ -1,0 +1,39 @@
+//! The studies of the command line: each makes tables and figures from [`Settings`](super::Settings).
+
+mod compare;
+mod manifold;
+mod plane;
+mod response;
+mod stability;
+mod steady;
+mod theory;
+
+pub use compare::{accuracy, force_overlay, histories, strong_case};
+pub use manifold::{branches, families, shapes};
+pub use plane::planes;
+pub use response::{force, frequency};
+pub use stability::{masri, regions};
+pub use steady::steady;
+
+use super::figures::chart::Figure;
+use super::table::Table;
+
+/// The outcome of a study.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Stem of the files.
+    pub name: String,
+    /// What the picture shows, in a phrase.
+    pub what: String,
+    /// The numbers: stems of files and their CSV text.
+    pub tables: Vec<(String, Vec<u8>)>,
+    /// The table that is worth reading on a screen.
+    pub shown: Option<Table>,
+    /// The picture; `None` where there is nothing to draw, which `what` explains.
+    pub figure: Option<Figure>,
+    /// What to say about it, line by line.
+    pub remarks: Vec<String>,
+}
+
+/// Size of a panel in units of the drawing, unless a figure needs another.
+const PANEL: (u32, u32) = (1700, 1150);

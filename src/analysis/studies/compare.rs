@@ -1,0 +1,420 @@
+//! Theory against simulation (figures 8, 16, 17, 19).
+
+use super::super::error::Result;
+use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
+use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use super::super::groups::Group;
+use super::super::motion::{amplitude, maxima, record, settled};
+use super::super::plane::Method;
+use super::super::response::response;
+use super::super::settings::{Settings, find_group, short};
+use super::super::table::{Table, exact};
+use super::steady::comparison_panel;
+use super::theory::{Point, Theory, simulated};
+use super::{PANEL, Study};
+use crate::parameters::Parameters;
+use crate::simulator::State;
+use crate::steady::strong_coupling::modified_sawtooth;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// A transient dies as exp(-ε τ/…): this many periods over ε bring it under round-off for dampings of order one.
+const SETTLING: f64 = 60.0;
+/// Periods shown of a simulated steady motion.
+const SHOWN: u32 = 2;
+/// Figure 16: periods discarded and kept at each value, and values.
+const DISCARDED: f64 = 200.0;
+const KEPT: u32 = 60;
+/// Nodes of the branch drawn over it.
+const NODES: usize = 400;
+/// Names of the amplitudes compared.
+const NAMES: [&str; 4] = ["B", "A1", "A2", "A3"];
+
+/// The simulated steady motion from a start near the theory's: amplitudes B, A1, A2, A3 in units of L, and its record.
+fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 4], Vec<Point>)> {
+    let p = parameters;
+    let start = start(p, near);
+    let mut simulator = settled(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
+    let flights = record(&mut simulator, SHOWN)?;
+    let epsilon = p.block_mass / p.box_mass;
+    let q = [[1.0, epsilon, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let amplitudes = q.map(|q| amplitude(&flights, p, q) / p.stop_gap);
+    Ok((amplitudes, simulated(&flights, p)))
+}
+
+/// The theory's state at t = 0, SI, drawn inside the stops: an approximation may pass them a little.
+fn start(p: &Parameters, theory: &Theory) -> State {
+    let at = theory.history(p, 1.0);
+    let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));
+    let (length, speed) = (p.stop_gap, p.stop_gap * (p.box_stiffness / p.box_mass).sqrt());
+    let [_, _, x1, x2, x3] = first.0.map(|x| x * length);
+    let [_, _, v1, v2, v3] = first.1.map(|v| v * speed);
+    let room = 0.999 * length;
+    State { x: [x1, x1 + (x2 - x1).clamp(-room, room), x3], v: [v1, v2, v3] }
+}
+
+fn no_motion(name: &str, theory: &str) -> Study {
+    Study {
+        name: name.into(),
+        what: format!("no picture: {theory} has no motion with two symmetric impacts here"),
+        tables: Vec::new(),
+        shown: None,
+        figure: None,
+        remarks: Vec::new(),
+    }
+}
+
+fn amplitude_table(theory: &str, analytical: [f64; 4], simulated: [f64; 4]) -> (Table, Vec<String>) {
+    let mut table = Table::new(&["amplitude", theory, "simulation", "relative_error"]);
+    let mut remarks = Vec::new();
+    for ((name, a), s) in NAMES.into_iter().zip(analytical).zip(simulated) {
+        let error = a / s - 1.0;
+        table.rows.push(vec![name.into(), exact(a), exact(s), exact(error)]);
+        remarks.push(format!("{name}: {a:.6} by theory, {s:.6} simulated, {:+.2} %", 100.0 * error));
+    }
+    (table, remarks)
+}
+
+/// Figure 8 against the simulation: time histories and phase portraits, and the amplitudes.
+///
+/// # Errors
+/// What theory or simulator refuse.
+pub fn histories(settings: &Settings) -> Result<Study> {
+    let p = settings.parameters();
+    let Some(theory) = Theory::multiple_scales(settings.groups())? else {
+        return Ok(no_motion("compare-8", "multiple scales"));
+    };
+    let (amplitudes, points) = simulate(p, &theory)?;
+    let (table, remarks) = amplitude_table("multiple_scales", theory.amplitudes(p), amplitudes);
+    let figure = four_panels(
+        "Multiple scales against simulation (cf. figure 8)",
+        settings,
+        &theory.history(p, f64::from(SHOWN)),
+        "multiple scales",
+        &points,
+    );
+    Ok(Study {
+        name: "compare-8".into(),
+        what: "time histories and phase portraits as in figure 8, multiple scales against simulation".into(),
+        tables: vec![("compare-8".into(), table.csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks,
+    })
+}
+
+fn four_panels(title: &str, settings: &Settings, theory: &[Point], name: &str, points: &[Point]) -> Figure {
+    let panel = |title: &str, quantities: &[usize], portrait| {
+        comparison_panel(title, quantities, portrait, theory, name, points, "simulation")
+    };
+    Figure {
+        title: title.into(),
+        caption: vec![settings.caption()],
+        panels: vec![
+            panel("(a) Centre of mass and relative displacement", &[0, 1], false),
+            panel("(b) Phase portraits of U and W", &[0, 1], true),
+            panel("(c) Box, block and secondary oscillator", &[2, 3, 4], false),
+            panel("(d) Phase portraits of X₁, X₂, X₃", &[2, 3, 4], true),
+        ],
+        columns: 2,
+        panel: PANEL,
+        shared_legend: true,
+    }
+}
+
+/// A start with the block on its way to a stop.
+fn kicked(p: &Parameters) -> State {
+    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
+    State { x: [0.0; 3], v: [0.0, speed, 0.0] }
+}
+
+/// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the simulated local
+/// maxima of X2. The state is carried from value to value, upwards.
+///
+/// # Errors
+/// Ranges that are not allowed; what theory or simulator refuse.
+pub fn force_overlay(
+    settings: &Settings,
+    range: (f64, f64),
+    count: usize,
+    done: &(dyn Fn() + Sync),
+) -> Result<Study> {
+    let along: &'static Group = find_group("f10")?;
+    let mut table = Table::new(&["f10", "theory", "A2", "stable"]);
+    let (mut tops, mut lost) = (Path::new(), 0);
+    let mut state = kicked(settings.parameters());
+    for i in 0..count {
+        let part = i as f64 / (count - 1).max(1) as f64;
+        let value = range.0 * (1.0 - part) + range.1 * part;
+        let p = settings.parameters_of(&settings.vary(along, value))?;
+        let run =
+            settled(&p, &state, DISCARDED).and_then(|mut s| record(&mut s, KEPT).map(|r| (r, s.state())));
+        match run {
+            Ok((flights, last)) => {
+                tops.extend(
+                    maxima(&flights, &p, [0.0, 1.0, 0.0]).into_iter().map(|x| (value, x / p.stop_gap)),
+                );
+                state = last;
+            }
+            Err(_) => lost += 1,
+        }
+        done();
+    }
+    table.rows.extend(tops.iter().map(|t| vec![exact(t.0), "simulation".into(), exact(t.1), String::new()]));
+    let mut layers = Vec::new();
+    for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, VERMILLION)] {
+        let found = response(settings, along, range, method, NODES)?;
+        let (mut stable, mut unstable): (Vec<Path>, Vec<Path>) = (Vec::new(), Vec::new());
+        for pair in found.curves.iter().flat_map(|c| c.windows(2)).filter(|w| w[0].clear && w[0].right) {
+            let into = if pair[0].stable { &mut stable } else { &mut unstable };
+            let (a, b) = ((pair[0].value, pair[0].a[1]), (pair[1].value, pair[1].a[1]));
+            match into.last_mut().filter(|p| p.last() == Some(&a)) {
+                Some(path) => path.push(b),
+                None => into.push(vec![a, b]),
+            }
+        }
+        for p in found.curves.iter().flatten() {
+            table.rows.push(vec![exact(p.value), method.name().into(), exact(p.a[1]), p.stable.to_string()]);
+        }
+        layers.push(Layer::lines(&format!("A₂, {}, stable", method.name()), colour, Dash::Solid, stable));
+        let name = format!("A₂, {}, unstable", method.name());
+        layers.push(Layer::lines(&name, colour, Dash::Dashed, unstable).stroke(THIN));
+    }
+    // On top: where they lie on a curve, they agree.
+    layers.push(Layer::marks("simulated maxima of X₂", BLACK, Mark::Square, tops).stroke(2));
+    let panel = Panel {
+        title: String::new(),
+        x: Axis::over(along.label(), range.0, range.1),
+        y: Axis::new("X₂ (units of L)"),
+        layers,
+    };
+    let figure = Figure {
+        title: "Force response over the simulated maxima (cf. figure 16)".into(),
+        caption: vec![
+            format!(
+                "{DISCARDED} periods discarded and {KEPT} kept at each of {count} values; the state is carried upwards and started anew with a moving block where impacts had ceased."
+            ),
+            settings.caption(),
+        ],
+        panels: vec![panel],
+        columns: 1,
+        panel: (2400, 1500),
+        shared_legend: true,
+    };
+    let remarks =
+        if lost > 0 { vec![format!("{lost} values left out: the simulator refused them")] } else { vec![] };
+    Ok(Study {
+        name: "compare-16".into(),
+        what: "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16".into(),
+        tables: vec![("compare-16".into(), table.csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks,
+    })
+}
+
+/// One ε of figure 17: both motions over a period, both sets of amplitudes.
+struct Run {
+    epsilon: f64,
+    theory: Vec<Point>,
+    points: Vec<Point>,
+    predicted: [f64; 4],
+    amplitudes: [f64; 4],
+}
+
+/// Figure 17: U and W for some ε, and the errors of the amplitudes over ε with their slopes.
+///
+/// # Errors
+/// Values of ε that are not allowed; what theory or simulator refuse.
+pub fn accuracy(settings: &Settings, epsilons: &[f64]) -> Result<Study> {
+    let group = find_group("epsilon")?;
+    let run = |&epsilon: &f64| -> Result<Option<Run>> {
+        let settings = settings.with(group, epsilon)?;
+        let p = settings.parameters();
+        let Some(theory) = Theory::multiple_scales(settings.groups())? else { return Ok(None) };
+        let (amplitudes, points) = simulate(p, &theory)?;
+        let once = points.into_iter().filter(|p| p.time <= 1.0).collect();
+        let (theory, predicted) = (theory.history(p, 1.0), theory.amplitudes(p));
+        Ok(Some(Run { epsilon, theory, points: once, predicted, amplitudes }))
+    };
+    let runs = epsilons.par_iter().map(run).collect::<Result<Vec<_>>>()?;
+    let runs: Vec<_> = runs.into_iter().flatten().collect();
+    if runs.is_empty() {
+        return Ok(no_motion("compare-17", "multiple scales"));
+    }
+    let mut table = Table::new(&["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error"]);
+    let mut errors: [Path; 4] = Default::default();
+    for Run { epsilon, predicted: theory, amplitudes: simulation, .. } in &runs {
+        for (k, name) in NAMES.into_iter().enumerate() {
+            let error = theory[k] / simulation[k] - 1.0;
+            errors[k].push((*epsilon, 100.0 * error.abs()));
+            table.rows.push(vec![
+                exact(*epsilon),
+                name.into(),
+                exact(theory[k]),
+                exact(simulation[k]),
+                exact(error),
+            ]);
+        }
+    }
+    let mut panels = Vec::new();
+    let chosen = [0, runs.len() / 2, runs.len() - 1];
+    let mut shown: Vec<usize> = chosen.to_vec();
+    shown.dedup();
+    for (letter, &i) in ('a'..).zip(&shown) {
+        let Run { epsilon, theory, points, .. } = &runs[i];
+        let title = format!("({letter}) U and W, ε = {}", short(*epsilon));
+        panels.push(comparison_panel(
+            &title,
+            &[0, 1],
+            false,
+            theory,
+            "multiple scales",
+            points,
+            "simulation",
+        ));
+    }
+    let letter = char::from(b'a' + shown.len() as u8);
+    let (panel, slopes) = error_panel(letter, &errors);
+    panels.push(panel);
+    let figure = Figure {
+        title: "Accuracy of multiple scales (cf. figure 17)".into(),
+        caption: vec![
+            "Errors are relative to the simulation; ε differs between the panels.".into(),
+            settings.caption(),
+        ],
+        panels,
+        columns: 2,
+        panel: PANEL,
+        shared_legend: true,
+    };
+    Ok(Study {
+        name: "compare-17".into(),
+        what: "U and W for some ε and the amplitudes' errors over ε as in figure 17, multiple scales against simulation".into(),
+        tables: vec![("compare-17".into(), table.csv()?)], shown: None,
+        figure: Some(figure),
+        remarks: slopes,
+    })
+}
+
+fn error_panel(letter: char, errors: &[Path; 4]) -> (Panel, Vec<String>) {
+    let symbols = ["B", "A₁", "A₂", "A₃"];
+    let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
+    let (mut layers, mut remarks) = (Vec::new(), Vec::new());
+    for (k, path) in errors.iter().enumerate() {
+        let slope = slope(path);
+        remarks.push(format!(
+            "error of {}: {:.2} % at the largest epsilon, slope {slope:.3} in the logarithms",
+            NAMES[k],
+            path.iter().fold((0.0, 0.0), |m, p| if p.0 > m.0 { *p } else { m }).1
+        ));
+        let colour = FAMILY[k];
+        layers.push(Layer::marks(
+            &format!("{}, slope {slope:.2}", symbols[k]),
+            colour,
+            marks[k],
+            path.clone(),
+        ));
+        layers.push(Layer::line("", colour, Dash::Solid, path.clone()).stroke(THIN));
+    }
+    let panel = Panel {
+        title: format!("({letter}) Errors of the amplitudes"),
+        x: Axis::log("ε (–)"),
+        y: Axis::log("relative error (%)"),
+        layers,
+    };
+    (panel, remarks)
+}
+
+/// Least-squares slope in the logarithms.
+fn slope(path: &Path) -> f64 {
+    let logs: Vec<_> = path.iter().map(|p| (p.0.ln(), p.1.ln())).collect();
+    let n = logs.len() as f64;
+    let mean = logs.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+    let sums = logs.iter().fold((0.0, 0.0), |s, p| {
+        let (x, y) = (p.0 - mean.0, p.1 - mean.1);
+        (s.0 + x * y, s.1 + x * x)
+    });
+    sums.0 / sums.1
+}
+
+/// Figures 18 and 19: Z*, and section 5's closed form against the simulation.
+///
+/// # Errors
+/// What theory or simulator refuse, e.g. a coupling at which the closed form is singular.
+pub fn strong_case(settings: &Settings) -> Result<Study> {
+    let p = settings.parameters();
+    let Some(theory) = Theory::strong(settings.groups())? else {
+        return Ok(no_motion("compare-19", "strong coupling"));
+    };
+    let (amplitudes, points) = simulate(p, &theory)?;
+    let (table, mut remarks) = amplitude_table("strong_coupling", theory.amplitudes(p), amplitudes);
+    remarks.insert(0, format!("parameters here: {}", settings.caption()));
+    let history = theory.history(p, f64::from(SHOWN));
+    let mut figure = four_panels(
+        "Strong coupling against simulation (cf. figures 18, 19)",
+        settings,
+        &history,
+        "closed form",
+        &points,
+    );
+    figure.panels.insert(0, sawtooth_panel(settings.groups().beta2.sqrt()));
+    figure.panels.insert(3, amplitude_panel(theory.amplitudes(p), amplitudes));
+    let titles = [
+        "(a) Modified sawtooth Z*",
+        "(b) U and W",
+        "(c) U and W",
+        "(d) Amplitudes",
+        "(e) X₁, X₂, X₃",
+        "(f) X₁, X₂, X₃",
+    ];
+    for (panel, title) in figure.panels.iter_mut().zip(titles) {
+        panel.title = title.into();
+    }
+    figure.shared_legend = false;
+    figure.columns = 3;
+    figure.panel = (1500, 1100);
+    Ok(Study {
+        name: "compare-19".into(),
+        what: "strong coupling as in figures 18 and 19, closed form against simulation".into(),
+        tables: vec![("compare-19".into(), table.csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks,
+    })
+}
+
+fn sawtooth_panel(beta: f64) -> Panel {
+    // β̂ = 0 is the plain sawtooth; past 1 the block overshoots the stop's place.
+    let mut betas = vec![0.0, 0.8, 1.4];
+    if !betas.iter().any(|b| (b - beta).abs() < 1e-9) {
+        betas.push(beta);
+    }
+    let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::Solid];
+    let curve = |((&b, colour), dash): ((&f64, _), _)| {
+        let path = (0..=400).map(|i| f64::from(i) / 100.0).map(|s| (s, modified_sawtooth(b, s * PI).0));
+        Layer::line(&format!("β̂ = {}", short(b)), colour, dash, path.collect())
+    };
+    Panel {
+        title: String::new(),
+        x: Axis::over("phase s/π (–)", 0.0, 4.0),
+        y: Axis::new("Z* (–)"),
+        layers: betas.iter().zip([BLACK, BLUE, GREEN, VERMILLION]).zip(dash).map(curve).collect(),
+    }
+}
+
+fn amplitude_panel(theory: [f64; 4], simulation: [f64; 4]) -> Panel {
+    let at = |values: [f64; 4]| (1..).map(f64::from).zip(values).collect::<Path>();
+    let highest = theory.into_iter().chain(simulation).fold(0.0, f64::max);
+    let layers = vec![
+        Layer::marks("closed form", BLUE, Mark::Disc, at(theory)).stroke(18),
+        Layer::marks("simulation", BLACK, Mark::Cross, at(simulation)).stroke(18),
+    ];
+    let names = ["B", "A₁", "A₂", "A₃"].map(String::from).to_vec();
+    Panel {
+        title: String::new(),
+        x: Axis { names, ..Axis::over("amplitude of U, X₁, X₂, X₃", 0.5, 4.5) },
+        y: Axis::over("amplitude (units of L)", 0.0, 1.2 * highest),
+        layers,
+    }
+}

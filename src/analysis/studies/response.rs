@@ -1,0 +1,218 @@
+//! Frequency and force response curves (figures 10, 11).
+
+use super::super::error::Result;
+use super::super::figures::canvas::palette::{BLACK, FAMILY, GREY};
+use super::super::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
+use super::super::groups::Group;
+use super::super::plane::Method;
+use super::super::response::{Response, ResponsePoint, response, special_name};
+use super::super::settings::{Settings, find_group, short};
+use super::super::table::{Table, exact};
+use super::{PANEL, Study};
+use rayon::prelude::*;
+
+/// Nodes per sheet and interval of solutions.
+const NODES: usize = 400;
+
+const METHODS: [Method; 2] = [Method::MultipleScales, Method::ExactOrbit];
+
+const HEADER: [&str; 15] = [
+    "along",
+    "value",
+    "member",
+    "member_value",
+    "theory",
+    "curve",
+    "C",
+    "B",
+    "A1",
+    "A2",
+    "A3",
+    "stable",
+    "clear",
+    "right_branch",
+    "special",
+];
+
+/// One family of curves: a group that differs between them.
+struct Family {
+    group: &'static Group,
+    members: Vec<(f64, Vec<Response>)>,
+}
+
+fn family(
+    settings: &Settings,
+    along: &'static Group,
+    range: (f64, f64),
+    name: &str,
+    values: &[f64],
+) -> Result<Family> {
+    let group = find_group(name)?;
+    let member = |&value: &f64| {
+        let settings = settings.with(group, value)?;
+        let curves = METHODS.iter().map(|&m| response(&settings, along, range, m, NODES));
+        Ok((value, curves.collect::<Result<Vec<_>>>()?))
+    };
+    Ok(Family { group, members: values.par_iter().map(member).collect::<Result<_>>()? })
+}
+
+fn table(along: &Group, families: &[&Family]) -> Table {
+    let mut table = Table::new(&HEADER);
+    for family in families {
+        for (value, responses) in &family.members {
+            for response in responses {
+                for (index, curve) in response.curves.iter().enumerate() {
+                    for p in curve {
+                        table.rows.push(vec![
+                            along.name.into(),
+                            exact(p.value),
+                            family.group.name.into(),
+                            exact(*value),
+                            response.method.name().into(),
+                            index.to_string(),
+                            exact(p.c),
+                            exact(p.b),
+                            exact(p.a[0]),
+                            exact(p.a[1]),
+                            exact(p.a[2]),
+                            p.stable.to_string(),
+                            p.clear.to_string(),
+                            p.right.to_string(),
+                            p.special.map_or("", special_name).into(),
+                        ]);
+                    }
+                }
+            }
+        }
+    }
+    table
+}
+
+/// Pieces of the curves that are shown, stable ones and others.
+fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>; 2] {
+    let mut parts: [Vec<Path>; 2] = [Vec::new(), Vec::new()];
+    for curve in &response.curves {
+        let mut state = None;
+        for pair in curve.windows(2) {
+            // The paper shows the right branch only; a motion that passes a stop is none.
+            let shown = pair.iter().all(|p| p.right && p.clear);
+            if !shown {
+                state = None;
+                continue;
+            }
+            let part = &mut parts[usize::from(!pair[0].stable)];
+            if state != Some(pair[0].stable) {
+                part.push(vec![(pair[0].value, y(&pair[0]))]);
+                state = Some(pair[0].stable);
+            }
+            part.last_mut().into_iter().for_each(|p| p.push((pair[1].value, y(&pair[1]))));
+        }
+    }
+    parts
+}
+
+fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third: bool) -> Panel {
+    let y = |p: &ResponsePoint| if third { p.a[2] } else { p.c };
+    let mut layers = Vec::new();
+    let mut highest = 0.0_f64;
+    let mut over = Vec::new();
+    for ((value, responses), colour) in family.members.iter().zip(FAMILY) {
+        let name = format!("{} = {}", family.group.symbol, short(*value));
+        layers.push(Layer::lines(&name, colour, Dash::Solid, Vec::new()));
+        for r in responses {
+            let [stable, unstable] = pieces(r, y);
+            let points = stable.iter().chain(&unstable).flatten();
+            highest = points.fold(highest, |h, p| h.max(p.1));
+            if r.method == Method::ExactOrbit {
+                over.push(Layer::lines("", BLACK, Dash::Solid, stable).stroke(2));
+                over.push(Layer::lines("", BLACK, Dash::Dotted, unstable).stroke(2));
+            } else {
+                layers.push(Layer::lines("", colour, Dash::Solid, stable).stroke(9));
+                layers.push(Layer::lines("", colour, Dash::Dashed, unstable).stroke(THIN));
+            }
+        }
+    }
+    layers.extend(over);
+    for (name, colour, dash, width) in [
+        ("stable", GREY, Dash::Solid, 9),
+        ("unstable", GREY, Dash::Dashed, THIN),
+        ("exact orbit, stable", BLACK, Dash::Solid, 2),
+        ("exact orbit, unstable", BLACK, Dash::Dotted, 2),
+    ] {
+        layers.push(Layer::lines(name, colour, dash, Vec::new()).stroke(width));
+    }
+    let label = if third { "A₃ (units of L)" } else { "C (units of L)" };
+    Panel {
+        title,
+        x: Axis::over(along.label(), range.0, range.1),
+        y: Axis::over(label, 0.0, if highest > 0.0 { 1.05 * highest } else { 1.0 }),
+        layers,
+    }
+}
+
+fn caption(settings: &Settings) -> Vec<String> {
+    let exact = "Coloured: multiple scales. Black: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
+    vec![exact.into(), settings.caption()]
+}
+
+/// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
+///
+/// # Errors
+/// Ranges and values that are not allowed.
+pub fn frequency(settings: &Settings, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
+    let along = find_group("sigma1")?;
+    let forces = family(settings, along, range, "f10", f10)?;
+    let dampings = family(settings, along, range, "gamma1", gamma1)?;
+    let figure = Figure {
+        title: "Frequency response (cf. figure 10)".into(),
+        caption: caption(settings),
+        panels: vec![
+            panel("(a) C for some excitation amplitudes".into(), along, range, &forces, false),
+            panel("(b) A₃ for some excitation amplitudes".into(), along, range, &forces, true),
+            panel("(c) C for some dampings".into(), along, range, &dampings, false),
+            panel("(d) A₃ for some dampings".into(), along, range, &dampings, true),
+        ],
+        columns: 2,
+        panel: PANEL,
+        shared_legend: false,
+    };
+    Ok(Study {
+        name: "response-frequency".into(),
+        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit".into(),
+        tables: vec![("response-frequency".into(), table(along, &[&forces, &dampings]).csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks: Vec::new(),
+    })
+}
+
+/// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
+///
+/// # Errors
+/// Ranges and values that are not allowed.
+pub fn force(settings: &Settings, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
+    let along = find_group("f10")?;
+    let above = family(settings, along, range, "sigma1", positive)?;
+    let below = family(settings, along, range, "sigma1", negative)?;
+    let figure = Figure {
+        title: "Force response (cf. figure 11)".into(),
+        caption: caption(settings),
+        panels: vec![
+            panel("(a) C above resonance".into(), along, range, &above, false),
+            panel("(b) A₃ above resonance".into(), along, range, &above, true),
+            panel("(c) C below resonance".into(), along, range, &below, false),
+            panel("(d) A₃ below resonance".into(), along, range, &below, true),
+        ],
+        columns: 2,
+        panel: PANEL,
+        shared_legend: false,
+    };
+    Ok(Study {
+        name: "response-force".into(),
+        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit".into(),
+        tables: vec![("response-force".into(), table(along, &[&above, &below]).csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks: Vec::new(),
+    })
+}
