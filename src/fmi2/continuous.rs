@@ -2,6 +2,7 @@
 
 use super::problem::Problem;
 use super::settings::Motion;
+use super::variation::{Velocities, quadrature, variation, velocities};
 use crate::error::Error;
 use crate::extended::{Extended, Phase};
 use crate::ledger;
@@ -33,8 +34,15 @@ pub(crate) struct Data {
     initial: f64,
     damped: f64,
     lost: f64,
-    /// The last accepted step or event: time, damping power and its rate.
-    accepted: [f64; 3],
+    accepted: Point,
+}
+
+/// The last accepted step or event; contact and parameters have not changed since.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Point {
+    time: f64,
+    state: State,
+    forces: [f64; 3],
 }
 
 /// The model as a host's solver sees it.
@@ -72,7 +80,7 @@ impl Continuous {
             initial: 0.0,
             damped: 0.0,
             lost: 0.0,
-            accepted: [0.0; 3],
+            accepted: Point::default(),
         })?;
         frozen.anchor();
         // Nothing has been put in yet.
@@ -146,10 +154,18 @@ impl Continuous {
         if self.data.contact == Contact::Flight { Mode::Flight } else { Mode::Rest }
     }
 
+    fn now(&self) -> Point {
+        Point { time: self.data.time, state: self.data.state, forces: self.data.forces }
+    }
+
     fn augmented(&self) -> Augmented {
+        self.augmented_at(&self.now())
+    }
+
+    fn augmented_at(&self, at: &Point) -> Augmented {
         let mut z = [0.0; LANES];
-        z[..6].copy_from_slice(&super::steady::coordinates(&self.data.state));
-        let theta = self.data.phase.angle(self.model.omega, Extended::new(self.data.time));
+        z[..6].copy_from_slice(&super::steady::coordinates(&at.state));
+        let theta = self.data.phase.angle(self.model.omega, Extended::new(at.time));
         (z[7], z[6]) = theta.sin_cos();
         z
     }
@@ -184,6 +200,19 @@ impl Continuous {
         }
     }
 
+    /// Whether an accepted point is past an event that the host has missed: the block in a stop and moving on, or pulled on in
+    /// rest. Solvers of fixed step compare indicators across an event, or step over two changes of sign.
+    pub(crate) fn missed_event(&self) -> bool {
+        match self.data.contact {
+            Contact::Flight => {
+                let State { x, v } = &self.data.state;
+                let w = x[1] - x[0];
+                w.abs() >= self.model.gap && w.signum() * (v[1] - v[0]) > 0.0
+            }
+            contact => contact.side() * self.accelerations().1 <= 0.0,
+        }
+    }
+
     /// Takes the present point as accepted: damped energy is summed up to here.
     pub(crate) fn accept(&mut self) {
         self.data.damped = self.damped();
@@ -192,23 +221,38 @@ impl Continuous {
 
     /// The point from which the damped energy is summed on.
     fn anchor(&mut self) {
-        let (power, rate) = self.damping();
-        self.data.accepted = [self.data.time, power, rate];
+        let Data { time, state, forces, .. } = self.data;
+        self.data.accepted = Point { time, state, forces };
     }
 
-    /// Power lost in the dampers and its rate.
-    fn damping(&self) -> (f64, f64) {
-        let (p, v, (a, _)) = (&self.data.parameters, self.data.state.v, self.accelerations());
-        let (c1, c3) = (p.box_damping, p.secondary_damping);
-        (c1 * v[0] * v[0] + c3 * v[2] * v[2], 2.0 * (c1 * v[0] * a[0] + c3 * v[2] * a[2]))
+    /// v1 and v3 with three derivatives each at a point, the forces changing at `slope`.
+    fn velocities(&self, at: &Point, slope: [f64; 3]) -> Velocities {
+        velocities(&self.model, self.mode(), &self.augmented_at(at), at.forces, slope)
     }
 
-    /// Damped energy by the trapezoidal rule with end correction (an error of h⁵ a step).
+    /// Damped energy up to now: two-point Hermite quadrature of the open interval with three derivatives at each end (an
+    /// error of h⁹), the forces taken as straight between its ends.
     fn damped(&self) -> f64 {
-        let [from, power, rate] = self.data.accepted;
-        let (now, rate_now) = self.damping();
-        let h = self.data.time - from;
-        self.data.damped + 0.5 * h * (power + now) + h * h / 12.0 * (rate - rate_now)
+        let (from, now) = (self.data.accepted, self.now());
+        let h = now.time - from.time;
+        if h == 0.0 {
+            return self.data.damped;
+        }
+        let slope = std::array::from_fn(|i| (now.forces[i] - from.forces[i]) / h);
+        let (a, b) = (self.velocities(&from, slope), self.velocities(&now, slope));
+        self.data.damped + quadrature(h, &self.power(&a, &a), &self.power(&b, &b))
+    }
+
+    /// c1 v1 w1 + c3 v3 w3 with three derivatives, by Leibniz' rule.
+    fn power(&self, v: &Velocities, w: &Velocities) -> [f64; 4] {
+        let (p, mut power) = (&self.data.parameters, [0.0; 4]);
+        for ((c, v), w) in [p.box_damping, p.secondary_damping].iter().zip(v).zip(w) {
+            power[0] += c * (v[0] * w[0]);
+            power[1] += c * (v[0] * w[1] + v[1] * w[0]);
+            power[2] += c * (v[0] * w[2] + 2.0 * v[1] * w[1] + v[2] * w[0]);
+            power[3] += c * (v[0] * w[3] + 3.0 * (v[1] * w[2] + v[2] * w[1]) + v[3] * w[0]);
+        }
+        power
     }
 
     /// The laws at an event: impact, rest or release, as far as the present point calls for one; reports them and returns
@@ -319,55 +363,21 @@ impl Continuous {
     pub(crate) fn variation(&self, dx: &State, df: [f64; 3]) -> Motion {
         let p = &self.data.parameters;
         let mut motion = variation(&self.model, p, self.data.contact, &self.data.state, dx, df);
-        // The open interval's trapezoidal rule varies with the velocities at its end.
-        let (v, (a, _)) = (self.data.state.v, self.accelerations());
-        let h = self.data.time - self.data.accepted[0];
-        let damped = [(p.box_damping, 0), (p.secondary_damping, 2)].into_iter().map(|(c, i)| {
-            let power = 2.0 * c * v[i] * dx.v[i];
-            let rate = 2.0 * c * (dx.v[i] * a[i] + v[i] * motion.acceleration[i]);
-            0.5 * h * power - h * h / 12.0 * rate
-        });
-        motion.ledger.damped = damped.sum();
+        // The open interval's energy varies with its end, and with the slope of the forces at both ends.
+        let (from, now) = (self.data.accepted, self.now());
+        let h = now.time - from.time;
+        if h != 0.0 {
+            let slope = std::array::from_fn(|i| (now.forces[i] - from.forces[i]) / h);
+            let (a, b) = (self.velocities(&from, slope), self.velocities(&now, slope));
+            let (mode, turn) = (self.mode(), df.map(|df| df / h));
+            let mut z = [0.0; LANES];
+            let da = velocities(&self.model, mode, &z, [0.0; 3], turn);
+            z[..6].copy_from_slice(&super::steady::coordinates(dx));
+            let db = velocities(&self.model, mode, &z, df, turn);
+            motion.ledger.damped = 2.0 * quadrature(h, &self.power(&a, &da), &self.power(&b, &db));
+        }
         motion.ledger.input = motion.ledger.mechanical + motion.ledger.damped;
         motion
-    }
-}
-
-/// How a motion varies with states and forces in a given contact: everything is linear but the mechanical energy, whose
-/// gradient is taken. Energies that have been summed up do not vary.
-pub(crate) fn variation(
-    model: &Model,
-    p: &Parameters,
-    contact: Contact,
-    state: &State,
-    dx: &State,
-    df: [f64; 3],
-) -> Motion {
-    let mut z = [0.0; LANES];
-    z[..6].copy_from_slice(&super::steady::coordinates(dx));
-    let mode = if contact == Contact::Flight { Mode::Flight } else { Mode::Rest };
-    let (a, free) = model.acceleration(mode, &z, Some(df));
-    let (x, v) = (&state.x, &state.v);
-    let (gap, contact_force) = match contact {
-        Contact::Flight => ((z[GAP], z[GAP_RATE]), 0.0),
-        contact => ((0.0, 0.0), model.reduced_mass * contact.side() * free),
-    };
-    let mechanical = p.box_mass * v[0] * dx.v[0]
-        + p.block_mass * v[1] * dx.v[1]
-        + p.secondary_mass * v[2] * dx.v[2]
-        + p.box_stiffness * x[0] * dx.x[0]
-        + p.secondary_stiffness * x[2] * dx.x[2]
-        + p.coupling_stiffness * (x[1] - x[2]) * (dx.x[1] - dx.x[2]);
-    Motion {
-        time: 0.0,
-        state: *dx,
-        acceleration: [a[0], a[0] + a[1], a[2]],
-        gap,
-        contact_force,
-        contact,
-        coupling_force: p.coupling_stiffness * (dx.x[1] - dx.x[2]),
-        impacts: ImpactRecord::default(),
-        ledger: Ledger { mechanical, ..Ledger::default() },
     }
 }
 

@@ -27,3 +27,4 @@ mod steady;
 pub mod structure;
 pub mod units;
 pub mod variables;
+mod variation;

@@ -3,11 +3,12 @@
 use super::initial::forces;
 use super::values::look_up;
 use super::{Engine, Instance, Outcome};
-use crate::fmi2::continuous::{Continuous, variation};
+use crate::fmi2::continuous::Continuous;
 use crate::fmi2::problem::Problem;
 use crate::fmi2::settings::{Derived, Mode, Motion, Settings};
 use crate::fmi2::states::Function;
 use crate::fmi2::variables::{Access, Base, Causality, Initial, Variable};
+use crate::fmi2::variation::variation;
 use crate::model::Model;
 use crate::simulator::{self, Contact};
 

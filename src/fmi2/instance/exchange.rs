@@ -63,15 +63,18 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2CompletedIntegratorStep` (FMI 2.0, 3.2.2): the energy accounts are carried on. Never asks for Event Mode.
+    /// `fmi2CompletedIntegratorStep` (FMI 2.0, 3.2.2): the energy accounts are carried on. Asks for Event Mode where the
+    /// host has passed over an event.
     ///
     /// # Errors
     /// [`Problem::State`].
     pub fn completed_integrator_step(&mut self) -> Outcome<bool> {
         self.guard(Function::CompletedIntegratorStep)?;
-        self.continuous_mut()?.accept();
+        let continuous = self.continuous_mut()?;
+        continuous.accept();
+        let missed = continuous.missed_event();
         self.motion_stale = true;
-        Ok(false)
+        Ok(missed)
     }
 
     /// `fmi2SetTime` (FMI 2.0, 3.2.1); in Event Mode only to the present time, as some hosts do.

@@ -47,7 +47,7 @@ fn sampled(fmu: &mut Instance, step: f64) -> Vec<f64> {
 fn against_differences(fmu: &mut Instance) {
     let names = outputs();
     let exact = derivative(fmu, &names, &KNOWNS, &SEED);
-    // The outputs are polynomials of degree 2 in states and loads, but for the trapezoidal rule's degree 2: no truncation.
+    // The outputs are polynomials of degree 2 in states and loads, the quadrature of the damped energy too: no truncation.
     let (plus, minus) = (sampled(fmu, 0.125), sampled(fmu, -0.125));
     for (i, name) in names.iter().enumerate() {
         let difference = (plus[i] - minus[i]) / 0.25;

@@ -196,3 +196,22 @@ fn derivatives_are_outputs_and_outputs_are_states() {
     }
     assert_eq!(fmu.nominals().unwrap(), [1.0; 6]);
 }
+
+#[test]
+fn an_event_that_the_host_passes_over_is_asked_for() {
+    let mut fmu = initialize(exchange());
+    let mut messages = Messages::default();
+    fmu.new_discrete_states(&mut messages).unwrap();
+    fmu.enter_continuous_time_mode().unwrap();
+    fmu.set_continuous_states(&[0.0, 1.01, 0.0, 0.0, 0.5, 0.0]).unwrap();
+    assert!(fmu.completed_integrator_step().unwrap());
+    fmu.enter_event_mode().unwrap();
+    assert!(fmu.new_discrete_states(&mut messages).unwrap().values_changed);
+    assert!(messages.0[0].2.starts_with("impact on the upper stop"));
+    fmu.enter_continuous_time_mode().unwrap();
+    let [x1, x2, .., v1, v2, _] = fmu.continuous_states().unwrap();
+    assert!(x2 - x1 < 1.0 && x2 - x1 > 1.0 - 1e-11);
+    assert!((v2 - v1 + 0.75 * 0.5).abs() < 1e-15 && (v1 + 0.1 * v2 - 0.05).abs() < 1e-15);
+    assert!((x1 + 0.1 * x2 - 0.101).abs() < 1e-15);
+    assert!(!fmu.completed_integrator_step().unwrap());
+}
