@@ -6,14 +6,16 @@ mod plane;
 mod response;
 mod stability;
 mod steady;
+mod strong;
 mod theory;
 
-pub use compare::{accuracy, force_overlay, histories, strong_case};
+pub use compare::{accuracy, force_overlay, histories};
 pub use manifold::{branches, families, shapes};
 pub use plane::planes;
 pub use response::{force, frequency};
 pub use stability::{masri, regions};
 pub use steady::steady;
+pub use strong::strong_case;
 
 use super::figures::chart::Figure;
 use super::table::Table;

@@ -16,6 +16,10 @@ pub const SVG_SHRINK: u32 = 3;
 /// Units of a drawing per pixel of its PNG; averaging over them smooths edges.
 pub const PNG_SHRINK: u32 = 2;
 
+/// What the SVG backend divides sizes by, and the height of the embedded font's lines in ems (its hhea table).
+const SVG_EM: f64 = 1.24;
+const LINE_HEIGHT: f64 = 2384.0 / 2048.0;
+
 /// Dots per metre in PNG files: 300 per inch.
 const PIXELS_PER_METRE: u32 = 11_811;
 
@@ -95,6 +99,25 @@ pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
     Ok(file)
 }
 
+/// The SVG backend takes a font's size over 1.24 for its em, the bitmap backend, which also measures text for both, over
+/// the height of its lines: brings the former to the latter, so that words are as wide as they were measured.
+fn resized(svg: &str) -> String {
+    const KEY: &str = "font-size=\"";
+    let mut parts = svg.split(KEY);
+    let mut text: String = parts.next().unwrap_or_default().into();
+    for part in parts {
+        text.push_str(KEY);
+        let (size, rest) = part.split_once('"').unwrap_or((part, ""));
+        match size.parse::<f64>() {
+            Ok(size) => text.push_str(&format!("{:.2}", size * SVG_EM / LINE_HEIGHT)),
+            Err(_) => text.push_str(size),
+        }
+        text.push('"');
+        text.push_str(rest);
+    }
+    text
+}
+
 /// As SVG text.
 ///
 /// # Errors
@@ -112,6 +135,7 @@ pub fn svg(drawing: &impl Drawing) -> Result<String> {
     let scaled = text.replacen(&size(width, height), &size(width / SVG_SHRINK, height / SVG_SHRINK), 1);
     // Neighbouring cells of a plane would show seams where they share a pixel.
     let crisp = scaled.replace("<rect ", "<rect shape-rendering=\"crispEdges\" ");
+    let sized = resized(&crisp);
     let spare = format!("font-family=\"{FONT}\"");
-    Ok(crisp.replace(&spare, &format!("font-family=\"{FONT}, Verdana, sans-serif\"")))
+    Ok(sized.replace(&spare, &format!("font-family=\"{FONT}, Verdana, sans-serif\"")))
 }

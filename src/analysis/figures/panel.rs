@@ -4,7 +4,7 @@ use super::canvas::palette::BLACK;
 use super::chart::{Layer, Panel, Shape};
 use super::draw::{Area, Drawn, ENTRY, SMALL, failed, style, text};
 use super::scale::{Frame, Scale};
-use super::symbols::{entry, entry_width, mark, stroke};
+use super::symbols::{entry, entry_width, mark, outline, stroke};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -80,8 +80,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         let f = &self.frame;
         let (left, right) = (f.left as i32, f.right as i32);
         let (top, bottom) = (f.top as i32, f.bottom as i32);
-        let frame = Rectangle::new([(left, top), (right, bottom)], BLACK.stroke_width(HAIR));
-        self.area.draw(&frame).map_err(failed)?;
+        outline(self.area, [(left, top), (right, bottom)], BLACK, HAIR)?;
         let below = style(SMALL, BLACK, HPos::Center, VPos::Top);
         for (value, label) in self.x.ticks() {
             let x = self.x.place(value);
@@ -182,7 +181,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         let (left, top) = self.emptiest(panel, (wide, high));
         let corners = [(left as i32, top as i32), ((left + wide) as i32, (top + high) as i32)];
         self.area.draw(&Rectangle::new(corners, WHITE.mix(0.85).filled())).map_err(failed)?;
-        self.area.draw(&Rectangle::new(corners, GRID.stroke_width(2))).map_err(failed)?;
+        outline(self.area, corners, GRID, HAIR)?;
         for (i, layer) in entries.into_iter().enumerate() {
             let at = (left as i32 + PADDING, top as i32 + PADDING / 2 + i as i32 * ENTRY);
             entry(self.area, layer, at)?;

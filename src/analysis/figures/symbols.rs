@@ -65,6 +65,21 @@ pub(super) fn stroke<DB: DrawingBackend>(
     Ok(())
 }
 
+/// The edge of a rectangle, as a path: rectangles on SVG have no stroke width.
+pub(super) fn outline<DB: DrawingBackend>(
+    area: Area<DB>,
+    [a, b]: [(i32, i32); 2],
+    colour: Colour,
+    width: u32,
+) -> Drawn {
+    // Each side on its own, so that the filled stroke never meets itself.
+    let corners = [a, (b.0, a.1), b, (a.0, b.1), a];
+    for side in corners.windows(2) {
+        area.draw(&PathElement::new(side.to_vec(), colour.stroke_width(width))).map_err(failed)?;
+    }
+    Ok(())
+}
+
 /// Draws a mark at a place.
 pub(super) fn mark<DB: DrawingBackend>(
     area: Area<DB>,
@@ -113,7 +128,7 @@ pub(super) fn entry<DB: DrawingBackend>(
         Shape::Band { opacity, .. } => {
             let corners = [whole((left, y - 17.0)), whole((right, y + 17.0))];
             area.draw(&Rectangle::new(corners, layer.colour.mix(*opacity).filled())).map_err(failed)?;
-            area.draw(&Rectangle::new(corners, BLACK.stroke_width(2))).map_err(failed)?;
+            outline(area, corners, BLACK, 3)?;
         }
         Shape::Cells { .. } | Shape::Text { .. } => {}
     }

@@ -1,7 +1,7 @@
-//! Theory against simulation (figures 8, 16, 17, 19).
+//! Theory against simulation (figures 8, 16, 17).
 
 use super::super::error::Result;
-use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
+use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, VERMILLION};
 use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use super::super::groups::Group;
 use super::super::motion::{amplitude, maxima, record, settled};
@@ -14,14 +14,12 @@ use super::theory::{Point, Theory, simulated};
 use super::{PANEL, Study};
 use crate::parameters::Parameters;
 use crate::simulator::State;
-use crate::steady::strong_coupling::modified_sawtooth;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// A transient dies as exp(-ε τ/…): this many periods over ε bring it under round-off for dampings of order one.
 const SETTLING: f64 = 60.0;
 /// Periods shown of a simulated steady motion.
-const SHOWN: u32 = 2;
+pub(super) const SHOWN: u32 = 2;
 /// Figure 16: periods discarded and kept at each value, and values.
 const DISCARDED: f64 = 200.0;
 const KEPT: u32 = 60;
@@ -31,7 +29,7 @@ const NODES: usize = 400;
 const NAMES: [&str; 4] = ["B", "A1", "A2", "A3"];
 
 /// The simulated steady motion from a start near the theory's: amplitudes B, A1, A2, A3 in units of L, and its record.
-fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 4], Vec<Point>)> {
+pub(super) fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 4], Vec<Point>)> {
     let p = parameters;
     let start = start(p, near);
     let mut simulator = settled(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
@@ -53,7 +51,7 @@ fn start(p: &Parameters, theory: &Theory) -> State {
     State { x: [x1, x1 + (x2 - x1).clamp(-room, room), x3], v: [v1, v2, v3] }
 }
 
-fn no_motion(name: &str, theory: &str) -> Study {
+pub(super) fn no_motion(name: &str, theory: &str) -> Study {
     Study {
         name: name.into(),
         what: format!("no picture: {theory} has no motion with two symmetric impacts here"),
@@ -64,7 +62,11 @@ fn no_motion(name: &str, theory: &str) -> Study {
     }
 }
 
-fn amplitude_table(theory: &str, analytical: [f64; 4], simulated: [f64; 4]) -> (Table, Vec<String>) {
+pub(super) fn amplitude_table(
+    theory: &str,
+    analytical: [f64; 4],
+    simulated: [f64; 4],
+) -> (Table, Vec<String>) {
     let mut table = Table::new(&["amplitude", theory, "simulation", "relative_error"]);
     let mut remarks = Vec::new();
     for ((name, a), s) in NAMES.into_iter().zip(analytical).zip(simulated) {
@@ -103,7 +105,13 @@ pub fn histories(settings: &Settings) -> Result<Study> {
     })
 }
 
-fn four_panels(title: &str, settings: &Settings, theory: &[Point], name: &str, points: &[Point]) -> Figure {
+pub(super) fn four_panels(
+    title: &str,
+    settings: &Settings,
+    theory: &[Point],
+    name: &str,
+    points: &[Point],
+) -> Figure {
     let panel = |title: &str, quantities: &[usize], portrait| {
         comparison_panel(title, quantities, portrait, theory, name, points, "simulation")
     };
@@ -336,85 +344,4 @@ fn slope(path: &Path) -> f64 {
         (s.0 + x * y, s.1 + x * x)
     });
     sums.0 / sums.1
-}
-
-/// Figures 18 and 19: Z*, and section 5's closed form against the simulation.
-///
-/// # Errors
-/// What theory or simulator refuse, e.g. a coupling at which the closed form is singular.
-pub fn strong_case(settings: &Settings) -> Result<Study> {
-    let p = settings.parameters();
-    let Some(theory) = Theory::strong(settings.groups())? else {
-        return Ok(no_motion("compare-19", "strong coupling"));
-    };
-    let (amplitudes, points) = simulate(p, &theory)?;
-    let (table, mut remarks) = amplitude_table("strong_coupling", theory.amplitudes(p), amplitudes);
-    remarks.insert(0, format!("parameters here: {}", settings.caption()));
-    let history = theory.history(p, f64::from(SHOWN));
-    let mut figure = four_panels(
-        "Strong coupling against simulation (cf. figures 18, 19)",
-        settings,
-        &history,
-        "closed form",
-        &points,
-    );
-    figure.panels.insert(0, sawtooth_panel(settings.groups().beta2.sqrt()));
-    figure.panels.insert(3, amplitude_panel(theory.amplitudes(p), amplitudes));
-    let titles = [
-        "(a) Modified sawtooth Z*",
-        "(b) U and W",
-        "(c) U and W",
-        "(d) Amplitudes",
-        "(e) X₁, X₂, X₃",
-        "(f) X₁, X₂, X₃",
-    ];
-    for (panel, title) in figure.panels.iter_mut().zip(titles) {
-        panel.title = title.into();
-    }
-    figure.shared_legend = false;
-    figure.columns = 3;
-    figure.panel = (1500, 1100);
-    Ok(Study {
-        name: "compare-19".into(),
-        what: "strong coupling as in figures 18 and 19, closed form against simulation".into(),
-        tables: vec![("compare-19".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
-}
-
-fn sawtooth_panel(beta: f64) -> Panel {
-    // β̂ = 0 is the plain sawtooth; past 1 the block overshoots the stop's place.
-    let mut betas = vec![0.0, 0.8, 1.4];
-    if !betas.iter().any(|b| (b - beta).abs() < 1e-9) {
-        betas.push(beta);
-    }
-    let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::Solid];
-    let curve = |((&b, colour), dash): ((&f64, _), _)| {
-        let path = (0..=400).map(|i| f64::from(i) / 100.0).map(|s| (s, modified_sawtooth(b, s * PI).0));
-        Layer::line(&format!("β̂ = {}", short(b)), colour, dash, path.collect())
-    };
-    Panel {
-        title: String::new(),
-        x: Axis::over("phase s/π (–)", 0.0, 4.0),
-        y: Axis::new("Z* (–)"),
-        layers: betas.iter().zip([BLACK, BLUE, GREEN, VERMILLION]).zip(dash).map(curve).collect(),
-    }
-}
-
-fn amplitude_panel(theory: [f64; 4], simulation: [f64; 4]) -> Panel {
-    let at = |values: [f64; 4]| (1..).map(f64::from).zip(values).collect::<Path>();
-    let highest = theory.into_iter().chain(simulation).fold(0.0, f64::max);
-    let layers = vec![
-        Layer::marks("closed form", BLUE, Mark::Disc, at(theory)).stroke(18),
-        Layer::marks("simulation", BLACK, Mark::Cross, at(simulation)).stroke(18),
-    ];
-    let names = ["B", "A₁", "A₂", "A₃"].map(String::from).to_vec();
-    Panel {
-        title: String::new(),
-        x: Axis { names, ..Axis::over("amplitude of U, X₁, X₂, X₃", 0.5, 4.5) },
-        y: Axis::over("amplitude (units of L)", 0.0, 1.2 * highest),
-        layers,
-    }
 }

@@ -129,11 +129,19 @@ fn study(name: &str, what: &str, table: &Table, figure: Figure) -> Result<Study>
     })
 }
 
-/// The range of C with stable fixed points: beyond the quadratic's vertex on the right branch (multiple_scales, past
-/// the paper), where the determinant of the slow flow's Jacobian is positive.
-fn stable_fixed_points(system: &MultipleScales) -> f64 {
+/// The ranges of C, on the left and on the right branch, at which a fixed point is stable for the force that holds it
+/// there. With the closed forms of [`multiple_scales`](crate::steady::multiple_scales): on the right branch the determinant
+/// is positive beyond the quadratic's vertex and the trace always negative; on the left the determinant is positive
+/// before the vertex and the trace negative for C < γ̂1/(γ̂1 (1+ρ²) + (8/π²) ρ).
+fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
+    let (m, g) = (system.manifold(), system.groups());
+    if g.gamma3 == 0.0 {
+        return [(0.0, 0.0); 2]; // A3 never settles
+    }
     let (a, b, _) = system.quadratic();
-    system.manifold().c_min().max(-0.5 * b / a)
+    let (vertex, rho) = (-0.5 * b / a, m.rho());
+    let turn = g.gamma1 / (g.gamma1 * (1.0 + rho * rho) + 8.0 / (PI * PI) * rho);
+    [(f64::NEG_INFINITY, vertex.min(turn)), (m.c_min().max(vertex), f64::INFINITY)]
 }
 
 /// Figure 7: the parts of the manifold that pass each of the three tests, and the part that passes all.
@@ -146,11 +154,12 @@ pub fn branches(settings: &Settings) -> Result<Study> {
     let roots = both(system.fixed_points());
     let (from, mut to) = shown(&system, &roots);
     to = to.max(1.1 * m.c_gmax());
-    let fixed = stable_fixed_points(&system);
-    let (low, high) = (m.c_smin().max(fixed), m.c_smax().min(m.c_gmax()));
+    let [left, right] = stable_fixed_points(&system);
+    let (low, high) = (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1));
     let parts = [
         ("geometric", 0.0, m.c_gmax()),
-        ("stable fixed point", fixed, f64::INFINITY),
+        ("stable fixed point, left branch", left.0, left.1),
+        ("stable fixed point, right branch", right.0, right.1),
         ("stable periodic motion", m.c_smin(), m.c_smax()),
         ("all three", low, high),
     ];
@@ -174,7 +183,8 @@ pub fn branches(settings: &Settings) -> Result<Study> {
     let tests = vec![
         Layer::line("slow invariant manifold", BLACK, Dash::Solid, curve(m, from, to)).stroke(3),
         wide("geometrically allowed (0 < C ≤ C_Gmax)", ORANGE, 30, 0.0, m.c_gmax()),
-        wide("stable fixed point (SFP)", BLUE, 18, fixed, to),
+        wide("stable fixed point (SFP)", BLUE, 18, left.0, left.1),
+        wide("", BLUE, 18, right.0, right.1),
         wide("stable periodic motion (SPM)", VERMILLION, 8, m.c_smin(), m.c_smax()),
     ];
     let (near, top) = (0.5_f64.min(low - 0.3), 2.2_f64.max(high + 0.3));
@@ -256,7 +266,8 @@ fn member(settings: &Settings, group: &Group, value: f64, index: usize, table: &
         row.extend([a.geometric, a.fixed_point, a.periodic_motion].map(|t| t.to_string()));
         table.rows.push(row);
     }
-    let (low, high) = (m.c_smin().max(stable_fixed_points(&system)), m.c_smax().min(m.c_gmax()));
+    let [_, right] = stable_fixed_points(&system);
+    let (low, high) = (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1));
     // The same axes in all panels, unless a fixed point lies beyond.
     let (from, to) = shown(&system, &roots);
     let (from, to) = (from.min(-1.0), to.max(2.4));
@@ -274,4 +285,28 @@ fn member(settings: &Settings, group: &Group, value: f64, index: usize, table: &
         y: Axis::over("B (units of L)", 0.0, top),
         layers,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Groups;
+
+    #[test]
+    fn ranges_of_stable_fixed_points_are_the_librarys() {
+        for (gamma1, sigma1, kappa) in [(1.0, 0.4, 0.75), (0.3, -0.6, 0.5), (2.0, -1.0, 0.2), (0.0, 0.2, 0.9)]
+        {
+            let base = Groups { gamma1, sigma1, kappa, ..Groups::basic() };
+            let system = MultipleScales::new(&base).unwrap();
+            let ranges = stable_fixed_points(&system);
+            for c in grid(-1.0, 3.0, 401) {
+                let f10 = system.force(c);
+                let roots = both(MultipleScales::new(&Groups { f10, ..base }).unwrap().fixed_points());
+                let nearest = roots.iter().min_by(|a, b| (a.1.c - c).abs().total_cmp(&(b.1.c - c).abs()));
+                let expected = nearest.unwrap().1.admissibility.fixed_point;
+                let inside = ranges.iter().any(|r| r.0 < c && c < r.1);
+                assert_eq!(inside, expected, "gamma1 {gamma1}, sigma1 {sigma1}, kappa {kappa}, C {c}");
+            }
+        }
+    }
 }

@@ -124,8 +124,8 @@ fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third
             let points = stable.iter().chain(&unstable).flatten();
             highest = points.fold(highest, |h, p| h.max(p.1));
             if r.method == Method::ExactOrbit {
-                over.push(Layer::lines("", BLACK, Dash::Solid, stable).stroke(2));
-                over.push(Layer::lines("", BLACK, Dash::Dotted, unstable).stroke(2));
+                over.push(Layer::lines("", BLACK, Dash::Solid, stable).stroke(3));
+                over.push(Layer::lines("", BLACK, Dash::Dotted, unstable).stroke(3));
             } else {
                 layers.push(Layer::lines("", colour, Dash::Solid, stable).stroke(9));
                 layers.push(Layer::lines("", colour, Dash::Dashed, unstable).stroke(THIN));
@@ -136,8 +136,8 @@ fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third
     for (name, colour, dash, width) in [
         ("stable", GREY, Dash::Solid, 9),
         ("unstable", GREY, Dash::Dashed, THIN),
-        ("exact orbit, stable", BLACK, Dash::Solid, 2),
-        ("exact orbit, unstable", BLACK, Dash::Dotted, 2),
+        ("exact orbit, stable", BLACK, Dash::Solid, 3),
+        ("exact orbit, unstable", BLACK, Dash::Dotted, 3),
     ] {
         layers.push(Layer::lines(name, colour, dash, Vec::new()).stroke(width));
     }
