@@ -24,6 +24,17 @@ pub(crate) const LOAD: usize = 12;
 /// Covers the rounding of the bound and of the samples themselves.
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
+/// 1/(k+1) of the recurrence.
+const RECIPROCALS: [f64; WHOLE] = {
+    let mut r = [0.0; WHOLE];
+    let mut k = 0;
+    while k < WHOLE {
+        r[k] = 1.0 / (k + 1) as f64;
+        k += 1;
+    }
+    r
+};
+
 /// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k lanes[k] u^k`; `free` likewise is the
 /// free relative acceleration.
 #[derive(Clone, Copy)]
@@ -52,7 +63,7 @@ impl<const N: usize> Series<N> {
             let (a, relative) = model.acceleration(mode, &c, f);
             free[k] = relative;
             if k + 1 < N {
-                let q = radius / (k + 1) as f64;
+                let q = radius * RECIPROCALS[k];
                 scale *= q;
                 let turn = q * model.omega;
                 lanes[k + 1] =
@@ -62,18 +73,10 @@ impl<const N: usize> Series<N> {
         Self { lanes, free }
     }
 
-    /// The augmented state at u, even and odd orders apart so that two chains run side by side.
+    /// The augmented state at u.
     #[inline(always)]
     pub(crate) fn at(&self, u: f64) -> Augmented {
-        let square = u * u;
-        let (mut even, mut odd) = ([0.0; LANES], [0.0; LANES]);
-        for k in (0..N).rev() {
-            let sum = if k % 2 == 0 { &mut even } else { &mut odd };
-            for (s, c) in sum.iter_mut().zip(&self.lanes[k]) {
-                *s = *s * square + c;
-            }
-        }
-        std::array::from_fn(|j| even[j] + u * odd[j])
+        polynomial(&self.lanes, u)
     }
 
     /// The coefficients of `side · w - gap`, negative while the block is inside.
@@ -95,6 +98,20 @@ impl<const N: usize> Series<N> {
             Mode::Rest => self.free,
         }
     }
+}
+
+/// Σ_k coefficients[k] u^k lane by lane, even and odd orders apart so that two chains run side by side.
+#[inline(always)]
+pub(crate) fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
+    let square = u * u;
+    let (mut even, mut odd) = ([0.0; W], [0.0; W]);
+    for k in (0..N).rev() {
+        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+        for (s, c) in sum.iter_mut().zip(&coefficients[k]) {
+            *s = *s * square + c;
+        }
+    }
+    std::array::from_fn(|j| even[j] + u * odd[j])
 }
 
 /// Forces a time `dt` later: the polynomials shifted.

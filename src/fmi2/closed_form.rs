@@ -4,7 +4,7 @@ use super::problem::Problem;
 use super::settings::{Mode, Motion};
 use super::steady::{ORDERS, Solution, coordinates};
 use crate::extended::{Extended, Phase};
-use crate::ledger::{self, NODES, WEIGHTS};
+use crate::ledger::{self, FIVE};
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::simulator::{Contact, Event, ImpactRecord, Ledger, StopReason};
@@ -283,7 +283,7 @@ impl ClosedForm {
     fn integrate(&self, from: f64, to: f64) -> [f64; 2] {
         let p = &self.data.parameters;
         let mut sums = [0.0; 2];
-        for (node, weight) in NODES.iter().zip(&WEIGHTS) {
+        for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
             let theta = self.solution.impact_phase() + from + node * (to - from);
             let v = self.solution.state(theta).v;
             sums[0] += weight * p.drive_amplitude * theta.sin() * v[0];

@@ -102,7 +102,11 @@ impl Simulator {
         let mut z = self.augmented();
         let (mut since_renewal, mut burst, mut burst_from) = (0, 0, self.motion.time);
         loop {
-            let remaining = end.minus(self.motion.time).value();
+            // Far from the end the leading parts tell enough; near it every digit counts.
+            let mut remaining = end.hi - self.motion.time.hi;
+            if remaining <= 2.0 * self.substep {
+                remaining = end.minus(self.motion.time).value();
+            }
             if remaining <= 0.0 {
                 break;
             }
@@ -115,7 +119,7 @@ impl Simulator {
             let Some(side) = passage else { continue };
             self.work.events += 1;
             burst += 1;
-            if self.motion.time.minus(burst_from).value() > self.substep {
+            if self.motion.time.hi - burst_from.hi > self.substep {
                 (burst, burst_from) = (0, self.motion.time);
             } else if burst > MAX_BURST {
                 self.motion.y.copy_from_slice(&z[..6]);
@@ -285,12 +289,11 @@ impl Simulator {
                 return Some(side);
             }
         }
-        // The intervals that the step reaches into.
+        // The intervals that the step reaches into and that have a near sample at an end.
         let count = ((remaining / interval).ceil() as usize).min(INTERVALS);
-        let mut i = 1;
-        while i < count {
+        let nearest = g.iter().position(|&x| excess(x) >= 0.0)?;
+        for i in nearest.max(1)..count {
             if excess(g[i]) < 0.0 && excess(g[i - 1]) < 0.0 {
-                i += 1;
                 continue;
             }
             let (series, base) = self.centred(start, i);
@@ -302,7 +305,6 @@ impl Simulator {
                 self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
                 return Some(side);
             }
-            i += 1;
         }
         None
     }
@@ -550,9 +552,10 @@ impl Simulator {
         }
         // The acceleration must not change until the end of the run, or of the bounce.
         let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
-        let rate = self.model.rate;
-        let series = Series::<2>::expand(&self.model, Mode::Flight, z, forces.first(), 1.0 / rate);
-        let steady = (series.free[1] * rate * span).abs() <= STEADY * a;
+        let series = Series::<4>::expand(&self.model, Mode::Flight, z, forces.first(), span);
+        // Half the second and a sixth of the third derivative, in units of the span.
+        let (second, third) = (series.lanes[2][GAP], series.lanes[3][GAP]);
+        let steady = (3.0 * third).abs() <= STEADY * second.abs();
         steady.then_some(if elastic { 0.0 } else { span })
     }
 }
