@@ -116,7 +116,11 @@ pub fn default_experiment() -> Experiment {
 /// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0, 2.2.1).
 /// Computed anew on each call, so that the library keeps nothing between loads.
 pub fn guid() -> String {
-    let hash = fingerprint_hash();
+    format_guid(fingerprint_hash())
+}
+
+/// A number in the form of a GUID.
+pub fn format_guid(hash: u128) -> String {
     format!(
         "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
         (hash >> 96) as u32,

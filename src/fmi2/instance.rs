@@ -53,6 +53,8 @@ enum Engine {
 /// One instance.
 #[derive(Debug)]
 pub struct Instance {
+    /// The GUID's number, which saved states carry.
+    origin: [u8; 16],
     interface: Interface,
     state: State,
     settings: Settings,
@@ -86,11 +88,13 @@ impl Instance {
                 allowed: "text with at least one character that is no white space".to_owned(),
             });
         }
-        let own = description::guid();
+        let hash = description::fingerprint_hash();
+        let own = description::format_guid(hash);
         if guid != own {
             return Err(Problem::Text { argument: "fmuGUID", value: guid.to_owned(), allowed: own });
         }
         Ok(Self {
+            origin: hash.to_le_bytes(),
             interface,
             state: State::Instantiated,
             settings: Settings::default(),

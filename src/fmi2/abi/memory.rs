@@ -132,7 +132,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
         check_pointer(serialized, "serializedState")?;
         // SAFETY: as above.
         let bytes = unsafe { slice(serialized, size, "serializedState") }?;
-        let saved = FmuState::deserialize(bytes)?;
+        let saved = instance.deserialize(bytes)?;
         // SAFETY: as above.
         unsafe { keep(instance, saved, state) }
     };

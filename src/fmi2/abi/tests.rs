@@ -4,6 +4,8 @@ use crate::fmi2::states::{FUNCTIONS, Interface, STATES, State};
 use crate::fmi2::variables::reference;
 use std::ptr::{null, null_mut};
 
+mod random;
+
 const OK: FmiStatus = 0;
 const DISCARD: FmiStatus = 2;
 const ERROR: FmiStatus = 3;

@@ -4,7 +4,6 @@ use super::{Engine, Experiment, Instance, Outcome};
 use crate::fmi2::bytes;
 use crate::fmi2::closed_form::{self, ClosedForm};
 use crate::fmi2::continuous::{self, Continuous};
-use crate::fmi2::description;
 use crate::fmi2::problem::Problem;
 use crate::fmi2::settings::Settings;
 use crate::fmi2::states::{Function, Interface, State};
@@ -20,6 +19,8 @@ const VERSION: u32 = 1;
 /// and name are the instance's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FmuState {
+    /// The GUID's number: which table and crate version the state belongs to.
+    origin: [u8; 16],
     interface: Interface,
     state: State,
     settings: Settings,
@@ -44,8 +45,6 @@ enum EngineState {
 struct Header {
     magic: [u8; 8],
     version: u32,
-    /// The GUID's number: which table and crate version the state belongs to.
-    origin: [u8; 16],
 }
 
 impl FmuState {
@@ -54,41 +53,13 @@ impl FmuState {
     /// # Errors
     /// [`Problem::Memory`], which would be a mistake of ours.
     pub fn serialize(&self) -> Outcome<Vec<u8>> {
-        let origin = description::fingerprint_hash().to_le_bytes();
         let mut out = Vec::with_capacity(1024);
-        let written = bytes::write(&Header { magic: MAGIC, version: VERSION, origin }, &mut out)
+        let written = bytes::write(&Header { magic: MAGIC, version: VERSION }, &mut out)
             .and_then(|()| bytes::write(self, &mut out));
         written.map_err(|error| refused(error.to_string()))?;
         let checksum = bytes::checksum(&out);
         out.extend_from_slice(&checksum.to_le_bytes());
         Ok(out)
-    }
-
-    /// `fmi2DeSerializeFMUstate` (FMI 2.0, 2.1.8).
-    ///
-    /// # Errors
-    /// [`Problem::Memory`] for bytes that are truncated, altered, of another version or of another FMU.
-    pub fn deserialize(serialized: &[u8]) -> Outcome<Self> {
-        let Some((content, checksum)) = serialized.split_last_chunk::<8>() else {
-            return Err(refused(format!("{} bytes are too few", serialized.len())));
-        };
-        let (header, rest) = bytes::read::<Header>(content).map_err(|error| refused(error.to_string()))?;
-        if header.magic != MAGIC {
-            return Err(refused("the bytes are not of this FMU".to_owned()));
-        }
-        if header.version != VERSION {
-            return Err(refused(format!("version {}: allowed is {VERSION}", header.version)));
-        }
-        if bytes::checksum(content) != u64::from_le_bytes(*checksum) {
-            return Err(refused("the checksum does not fit: truncated or altered".to_owned()));
-        }
-        if header.origin != description::fingerprint_hash().to_le_bytes() {
-            return Err(refused("it comes from another build of this FMU (its GUID differs)".to_owned()));
-        }
-        match bytes::read::<Self>(rest).map_err(|error| refused(error.to_string()))? {
-            (state, []) => Ok(state),
-            (_, left) => Err(refused(format!("{} bytes too many", left.len()))),
-        }
     }
 }
 
@@ -109,6 +80,7 @@ impl Instance {
     /// All that [`fmu_state`](Self::fmu_state) saves.
     pub(crate) fn image(&self) -> FmuState {
         FmuState {
+            origin: self.origin,
             interface: self.interface,
             state: self.state,
             settings: self.settings,
@@ -169,6 +141,34 @@ impl Instance {
         self.loads_set = saved.loads_set;
         self.motion_stale = true;
         Ok(())
+    }
+
+    /// `fmi2DeSerializeFMUstate` (FMI 2.0, 2.1.8).
+    ///
+    /// # Errors
+    /// [`Problem::Memory`] for bytes that are truncated, altered, of another version or of another FMU.
+    pub fn deserialize(&self, serialized: &[u8]) -> Outcome<FmuState> {
+        self.guard(Function::DeSerializeFMUstate)?;
+        let Some((content, checksum)) = serialized.split_last_chunk::<8>() else {
+            return Err(refused(format!("{} bytes are too few", serialized.len())));
+        };
+        let (header, rest) = bytes::read::<Header>(content).map_err(|error| refused(error.to_string()))?;
+        if header.magic != MAGIC {
+            return Err(refused("the bytes are not of this FMU".to_owned()));
+        }
+        if header.version != VERSION {
+            return Err(refused(format!("version {}: allowed is {VERSION}", header.version)));
+        }
+        if bytes::checksum(content) != u64::from_le_bytes(*checksum) {
+            return Err(refused("the checksum does not fit: truncated or altered".to_owned()));
+        }
+        if !rest.starts_with(&self.origin) {
+            return Err(refused("it comes from another build of this FMU (its GUID differs)".to_owned()));
+        }
+        match bytes::read::<FmuState>(rest).map_err(|error| refused(error.to_string()))? {
+            (state, []) => Ok(state),
+            (_, left) => Err(refused(format!("{} bytes too many", left.len()))),
+        }
     }
 
     /// Keeps a state for the host, in the place of `handle` where that is one of ours, and returns its handle. Handles are

@@ -4,7 +4,9 @@ use super::{Engine, Instance, Outcome};
 use crate::fmi2::problem::Problem;
 use crate::fmi2::settings::Settings;
 use crate::fmi2::states::{Function, State};
-use crate::fmi2::variables::{Access, Base, Causality, Initial, VARIABLES, Variability, Variable};
+use crate::fmi2::variables::{
+    Access, Base, Causality, Initial, READERS, Reader, VARIABLES, Variability, Variable,
+};
 use crate::parameters::Parameters;
 
 /// What loads may be while a closed form is played.
@@ -71,27 +73,25 @@ impl Instance {
     pub fn get(&mut self, base: Base, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
         self.guard(base.getter())?;
         let initialized = !matches!(self.engine, Engine::None);
-        let (mut moves, mut follows) = (false, false);
+        let mut needs = 0;
         for &reference in references {
-            match look_up(reference, base)?.access {
-                Access::Motion(_) => moves = true,
-                Access::Start { .. } => moves |= initialized,
-                Access::Derived(_) => follows = true,
-                Access::Setting { .. } => {}
+            match READERS.get(reference as usize) {
+                Some(reader) if reader.base == base => needs |= reader.needs,
+                _ => return Err(no_such(reference, base, VARIABLES.get(reference as usize))),
             }
         }
-        if moves {
+        let moves = needs & Reader::MOTION != 0 || initialized && needs & Reader::START != 0;
+        if moves && self.motion_stale {
             self.refresh_motion()?;
         }
-        if follows {
+        if needs & Reader::DERIVED != 0 && self.derived_stale {
             self.refresh_derived();
         }
         for (i, &reference) in references.iter().enumerate() {
-            let value = match VARIABLES[reference as usize].access {
-                Access::Setting { get, .. } => get(&self.settings),
-                Access::Start { now, .. } if initialized => now(&self.motion),
-                Access::Start { get, .. } => get(&self.settings),
+            let value = match READERS[reference as usize].access {
                 Access::Motion(get) => get(&self.motion),
+                Access::Start { now, .. } if initialized => now(&self.motion),
+                Access::Setting { get, .. } | Access::Start { get, .. } => get(&self.settings),
                 Access::Derived(get) => get(&self.derived),
             };
             write(i, value);

@@ -192,7 +192,7 @@ fn a_played_state_comes_back_bit_by_bit() {
         step(&mut fmu, 3.3 + 4.4, 5.5).unwrap();
         let straight = motion(&mut fmu);
         let mut fresh = instance();
-        fresh.set_fmu_state(&FmuState::deserialize(&bytes).unwrap()).unwrap();
+        restore_bytes(&mut fresh, &bytes).unwrap();
         step(&mut fresh, 3.3 + 4.4, 5.5).unwrap();
         assert_eq!(motion(&mut fresh), straight);
         fmu.set_fmu_state(&saved).unwrap();

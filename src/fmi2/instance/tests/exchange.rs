@@ -179,7 +179,7 @@ fn states_are_saved_and_restored_between_events() {
     run(&mut fmu, 12.0, &mut messages);
     let straight = motion(&mut fmu);
     let mut fresh = exchange();
-    fresh.set_fmu_state(&FmuState::deserialize(&bytes).unwrap()).unwrap();
+    restore_bytes(&mut fresh, &bytes).unwrap();
     assert_eq!(fresh.state(), State::ContinuousTimeMode);
     fresh.enter_event_mode().unwrap();
     run(&mut fresh, 12.0, &mut messages);

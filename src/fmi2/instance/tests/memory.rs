@@ -20,7 +20,7 @@ fn restore_then_continue_is_bit_identical() {
     assert_eq!(motion(&mut fmu), straight);
 
     let mut fresh = instance();
-    fresh.set_fmu_state(&FmuState::deserialize(&bytes).unwrap()).unwrap();
+    restore_bytes(&mut fresh, &bytes).unwrap();
     assert_eq!(fresh.state(), State::StepComplete);
     assert_eq!(get(&mut fresh, "box.c"), 0.09);
     assert!((get(&mut fresh, "groups.gamma1") - 0.9).abs() < 1e-12);
@@ -36,7 +36,7 @@ fn a_state_of_before_initialization_comes_back_too() {
     let bytes = saved.serialize().unwrap();
     let mut fmu = initialize(fmu);
     step(&mut fmu, 0.0, 1.0).unwrap();
-    fmu.set_fmu_state(&FmuState::deserialize(&bytes).unwrap()).unwrap();
+    restore_bytes(&mut fmu, &bytes).unwrap();
     assert_eq!(fmu.state(), State::Instantiated);
     let mut fmu = initialize(fmu);
     assert_eq!((get(&mut fmu, "box.s"), get(&mut fmu, "time")), (0.5, 0.0));
@@ -48,25 +48,25 @@ fn damaged_and_foreign_bytes_are_refused() {
     step(&mut fmu, 0.0, 13.7).unwrap();
     let bytes = fmu.fmu_state().unwrap().serialize().unwrap();
     for length in 0..bytes.len() {
-        assert!(matches!(FmuState::deserialize(&bytes[..length]), Err(Problem::Memory { .. })), "{length}");
+        assert!(matches!(fmu.deserialize(&bytes[..length]), Err(Problem::Memory { .. })), "{length}");
     }
     for place in 0..bytes.len() {
         let mut altered = bytes.clone();
         altered[place] ^= 0x10;
-        assert!(FmuState::deserialize(&altered).is_err(), "{place}");
+        assert!(fmu.deserialize(&altered).is_err(), "{place}");
     }
     let mut longer = bytes.clone();
     longer.push(0);
-    assert!(FmuState::deserialize(&longer).is_err());
+    assert!(fmu.deserialize(&longer).is_err());
     // Of another build, with a right checksum.
     let mut foreign = bytes[..bytes.len() - 8].to_vec();
     foreign[12] ^= 1;
     let checksum = crate::fmi2::bytes::checksum(&foreign);
     foreign.extend_from_slice(&checksum.to_le_bytes());
-    assert!(FmuState::deserialize(&foreign).unwrap_err().to_string().contains("another build"));
+    assert!(fmu.deserialize(&foreign).unwrap_err().to_string().contains("another build"));
     // Of the other interface type.
     let mut exchange = Instance::new("test", Interface::ModelExchange, &description::guid(), true).unwrap();
-    assert!(exchange.set_fmu_state(&FmuState::deserialize(&bytes).unwrap()).is_err());
+    assert!(restore_bytes(&mut exchange, &bytes).is_err());
     assert_eq!(exchange.state(), State::Instantiated);
 }
 

@@ -71,3 +71,8 @@ const MOTION: [&str; 12] = [
 fn motion(instance: &mut Instance) -> Vec<u64> {
     MOTION.map(|name| get(instance, name).to_bits()).to_vec()
 }
+
+fn restore_bytes(instance: &mut Instance, bytes: &[u8]) -> Outcome {
+    let saved = instance.deserialize(bytes)?;
+    instance.set_fmu_state(&saved)
+}
