@@ -143,3 +143,15 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
         }
     }
 }
+
+#[test]
+fn invariant_a_step_of_nothing_from_the_present_is_none() {
+    let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
+    for n in 0..200 {
+        // The end of a step is begin + step in extended precision, which the present as a double may round down.
+        simulator.advance(simulator.time(), 0.0317, false, &mut |_| {}).unwrap();
+        let before = simulator.time();
+        simulator.advance(before, 0.0, false, &mut |_| {}).unwrap_or_else(|e| panic!("step {n}: {e}"));
+        assert_eq!(simulator.time(), before);
+    }
+}

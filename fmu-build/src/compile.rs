@@ -36,15 +36,16 @@ pub fn target() -> PathBuf {
 /// [`Error::Cargo`] when cargo cannot be run or fails.
 pub fn library() -> Result<PathBuf> {
     let mut cargo = cargo();
-    cargo.args(["build", "--package", "vibro-impact", "--lib", "--no-default-features", "--profile", "fmu"]);
-    cargo.args(["--locked", "--message-format", "json-render-diagnostics", "--target-dir"]);
+    // `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
+    cargo.args(["rustc", "--package", "vibro-impact", "--lib", "--crate-type", "cdylib"]);
+    cargo.args(["--no-default-features", "--profile", "fmu", "--locked", "--message-format"]);
+    cargo.args(["json-render-diagnostics", "--target-dir"]);
     cargo.arg(target().join("fmu")).env("CARGO_ENCODED_RUSTFLAGS", flags());
     let messages = output(&mut cargo)?;
     let mut libraries = messages.lines().filter_map(shared_library);
-    libraries.next().ok_or_else(|| Error::Cargo {
-        command: line(&cargo),
-        problem: "made no shared library; keep crate-type = [\"cdylib\", \"rlib\"] in Cargo.toml".into(),
-    })
+    libraries
+        .next()
+        .ok_or_else(|| Error::Cargo { command: line(&cargo), problem: "made no shared library".into() })
 }
 
 /// The cargo that runs us, or the one on the path, in the workspace.

@@ -287,6 +287,10 @@ impl Simulator {
     ) -> Result<StopReason> {
         let end = Extended::sum(begin, step);
         let span = end.minus(self.motion.time).value();
+        // The present as a double may lie before the present in extended precision: no time is left to advance.
+        if span < 0.0 && span >= -f64::EPSILON * self.time().abs() {
+            return Ok(StopReason::End);
+        }
         if !(end.value().is_finite() && span >= 0.0) {
             return Err(Error::Step { time: self.time(), end: end.value() });
         }
