@@ -1,7 +1,8 @@
 //! Properties over wide random parameters, loads and steps (proptest shrinks what fails; `proptest-regressions/` keeps it).
 
 use proptest::prelude::*;
-use vibro_impact::simulator::{Contact, Event, Loads};
+use vibro_impact::reference::{Reference, Tolerance};
+use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 /// A number over several decades.
@@ -161,6 +162,39 @@ proptest! {
             prop_assert!((x - y).abs() <= BOUND * scale, "{a:?} {b:?}");
         }
         prop_assert_eq!(whole.impacts().upper, split.impacts().upper);
+    }
+
+    #[test]
+    fn second_method_agrees_over_a_few_periods(
+        (p, start) in system(),
+        load in loads(),
+        end in 0.1..8.0f64,
+    ) {
+        /// The reference method's local tolerance; its error is that times the steps and what impacts make of it.
+        const TOLERANCE: f64 = 1e-11;
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        simulator.set_loads(&load).unwrap();
+        let (mut least, mut events) = (f64::INFINITY, 0);
+        let outcome = simulator.advance(0.0, end, false, &mut |e| {
+            events += 1;
+            if let Event::Impact { speed, .. } = e {
+                least = least.min(*speed);
+            }
+        });
+        // Slow impacts, chatter and long runs of impacts multiply the reference method's error without bound.
+        prop_assume!(outcome.is_ok() && least > 2e-2 * p.stop_gap && events < 15);
+        let mut reference = Reference::new(&p, &start, 0.0, Tolerance::new(TOLERANCE)).unwrap();
+        reference.set_loads(&load).unwrap();
+        prop_assume!(reference.advance_to(end).is_ok());
+        let (a, b) = (simulator.state(), reference.state());
+        let scale = a.x.iter().chain(&a.v).fold(1.0f64, |m, x| m.max(x.abs()));
+        /// A few thousand steps' tolerance, times the growth over up to 15 impacts.
+        const BOUND: f64 = 1e-5;
+        for (x, y) in a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)) {
+            prop_assert!((x - y).abs() <= BOUND * scale, "{a:?} {b:?}");
+        }
+        let count = |i: &ImpactRecord| (i.upper, i.lower);
+        prop_assert_eq!(count(simulator.impacts()), count(reference.impacts()));
     }
 
     #[test]

@@ -155,3 +155,16 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
         assert_eq!(simulator.time(), before);
     }
 }
+
+/// Found by the fuzzer: the sub-step's bound on the acceleration, far above what acts just after a release or between two
+/// fast impacts, must not decide how far a step may go.
+#[test]
+fn invariant_absurd_speeds_end_and_keep_the_stops() {
+    for speed in [1e3, 1e12, 6e66] {
+        let start = State { x: [0.0, 1.0, 4.0], v: [4.0, -speed, 4.0] };
+        let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0).unwrap();
+        simulator.advance_to(30.0).unwrap();
+        assert!(simulator.gap().0.abs() <= 1.0);
+        assert!(simulator.work().substeps < 100_000, "{speed:e}: {:?}", simulator.work());
+    }
+}

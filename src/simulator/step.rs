@@ -189,18 +189,25 @@ impl Simulator {
         remaining: f64,
         end: Extended,
     ) -> Option<f64> {
-        let (speed, bound, gap) = (z[GAP_RATE].abs(), start.bound, self.model.gap);
+        let gap = self.model.gap;
         let mut near = [true; 2];
-        if self.motion.contact == Contact::Flight {
-            // The time in which the block can have moved by MAX_REACH gaps: v r + B r²/2 = MAX_REACH L.
-            let room = MAX_REACH * gap;
-            let reach_time = 2.0 * room / (speed + (speed * speed + 2.0 * bound * room).sqrt());
-            span = span.min(reach_time);
-            let reach = speed * span + 0.5 * bound * span * span;
-            near = [z[GAP] + reach >= gap, reach - z[GAP] >= gap];
-        }
         self.work.expansions += 1;
-        let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+        let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+        if self.motion.contact == Contact::Flight {
+            // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the step is shortened.
+            let reach = |u: f64| series.lanes[1..].iter().rev().fold(0.0, |sum, c| (sum + c[GAP].abs()) * u);
+            let mut part = 1.0;
+            while reach(part) > MAX_REACH * gap {
+                part *= 0.5;
+            }
+            let path = reach(part);
+            near = [z[GAP] + path >= gap, path - z[GAP] >= gap];
+            if part < 1.0 {
+                span *= part;
+                self.work.expansions += 1;
+                series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+            }
+        }
         let passage = self.anchored_passage(&series, start, near, span);
         let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
