@@ -57,8 +57,8 @@ pub(crate) struct Model {
 
 /// More sub-steps than this in a drive period would cost digits (each adds a rounding error) and never seem to end.
 const MAX_RATE_RATIO: f64 = 1e7;
-/// Below this rate (1/s) nothing of the system happens in 30 years; it keeps the sub-step finite.
-const MIN_RATE: f64 = 1e-9;
+/// Below this rate (1/s) nothing of the system happens in minutes; it keeps the sub-step finite.
+const MIN_RATE: f64 = 1e-3;
 /// Above this the squares and products of the theory overflow.
 const MAX_RATE: f64 = 1e100;
 

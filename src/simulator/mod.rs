@@ -21,6 +21,10 @@ const ON_STOP_ULPS: f64 = 4.0;
 /// The gap is the difference of displacements: with these this many times larger than it, fewer than 6 digits are left.
 const MAX_DRIFT: f64 = 1e10;
 
+/// Speeds, and accelerations by drive and loads, in gaps and the system's fastest rate: beyond this the block's flights are
+/// shorter than the resolution of the motion that they are part of.
+const MAX_VIOLENCE: f64 = 1e12;
+
 /// Tables of one mode; the load part is filled when loads first appear.
 #[derive(Clone, Debug)]
 struct ModeTables {
@@ -94,6 +98,7 @@ impl Simulator {
             return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
         }
         let y = coordinates(parameters, state)?;
+        check_speeds(&model, state)?;
         let mut simulator = Self {
             parameters: *parameters,
             substep: flow::substep(&model),
@@ -141,6 +146,7 @@ impl Simulator {
             return Ok(());
         }
         let model = Model::new(parameters)?;
+        check_speeds(&model, &self.state())?;
         let gap_changed = parameters.stop_gap != self.parameters.stop_gap;
         let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.motion.y };
         let before = ledger::mechanical(&self.parameters, &self.motion.y);
@@ -162,12 +168,23 @@ impl Simulator {
     /// Loads from now on, as polynomials in the time from now; they hold until set again.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when one is not finite; nothing has changed then.
+    /// [`Error::OutOfRange`] when one is not finite, [`Error::PrecisionLost`] when it is out of all proportion; nothing
+    /// has changed then.
     pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(&loads.derivatives) {
             if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
                 return Err(Error::OutOfRange { name, value, allowed: "a finite number" });
+            }
+        }
+        for (derivatives, inverse_mass) in loads.derivatives.iter().zip(&self.model.inverse_mass) {
+            let mut unit = self.model.gap * self.model.rate * self.model.rate;
+            for derivative in derivatives {
+                limit(
+                    "load over its body's mass, stop.gap and the square of the fastest rate",
+                    derivative * inverse_mass / unit,
+                )?;
+                unit *= self.model.rate;
             }
         }
         let unchanged = self.forces_now() == loads.derivatives;
@@ -431,6 +448,27 @@ impl Simulator {
             }
         }
     }
+}
+
+fn limit(what: &'static str, value: f64) -> Result<()> {
+    if value.abs() <= MAX_VIOLENCE {
+        return Ok(());
+    }
+    Err(Error::PrecisionLost { what, value: value.abs(), limit: MAX_VIOLENCE })
+}
+
+/// Speeds, the secondary's place and the drive against what the gap and the system's rates can resolve.
+fn check_speeds(model: &Model, state: &State) -> Result<()> {
+    let (gap, rate) = (model.gap, model.rate);
+    limit(
+        "drive.amplitude over box.m, stop.gap and the square of the fastest rate",
+        model.drive / (gap * rate * rate),
+    )?;
+    limit("secondary.s over stop.gap", state.x[2] / gap)?;
+    let speeds = [state.v[0], state.v[2], state.v[1] - state.v[0]];
+    speeds
+        .into_iter()
+        .try_for_each(|v| limit("start speed over stop.gap and the fastest rate", v / (gap * rate)))
 }
 
 /// x1, w, x3 and rates of a state, checked against the stops.

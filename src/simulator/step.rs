@@ -10,7 +10,7 @@ use crate::model::{Augmented, Forces, GAP, GAP_RATE, Mode};
 /// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about three drive periods); the
 /// rotations in between add a few units in the last place.
 const RENEW: u32 = 16;
-/// More events than this within one sub-step's time are reported instead of followed.
+/// More events, or shortened steps, than this within one sub-step's time are reported instead of followed.
 const MAX_BURST: u32 = 1_000_000;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened so that the root's resolution keeps to the gap.
@@ -116,20 +116,15 @@ impl Simulator {
             }
             since_renewal += 1;
             let passage = self.substep::<LOADS, LEDGER>(&mut z, remaining, end);
-            let Some(side) = passage else { continue };
-            self.work.events += 1;
             burst += 1;
             if self.motion.time.hi - burst_from.hi > self.substep {
                 (burst, burst_from) = (0, self.motion.time);
             } else if burst > MAX_BURST {
                 self.motion.y.copy_from_slice(&z[..6]);
-                return Err(Error::ImpactRate {
-                    time: self.time(),
-                    limit: MAX_BURST,
-                    span: self.substep,
-                    restitution: self.model.restitution,
-                });
+                return Err(self.too_many(passage.is_some()));
             }
+            let Some(side) = passage else { continue };
+            self.work.events += 1;
             let impact = self.handle::<LOADS>(&mut z, side, on_event);
             if impact && stop_at_impact {
                 self.motion.y.copy_from_slice(&z[..6]);
@@ -139,6 +134,20 @@ impl Simulator {
         self.motion.y.copy_from_slice(&z[..6]);
         self.motion.time = end;
         Ok(StopReason::End)
+    }
+
+    /// The error for a motion that does not get on: impacts without end, or a path that needs steps without end.
+    #[cold]
+    fn too_many(&self, impacts: bool) -> Error {
+        if impacts {
+            let (time, restitution) = (self.time(), self.model.restitution);
+            return Error::ImpactRate { time, limit: MAX_BURST, span: self.substep, restitution };
+        }
+        Error::PrecisionLost {
+            what: "path of the block in a sub-step over stop.gap",
+            value: self.motion.y[4].abs() * self.substep / self.model.gap,
+            limit: f64::from(MAX_BURST),
+        }
     }
 
     #[inline(always)]
