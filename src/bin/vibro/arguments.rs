@@ -37,7 +37,7 @@ pub struct Arguments {
 /// Arguments of every command.
 #[derive(Args, Debug)]
 pub struct Common {
-    /// Parameter file (TOML) with [si] and/or [groups]
+    /// Parameter file (TOML) with a table "si", a table "groups" or both
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// Sets one parameter, e.g. kappa=0.6 or box.m=2; may be repeated
