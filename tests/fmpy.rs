@@ -6,7 +6,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use vibro_impact::{Parameters, Simulator, State};
+use vibro_impact::steady::{exact_orbit, multiple_scales};
+use vibro_impact::{Groups, Parameters, Simulator, State};
 
 /// Drive periods of the comparison.
 const PERIODS: f64 = 200.0;
@@ -34,6 +35,34 @@ fn native_trajectory(file: &Path, step: f64) {
     fs::write(file, csv).expect("target can be written");
 }
 
+/// Writes a period of the library's closed forms in SI units, from the drive phase zero at time zero.
+fn closed_form(file: &Path, state: impl Fn(f64) -> State) {
+    let parameters = Parameters::default();
+    let mut csv = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v\n");
+    for i in 0..=40 {
+        let time = parameters.period() * f64::from(i) / 40.0;
+        let State { x: [x1, x2, x3], v: [v1, v2, v3] } = state(time);
+        writeln!(csv, "{time},{x1},{x2},{x3},{v1},{v2},{v3}").expect("a String takes all");
+    }
+    fs::write(file, csv).expect("target can be written");
+}
+
+/// The library's multiple scales and exact orbit of the default set; its scales are 1, so velocities need ω1 only.
+fn closed_forms(folder: &Path) {
+    let parameters = Parameters::default();
+    let omega = parameters.drive_frequency;
+    let orbit = exact_orbit::solve(&parameters).expect("valid").upper.expect("the default set has an orbit");
+    closed_form(&folder.join("orbit.csv"), |time| {
+        let state = orbit.state(omega * time);
+        State { x: state.x, v: state.v }
+    });
+    let points = multiple_scales::fixed_points(&Groups::basic()).expect("valid").expect("they exist");
+    closed_form(&folder.join("scales.csv"), |time| {
+        let motion = points.upper.motion_at_drive(omega * time);
+        State { x: motion.x, v: motion.dx.map(|rate| rate * omega) }
+    });
+}
+
 #[test]
 fn fmpy_drives_the_packaged_fmu() {
     let python = common::python::python();
@@ -43,6 +72,7 @@ fn fmpy_drives_the_packaged_fmu() {
     for (name, step) in STEPS {
         native_trajectory(&folder.join(format!("{name}.csv")), step);
     }
+    closed_forms(&folder);
     let mut pytest = Command::new(python);
     pytest
         .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fmpy"])
