@@ -52,6 +52,12 @@ fn every_code_block_works() {
                     let installed = line.strip_prefix("pip install ").is_some_and(|list| {
                         list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
                     });
+                    if let Some(arguments) = line.strip_prefix("cargo run --release --bin vibro -- ") {
+                        let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+                        vibro.args(arguments.split_whitespace()).current_dir(&folder);
+                        common::python::run(line, &mut vibro);
+                        continue;
+                    }
                     let covered = line.is_empty() || COVERED.iter().any(|(command, _)| *command == line);
                     assert!(
                         covered || installed,

@@ -15,32 +15,23 @@ const MAX_BURST: u32 = 1_000_000;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened so that the root's resolution keeps to the gap.
 const MAX_REACH: f64 = 4.0;
-/// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
-const CHATTER: f64 = 0.5 * f64::EPSILON;
-/// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
-/// without end; it is closed by the height of its bounces instead.
-const LEAST_LOSS: f64 = 1e-3;
-/// That height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
-const LEAST_BOUNCE: f64 = 1e-12;
-/// A run is closed only while the free acceleration changes by less than this part of itself until its end.
-const STEADY: f64 = 0.25;
 
 /// A point on a series at which an event or the step's end lies.
-struct Arrival<'a, const N: usize> {
-    series: &'a Series<N>,
+pub(super) struct Arrival<'a, const N: usize> {
+    pub(super) series: &'a Series<N>,
     /// Time from the sub-step's start to the series' centre, s.
-    base: f64,
-    radius: f64,
-    u: f64,
+    pub(super) base: f64,
+    pub(super) radius: f64,
+    pub(super) u: f64,
     /// The interval the series is centred on, or none where it is anchored at the start.
-    interval: Option<usize>,
+    pub(super) interval: Option<usize>,
 }
 
 /// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled without them) and bound.
-struct Start<const LOADS: usize> {
-    z: Augmented,
-    forces: [Forces; LOADS],
-    bound: f64,
+pub(super) struct Start<const LOADS: usize> {
+    pub(super) z: Augmented,
+    pub(super) forces: [Forces; LOADS],
+    pub(super) bound: f64,
 }
 
 impl<const LOADS: usize> Start<LOADS> {
@@ -50,7 +41,7 @@ impl<const LOADS: usize> Start<LOADS> {
     }
 
     #[inline(always)]
-    fn forces_after(&self, dt: f64) -> Option<Forces> {
+    pub(super) fn forces_after(&self, dt: f64) -> Option<Forces> {
         self.forces.first().map(|f| shifted(f, dt))
     }
 
@@ -151,7 +142,7 @@ impl Simulator {
     }
 
     #[inline(always)]
-    fn tables(&self) -> &ModeTables {
+    pub(super) fn tables(&self) -> &ModeTables {
         match self.motion.contact {
             Contact::Flight => &self.flight,
             _ => &self.rest,
@@ -327,7 +318,11 @@ impl Simulator {
 
     /// The series about the centre of an interval and the time to there.
     #[inline(always)]
-    fn centred<const LOADS: usize>(&mut self, start: &Start<LOADS>, index: usize) -> (Series<CENTRED>, f64) {
+    pub(super) fn centred<const LOADS: usize>(
+        &mut self,
+        start: &Start<LOADS>,
+        index: usize,
+    ) -> (Series<CENTRED>, f64) {
         self.work.expansions += 1;
         let interval = self.substep / INTERVALS as f64;
         let base = (index as f64 + 0.5) * interval;
@@ -443,135 +438,5 @@ impl Simulator {
         *z = next;
         self.motion.time = self.motion.time.plus(self.substep);
         self.motion.departing = 0;
-    }
-
-    #[inline(always)]
-    fn account<const LOADS: usize, const N: usize>(&mut self, start: &Start<LOADS>, to: &Arrival<N>) {
-        let mut total = (0.0, 0.0);
-        let mut from = 0.0;
-        if let Some(index) = to.interval {
-            if LOADS > 0 {
-                total = self.account_loaded(start, index);
-                from = -1.0;
-            } else {
-                self.prepare_gramians();
-                total = self.tables().energy.up_to(index, &start.z);
-            }
-        }
-        let forces = start.forces_after(to.base);
-        let (input, damped) = self.tables().energy.along(to.series, forces.as_ref(), (from, to.u), to.radius);
-        self.motion.sums.input = self.motion.sums.input.plus(total.0 + input);
-        self.motion.sums.damped = self.motion.sums.damped.plus(total.1 + damped);
-    }
-
-    #[inline(always)]
-    fn account_whole<const LOADS: usize>(&mut self, start: &Start<LOADS>) {
-        let (input, damped) = if LOADS > 0 {
-            self.account_loaded(start, INTERVALS)
-        } else {
-            self.prepare_gramians();
-            self.tables().energy.up_to(INTERVALS, &start.z)
-        };
-        self.motion.sums.input = self.motion.sums.input.plus(input);
-        self.motion.sums.damped = self.motion.sums.damped.plus(damped);
-    }
-
-    /// Under loads the powers are integrated interval by interval, up to the beginning of interval `count`.
-    #[inline(always)]
-    fn account_loaded<const LOADS: usize>(&mut self, start: &Start<LOADS>, count: usize) -> (f64, f64) {
-        let mut total = (0.0, 0.0);
-        for index in 0..count {
-            let (series, base) = self.centred(start, index);
-            let forces = start.forces_after(base);
-            let radius = 0.5 * self.substep / INTERVALS as f64;
-            let (input, damped) = self.tables().energy.along(&series, forces.as_ref(), (-1.0, 1.0), radius);
-            total = (total.0 + input, total.1 + damped);
-        }
-        total
-    }
-
-    #[inline(always)]
-    fn prepare_gramians(&mut self) {
-        let mode = self.mode();
-        let tables = if mode == Mode::Flight { &mut self.flight } else { &mut self.rest };
-        if !tables.energy_ready {
-            tables.energy.fill(&self.model, mode, self.substep);
-            tables.energy_ready = true;
-        }
-    }
-
-    /// Applies the law of the event at stop `side`; true for an impact.
-    #[inline(always)]
-    fn handle<const LOADS: usize>(
-        &mut self,
-        z: &mut Augmented,
-        side: f64,
-        on_event: &mut dyn FnMut(&Event),
-    ) -> bool {
-        let (time, stop) = (self.time(), side as i8);
-        z[GAP] = side * self.model.gap;
-        if self.motion.contact != Contact::Flight {
-            z[GAP_RATE] = 0.0;
-            self.motion.contact = Contact::Flight;
-            self.motion.departing = 3; // w' and w'' are zero, the jerk leads away
-            on_event(&Event::Release { time, side: stop });
-            return false;
-        }
-        // A root whose speed round-off has turned negative is a touch.
-        z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
-        let (speed, impulse, lost) = self.model.impact(z, side);
-        self.motion.sums.impact = self.motion.sums.impact.plus(lost);
-        let record = &mut self.motion.record;
-        if side > 0.0 {
-            record.upper += 1;
-        } else {
-            record.lower += 1;
-        }
-        (record.last_time, record.last_speed, record.last_impulse) = (time, speed, impulse);
-        record.total_impulse += impulse;
-        on_event(&Event::Impact { time, side: stop, speed, impulse });
-        self.motion.departing = 1;
-        let rebound = z[GAP_RATE].abs();
-        if rebound == 0.0 {
-            self.settle(z, side);
-            if self.motion.contact != Contact::Flight {
-                on_event(&Event::Rest { time, side: stop });
-            }
-        } else if let Some(left) = self.closes::<LOADS>(z, side, rebound) {
-            let lost = self.model.merge(z);
-            self.motion.sums.impact = self.motion.sums.impact.plus(lost);
-            self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-            self.motion.departing = 0;
-            on_event(&Event::Rest { time: time + left, side: stop });
-        }
-        true
-    }
-
-    /// Whether the chatter run that starts with rebound speed `u` is to be closed. It lasts 2u/(a(1-κ)) and moves the
-    /// block relative to the box, and box and block against the merged motion, by no more than u times that: closed when
-    /// this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are under
-    /// [`LEAST_BOUNCE`]. Returns the time to the instant at which the run's impacts accumulate, s.
-    #[inline(always)]
-    fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
-        let forces = [(); LOADS].map(|()| self.forces_now());
-        let now = forces.first().map(|f| f.map(|d| d[0]));
-        let a = side * self.model.acceleration(Mode::Flight, z, now).1;
-        let (gap, loss) = (self.model.gap, 1.0 - self.model.restitution);
-        let elastic = loss < LEAST_LOSS;
-        let under = if elastic {
-            u * u <= 2.0 * a * LEAST_BOUNCE * gap
-        } else {
-            2.0 * u * u <= a * loss * CHATTER * gap
-        };
-        if a <= 0.0 || !under {
-            return None;
-        }
-        // The acceleration must not change until the end of the run, or of the bounce.
-        let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
-        let series = Series::<4>::expand(&self.model, Mode::Flight, z, forces.first(), span);
-        // Half the second and a sixth of the third derivative, in units of the span.
-        let (second, third) = (series.lanes[2][GAP], series.lanes[3][GAP]);
-        let steady = (3.0 * third).abs() <= STEADY * second.abs();
-        steady.then_some(if elastic { 0.0 } else { span })
     }
 }

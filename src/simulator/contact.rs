@@ -1,0 +1,92 @@
+//! What happens at an event: the impact law, the closing of a chatter run, release.
+
+use super::{Contact, Event, Simulator};
+use crate::flow::Series;
+use crate::model::{Augmented, GAP, GAP_RATE, Mode};
+
+/// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
+const CHATTER: f64 = 0.5 * f64::EPSILON;
+/// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
+/// without end; it is closed by the height of its bounces instead.
+const LEAST_LOSS: f64 = 1e-3;
+/// That height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
+const LEAST_BOUNCE: f64 = 1e-12;
+/// A run is closed only while the free acceleration changes by less than this part of itself until its end.
+const STEADY: f64 = 0.25;
+
+impl Simulator {
+    /// Applies the law of the event at stop `side`; true for an impact.
+    #[inline(always)]
+    pub(super) fn handle<const LOADS: usize>(
+        &mut self,
+        z: &mut Augmented,
+        side: f64,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> bool {
+        let (time, stop) = (self.time(), side as i8);
+        z[GAP] = side * self.model.gap;
+        if self.motion.contact != Contact::Flight {
+            z[GAP_RATE] = 0.0;
+            self.motion.contact = Contact::Flight;
+            self.motion.departing = 3; // w' and w'' are zero, the jerk leads away
+            on_event(&Event::Release { time, side: stop });
+            return false;
+        }
+        // A root whose speed round-off has turned negative is a touch.
+        z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
+        let (speed, impulse, lost) = self.model.impact(z, side);
+        self.motion.sums.impact = self.motion.sums.impact.plus(lost);
+        let record = &mut self.motion.record;
+        if side > 0.0 {
+            record.upper += 1;
+        } else {
+            record.lower += 1;
+        }
+        (record.last_time, record.last_speed, record.last_impulse) = (time, speed, impulse);
+        record.total_impulse += impulse;
+        on_event(&Event::Impact { time, side: stop, speed, impulse });
+        self.motion.departing = 1;
+        let rebound = z[GAP_RATE].abs();
+        if rebound == 0.0 {
+            self.settle(z, side);
+            if self.motion.contact != Contact::Flight {
+                on_event(&Event::Rest { time, side: stop });
+            }
+        } else if let Some(left) = self.closes::<LOADS>(z, side, rebound) {
+            let lost = self.model.merge(z);
+            self.motion.sums.impact = self.motion.sums.impact.plus(lost);
+            self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+            self.motion.departing = 0;
+            on_event(&Event::Rest { time: time + left, side: stop });
+        }
+        true
+    }
+
+    /// Whether the chatter run that starts with rebound speed `u` is to be closed. It lasts 2u/(a(1-κ)) and moves the
+    /// block relative to the box, and box and block against the merged motion, by no more than u times that: closed when
+    /// this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are under
+    /// [`LEAST_BOUNCE`]. Returns the time to the instant at which the run's impacts accumulate, s.
+    #[inline(always)]
+    fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
+        let forces = [(); LOADS].map(|()| self.forces_now());
+        let now = forces.first().map(|f| f.map(|d| d[0]));
+        let a = side * self.model.acceleration(Mode::Flight, z, now).1;
+        let (gap, loss) = (self.model.gap, 1.0 - self.model.restitution);
+        let elastic = loss < LEAST_LOSS;
+        let under = if elastic {
+            u * u <= 2.0 * a * LEAST_BOUNCE * gap
+        } else {
+            2.0 * u * u <= a * loss * CHATTER * gap
+        };
+        if a <= 0.0 || !under {
+            return None;
+        }
+        // The acceleration must not change until the end of the run, or of the bounce.
+        let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
+        let series = Series::<4>::expand(&self.model, Mode::Flight, z, forces.first(), span);
+        // Half the second and a sixth of the third derivative, in units of the span.
+        let (second, third) = (series.lanes[2][GAP], series.lanes[3][GAP]);
+        let steady = (3.0 * third).abs() <= STEADY * second.abs();
+        steady.then_some(if elastic { 0.0 } else { span })
+    }
+}

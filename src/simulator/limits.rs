@@ -1,0 +1,66 @@
+//! What a start, a drive and loads may be, so that double precision carries the motion.
+
+use super::State;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::parameters::Parameters;
+
+/// A start this close to a stop, in units of the rounding of the displacements, is on the stop.
+const ON_STOP_ULPS: f64 = 4.0;
+/// The gap is the difference of displacements: with these this many times larger than it, fewer than 6 digits are left.
+const MAX_DRIFT: f64 = 1e10;
+/// Speeds, and accelerations by drive and loads, in gaps and the system's fastest rate: beyond this the block's flights are
+/// shorter than the resolution of the motion that they are part of.
+const MAX_VIOLENCE: f64 = 1e12;
+
+pub(super) fn limit(what: &'static str, value: f64) -> Result<()> {
+    if value.abs() <= MAX_VIOLENCE {
+        return Ok(());
+    }
+    Err(Error::PrecisionLost { what, value: value.abs(), limit: MAX_VIOLENCE })
+}
+
+/// Speeds, the secondary's place and the drive against what the gap and the system's rates can resolve.
+pub(super) fn check_speeds(model: &Model, state: &State) -> Result<()> {
+    let (gap, rate) = (model.gap, model.rate);
+    limit(
+        "drive.amplitude over box.m, stop.gap and the square of the fastest rate",
+        model.drive / (gap * rate * rate),
+    )?;
+    limit("secondary.s over stop.gap", state.x[2] / gap)?;
+    let speeds = [state.v[0], state.v[2], state.v[1] - state.v[0]];
+    speeds
+        .into_iter()
+        .try_for_each(|v| limit("start speed over stop.gap and the fastest rate", v / (gap * rate)))
+}
+
+/// x1, w, x3 and rates of a state, checked against the stops.
+pub(super) fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64; 6]> {
+    const NAMES: [[&str; 3]; 2] = [["box.s", "block.s", "secondary.s"], ["box.v", "block.v", "secondary.v"]];
+    for (names, values) in NAMES.iter().zip([&state.x, &state.v]) {
+        for (name, &value) in names.iter().zip(values) {
+            // The square must not overflow: energies are kept.
+            if value.is_nan() || value.abs() > 1e100 {
+                return Err(Error::OutOfRange { name, value, allowed: "a finite number up to 1e100" });
+            }
+        }
+    }
+    let (x, v, gap) = (&state.x, &state.v, parameters.stop_gap);
+    let largest = x[0].abs().max(x[1].abs());
+    if largest > MAX_DRIFT * gap {
+        return Err(Error::PrecisionLost {
+            what: "start displacement of box or block over stop.gap",
+            value: largest / gap,
+            limit: MAX_DRIFT,
+        });
+    }
+    let mut w = x[1] - x[0];
+    let rounding = ON_STOP_ULPS * f64::EPSILON * (largest + gap);
+    if (w.abs() - gap).abs() <= rounding {
+        w = gap.copysign(w);
+    }
+    if w.abs() > gap {
+        return Err(Error::Penetration { value: w, gap });
+    }
+    Ok([x[0], w, x[2], v[0], v[1] - v[0], v[2]])
+}
