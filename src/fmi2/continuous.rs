@@ -287,14 +287,7 @@ impl Continuous {
         let mut z = self.augmented();
         if side * z[GAP_RATE] > 0.0 {
             let (speed, impulse, lost) = self.model.impact(&mut z, side);
-            let record = &mut self.data.record;
-            if side > 0.0 {
-                record.upper += 1;
-            } else {
-                record.lower += 1;
-            }
-            (record.last_time, record.last_speed, record.last_impulse) = (time, speed, impulse);
-            record.total_impulse += impulse;
+            self.data.record.count(side, time, speed, impulse);
             self.data.lost += lost;
             report(&Event::Impact { time, side: stop, speed, impulse });
         }

@@ -36,14 +36,7 @@ impl Simulator {
         z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
         let (speed, impulse, lost) = self.model.impact(z, side);
         self.motion.sums.impact = self.motion.sums.impact.plus(lost);
-        let record = &mut self.motion.record;
-        if side > 0.0 {
-            record.upper += 1;
-        } else {
-            record.lower += 1;
-        }
-        (record.last_time, record.last_speed, record.last_impulse) = (time, speed, impulse);
-        record.total_impulse += impulse;
+        self.motion.record.count(side, time, speed, impulse);
         on_event(&Event::Impact { time, side: stop, speed, impulse });
         self.motion.departing = 1;
         let rebound = z[GAP_RATE].abs();
