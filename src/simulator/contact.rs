@@ -1,5 +1,6 @@
 //! What happens at an event: the impact law, the closing of a chatter run, release.
 
+use super::step::Listener;
 use super::{Contact, Event, Simulator};
 use crate::flow::Series;
 use crate::model::{Augmented, GAP, GAP_RATE, Mode};
@@ -14,6 +15,13 @@ const LEAST_BOUNCE: f64 = 1e-12;
 /// A run is closed only while the free acceleration changes by less than this part of itself until its end.
 const STEADY: f64 = 0.25;
 
+#[inline(always)]
+fn report(listener: &mut Listener<'_, '_>, event: Event) {
+    if let Some(listener) = listener {
+        listener(&event);
+    }
+}
+
 impl Simulator {
     /// Applies the law of the event at stop `side`; true for an impact.
     #[inline(always)]
@@ -21,7 +29,7 @@ impl Simulator {
         &mut self,
         z: &mut Augmented,
         side: f64,
-        on_event: &mut dyn FnMut(&Event),
+        on_event: &mut Listener<'_, '_>,
     ) -> bool {
         let (time, stop) = (self.time(), side as i8);
         z[GAP] = side * self.model.gap;
@@ -29,7 +37,7 @@ impl Simulator {
             z[GAP_RATE] = 0.0;
             self.motion.contact = Contact::Flight;
             self.motion.departing = 3; // w' and w'' are zero, the jerk leads away
-            on_event(&Event::Release { time, side: stop });
+            report(on_event, Event::Release { time, side: stop });
             return false;
         }
         // A root whose speed round-off has turned negative is a touch.
@@ -37,20 +45,20 @@ impl Simulator {
         let (speed, impulse, lost) = self.model.impact(z, side);
         self.motion.sums.impact = self.motion.sums.impact.plus(lost);
         self.motion.record.count(side, time, speed, impulse);
-        on_event(&Event::Impact { time, side: stop, speed, impulse });
+        report(on_event, Event::Impact { time, side: stop, speed, impulse });
         self.motion.departing = 1;
         let rebound = z[GAP_RATE].abs();
         if rebound == 0.0 {
-            self.settle(z, side);
+            self.settle(*z, side);
             if self.motion.contact != Contact::Flight {
-                on_event(&Event::Rest { time, side: stop });
+                report(on_event, Event::Rest { time, side: stop });
             }
         } else if let Some(left) = self.closes::<LOADS>(z, side, rebound) {
             let lost = self.model.merge(z);
             self.motion.sums.impact = self.motion.sums.impact.plus(lost);
             self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             self.motion.departing = 0;
-            on_event(&Event::Rest { time: time + left, side: stop });
+            report(on_event, Event::Rest { time: time + left, side: stop });
         }
         true
     }

@@ -4,21 +4,25 @@
 //! round-off. Nothing is allocated while advancing.
 
 mod account;
+mod batch;
 mod contact;
+mod flight;
 mod limits;
 mod step;
 mod types;
 
+pub use batch::advance_together;
 pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, Work};
 
 use crate::error::{Error, Result};
 use crate::extended::{Extended, Phase};
-use crate::flow::{self, CORE, LOAD, Series, Table};
+use crate::flow::{self, CORE, LOAD, Local, Series, Table};
 use crate::ledger::{self, Gramians, Sums};
 use crate::model::{Augmented, Forces, GAP_RATE, LANES, Mode, Model};
 use crate::parameters::Parameters;
 use limits::{check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Tables of one mode; the load part is filled when loads first appear.
 #[derive(Clone, Debug)]
@@ -26,6 +30,8 @@ struct ModeTables {
     core: Table<CORE>,
     load: Table<LOAD>,
     energy: Gramians,
+    /// Flight only.
+    local: Local,
     core_ready: bool,
     load_ready: bool,
     energy_ready: bool,
@@ -37,6 +43,7 @@ impl ModeTables {
             core: Table::zero(),
             load: Table::zero(),
             energy: Gramians::zero(),
+            local: Local::zero(),
             core_ready: false,
             load_ready: false,
             energy_ready: false,
@@ -60,14 +67,31 @@ struct Motion {
     sums: Sums,
 }
 
+impl Motion {
+    fn new(parameters: &Parameters, y: [f64; 6], time: f64) -> Self {
+        Self {
+            time: Extended::new(time),
+            y,
+            contact: Contact::Flight,
+            departing: 0,
+            phase: Phase::new(parameters.drive_phase),
+            loads: [[0.0; 4]; 3],
+            loads_from: Extended::new(time),
+            record: ImpactRecord::default(),
+            sums: Sums::default(),
+        }
+    }
+}
+
 /// The event-driven simulator of one system.
 #[derive(Clone, Debug)]
 pub struct Simulator {
     parameters: Parameters,
     model: Model,
     substep: f64,
-    flight: Box<ModeTables>,
-    rest: Box<ModeTables>,
+    /// Shared by the simulators that were made from one another.
+    flight: Arc<ModeTables>,
+    rest: Arc<ModeTables>,
     motion: Motion,
     work: Work,
     keeps_ledger: bool,
@@ -98,23 +122,30 @@ impl Simulator {
             parameters: *parameters,
             substep: flow::substep(&model),
             model,
-            flight: Box::new(ModeTables::zero()),
-            rest: Box::new(ModeTables::zero()),
-            motion: Motion {
-                time: Extended::new(time),
-                y,
-                contact: Contact::Flight,
-                departing: 0,
-                phase: Phase::new(parameters.drive_phase),
-                loads: [[0.0; 4]; 3],
-                loads_from: Extended::new(time),
-                record: ImpactRecord::default(),
-                sums: Sums::default(),
-            },
+            flight: Arc::new(ModeTables::zero()),
+            rest: Arc::new(ModeTables::zero()),
+            motion: Motion::new(parameters, y, time),
             work: Work::default(),
             keeps_ledger: true,
         };
         simulator.renew_tables();
+        simulator.classify();
+        Ok(simulator)
+    }
+
+    /// Another simulator of the same system from `time` (s) and `state` on, without loads; it shares this one's tables, so
+    /// that it costs next to nothing.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn another(&self, state: &State, time: f64) -> Result<Self> {
+        if !time.is_finite() {
+            return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
+        }
+        let y = coordinates(&self.parameters, state)?;
+        check_speeds(&self.model, state)?;
+        let motion = Motion::new(&self.parameters, y, time);
+        let mut simulator = Self { motion, work: Work::default(), ..self.clone() };
         simulator.classify();
         Ok(simulator)
     }
@@ -282,7 +313,7 @@ impl Simulator {
     /// [`Error::Step`] for an end before the present or not finite; [`Error::ImpactRate`], after which the state stands at
     /// the time named.
     pub fn advance_to(&mut self, end: f64) -> Result<()> {
-        self.advance(end, 0.0, false, &mut |_| {}).map(|_| ())
+        self.proceed(end, 0.0, false, None).map(|_| ())
     }
 
     /// Advances to `begin + step` in extended precision (s), reporting each event; optionally stops just after the first
@@ -296,6 +327,17 @@ impl Simulator {
         step: f64,
         stop_at_impact: bool,
         on_event: &mut dyn FnMut(&Event),
+    ) -> Result<StopReason> {
+        self.proceed(begin, step, stop_at_impact, Some(on_event))
+    }
+
+    /// [`advance`](Self::advance), which nobody need listen to.
+    pub(crate) fn proceed(
+        &mut self,
+        begin: f64,
+        step: f64,
+        stop_at_impact: bool,
+        on_event: Option<&mut dyn FnMut(&Event)>,
     ) -> Result<StopReason> {
         let end = Extended::sum(begin, step);
         let span = end.minus(self.motion.time).value();
@@ -376,12 +418,14 @@ impl Simulator {
     /// Marks all tables stale and fills those that flight needs at once.
     fn renew_tables(&mut self) {
         for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+            let tables = Arc::make_mut(tables);
             tables.energy.set_powers(&self.parameters);
             tables.load_ready = false;
             tables.energy_ready = false;
             tables.core_ready = mode == Mode::Flight;
             if tables.core_ready {
                 tables.core.fill(&self.model, mode, self.substep);
+                tables.local.fill(&tables.core, &self.model, self.substep);
             }
         }
         self.prepare_load_tables();
@@ -391,6 +435,10 @@ impl Simulator {
     fn prepare_load_tables(&mut self) {
         if self.loaded() {
             for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+                if tables.core_ready && tables.load_ready {
+                    continue;
+                }
+                let tables = Arc::make_mut(tables);
                 if !tables.core_ready {
                     tables.core.fill(&self.model, mode, self.substep);
                     tables.core_ready = true;
@@ -420,15 +468,14 @@ impl Simulator {
             self.motion.departing = 1;
             return;
         }
-        let z = self.augmented();
-        self.settle(&z, side);
+        self.settle(self.augmented(), side);
     }
 
     /// Rest or departure at stop `side` with w' = 0.
-    fn settle(&mut self, z: &Augmented, side: f64) {
+    fn settle(&mut self, z: Augmented, side: f64) {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
-        let series = Series::<9>::expand(&self.model, Mode::Flight, z, Some(&forces), radius);
+        let series = Series::<9>::expand(&self.model, Mode::Flight, &z, Some(&forces), radius);
         let gap = series.gap_polynomial(side, self.model.gap);
         let first = (2..9).find(|&k| gap[k] != 0.0);
         match first {

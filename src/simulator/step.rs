@@ -6,10 +6,14 @@ use crate::events::first_crossing;
 use crate::extended::Extended;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
 use crate::model::{Augmented, Forces, GAP, GAP_RATE, Mode};
+use crate::vector;
+use pulp::Simd;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about three drive periods); the
 /// rotations in between add a few units in the last place.
-const RENEW: u32 = 16;
+pub(super) const RENEW: u32 = 16;
 /// More events, or shortened steps, than this within one sub-step's time are reported instead of followed.
 const MAX_BURST: u32 = 1_000_000;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
@@ -52,79 +56,147 @@ impl<const LOADS: usize> Start<LOADS> {
     }
 }
 
+/// What an advance carries from sub-step to sub-step.
+pub(super) struct Course {
+    pub(super) z: Augmented,
+    /// Sub-steps since cos θ and sin θ were taken anew.
+    pub(super) since_renewal: u32,
+    /// Sub-steps and events since `burst_from`.
+    burst: u32,
+    burst_from: Extended,
+}
+
+/// An advance, to be compiled once for each instruction set.
+struct Run<'a, 'b, const LEDGER: bool> {
+    simulator: &'a mut Simulator,
+    end: Extended,
+    stop_at_impact: bool,
+    on_event: Listener<'a, 'b>,
+}
+
+/// Who hears of events, if anyone.
+pub(super) type Listener<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
+
+impl<const LEDGER: bool> pulp::WithSimd for Run<'_, '_, LEDGER> {
+    type Output = Result<StopReason>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { simulator, end, stop_at_impact, on_event } = self;
+        simulator.run_as::<S, 0, LEDGER>(simd, end, stop_at_impact, on_event)
+    }
+}
+
 impl Simulator {
     /// Advances to `end`; see [`Simulator::advance`].
     pub(super) fn run(
         &mut self,
         end: Extended,
         stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
+        on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
         match (self.loaded(), self.keeps_ledger) {
-            (false, false) => self.dispatch::<0, false>(end, stop_at_impact, on_event),
-            (false, true) => self.dispatch::<0, true>(end, stop_at_impact, on_event),
-            (true, false) => self.dispatch::<1, false>(end, stop_at_impact, on_event),
-            (true, true) => self.dispatch::<1, true>(end, stop_at_impact, on_event),
+            (false, false) => self.dispatch::<false>(end, stop_at_impact, on_event),
+            (false, true) => self.dispatch::<true>(end, stop_at_impact, on_event),
+            (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, stop_at_impact, on_event),
+            (true, true) => self.run_as::<_, 1, true>(pulp::Scalar, end, stop_at_impact, on_event),
         }
     }
 
-    /// Runs the code compiled for the best instruction set at hand. No operation is fused or reordered, so all give the
-    /// same bits.
+    /// Runs the code compiled for the best instruction set at hand.
     #[inline(never)]
-    fn dispatch<const LOADS: usize, const LEDGER: bool>(
+    fn dispatch<const LEDGER: bool>(
         &mut self,
         end: Extended,
         stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
+        on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || self.run_as::<LOADS, LEDGER>(end, stop_at_impact, on_event),
-        )
+        pulp::Arch::new().dispatch(Run::<LEDGER> { simulator: self, end, stop_at_impact, on_event })
     }
 
     #[inline(always)]
-    fn run_as<const LOADS: usize, const LEDGER: bool>(
+    fn run_as<S: Simd, const LOADS: usize, const LEDGER: bool>(
         &mut self,
+        simd: S,
         end: Extended,
         stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
+        mut on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        let mut z = self.augmented();
-        let (mut since_renewal, mut burst, mut burst_from) = (0, 0, self.motion.time);
+        let mut course = self.depart();
         loop {
-            // Far from the end the leading parts tell enough; near it every digit counts.
-            let mut remaining = end.hi - self.motion.time.hi;
-            if remaining <= 2.0 * self.substep {
-                remaining = end.minus(self.motion.time).value();
-            }
-            if remaining <= 0.0 {
-                break;
-            }
-            if since_renewal == RENEW {
-                (z[7], z[6]) = self.drive_phase().sin_cos();
-                since_renewal = 0;
-            }
-            since_renewal += 1;
-            let passage = self.substep::<LOADS, LEDGER>(&mut z, remaining, end);
-            burst += 1;
-            if self.motion.time.hi - burst_from.hi > self.substep {
-                (burst, burst_from) = (0, self.motion.time);
-            } else if burst > MAX_BURST {
-                self.motion.y.copy_from_slice(&z[..6]);
-                return Err(self.too_many(passage.is_some()));
-            }
-            let Some(side) = passage else { continue };
-            self.work.events += 1;
-            let impact = self.handle::<LOADS>(&mut z, side, on_event);
-            if impact && stop_at_impact {
-                self.motion.y.copy_from_slice(&z[..6]);
-                return Ok(StopReason::Impact);
+            let going = self.go_on::<S, LOADS, LEDGER>(simd, &mut course, end, stop_at_impact, &mut on_event);
+            if let ControlFlow::Break(reason) = going {
+                return reason;
             }
         }
-        self.motion.y.copy_from_slice(&z[..6]);
-        self.motion.time = end;
-        Ok(StopReason::End)
+    }
+
+    /// Begins an advance.
+    #[inline(always)]
+    pub(super) fn depart(&self) -> Course {
+        Course { z: self.augmented(), since_renewal: 0, burst: 0, burst_from: self.motion.time }
+    }
+
+    /// One sub-step of an advance with the event at its end; breaks at the end of the advance.
+    #[inline(always)]
+    pub(super) fn go_on<S: Simd, const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        simd: S,
+        course: &mut Course,
+        end: Extended,
+        stop_at_impact: bool,
+        on_event: &mut Listener<'_, '_>,
+    ) -> ControlFlow<Result<StopReason>> {
+        // Far from the end the leading parts tell enough; near it every digit counts.
+        let mut remaining = end.hi - self.motion.time.hi;
+        if remaining <= 2.0 * self.substep {
+            remaining = end.minus(self.motion.time).value();
+        }
+        if remaining <= 0.0 {
+            self.motion.y.copy_from_slice(&course.z[..6]);
+            self.motion.time = end;
+            return ControlFlow::Break(Ok(StopReason::End));
+        }
+        self.renew(course);
+        let passage = self.substep::<S, LOADS, LEDGER>(simd, &mut course.z, remaining, end);
+        self.conclude::<LOADS>(course, passage, stop_at_impact, on_event)
+    }
+
+    /// Takes cos θ and sin θ anew when it is time.
+    #[inline(always)]
+    pub(super) fn renew(&self, course: &mut Course) {
+        if course.since_renewal == RENEW {
+            (course.z[7], course.z[6]) = self.drive_phase().sin_cos();
+            course.since_renewal = 0;
+        }
+        course.since_renewal += 1;
+    }
+
+    /// The end of a sub-step: its event, if it reached one, and the watch over motions that do not get on.
+    #[inline(always)]
+    pub(super) fn conclude<const LOADS: usize>(
+        &mut self,
+        course: &mut Course,
+        passage: Option<f64>,
+        stop_at_impact: bool,
+        on_event: &mut Listener<'_, '_>,
+    ) -> ControlFlow<Result<StopReason>> {
+        course.burst += 1;
+        if self.motion.time.hi - course.burst_from.hi > self.substep {
+            (course.burst, course.burst_from) = (0, self.motion.time);
+        } else if course.burst > MAX_BURST {
+            self.motion.y.copy_from_slice(&course.z[..6]);
+            return ControlFlow::Break(Err(self.too_many(passage.is_some())));
+        }
+        if let Some(side) = passage {
+            self.work.events += 1;
+            let impact = self.handle::<LOADS>(&mut course.z, side, on_event);
+            if impact && stop_at_impact {
+                self.motion.y.copy_from_slice(&course.z[..6]);
+                return ControlFlow::Break(Ok(StopReason::Impact));
+            }
+        }
+        ControlFlow::Continue(())
     }
 
     /// The error for a motion that does not get on: impacts without end, or a path that needs steps without end.
@@ -151,32 +223,61 @@ impl Simulator {
 
     /// One sub-step of at most `remaining` s; returns the stop at which an event was reached.
     #[inline(always)]
-    fn substep<const LOADS: usize, const LEDGER: bool>(
+    fn substep<S: Simd, const LOADS: usize, const LEDGER: bool>(
         &mut self,
+        simd: S,
         z: &mut Augmented,
         remaining: f64,
         end: Extended,
     ) -> Option<f64> {
         self.work.substeps += 1;
-        if self.motion.contact != Contact::Flight && !self.rest.core_ready {
-            self.rest.core.fill(&self.model, Mode::Rest, self.substep);
-            self.rest.core_ready = true;
+        if LOADS == 0 && self.motion.contact == Contact::Flight {
+            let interval = self.substep * (1.0 / INTERVALS as f64);
+            let bound = vector::weigh::<S>(z, &self.flight.core.bound);
+            if remaining > interval && !self.wild(z, bound) {
+                return self.cruise::<S, LEDGER>(simd, z, bound, remaining, end);
+            }
         }
-        let mut bound = self.tables().core.curvature(z);
+        let (arrived, side) = self.careful::<LOADS, LEDGER>(*z, remaining, end);
+        *z = arrived;
+        side
+    }
+
+    /// Whether an interval is too long to be searched as a whole.
+    #[inline(always)]
+    pub(super) fn wild(&self, z: &Augmented, bound: f64) -> bool {
+        let interval = self.substep * (1.0 / INTERVALS as f64);
+        z[GAP_RATE].abs() * interval + 0.5 * bound * interval * interval > MAX_REACH * self.model.gap
+    }
+
+    /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all machines.
+    #[inline(never)]
+    fn careful<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        mut z: Augmented,
+        remaining: f64,
+        end: Extended,
+    ) -> (Augmented, Option<f64>) {
+        if self.motion.contact != Contact::Flight && !self.rest.core_ready {
+            let rest = Arc::make_mut(&mut self.rest);
+            rest.core.fill(&self.model, Mode::Rest, self.substep);
+            rest.core_ready = true;
+        }
+        let mut bound = self.tables().core.curvature(&z);
         let forces = [(); LOADS].map(|()| self.forces_now());
-        let mut start = Start { z: *z, forces, bound };
+        let mut start = Start { z, forces, bound };
         if let Some(columns) = start.columns() {
             bound += self.tables().load.curvature(&columns);
             start.bound = bound;
         }
         let interval = self.substep / INTERVALS as f64;
-        let speed = z[GAP_RATE].abs();
-        let wild = speed * interval + 0.5 * start.bound * interval * interval > MAX_REACH * self.model.gap;
-        if remaining <= interval || (wild && self.motion.contact == Contact::Flight) {
-            self.short::<LOADS, LEDGER>(z, &start, remaining.min(interval), remaining, end)
+        let wild = self.motion.contact == Contact::Flight && self.wild(&z, start.bound);
+        let side = if remaining <= interval || wild {
+            self.short::<LOADS, LEDGER>(&mut z, &start, remaining.min(interval), remaining, end)
         } else {
-            self.long::<LOADS, LEDGER>(z, &start, remaining, end)
-        }
+            self.long::<LOADS, LEDGER>(&mut z, &start, remaining, end)
+        };
+        (z, side)
     }
 
     /// A step within one interval, on a series anchored at its start.
@@ -371,7 +472,7 @@ impl Simulator {
     /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
     /// start are divided out, so that a return is found however soon it comes.
     #[inline(always)]
-    fn anchored_passage<const LOADS: usize>(
+    pub(super) fn anchored_passage<const LOADS: usize>(
         &mut self,
         series: &Series<ANCHORED>,
         start: &Start<LOADS>,
@@ -403,7 +504,7 @@ impl Simulator {
 
     /// Moves to a point of a series: state, time and energy accounts.
     #[inline(always)]
-    fn arrive<const LOADS: usize, const LEDGER: bool, const N: usize>(
+    pub(super) fn arrive<const LOADS: usize, const LEDGER: bool, const N: usize>(
         &mut self,
         z: &mut Augmented,
         start: &Start<LOADS>,
@@ -422,7 +523,11 @@ impl Simulator {
 
     /// Passes over a whole sub-step without event.
     #[inline(always)]
-    fn pass<const LOADS: usize, const LEDGER: bool>(&mut self, z: &mut Augmented, start: &Start<LOADS>) {
+    pub(super) fn pass<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+    ) {
         if LEDGER {
             self.account_whole(start);
         }
