@@ -165,11 +165,11 @@ impl Local {
     pub(crate) fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let mut gap = [[0.0; PADDED]; CORE];
-        for c in 0..CORE {
+        for (c, gap) in gap.iter_mut().enumerate() {
             let series = Series::<CENTRED>::expand(model, Mode::Flight, &Column::unit(c).z, None, radius);
             for (k, lane) in series.lanes.iter().enumerate() {
                 self.lanes[k][c] = *lane;
-                gap[c][k] = lane[GAP];
+                gap[k] = lane[GAP];
             }
         }
         for (columns, centre) in self.gap.iter_mut().zip(&core.centre) {

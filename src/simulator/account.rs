@@ -1,7 +1,7 @@
 //! Energy accounts along the sub-steps (see [`crate::ledger`]).
 
 use super::Simulator;
-use super::step::{Arrival, Start};
+use super::careful::{Arrival, Start};
 use crate::flow::INTERVALS;
 use crate::model::Mode;
 use std::sync::Arc;

@@ -90,4 +90,44 @@ impl Simulator {
         let steady = (3.0 * third).abs() <= STEADY * second.abs();
         steady.then_some(if elastic { 0.0 } else { span })
     }
+
+    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap
+    /// that is not zero; called whenever state, parameters or loads are set from outside.
+    pub(super) fn classify(&mut self) {
+        let (gap, y) = (self.model.gap, &mut self.motion.y);
+        self.motion.departing = 0;
+        self.motion.contact = Contact::Flight;
+        if y[1].abs() < gap {
+            return;
+        }
+        let side = y[1].signum();
+        if side * y[GAP_RATE] > 0.0 {
+            return; // an impact is due at once
+        }
+        if y[GAP_RATE] != 0.0 {
+            self.motion.departing = 1;
+            return;
+        }
+        self.settle(self.augmented(), side);
+    }
+
+    /// Rest or departure at stop `side` with w' = 0.
+    fn settle(&mut self, z: Augmented, side: f64) {
+        let forces = self.forces_now();
+        let radius = 1.0 / self.model.rate;
+        let series = Series::<9>::expand(&self.model, Mode::Flight, &z, Some(&forces), radius);
+        let gap = series.gap_polynomial(side, self.model.gap);
+        let first = (2..9).find(|&k| gap[k] != 0.0);
+        match first {
+            Some(order) if gap[order] < 0.0 => {
+                self.motion.contact = Contact::Flight;
+                self.motion.departing = order as u8;
+            }
+            // Pressed, or at rest relative to the box with nothing that moves it.
+            _ => {
+                self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+                self.motion.departing = 0;
+            }
+        }
+    }
 }

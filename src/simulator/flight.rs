@@ -1,7 +1,7 @@
 //! The sub-step that almost all time is spent in: free flight without loads.
 
 use super::Simulator;
-use super::step::{Arrival, Start};
+use super::careful::{Arrival, Start};
 use crate::events::flight_crossing;
 use crate::extended::Extended;
 use crate::flow::{ANCHORED, INTERVALS, Series};

@@ -5,10 +5,12 @@
 
 mod account;
 mod batch;
+mod careful;
 mod contact;
 mod flight;
 mod limits;
 mod step;
+mod tables;
 mod types;
 
 pub use batch::advance_together;
@@ -16,40 +18,14 @@ pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, 
 
 use crate::error::{Error, Result};
 use crate::extended::{Extended, Phase};
-use crate::flow::{self, CORE, LOAD, Local, Series, Table};
-use crate::ledger::{self, Gramians, Sums};
-use crate::model::{Augmented, Forces, GAP_RATE, LANES, Mode, Model};
+use crate::flow::{self, Series};
+use crate::ledger::{self, Sums};
+use crate::model::{Augmented, Forces, LANES, Mode, Model};
 use crate::parameters::Parameters;
 use limits::{check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// Tables of one mode; the load part is filled when loads first appear.
-#[derive(Clone, Debug)]
-struct ModeTables {
-    core: Table<CORE>,
-    load: Table<LOAD>,
-    energy: Gramians,
-    /// Flight only.
-    local: Local,
-    core_ready: bool,
-    load_ready: bool,
-    energy_ready: bool,
-}
-
-impl ModeTables {
-    fn zero() -> Self {
-        Self {
-            core: Table::zero(),
-            load: Table::zero(),
-            energy: Gramians::zero(),
-            local: Local::zero(),
-            core_ready: false,
-            load_ready: false,
-            energy_ready: false,
-        }
-    }
-}
+use tables::ModeTables;
 
 /// Everything that changes as the simulator advances.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -413,81 +389,5 @@ impl Simulator {
 
     fn loaded(&self) -> bool {
         self.motion.loads != [[0.0; 4]; 3]
-    }
-
-    /// Marks all tables stale and fills those that flight needs at once.
-    fn renew_tables(&mut self) {
-        for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
-            let tables = Arc::make_mut(tables);
-            tables.energy.set_powers(&self.parameters);
-            tables.load_ready = false;
-            tables.energy_ready = false;
-            tables.core_ready = mode == Mode::Flight;
-            if tables.core_ready {
-                tables.core.fill(&self.model, mode, self.substep);
-                tables.local.fill(&tables.core, &self.model, self.substep);
-            }
-        }
-        self.prepare_load_tables();
-    }
-
-    /// Fills the load tables when loads act and they are stale.
-    fn prepare_load_tables(&mut self) {
-        if self.loaded() {
-            for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
-                if tables.core_ready && tables.load_ready {
-                    continue;
-                }
-                let tables = Arc::make_mut(tables);
-                if !tables.core_ready {
-                    tables.core.fill(&self.model, mode, self.substep);
-                    tables.core_ready = true;
-                }
-                if !tables.load_ready {
-                    tables.load.fill(&tables.core, &self.model, mode, self.substep);
-                    tables.load_ready = true;
-                }
-            }
-        }
-    }
-
-    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap
-    /// that is not zero; called whenever state, parameters or loads are set from outside.
-    fn classify(&mut self) {
-        let (gap, y) = (self.model.gap, &mut self.motion.y);
-        self.motion.departing = 0;
-        self.motion.contact = Contact::Flight;
-        if y[1].abs() < gap {
-            return;
-        }
-        let side = y[1].signum();
-        if side * y[GAP_RATE] > 0.0 {
-            return; // an impact is due at once
-        }
-        if y[GAP_RATE] != 0.0 {
-            self.motion.departing = 1;
-            return;
-        }
-        self.settle(self.augmented(), side);
-    }
-
-    /// Rest or departure at stop `side` with w' = 0.
-    fn settle(&mut self, z: Augmented, side: f64) {
-        let forces = self.forces_now();
-        let radius = 1.0 / self.model.rate;
-        let series = Series::<9>::expand(&self.model, Mode::Flight, &z, Some(&forces), radius);
-        let gap = series.gap_polynomial(side, self.model.gap);
-        let first = (2..9).find(|&k| gap[k] != 0.0);
-        match first {
-            Some(order) if gap[order] < 0.0 => {
-                self.motion.contact = Contact::Flight;
-                self.motion.departing = order as u8;
-            }
-            // Pressed, or at rest relative to the box with nothing that moves it.
-            _ => {
-                self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-                self.motion.departing = 0;
-            }
-        }
     }
 }
