@@ -9,12 +9,14 @@
 mod error;
 pub mod figures;
 mod groups;
+pub mod maxima;
 pub mod motion;
 pub mod plane;
 pub mod response;
 mod settings;
 pub mod studies;
 pub mod table;
+mod walk;
 pub mod words;
 
 pub use error::{Error, Result};
