@@ -9,6 +9,7 @@
 mod error;
 pub mod figures;
 mod groups;
+pub mod lyapunov;
 pub mod maxima;
 pub mod motion;
 pub mod plane;
@@ -16,6 +17,7 @@ pub mod response;
 mod settings;
 pub mod studies;
 pub mod table;
+mod variation;
 mod walk;
 pub mod words;
 
