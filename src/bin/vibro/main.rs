@@ -1,6 +1,7 @@
 //! `vibro`: arguments and printing; the studies are the library's (`vibro_impact::analysis`).
 
 mod arguments;
+mod long;
 mod output;
 mod progress;
 
@@ -40,6 +41,11 @@ fn run(arguments: &Arguments) -> Result<()> {
         Command::Stability(a) => stability(&settings, a)?,
         Command::Plane(a) => vec![plane(&settings, a)?],
         Command::Compare(a) => compare(&settings, common, a)?,
+        Command::Bifurcation(a) => return long::bifurcation(&settings, common, a),
+        Command::Lyapunov(a) => return long::lyapunov(&settings, common, a),
+        Command::Basin(a) => return long::basin(&settings, common, a),
+        Command::Merge(a) => return long::merge(common, a),
+        Command::Reproduce(a) => return long::reproduce(&settings, common, a),
     };
     output::write(&studies, &common.out)?;
     output::print(&studies, &settings, &common.out)
