@@ -22,7 +22,9 @@ const PORTRAITS: [f64; 9] = [2.2, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
 /// f10 of the modulated motion of figure 13.
 const MODULATED: f64 = 0.6;
 /// f10 at which basins are shown: two pairs of attractors coexist in BASIC.
-const COEXISTING: f64 = 2.49;
+const COEXISTING: f64 = 2.48;
+/// Values of f10 in figure 9.
+const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
 /// Mass ratios of figure 17.
 const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
 /// Steps that are none of the long studies: one for each group of figures.
@@ -94,9 +96,8 @@ impl Plan {
             done(false);
             studies
         };
-        let values = force_values();
         let mut all =
-            step(vec![studies::shapes(s)?, studies::branches(s)?, studies::families(s, "f10", &values)?]);
+            step(vec![studies::shapes(s)?, studies::branches(s)?, studies::families(s, "f10", &FORCES)?]);
         all.extend(step(vec![studies::regions(s)?, studies::masri(s)?]));
         all.extend(step(vec![studies::steady(s)?, studies::histories(s)?]));
         let range = |name: &str| -> Result<(f64, f64)> { Ok(find_group(name)?.shown) };
@@ -137,9 +138,7 @@ impl Plan {
         let errors = studies::accuracy(s, &EPSILONS)?;
         let errors_table = errors.tables.first().map(|t| t.1.clone()).unwrap_or_default();
         all.extend(step(vec![errors]));
-        let mut strong = Settings::strong()?;
-        strong.assign(&[])?;
-        all.extend(step(vec![studies::strong_case(&strong)?]));
+        all.extend(step(vec![studies::strong_case(&Settings::strong()?)?]));
         all.extend(self.basin.run(&open(&self.basin)?, Shard::ALL, done)?.into_iter().flatten());
         let statements = statements::all(&statements::Found {
             settings: s,
@@ -151,11 +150,6 @@ impl Plan {
         let html = page::page(s, self.quick, &statements, &table, &all)?;
         Ok(Report { studies: all, statements, html })
     }
-}
-
-/// The values of f10 in figure 9.
-fn force_values() -> Vec<f64> {
-    vec![0.6, 1.2, 1.5, 2.5]
 }
 
 impl Report {

@@ -1,6 +1,5 @@
 //! Simulated motions as they are: time histories (figure 13), phase portraits (figure 15), exponents on their way.
 
-use super::super::attractor::Class;
 use super::super::bifurcation::{Diagram, Point, kicked};
 use super::super::error::Result;
 use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
@@ -20,7 +19,7 @@ use rayon::prelude::*;
 const TRANSIENT: f64 = 400.0;
 /// Periods shown of a steady motion and of a modulated one.
 const STEADY: u32 = 4;
-const MODULATED: u32 = 80;
+const MODULATED: u32 = 50;
 /// Periods in a portrait of a motion that does not return.
 const WANDERING: u32 = 60;
 /// Symbols of the seven exponents.
@@ -144,8 +143,8 @@ fn portrait(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], wi
     let curve = |(q, name, colour): &(usize, &str, Colour)| {
         Layer::line(name, *colour, Dash::Solid, path(*q)).stroke(width)
     };
-    let names: Vec<_> = shown.iter().map(|s| s.1).collect();
-    let rates: Vec<_> = shown.iter().map(|s| format!("d{}/dτ", s.1)).collect();
+    let names: Vec<_> = shown.iter().map(|s| s.1.split(',').next().unwrap_or_default()).collect();
+    let rates: Vec<_> = names.iter().map(|n| format!("d{n}/dτ")).collect();
     Panel {
         title: title.into(),
         x: Axis::new(format!("{} (units of L)", names.join(", "))),
@@ -193,9 +192,13 @@ pub fn portraits(
             ]);
         }
         let title = format!("({letter}) {} = {}: {}", group.symbol, short(point.value), point.class.name());
-        let colour = if point.class == Class::Chaotic { VERMILLION } else { BLUE };
+        let (name, colour) = if point.attractor.period.is_some() {
+            ("X₂, returns", BLUE)
+        } else {
+            ("X₂, does not return", VERMILLION)
+        };
         let width = if point.attractor.period.is_some() { THIN } else { 2 };
-        panels.push(portrait(&title, &points, &[(3, "X₂", colour)], width));
+        panels.push(portrait(&title, &points, &[(3, name, colour)], width));
     }
     let figure = Figure {
         title: "Phase portraits of the block (cf. figure 15)".into(),

@@ -155,7 +155,8 @@ fn compare(settings: &Settings, common: &Common, a: &arguments::Compare) -> Resu
         found.push(studies::histories(settings)?);
     }
     if wants(&a.figure, "16") {
-        let progress = Progress::new(a.resolution.into(), "values of f10");
+        // Eight values are a part, each direction has its own.
+        let progress = Progress::new(2 * usize::from(a.resolution).div_ceil(8), "parts of figure 16");
         found.push(studies::force_overlay(settings, range, a.resolution.into(), &|| progress.step())?);
     }
     if wants(&a.figure, "17") {
