@@ -223,3 +223,74 @@ impl Attractor {
         self.relation(&image) == Relation::Same
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{Groups, Scales};
+    use crate::simulator::State;
+
+    /// Strokes of a made-up motion.
+    fn strokes(section: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<Stroke> {
+        (0..u64::from(OBSERVED))
+            .map(|n| Stroke { section: [section(n as f64); 6], pattern: pattern(n) })
+            .collect()
+    }
+
+    #[test]
+    fn closed_form_periods_of_made_up_motions() {
+        use std::f64::consts::TAU;
+        assert_eq!(period(&strokes(|_| 0.3, |_| 1)), Some(1));
+        assert_eq!(period(&strokes(|n| (TAU * n / 4.0).cos(), |_| 1)), Some(4));
+        // The states alone say 1, the order of impacts says 3.
+        assert_eq!(period(&strokes(|_| 0.3, |n| n % 3)), Some(3));
+        assert_eq!(period(&strokes(|n| (TAU * n / f64::from(LONGEST)).cos(), |_| 1)), Some(LONGEST));
+        let torus = strokes(|n| (TAU * n * 0.381_966_011).cos(), |_| 1);
+        assert_eq!((period(&torus), approaches(&torus)), (None, false));
+        // A transient of half a per cent a period, alternating.
+        let slow = strokes(|n| 0.995f64.powf(n) * if n % 2.0 == 0.0 { 1.0 } else { -1.0 }, |_| 1);
+        assert_eq!((period(&slow), approaches(&slow)), (None, true));
+    }
+
+    #[test]
+    fn invariant_the_stable_symmetric_motion_is_its_own_mirror_image() {
+        let p = Groups::basic().to_parameters(Scales::default()).unwrap();
+        let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        simulator.advance_to(400.0 * p.period()).unwrap();
+        let found = observe(&mut simulator).unwrap();
+        assert_eq!((found.period, found.impacts, found.rests), (Some(1), [1.0, 1.0], false));
+        assert!(found.is_symmetric() && !found.approaching);
+        assert_eq!(Class::of(&found, None, 1.0), Class::Periodic(1));
+    }
+
+    #[test]
+    fn closed_form_classes_by_exponents() {
+        let attractor = |approaching| Attractor {
+            period: None,
+            approaching,
+            impacts: [1.0; 2],
+            rests: false,
+            sections: vec![[0.0; 6]],
+            mirrored: vec![[0.0; 6]],
+            sizes: [1.0; 3],
+        };
+        let spectrum = |first: f64, second: f64| Spectrum {
+            exponents: [first, second, -1.0, -1.0, -1.0, -1.0, f64::NEG_INFINITY],
+            deviation: 0.0,
+            periods: 1500,
+            settled: false,
+            impacts: 3000,
+            rests: false,
+        };
+        let class = |approaching, first, second| {
+            Class::of(&attractor(approaching), Some(&spectrum(first, second)), 2.0)
+        };
+        // ω10 = 2 rad/s: exponents in 1/s are twice those per unit of τ.
+        assert_eq!(class(false, 0.1, 0.0), Class::Chaotic);
+        assert_eq!(class(false, 1.9e-3, 0.0), Class::QuasiPeriodic);
+        assert_eq!(class(true, 0.0, 0.0), Class::Settling);
+        assert_eq!(class(false, 0.0, -0.1), Class::Settling);
+        assert_eq!(Class::of(&attractor(false), None, 1.0), Class::Aperiodic);
+    }
+}

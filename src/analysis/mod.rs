@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! settings (SI or groups, by name) → response, plane, compare (numbers) → figures (data of a picture) → draw → files
+//! simulator → walk (smooth pieces) → maxima, variation → bifurcation, lyapunov, basin → studies → report
 //! ```
 //!
 //! Every study is a function from [`Settings`] to plain data; printing and writing is the caller's.
