@@ -5,7 +5,7 @@
 //! learnt at each value is independent of the other values, so that threads and machines share it.
 
 use super::attractor::{Attractor, Class, Relation, observe};
-use super::error::Result;
+use super::error::{Error, Result};
 use super::groups::check_together;
 use super::lyapunov::{self, Spectrum};
 use super::maxima::record;
@@ -100,9 +100,17 @@ fn chain(settings: &Settings, sweep: &Sweep, upward: bool) -> Result<Vec<Station
     Ok(stations)
 }
 
-/// What is learnt at one value.
-fn point(station: &Station, sweep: &Sweep) -> Result<Option<Point>> {
-    let (p, Some(state)) = (&station.parameters, &station.state) else { return Ok(None) };
+/// What is learnt at one value; nothing where the simulator refuses to go on.
+fn learnt(station: &Station, sweep: &Sweep) -> Result<Option<Point>> {
+    let Some(state) = &station.state else { return Ok(None) };
+    match point(station, state, sweep) {
+        Err(Error::Model(_)) => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+fn point(station: &Station, state: &State, sweep: &Sweep) -> Result<Point> {
+    let p = &station.parameters;
     let mut simulator = Simulator::new(p, state, 0.0)?.without_ledger();
     let mut tops: Vec<i64> = Vec::new();
     record(&mut simulator, sweep.keep, &mut |period| {
@@ -124,7 +132,7 @@ fn point(station: &Station, sweep: &Sweep) -> Result<Option<Point>> {
         None => None,
     };
     let class = Class::of(&attractor, spectrum.as_ref(), 1.0);
-    Ok(Some(Point { value: station.value, maxima, attractor, class, spectrum }))
+    Ok(Point { value: station.value, maxima, attractor, class, spectrum })
 }
 
 /// Number of parts of a sweep.
@@ -168,7 +176,7 @@ pub fn diagram(
         let stations = &both[index / blocks];
         let from = index % blocks * BLOCK;
         let until = (from + BLOCK).min(stations.len());
-        stations[from..until].iter().map(|s| point(s, sweep)).collect()
+        stations[from..until].iter().map(|s| learnt(s, sweep)).collect()
     };
     let Some(mut all) = parts.complete(count(sweep), shard, make, done)? else { return Ok(None) };
     let down = all.split_off(blocks).concat();
@@ -176,11 +184,16 @@ pub fn diagram(
 }
 
 impl Diagram {
-    /// Values at which the two directions end on attractors that are neither the same nor mirror images.
+    /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two that never
+    /// return are taken for one: what is observed is too short to tell chaos from chaos.
     pub fn hysteresis(&self) -> Vec<bool> {
         let both = self.up.iter().zip(&self.down);
         both.map(|pair| match pair {
-            (Some(a), Some(b)) => a.attractor.relation(&b.attractor) == Relation::Different,
+            (Some(a), Some(b)) => {
+                let wanders = |p: &Point| matches!(p.class, Class::Chaotic | Class::Aperiodic);
+                let both = wanders(a) && wanders(b);
+                !both && a.attractor.relation(&b.attractor) == Relation::Different
+            }
             _ => false,
         })
         .collect()

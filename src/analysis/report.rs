@@ -1,5 +1,6 @@
 //! All figures at once, and a report that sets the paper's statements beside what is found.
 
+mod analytical;
 mod page;
 mod statements;
 

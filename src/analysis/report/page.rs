@@ -2,7 +2,7 @@
 
 use super::super::error::Result;
 use super::super::figures::canvas;
-use super::super::settings::Settings;
+use super::super::settings::{Settings, short};
 use super::super::studies::Study;
 use super::super::table::Table;
 use super::statements::{Statement, Verdict};
@@ -25,7 +25,8 @@ fn text(words: &str) -> String {
 fn readable(cell: &str) -> String {
     match cell.parse::<f64>() {
         Ok(x) if x == f64::NEG_INFINITY => "−∞".into(),
-        Ok(x) => format!("{:.4}", x + 0.0).replace('-', "−"),
+        // Rounding first, so that there is no negative zero.
+        Ok(x) => format!("{:.4}", (x * 1e4).round() / 1e4 + 0.0).replace('-', "−"),
         Err(_) => text(cell),
     }
 }
@@ -81,7 +82,11 @@ pub(super) fn page(
         body.push_str("<tr>");
         for (i, cell) in row.iter().enumerate() {
             let number = i > 0 && i + 1 < row.len();
-            let shown = if number { readable(cell) } else { text(cell) };
+            let shown = match (i, number, cell.parse()) {
+                (0, _, Ok(value)) => short(value),
+                (_, true, _) => readable(cell),
+                _ => text(cell),
+            };
             body.push_str(&format!("<td{}>{shown}</td>", if number { " class=\"n\"" } else { "" }));
         }
         body.push_str("</tr>\n");

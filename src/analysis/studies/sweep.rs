@@ -266,7 +266,8 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
         let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
         let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
         let Some(s) = &point.spectrum else { continue };
-        let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", e + 0.0).replace('-', "−"));
+        let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
+        let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
         remarks.push(format!("{}: {}; {}", short(point.value), numbers.join(", "), point.class.name()));
         let mut row = vec![exact(point.value)];
         row.extend(s.exponents.map(exact));
