@@ -128,7 +128,7 @@ pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Conve
         }
         let counted = i - options.align;
         running.push(tangent.logs.map(|l| l / (f64::from(counted) * length)));
-        let look = options.threshold > 0.0 && counted >= options.window && counted % LOOK == 0;
+        let look = options.threshold > 0.0 && counted >= options.window && counted.is_multiple_of(LOOK);
         if look && deviation(&running, options.window) < options.threshold {
             settled = true;
             break;

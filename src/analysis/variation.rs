@@ -203,7 +203,7 @@ pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
 #[inline(always)]
 pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION] {
     let mut lengths = [0.0; DIMENSION];
-    for j in 0..DIMENSION {
+    for (j, into) in lengths.iter_mut().enumerate() {
         let (done, rest) = frame.split_at_mut(j);
         let v = &mut rest[0];
         if j >= rank {
@@ -225,7 +225,7 @@ pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION]
                 break;
             }
         }
-        lengths[j] = length;
+        *into = length;
         let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
         for x in v.iter_mut() {
             *x *= scale;

@@ -121,7 +121,7 @@ fn figure_thirteen(found: &Found) -> Result<Vec<Statement>> {
     Ok(list)
 }
 
-fn within<'a>(points: &'a [Option<Point>], from: f64, to: f64) -> impl Iterator<Item = &'a Point> {
+fn within(points: &[Option<Point>], from: f64, to: f64) -> impl Iterator<Item = &Point> {
     points.iter().flatten().filter(move |p| p.value > from - 1e-9 && p.value < to + 1e-9)
 }
 
