@@ -7,6 +7,7 @@
 use super::walk::{Break, Piece, TERMS, along, augmented, walk};
 use crate::error::Result;
 use crate::events::{first_crossing, value};
+use crate::flow::Series;
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
@@ -45,9 +46,18 @@ struct Turns {
 }
 
 impl Turns {
+    /// By the best instruction set at hand; no operation is fused, so all give the same bits.
     fn piece(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.piece_as(model, piece, found),
+        );
+    }
+
+    #[inline(always)]
+    fn piece_as(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
         let mut time = piece.time;
-        along(model, piece.mode, &piece.start, piece.span, |series, radius| {
+        let visit = |series: &Series<TERMS>, radius: f64| {
             let v2: [f64; TERMS] = std::array::from_fn(|k| series.lanes[k][3] + series.lanes[k][4]);
             let spread: f64 = v2[1..].iter().map(|c| c.abs()).sum();
             let steady = v2[0].abs() > spread && (v2[0] > 0.0) == self.rising;
@@ -63,7 +73,8 @@ impl Turns {
                 from = u;
             }
             time += radius;
-        });
+        };
+        along(model, piece.mode, &piece.start, piece.span, visit);
         if let Break::Impact { after, .. } = &piece.end {
             let v2 = after[3] + after[4];
             if self.rising && v2 < 0.0 {
