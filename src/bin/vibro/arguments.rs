@@ -6,7 +6,7 @@ use vibro_impact::analysis::parts::Shard;
 use vibro_impact::analysis::plane::Method;
 
 const ABOUT: &str =
-    "Steady states of a 3-DOF vibro-impact model: values, response curves, stability, comparisons";
+    "A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins";
 
 const PARAMETERS: &str = "\
 PARAMETERS
