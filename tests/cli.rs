@@ -268,7 +268,9 @@ fn comparisons_find_the_papers_errors() {
 #[test]
 fn help_lists_the_commands() {
     let text = drawn(&folder("help"), &["--help"]);
-    for command in ["steady", "response", "manifold", "stability", "plane", "compare"] {
+    let long = ["bifurcation", "lyapunov", "basin", "merge", "reproduce"];
+    for command in ["steady", "response", "manifold", "stability", "plane", "compare"].into_iter().chain(long)
+    {
         assert!(text.contains(command), "{command}");
     }
     assert!(text.contains("a reconstruction"));

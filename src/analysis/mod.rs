@@ -2,20 +2,32 @@
 //!
 //! ```text
 //! settings (SI or groups, by name) → response, plane, compare (numbers) → figures (data of a picture) → draw → files
+//! simulator → walk (smooth pieces) → maxima, variation → bifurcation, lyapunov, basin → studies → report
 //! ```
 //!
 //! Every study is a function from [`Settings`] to plain data; printing and writing is the caller's.
 
+pub mod attractor;
+pub mod basin;
+pub mod bifurcation;
 mod error;
 pub mod figures;
 mod groups;
+pub mod lyapunov;
+pub mod maxima;
 pub mod motion;
+pub mod parts;
 pub mod plane;
+pub mod report;
 pub mod response;
 mod settings;
 pub mod studies;
 pub mod table;
+pub mod trajectories;
+mod variation;
+mod walk;
 pub mod words;
+pub mod work;
 
 pub use error::{Error, Result};
 pub use groups::{GROUPS, Group, check_together};

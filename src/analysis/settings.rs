@@ -3,6 +3,7 @@
 use super::error::{Error, Result};
 use super::groups::{GROUPS, Group, check_together};
 use crate::parameters::{FIELDS, Field, Groups, Parameters};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A parameter of either form.
@@ -32,14 +33,30 @@ pub enum Name {
 /// assert_eq!(error, "no parameter is named `kapa`; the nearest is `kappa`: restitution coefficient, 0 <= kappa <= 1");
 /// # Ok::<(), vibro_impact::analysis::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    parameters: Parameters,
-    groups: Groups,
     holds_beta2: bool,
     holds_mu13: bool,
-    base: &'static str,
+    base: Base,
     changed: bool,
+    parameters: Parameters,
+    groups: Groups,
+}
+
+/// The set that values come from which are not set.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Base {
+    Basic,
+    Strong,
+}
+
+impl Base {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Basic => "BASIC, a reconstruction, not the paper's own data set",
+            Self::Strong => "STRONG, a set of ours, not the paper's own data set",
+        }
+    }
 }
 
 impl Name {
@@ -127,7 +144,7 @@ impl Settings {
             groups: Groups::basic(),
             holds_beta2: false,
             holds_mu13: false,
-            base: "BASIC, a reconstruction, not the paper's own data set",
+            base: Base::Basic,
             changed: false,
         }
     }
@@ -138,7 +155,7 @@ impl Settings {
     /// None for these numbers.
     pub fn strong() -> Result<Self> {
         let groups = Groups { beta2: 0.3, alpha23: 3.0, mu13: 1.0, sigma30: 0.5, ..Groups::basic() };
-        let base = "STRONG, a set of ours, not the paper's own data set";
+        let base = Base::Strong;
         let parameters = groups.to_parameters(crate::Scales::default())?;
         Ok(Self { parameters, groups, holds_beta2: true, holds_mu13: true, base, changed: false })
     }
@@ -155,7 +172,11 @@ impl Settings {
 
     /// In which words a caption speaks of the origin of these numbers.
     pub fn origin(&self) -> String {
-        if self.changed { format!("what was not set is {}", self.base) } else { self.base.into() }
+        if self.changed {
+            format!("what was not set is {}", self.base.name())
+        } else {
+            self.base.name().into()
+        }
     }
 
     /// The groups in one line, with the origin.

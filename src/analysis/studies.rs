@@ -1,21 +1,27 @@
 //! The studies of the command line: each makes tables and figures from [`Settings`](super::Settings).
 
+mod basin;
 mod compare;
 mod manifold;
+mod motions;
 mod plane;
 mod response;
 mod stability;
 mod steady;
 mod strong;
+mod sweep;
 mod theory;
 
+pub use basin::basins;
 pub use compare::{accuracy, force_overlay, histories};
 pub use manifold::{branches, families, shapes};
+pub use motions::{Modulation, histories_of, portraits, running};
 pub use plane::planes;
 pub use response::{force, frequency};
 pub use stability::{masri, regions};
 pub use steady::steady;
 pub use strong::strong_case;
+pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 
 use super::figures::chart::Figure;
 use super::table::Table;

@@ -1,7 +1,7 @@
 //! One panel: axes, grid, layers, and a legend in the corner with the least in it.
 
 use super::canvas::palette::BLACK;
-use super::chart::{Layer, Panel, Shape};
+use super::chart::{Axis, Layer, Panel, Shape};
 use super::draw::{Area, Drawn, ENTRY, SMALL, failed, style, text};
 use super::scale::{Frame, Scale};
 use super::symbols::{entry, entry_width, mark, outline, stroke};
@@ -43,7 +43,10 @@ pub(super) fn draw_panel<DB: DrawingBackend>(
     let extent: Vec<_> = panel.layers.iter().flat_map(Layer::extent).collect();
     let x = Scale::new(&panel.x, extent.iter().map(|p| p.0), frame.left, frame.right);
     let y = Scale::new(&panel.y, extent.iter().map(|p| p.1), frame.bottom, frame.top);
-    let canvas = Canvas { area, x, y, frame };
+    let mut canvas = Canvas { area, x, y, frame };
+    if legend {
+        canvas.make_room(panel)?;
+    }
     canvas.cells(panel)?;
     if !panel.layers.iter().any(|l| matches!(l.shape, Shape::Cells { .. })) {
         canvas.grid()?;
@@ -168,17 +171,40 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         Ok(())
     }
 
-    fn legend(&self, panel: &Panel) -> Drawn {
+    /// The legend's entries and the size of its box.
+    fn entries<'p>(&self, panel: &'p Panel) -> Result<(Vec<&'p Layer>, (f64, f64)), String> {
         let mut names = std::collections::BTreeSet::new();
         let named = |l: &&Layer| l.name.as_ref().is_some_and(|n| names.insert(n.clone()));
         let entries: Vec<&Layer> = panel.layers.iter().filter(named).collect();
-        if entries.is_empty() {
-            return Ok(());
-        }
         let widths = entries.iter().map(|l| entry_width(self.area, l)).collect::<Result<Vec<_>, _>>()?;
         let wide = f64::from(widths.into_iter().max().unwrap_or(0) + 2 * PADDING);
         let high = f64::from(entries.len() as i32 * ENTRY + PADDING);
-        let (left, top) = self.emptiest(panel, (wide, high));
+        Ok((entries, (wide, high)))
+    }
+
+    /// Raises the upper end of a vertical axis that follows its data where the legend would cover some.
+    fn make_room(&mut self, panel: &Panel) -> Drawn {
+        let (entries, size) = self.entries(panel)?;
+        if entries.is_empty() || panel.y.range.is_some() || panel.y.log {
+            return Ok(());
+        }
+        let height = self.frame.bottom - self.frame.top;
+        let left = height - size.1 - 2.0 * f64::from(PADDING);
+        if self.emptiest(panel, size).1 > 0 && left > 0.5 * height {
+            let (low, high) = (self.y.low, self.y.high);
+            let range = Some((low, low + (high - low) * height / left));
+            let axis = Axis { range, ..panel.y.clone() };
+            self.y = Scale::new(&axis, std::iter::empty(), self.frame.bottom, self.frame.top);
+        }
+        Ok(())
+    }
+
+    fn legend(&self, panel: &Panel) -> Drawn {
+        let (entries, (wide, high)) = self.entries(panel)?;
+        if entries.is_empty() {
+            return Ok(());
+        }
+        let ((left, top), _) = self.emptiest(panel, (wide, high));
         let corners = [(left as i32, top as i32), ((left + wide) as i32, (top + high) as i32)];
         self.area.draw(&Rectangle::new(corners, WHITE.mix(0.85).filled())).map_err(failed)?;
         outline(self.area, corners, GRID, HAIR)?;
@@ -189,8 +215,8 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         Ok(())
     }
 
-    /// The upper left corner of a box of this size in the place, of nine, that covers the least.
-    fn emptiest(&self, panel: &Panel, (wide, high): (f64, f64)) -> (f64, f64) {
+    /// The upper left corner of a box of this size in the place, of nine, that covers the least, and how much that is.
+    fn emptiest(&self, panel: &Panel, (wide, high): (f64, f64)) -> ((f64, f64), usize) {
         let f = &self.frame;
         let air = f64::from(PADDING);
         let columns = [f.right - air - wide, f.left + air, 0.5 * (f.left + f.right - wide)];
@@ -213,6 +239,16 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
                     places
                         .extend(points.iter().flat_map(|p| [(p.0, p.1), (p.0, p.2)]).map(|p| self.place(p)));
                 }
+                Shape::Cells { x, y, columns, cells, colours } => {
+                    let rows = (cells.len() / (*columns).max(1)) as f64;
+                    let filled = |class: u8| colours.get(usize::from(class)).is_some_and(Option::is_some);
+                    let centre = |i: usize| {
+                        let part = ((i % columns) as f64 + 0.5, (i / columns) as f64 + 0.5);
+                        let across = x.0 + (x.1 - x.0) * part.0 / *columns as f64;
+                        self.place((across, y.0 + (y.1 - y.0) * part.1 / rows))
+                    };
+                    places.extend((0..cells.len()).filter(|&i| filled(cells[i])).map(centre));
+                }
                 _ => places.extend(layer.extent().into_iter().map(|p| self.place(p))),
             }
             if let Shape::Text { at, .. } = &layer.shape {
@@ -226,6 +262,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         // Corners first; the middles only where they are emptier.
         let order = [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (2, 1), (0, 2), (1, 2), (2, 2)];
         let spots = order.map(|(i, j)| (columns[i], rows[j]));
-        spots.into_iter().min_by_key(|&s| covered(s)).unwrap_or(spots[0])
+        let best = spots.into_iter().min_by_key(|&s| covered(s)).unwrap_or(spots[0]);
+        (best, covered(best))
     }
 }

@@ -1,15 +1,16 @@
 //! Theory against simulation (figures 8, 16, 17).
 
+use super::super::bifurcation::{Sweep, diagram};
 use super::super::error::Result;
-use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, VERMILLION};
+use super::super::figures::canvas::palette::FAMILY;
 use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
-use super::super::groups::Group;
-use super::super::motion::{amplitude, maxima, record, settled};
-use super::super::plane::Method;
-use super::super::response::response;
+use super::super::motion::{amplitude, record, settled};
+use super::super::parts::{Parts, Shard};
+use super::super::plane::PlaneAxis;
 use super::super::settings::{Settings, find_group, short};
 use super::super::table::{Table, exact};
-use super::steady::comparison_panel;
+use super::steady::{comparison_panel, four_panels};
+use super::sweep::overlay;
 use super::theory::{Point, Theory, simulated};
 use super::{PANEL, Study};
 use crate::parameters::Parameters;
@@ -20,11 +21,9 @@ use rayon::prelude::*;
 const SETTLING: f64 = 60.0;
 /// Periods shown of a simulated steady motion.
 pub(super) const SHOWN: u32 = 2;
-/// Figure 16: periods discarded and kept at each value, and values.
-const DISCARDED: f64 = 200.0;
-const KEPT: u32 = 60;
-/// Nodes of the branch drawn over it.
-const NODES: usize = 400;
+/// Figure 16: periods discarded and kept at each value.
+const DISCARDED: u32 = 400;
+const KEPT: u32 = 200;
 /// Names of the amplitudes compared.
 const NAMES: [&str; 4] = ["B", "A1", "A2", "A3"];
 
@@ -91,9 +90,8 @@ pub fn histories(settings: &Settings) -> Result<Study> {
     let figure = four_panels(
         "Multiple scales against simulation (cf. figure 8)",
         settings,
-        &theory.history(p, f64::from(SHOWN)),
-        "multiple scales",
-        &points,
+        (&theory.history(p, f64::from(SHOWN)), "multiple scales"),
+        (&points, "simulation"),
     );
     Ok(Study {
         name: "compare-8".into(),
@@ -105,39 +103,8 @@ pub fn histories(settings: &Settings) -> Result<Study> {
     })
 }
 
-pub(super) fn four_panels(
-    title: &str,
-    settings: &Settings,
-    theory: &[Point],
-    name: &str,
-    points: &[Point],
-) -> Figure {
-    let panel = |title: &str, quantities: &[usize], portrait| {
-        comparison_panel(title, quantities, portrait, theory, name, points, "simulation")
-    };
-    Figure {
-        title: title.into(),
-        caption: vec![settings.caption()],
-        panels: vec![
-            panel("(a) Centre of mass and relative displacement", &[0, 1], false),
-            panel("(b) Phase portraits of U and W", &[0, 1], true),
-            panel("(c) Box, block and secondary oscillator", &[2, 3, 4], false),
-            panel("(d) Phase portraits of X₁, X₂, X₃", &[2, 3, 4], true),
-        ],
-        columns: 2,
-        panel: PANEL,
-        shared_legend: true,
-    }
-}
-
-/// A start with the block on its way to a stop.
-fn kicked(p: &Parameters) -> State {
-    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
-    State { x: [0.0; 3], v: [0.0, speed, 0.0] }
-}
-
-/// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the simulated local
-/// maxima of X2. The state is carried from value to value, upwards.
+/// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the maxima of X2 of a sweep
+/// up and down.
 ///
 /// # Errors
 /// Ranges that are not allowed; what theory or simulator refuse.
@@ -147,78 +114,12 @@ pub fn force_overlay(
     count: usize,
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
-    let along: &'static Group = find_group("f10")?;
-    let mut table = Table::new(&["f10", "theory", "A2", "stable"]);
-    let (mut tops, mut lost) = (Path::new(), 0);
-    let mut state = kicked(settings.parameters());
-    for i in 0..count {
-        let part = i as f64 / (count - 1).max(1) as f64;
-        let value = range.0 * (1.0 - part) + range.1 * part;
-        let p = settings.parameters_of(&settings.vary(along, value))?;
-        let run =
-            settled(&p, &state, DISCARDED).and_then(|mut s| record(&mut s, KEPT).map(|r| (r, s.state())));
-        match run {
-            Ok((flights, last)) => {
-                tops.extend(
-                    maxima(&flights, &p, [0.0, 1.0, 0.0]).into_iter().map(|x| (value, x / p.stop_gap)),
-                );
-                state = last;
-            }
-            Err(_) => lost += 1,
-        }
-        done();
-    }
-    table.rows.extend(tops.iter().map(|t| vec![exact(t.0), "simulation".into(), exact(t.1), String::new()]));
-    let mut layers = Vec::new();
-    for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, VERMILLION)] {
-        let found = response(settings, along, range, method, NODES)?;
-        let (mut stable, mut unstable): (Vec<Path>, Vec<Path>) = (Vec::new(), Vec::new());
-        for pair in found.curves.iter().flat_map(|c| c.windows(2)).filter(|w| w[0].clear && w[0].right) {
-            let into = if pair[0].stable { &mut stable } else { &mut unstable };
-            let (a, b) = ((pair[0].value, pair[0].a[1]), (pair[1].value, pair[1].a[1]));
-            match into.last_mut().filter(|p| p.last() == Some(&a)) {
-                Some(path) => path.push(b),
-                None => into.push(vec![a, b]),
-            }
-        }
-        for p in found.curves.iter().flatten() {
-            table.rows.push(vec![exact(p.value), method.name().into(), exact(p.a[1]), p.stable.to_string()]);
-        }
-        layers.push(Layer::lines(&format!("A₂, {}, stable", method.name()), colour, Dash::Solid, stable));
-        let name = format!("A₂, {}, unstable", method.name());
-        layers.push(Layer::lines(&name, colour, Dash::Dashed, unstable).stroke(THIN));
-    }
-    // On top: where they lie on a curve, they agree.
-    layers.push(Layer::marks("simulated maxima of X₂", BLACK, Mark::Square, tops).stroke(2));
-    let panel = Panel {
-        title: String::new(),
-        x: Axis::over(along.label(), range.0, range.1),
-        y: Axis::new("X₂ (units of L)"),
-        layers,
-    };
-    let figure = Figure {
-        title: "Force response over the simulated maxima (cf. figure 16)".into(),
-        caption: vec![
-            format!(
-                "{DISCARDED} periods discarded and {KEPT} kept at each of {count} values; the state is carried upwards and started anew with a moving block where impacts had ceased."
-            ),
-            settings.caption(),
-        ],
-        panels: vec![panel],
-        columns: 1,
-        panel: (2400, 1500),
-        shared_legend: true,
-    };
-    let remarks =
-        if lost > 0 { vec![format!("{lost} values left out: the simulator refused them")] } else { vec![] };
-    Ok(Study {
-        name: "compare-16".into(),
-        what: "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16".into(),
-        tables: vec![("compare-16".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
+    let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+    let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None };
+    let found = diagram(settings, &sweep, &Parts::none(), Shard::ALL, &|_| done())?;
+    // All parts are made here.
+    let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
+    overlay(settings, &sweep, &found, "compare-16")
 }
 
 /// One ε of figure 17: both motions over a period, both sets of amplitudes.

@@ -194,11 +194,27 @@ fn picture(settings: &Settings) -> Result<(String, Option<Figure>)> {
     let p = settings.parameters();
     let of = |t: &Option<Theory>| t.as_ref().map_or(Vec::new(), |t| t.history(p, PERIODS));
     let (first, second) = (of(&approximate), of(&exact));
+    let figure = four_panels(
+        "Steady motion with two symmetric impacts (cf. figure 8)",
+        settings,
+        (&first, "multiple scales"),
+        (&second, "exact orbit"),
+    );
+    Ok((what, Some(figure)))
+}
+
+/// Histories and portraits of two motions, each with its name, over each other.
+pub(super) fn four_panels(
+    title: &str,
+    settings: &Settings,
+    first: (&[Point], &str),
+    second: (&[Point], &str),
+) -> Figure {
     let panel = |title: &str, quantities: &[usize], portrait: bool| {
-        comparison_panel(title, quantities, portrait, &first, "multiple scales", &second, "exact orbit")
+        comparison_panel(title, quantities, portrait, first.0, first.1, second.0, second.1)
     };
-    let figure = Figure {
-        title: "Steady motion with two symmetric impacts (cf. figure 8)".into(),
+    Figure {
+        title: title.into(),
         caption: vec![settings.caption()],
         panels: vec![
             panel("(a) Centre of mass and relative displacement", &[0, 1], false),
@@ -209,8 +225,7 @@ fn picture(settings: &Settings) -> Result<(String, Option<Figure>)> {
         columns: 2,
         panel: PANEL,
         shared_legend: true,
-    };
-    Ok((what, Some(figure)))
+    }
 }
 
 /// Curves of one motion in colours and, over them, of another in thin black dashes.

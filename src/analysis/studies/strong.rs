@@ -5,7 +5,8 @@ use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
 use super::super::figures::chart::{Axis, Dash, Layer, Mark, Panel, Path};
 use super::super::settings::{Settings, short};
 use super::Study;
-use super::compare::{SHOWN, amplitude_table, four_panels, no_motion, simulate};
+use super::compare::{SHOWN, amplitude_table, no_motion, simulate};
+use super::steady::four_panels;
 use super::theory::Theory;
 use crate::steady::strong_coupling::modified_sawtooth;
 use std::f64::consts::PI;
@@ -26,9 +27,8 @@ pub fn strong_case(settings: &Settings) -> Result<Study> {
     let mut figure = four_panels(
         "Strong coupling against simulation (cf. figures 18, 19)",
         settings,
-        &history,
-        "closed form",
-        &points,
+        (&history, "closed form"),
+        (&points, "simulation"),
     );
     figure.panels.insert(0, sawtooth_panel(settings.groups().beta2.sqrt()));
     figure.panels.insert(3, amplitude_panel(theory.amplitudes(p), amplitudes));

@@ -2,10 +2,11 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use vibro_impact::analysis::parts::Shard;
 use vibro_impact::analysis::plane::Method;
 
 const ABOUT: &str =
-    "Steady states of a 3-DOF vibro-impact model: values, response curves, stability, comparisons";
+    "A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins";
 
 const PARAMETERS: &str = "\
 PARAMETERS
@@ -20,7 +21,10 @@ EXAMPLES
   vibro steady --set kappa=0.6 --set f10=2
   vibro response --values f10=1,1.5,2 --range sigma1=-1:1
   vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
-  vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01";
+  vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
+  vibro lyapunov --range f10=1.9:4 --resolution 1051
+  vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
+  vibro merge one two";
 
 /// The command line.
 #[derive(Debug, Parser)]
@@ -66,6 +70,97 @@ pub enum Command {
     Plane(Plane),
     /// Theory against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
+    /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
+    Bifurcation(Bifurcation),
+    /// The same with all Lyapunov exponents (figure 14, table 2)
+    Lyapunov(Lyapunov),
+    /// Basins of attraction over two initial values
+    Basin(Basin),
+    /// Draws a study whose shards were computed apart
+    Merge(Merge),
+    /// All figures of the paper and a report that sets its statements beside what is found
+    Reproduce(Reproduce),
+}
+
+/// A share of a long study.
+#[derive(Args, Debug)]
+pub struct Share {
+    /// Computes only share i of n, e.g. 2/4, for `vibro merge`
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+}
+
+/// Arguments of `bifurcation`.
+#[derive(Args, Debug)]
+pub struct Bifurcation {
+    /// Group and range
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "f10=0.5:5", allow_hyphen_values = true)]
+    pub range: String,
+    /// Values in the range
+    #[arg(long, value_name = "N", default_value_t = 451, value_parser = clap::value_parser!(u16).range(2..=20_000))]
+    pub resolution: u16,
+    /// Drive periods discarded at each value
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    pub discard: u32,
+    /// Drive periods kept at each value
+    #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
+    pub keep: u32,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+}
+
+/// Arguments of `lyapunov`.
+#[derive(Args, Debug)]
+pub struct Lyapunov {
+    /// The sweep.
+    #[command(flatten)]
+    pub sweep: Bifurcation,
+    /// Most drive periods over which exponents are computed
+    #[arg(long, value_name = "N", default_value_t = 1500, value_parser = clap::value_parser!(u32).range(1..))]
+    pub periods: u32,
+    /// Ends a spectrum when the running exponents' standard deviation over 200 periods, per unit of tau, is under this
+    #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub threshold: f64,
+    /// Values of which spectra are told and shown on their way
+    #[arg(long, value_name = "V,V,…", value_delimiter = ',', default_values_t = [0.6, 1.5, 2.45, 3.6], allow_hyphen_values = true)]
+    pub at: Vec<f64>,
+}
+
+/// Arguments of `basin`.
+#[derive(Args, Debug)]
+pub struct Basin {
+    /// Initial value on the horizontal axis (x1 x2 x3 in L, v1 v2 v3 in L omega10)
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "x1=-1:1", allow_hyphen_values = true)]
+    pub x: String,
+    /// Initial value on the vertical axis
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "v2=-2:2", allow_hyphen_values = true)]
+    pub y: String,
+    /// Cells on each axis
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=5_000))]
+    pub resolution: u16,
+    /// Drive periods discarded
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    pub discard: u32,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+}
+
+/// Arguments of `merge`.
+#[derive(Args, Debug)]
+pub struct Merge {
+    /// The folders given to the shards as --out
+    #[arg(required = true, value_name = "FOLDER")]
+    pub folders: Vec<PathBuf>,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Args, Debug)]
+pub struct Reproduce {
+    /// Fewer values and periods: a look within a minute
+    #[arg(long)]
+    pub quick: bool,
 }
 
 /// Arguments of `response`.

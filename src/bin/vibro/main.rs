@@ -1,6 +1,7 @@
 //! `vibro`: arguments and printing; the studies are the library's (`vibro_impact::analysis`).
 
 mod arguments;
+mod long;
 mod output;
 mod progress;
 
@@ -40,6 +41,11 @@ fn run(arguments: &Arguments) -> Result<()> {
         Command::Stability(a) => stability(&settings, a)?,
         Command::Plane(a) => vec![plane(&settings, a)?],
         Command::Compare(a) => compare(&settings, common, a)?,
+        Command::Bifurcation(a) => return long::bifurcation(&settings, common, a),
+        Command::Lyapunov(a) => return long::lyapunov(&settings, common, a),
+        Command::Basin(a) => return long::basin(&settings, common, a),
+        Command::Merge(a) => return long::merge(common, a),
+        Command::Reproduce(a) => return long::reproduce(&settings, common, a),
     };
     output::write(&studies, &common.out)?;
     output::print(&studies, &settings, &common.out)
@@ -149,7 +155,8 @@ fn compare(settings: &Settings, common: &Common, a: &arguments::Compare) -> Resu
         found.push(studies::histories(settings)?);
     }
     if wants(&a.figure, "16") {
-        let progress = Progress::new(a.resolution.into(), "values of f10");
+        // Eight values are a part, each direction has its own.
+        let progress = Progress::new(2 * usize::from(a.resolution).div_ceil(8), "parts of figure 16");
         found.push(studies::force_overlay(settings, range, a.resolution.into(), &|| progress.step())?);
     }
     if wants(&a.figure, "17") {

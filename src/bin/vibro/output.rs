@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use vibro_impact::analysis::figures::canvas;
+use vibro_impact::analysis::parts::write_whole;
 use vibro_impact::analysis::studies::Study;
 use vibro_impact::analysis::table::Table;
 use vibro_impact::analysis::{Error, Result, Settings};
@@ -13,7 +14,7 @@ pub fn write(studies: &[Study], folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
     let write = |name: String, bytes: &[u8]| {
         let path = folder.join(name);
-        std::fs::write(&path, bytes).map_err(Error::file("writing", &path))
+        write_whole(&path, bytes)
     };
     for study in studies {
         for (name, csv) in &study.tables {
@@ -49,7 +50,12 @@ pub fn print(studies: &[Study], settings: &Settings, folder: &Path) -> Result<()
         text.push('\n');
         text.push_str(&side_by_side(table));
     }
-    match std::io::stdout().write_all(text.as_bytes()) {
+    say(text.trim_end_matches('\n'))
+}
+
+/// Writes words and a line's end onto standard output.
+pub fn say(words: &str) -> Result<()> {
+    match std::io::stdout().write_all(format!("{words}\n").as_bytes()) {
         // Who reads has read enough.
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other.map_err(Error::file("writing", Path::new("standard output"))),

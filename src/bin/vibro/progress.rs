@@ -1,8 +1,8 @@
 //! A progress bar on the terminal for work that takes longer than a second.
 
-use indicatif::{ProgressBar, ProgressStyle};
-use std::sync::OnceLock;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Shorter work shows no bar.
@@ -11,30 +11,45 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Counts steps; shows them after [`PATIENCE`].
 pub struct Progress {
     begin: Instant,
+    patience: Duration,
     total: u64,
     unit: &'static str,
     done: AtomicU64,
     bar: OnceLock<ProgressBar>,
+    target: Mutex<Option<ProgressDrawTarget>>,
 }
 
 impl Progress {
     /// Over so many steps.
     pub fn new(total: usize, unit: &'static str) -> Self {
-        let done = AtomicU64::new(0);
-        Self { begin: Instant::now(), total: total as u64, unit, done, bar: OnceLock::new() }
+        // Hidden by itself where standard error is no terminal.
+        Self::onto(ProgressDrawTarget::stderr(), PATIENCE, total, unit)
+    }
+
+    fn onto(target: ProgressDrawTarget, patience: Duration, total: usize, unit: &'static str) -> Self {
+        Self {
+            begin: Instant::now(),
+            patience,
+            total: total as u64,
+            unit,
+            done: AtomicU64::new(0),
+            bar: OnceLock::new(),
+            target: Mutex::new(Some(target)),
+        }
     }
 
     /// One more is done.
     pub fn step(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        if self.begin.elapsed() > PATIENCE {
+        if self.begin.elapsed() > self.patience {
             self.bar.get_or_init(|| self.bar()).set_position(done);
         }
     }
 
     fn bar(&self) -> ProgressBar {
-        // Hidden by itself where standard error is no terminal.
-        let bar = ProgressBar::new(self.total);
+        let target = self.target.lock().ok().and_then(|mut t| t.take());
+        let bar =
+            ProgressBar::with_draw_target(Some(self.total), target.unwrap_or(ProgressDrawTarget::hidden()));
         let form = format!("{{bar:40}} {{pos}}/{{len}} {}, {{eta}} left", self.unit);
         if let Ok(style) = ProgressStyle::with_template(&form) {
             bar.set_style(style);
@@ -48,5 +63,36 @@ impl Drop for Progress {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use indicatif::InMemoryTerm;
+
+    fn after(steps: usize, patience: Duration) -> (InMemoryTerm, Progress) {
+        let terminal = InMemoryTerm::new(10, 100);
+        let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
+        let progress = Progress::onto(target, patience, 8, "parts");
+        (0..steps).for_each(|_| progress.step());
+        (terminal, progress)
+    }
+
+    #[test]
+    fn a_terminal_shows_count_and_time_left_and_is_left_clean() {
+        let (terminal, progress) = after(3, Duration::ZERO);
+        // Drawn at once for the first step; later steps are drawn at most some times a second.
+        progress.bar.get().expect("a bar").tick();
+        let shown = terminal.contents();
+        assert!(shown.contains("3/8 parts") && shown.ends_with("left"), "{shown}");
+        drop(progress);
+        assert_eq!(terminal.contents(), "");
+    }
+
+    #[test]
+    fn short_work_shows_nothing() {
+        let (terminal, _progress) = after(8, Duration::from_secs(3600));
+        assert_eq!(terminal.contents(), "");
     }
 }

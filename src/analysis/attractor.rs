@@ -1,0 +1,296 @@
+//! What a settled motion is: its period, its impacts, a fingerprint by which it is known again, its class.
+//!
+//! The system is symmetric: with x(t), also -x(t + T/2) is a motion. Attractors that are each other's mirror image are told
+//! from different ones.
+
+use super::error::Result;
+use super::lyapunov::Spectrum;
+use crate::simulator::{Event, Simulator};
+use serde::{Deserialize, Serialize};
+
+/// Drive periods over which a motion is observed.
+pub const OBSERVED: u32 = 128;
+/// The longest period told from none: four of them fit into what is observed.
+pub const LONGEST: u32 = 32;
+/// A state returns when it comes this near (units of L and L ω10). What is left of a transient after hundreds of periods is
+/// less, except next to a bifurcation.
+pub const RETURN: f64 = 1e-5;
+/// Points of one attractor, reached in different ways, agree to this; those of two differ by more.
+const SAME: f64 = 1e-3;
+/// Statistics of one aperiodic attractor over what is observed agree to this part.
+const STATISTICS: f64 = 0.15;
+/// An exponent (per 1/ω10) over this is positive, under its negative is negative: over 1500 periods the zero ones keep to
+/// a few 1e-4.
+pub const ZERO_EXPONENT: f64 = 1e-3;
+
+/// A state at a whole drive period, in units of L and L ω10.
+pub type Section = [f64; 6];
+
+/// One drive period of an observed motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stroke {
+    section: Section,
+    /// The order of its impacts, as a number.
+    pattern: u64,
+}
+
+/// A settled motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Attractor {
+    /// Its period in drive periods, where it has one up to [`LONGEST`].
+    pub period: Option<u32>,
+    /// Whether its states come nearer to their return all the time: a transient that has not died out.
+    pub approaching: bool,
+    /// Impacts per drive period at the upper and at the lower stop.
+    pub impacts: [f64; 2],
+    /// Whether the block rests at a stop in the course of it.
+    pub rests: bool,
+    /// States at whole drive periods, one for each period (one in all where it has none).
+    pub sections: Vec<Section>,
+    /// The same of its mirror image.
+    pub mirrored: Vec<Section>,
+    /// Root mean squares of x1, x2, x3 at whole and half drive periods, units of L.
+    pub sizes: [f64; 3],
+}
+
+/// What two attractors are to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// The same.
+    Same,
+    /// Mirror images.
+    Mirror,
+    /// Neither.
+    Different,
+}
+
+/// The kind of a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Class {
+    /// Returns after so many drive periods.
+    Periodic(u32),
+    /// Never returns, two exponents are zero.
+    QuasiPeriodic,
+    /// λ1 > 0.
+    Chaotic,
+    /// Has no period up to [`LONGEST`], and without exponents no more is known.
+    Aperiodic,
+    /// Comes nearer to its return from period to period, or has negative exponents, so it is periodic, but it has not yet
+    /// come to its period or has one over [`LONGEST`].
+    Settling,
+}
+
+impl Class {
+    /// In a word, for tables: `1T`, `2T`, `quasi-periodic`, `chaotic`.
+    pub fn name(self) -> String {
+        match self {
+            Self::Periodic(n) => format!("{n}T"),
+            Self::QuasiPeriodic => "quasi-periodic".into(),
+            Self::Chaotic => "chaotic".into(),
+            Self::Aperiodic => "aperiodic".into(),
+            Self::Settling => "periodic, settling".into(),
+        }
+    }
+
+    /// Whether it is periodic.
+    pub fn is_periodic(self) -> bool {
+        matches!(self, Self::Periodic(_) | Self::Settling)
+    }
+
+    /// The class of an attractor, with its spectrum where there is one; `rate` is ω10 in rad/s.
+    pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>, rate: f64) -> Self {
+        match (attractor.period, spectrum) {
+            (Some(n), _) => Self::Periodic(n),
+            (None, None) => Self::Aperiodic,
+            (None, Some(s)) => {
+                let [first, second] = [0, 1].map(|i| s.exponents[i] / rate);
+                if first > ZERO_EXPONENT {
+                    Self::Chaotic
+                } else if second > -ZERO_EXPONENT && !attractor.approaching {
+                    Self::QuasiPeriodic
+                } else {
+                    Self::Settling
+                }
+            }
+        }
+    }
+}
+
+/// Observes a settled motion over [`OBSERVED`] periods from a whole drive period on.
+///
+/// # Errors
+/// As [`Simulator::advance`].
+pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
+    let p = *simulator.parameters();
+    let (begin, length) = (simulator.time(), p.period());
+    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
+    let section = |s: &Simulator| -> Section {
+        let state = s.state();
+        std::array::from_fn(|i| if i < 3 { state.x[i] / p.stop_gap } else { state.v[i - 3] / speed })
+    };
+    let (mut strokes, mut halves) = (Vec::new(), Vec::new());
+    let (mut counts, mut rests, mut pattern) = ([0u32; 2], false, 1u64);
+    for i in 1..=2 * OBSERVED {
+        simulator.advance(begin + 0.5 * f64::from(i) * length, 0.0, false, &mut |event| match *event {
+            Event::Impact { side, .. } => {
+                let upper = side > 0;
+                counts[usize::from(!upper)] += 1;
+                pattern = pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper));
+            }
+            _ => rests = true,
+        })?;
+        if i % 2 == 1 {
+            halves.push(section(simulator).map(|x| -x));
+        } else {
+            strokes.push(Stroke { section: section(simulator), pattern });
+            pattern = 1;
+        }
+    }
+    let period = period(&strokes);
+    let kept = period.unwrap_or(1) as usize;
+    let all = strokes.iter().map(|s| &s.section).chain(&halves);
+    let mut sizes = [0.0; 3];
+    for section in all {
+        for (size, x) in sizes.iter_mut().zip(section) {
+            *size += x * x / f64::from(2 * OBSERVED);
+        }
+    }
+    Ok(Attractor {
+        period,
+        approaching: period.is_none() && approaches(&strokes),
+        impacts: counts.map(|c| f64::from(c) / f64::from(OBSERVED)),
+        rests,
+        sections: strokes[strokes.len() - kept..].iter().map(|s| s.section).collect(),
+        mirrored: halves[halves.len() - kept..].to_vec(),
+        sizes: sizes.map(f64::sqrt),
+    })
+}
+
+/// The least n after which states return and the order of impacts repeats, four times over.
+fn period(strokes: &[Stroke]) -> Option<u32> {
+    (1..=LONGEST).find(|&n| {
+        let lag = n as usize;
+        let last = &strokes[strokes.len() - 4 * lag..];
+        last[lag..]
+            .iter()
+            .zip(last)
+            .all(|(a, b)| a.pattern == b.pattern && distance(&a.section, &b.section) < RETURN)
+    })
+}
+
+/// Whether for some lag the largest distance from return falls from one eighth of the record to the next.
+fn approaches(strokes: &[Stroke]) -> bool {
+    const EIGHTHS: usize = 8;
+    (1..=LONGEST as usize).any(|lag| {
+        let gaps: Vec<f64> =
+            strokes[lag..].iter().zip(strokes).map(|(a, b)| distance(&a.section, &b.section)).collect();
+        let most = gaps.chunks(gaps.len().div_ceil(EIGHTHS)).map(|c| c.iter().copied().fold(0.0, f64::max));
+        most.collect::<Vec<_>>().windows(2).all(|w| w[1] < w[0])
+    })
+}
+
+/// The largest difference of two sections.
+fn distance(a: &Section, b: &Section) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+impl Attractor {
+    /// What another attractor is to this one. Aperiodic ones are compared by their statistics.
+    pub fn relation(&self, other: &Self) -> Relation {
+        if self.period != other.period {
+            return Relation::Different;
+        }
+        if self.period.is_none() {
+            let alike = |a: f64, b: f64| (a - b).abs() <= STATISTICS * a.abs().max(b.abs());
+            let [a, b] = [self, other].map(|x| x.impacts[0] + x.impacts[1]);
+            let sizes = self.sizes.iter().zip(&other.sizes).all(|(a, b)| alike(*a, *b));
+            return if sizes && alike(a, b) { Relation::Same } else { Relation::Different };
+        }
+        let covers =
+            |points: &[Section]| points.iter().all(|p| self.sections.iter().any(|q| distance(p, q) < SAME));
+        if covers(&other.sections) {
+            Relation::Same
+        } else if covers(&other.mirrored) {
+            Relation::Mirror
+        } else {
+            Relation::Different
+        }
+    }
+
+    /// Whether it is its own mirror image.
+    pub fn is_symmetric(&self) -> bool {
+        let image = Self { sections: self.mirrored.clone(), mirrored: self.sections.clone(), ..self.clone() };
+        self.relation(&image) == Relation::Same
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{Groups, Scales};
+    use crate::simulator::State;
+
+    /// Strokes of a made-up motion.
+    fn strokes(section: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<Stroke> {
+        (0..u64::from(OBSERVED))
+            .map(|n| Stroke { section: [section(n as f64); 6], pattern: pattern(n) })
+            .collect()
+    }
+
+    #[test]
+    fn closed_form_periods_of_made_up_motions() {
+        use std::f64::consts::TAU;
+        assert_eq!(period(&strokes(|_| 0.3, |_| 1)), Some(1));
+        assert_eq!(period(&strokes(|n| (TAU * n / 4.0).cos(), |_| 1)), Some(4));
+        // The states alone say 1, the order of impacts says 3.
+        assert_eq!(period(&strokes(|_| 0.3, |n| n % 3)), Some(3));
+        assert_eq!(period(&strokes(|n| (TAU * n / f64::from(LONGEST)).cos(), |_| 1)), Some(LONGEST));
+        let torus = strokes(|n| (TAU * n * 0.381_966_011).cos(), |_| 1);
+        assert_eq!((period(&torus), approaches(&torus)), (None, false));
+        // A transient of half a per cent a period, alternating.
+        let slow = strokes(|n| 0.995f64.powf(n) * if n % 2.0 == 0.0 { 1.0 } else { -1.0 }, |_| 1);
+        assert_eq!((period(&slow), approaches(&slow)), (None, true));
+    }
+
+    #[test]
+    fn invariant_the_stable_symmetric_motion_is_its_own_mirror_image() {
+        let p = Groups::basic().to_parameters(Scales::default()).unwrap();
+        let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        simulator.advance_to(400.0 * p.period()).unwrap();
+        let found = observe(&mut simulator).unwrap();
+        assert_eq!((found.period, found.impacts, found.rests), (Some(1), [1.0, 1.0], false));
+        assert!(found.is_symmetric() && !found.approaching);
+        assert_eq!(Class::of(&found, None, 1.0), Class::Periodic(1));
+    }
+
+    #[test]
+    fn closed_form_classes_by_exponents() {
+        let attractor = |approaching| Attractor {
+            period: None,
+            approaching,
+            impacts: [1.0; 2],
+            rests: false,
+            sections: vec![[0.0; 6]],
+            mirrored: vec![[0.0; 6]],
+            sizes: [1.0; 3],
+        };
+        let spectrum = |first: f64, second: f64| Spectrum {
+            exponents: [first, second, -1.0, -1.0, -1.0, -1.0, f64::NEG_INFINITY],
+            deviation: 0.0,
+            periods: 1500,
+            settled: false,
+            impacts: 3000,
+            rests: false,
+        };
+        let class = |approaching, first, second| {
+            Class::of(&attractor(approaching), Some(&spectrum(first, second)), 2.0)
+        };
+        // ω10 = 2 rad/s: exponents in 1/s are twice those per unit of τ.
+        assert_eq!(class(false, 0.1, 0.0), Class::Chaotic);
+        assert_eq!(class(false, 1.9e-3, 0.0), Class::QuasiPeriodic);
+        assert_eq!(class(true, 0.0, 0.0), Class::Settling);
+        assert_eq!(class(false, 0.0, -0.1), Class::Settling);
+        assert_eq!(Class::of(&attractor(false), None, 1.0), Class::Aperiodic);
+    }
+}
