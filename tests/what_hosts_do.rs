@@ -173,7 +173,10 @@ fn a_point_that_is_off_by_more_than_1e_9_is_an_error_with_both_times() {
     }
     let (status, category, message) = host.log().last().unwrap();
     assert_eq!((*status, category.as_str()), (ERROR, "logStatusError"));
-    assert!(message.contains("currentCommunicationPoint = 0 s") && message.contains("at t = 2.5"), "{message}");
+    assert!(
+        message.contains("currentCommunicationPoint = 0 s") && message.contains("at t = 2.5"),
+        "{message}"
+    );
 }
 
 /// `fmi2Warning` from a step makes OMSimulator fail and PyFMI stop: warnings go to the log alone.
