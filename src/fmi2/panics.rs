@@ -24,6 +24,9 @@ static INSTALL: Once = Once::new();
 
 /// Keeps panics inside [`guarded`] calls from being printed, from the first instance on.
 pub fn silence() {
+    if std::thread::panicking() {
+        return; // a hook cannot be changed now; a later instance will
+    }
     INSTALL.call_once(|| {
         if PREVIOUS.set(panic::take_hook()).is_ok() {
             panic::set_hook(Box::new(hook));
