@@ -213,5 +213,8 @@ fn main() {
     );
     print!("{text}");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/README.md");
+    // What other benches say stands below its first heading and stays.
+    let old = std::fs::read_to_string(path).unwrap_or_default();
+    let text = text + old.find("\n## ").map_or("", |place| &old[place..]);
     std::fs::write(path, text).unwrap_or_else(|e| panic!("{path}: {e}"));
 }
