@@ -181,6 +181,10 @@ fn simulate(
         match simulator.advance(point, size, stop_at_impact, report) {
             // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
             Err(Error::Step { .. }) => Ok(StopReason::End),
+            Ok(StopReason::End) if stop_at_impact => {
+                impact_at(simulator, point + size, report)?;
+                Ok(StopReason::End)
+            }
             reason => reason,
         }
     };
@@ -189,6 +193,20 @@ fn simulate(
         let _ = simulator.restore(&before);
         error.into()
     })
+}
+
+/// How far past a step's end, in units of the last place, an impact still belongs to it.
+const IMPACT_ROUNDING: f64 = 4.0;
+
+/// Takes an impact that lies past a step's end by rounding alone. A master that comes to the time of an impact it was
+/// told must have it behind itself: else its next step would end where it began, and it could not get on.
+fn impact_at(simulator: &mut Simulator, end: f64, report: &mut dyn FnMut(&Event)) -> Result<(), Error> {
+    let before = simulator.snapshot();
+    let reach = IMPACT_ROUNDING * f64::EPSILON * end.abs();
+    match simulator.advance(end, reach, true, report)? {
+        StopReason::Impact => Ok(()),
+        StopReason::End => simulator.restore(&before),
+    }
 }
 
 fn not_available(kind: StatusKind) -> Problem {
