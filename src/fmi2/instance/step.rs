@@ -185,6 +185,10 @@ fn simulate(
                 impact_at(simulator, point + size, report)?;
                 Ok(StopReason::End)
             }
+            // At the end but for rounding.
+            Ok(StopReason::Impact) if point + size - simulator.time() <= rounding(point + size) => {
+                simulator.advance(point, size, false, report)
+            }
             reason => reason,
         }
     };
@@ -195,15 +199,17 @@ fn simulate(
     })
 }
 
-/// How far past a step's end, in units of the last place, an impact still belongs to it.
-const IMPACT_ROUNDING: f64 = 4.0;
+/// How far off a step's end an impact still is at its end, s: a master's sum of time and step size may be off by this.
+fn rounding(end: f64) -> f64 {
+    const UNITS: f64 = 4.0; // of the last place
+    UNITS * f64::EPSILON * end.abs()
+}
 
 /// Takes an impact that lies past a step's end by rounding alone. A master that comes to the time of an impact it was
 /// told must have it behind itself: else its next step would end where it began, and it could not get on.
 fn impact_at(simulator: &mut Simulator, end: f64, report: &mut dyn FnMut(&Event)) -> Result<(), Error> {
     let before = simulator.snapshot();
-    let reach = IMPACT_ROUNDING * f64::EPSILON * end.abs();
-    match simulator.advance(end, reach, true, report)? {
+    match simulator.advance(end, rounding(end), true, report)? {
         StopReason::Impact => Ok(()),
         StopReason::End => simulator.restore(&before),
     }

@@ -131,7 +131,9 @@ fn a_master_gets_from_impact_to_impact() {
                 let impact = fmu.real_status(StatusKind::LastSuccessfulTime).unwrap();
                 assert!(impact > time, "the step from t = {time} s does not get on");
                 fmu.set_fmu_state(&before).unwrap();
-                step(&mut fmu, time, impact - time).unwrap();
+                // A master's sum may round either way.
+                let off = f64::from(met % 3 - 1) * 2.0 * f64::EPSILON * impact;
+                step(&mut fmu, time, impact - time + off).unwrap();
                 time = impact;
                 met += 1;
                 let counted = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
