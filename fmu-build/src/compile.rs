@@ -62,11 +62,11 @@ impl Compiler {
     /// [`Error::Cargo`] when cargo cannot be run or fails.
     pub fn library(&self) -> Result<PathBuf> {
         let mut cargo = cargo();
-        self.arguments(&mut cargo);
+        self.arguments(&mut cargo, &LIBRARY);
         if let Some(folder) = self.static_unwinder()? {
             cargo.args(["--", "-C"]).arg(format!("link-arg=-L{}", folder.display()));
         }
-        made(&mut cargo)
+        made(&mut cargo, "vibro_impact")
     }
 
     /// Compiles the library for another target, linked by zig, and returns its path.
@@ -75,18 +75,16 @@ impl Compiler {
     /// [`Error::Cargo`] when cargo-zigbuild cannot be run or fails.
     pub(crate) fn library_for(&self, target: &str) -> Result<PathBuf> {
         let mut zigbuild = Command::new("cargo-zigbuild");
-        self.arguments(&mut zigbuild);
+        self.arguments(&mut zigbuild, &LIBRARY);
         zigbuild.args(["--target", target]);
-        made(&mut zigbuild)
+        made(&mut zigbuild, "vibro_impact")
     }
 
     /// Everything after the name of the program.
-    fn arguments(&self, cargo: &mut Command) {
-        cargo.current_dir(&self.workspace);
-        // `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
-        cargo.args(["rustc", "--package", "vibro-impact", "--lib", "--crate-type", "cdylib"]);
-        cargo.args(["--no-default-features", "--profile", "fmu", "--locked", "--message-format"]);
-        cargo.args(["json-render-diagnostics", "--target-dir"]);
+    fn arguments(&self, cargo: &mut Command, what: &[&str]) {
+        cargo.current_dir(&self.workspace).args(what);
+        cargo.args(["--package", "vibro-impact", "--no-default-features", "--profile", "fmu", "--locked"]);
+        cargo.args(["--message-format", "json-render-diagnostics", "--target-dir"]);
         cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
         // Windows libraries carry a time: 1980-01-01, as the archive's entries.
         cargo.env("SOURCE_DATE_EPOCH", "315532800");
@@ -124,10 +122,13 @@ impl Compiler {
     }
 }
 
-/// The shared library that a cargo makes.
-fn made(cargo: &mut Command) -> Result<PathBuf> {
+/// `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
+const LIBRARY: [&str; 4] = ["rustc", "--lib", "--crate-type", "cdylib"];
+
+/// The shared library of that name that a cargo makes.
+fn made(cargo: &mut Command, name: &str) -> Result<PathBuf> {
     let messages = output(cargo)?;
-    let library = messages.lines().find_map(shared_library);
+    let library = messages.lines().find_map(|message| shared_library(message, name));
     library.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "made no shared library".into() })
 }
 
@@ -157,9 +158,9 @@ fn line(command: &Command) -> String {
 }
 
 /// The shared library that a message of cargo's names.
-fn shared_library(message: &str) -> Option<PathBuf> {
+fn shared_library(message: &str, name: &str) -> Option<PathBuf> {
     let message: serde_json::Value = serde_json::from_str(message).ok()?;
-    let ours = message["reason"] == "compiler-artifact" && message["target"]["name"] == "vibro_impact";
+    let ours = message["reason"] == "compiler-artifact" && message["target"]["name"] == name;
     let files = message["filenames"].as_array().filter(|_| ours)?;
     let shared = |name: &&str| [".so", ".dll", ".dylib"].iter().any(|ending| name.ends_with(ending));
     files.iter().filter_map(|f| f.as_str()).find(shared).map(PathBuf::from)
