@@ -17,6 +17,18 @@ pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = 
 /// Ending of a shared library's name on this platform, with its dot.
 pub const SHARED_LIBRARY: &str = std::env::consts::DLL_SUFFIX;
 
+/// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load them all by name, whatever the
+/// capabilities say.
+pub const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
+    EnterInitializationMode ExitInitializationMode Terminate Reset \
+    GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString \
+    GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate \
+    GetDirectionalDerivative \
+    EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates \
+    GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates \
+    SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep \
+    GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus";
+
 /// Folder of the workspace this packager was compiled from.
 pub fn workspace() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -77,6 +89,9 @@ impl Compiler {
         let mut zigbuild = Command::new("cargo-zigbuild");
         self.arguments(&mut zigbuild, &LIBRARY);
         zigbuild.args(["--target", target]);
+        if target.contains("windows") {
+            zigbuild.args(["--", "-C"]).arg(format!("link-arg={}", self.definitions()?.display()));
+        }
         made(&mut zigbuild, "vibro_impact")
     }
 
@@ -102,6 +117,15 @@ impl Compiler {
         // Last, since of several that fit the last counts, and this folder may lie in the first.
         flags.push(remap(&self.target, "/target"));
         flags.join("\u{1f}")
+    }
+
+    /// What a Windows library exports: cargo-zigbuild leaves out the compiler's own list, and then all would be exported.
+    fn definitions(&self) -> Result<PathBuf> {
+        let file = self.target.join("fmi2.def");
+        let names = FUNCTIONS.split_whitespace().map(|name| format!("    fmi2{name}\n"));
+        let text = std::iter::once("EXPORTS\n".to_owned()).chain(names).collect::<String>();
+        crate::archive::write_file(&file, text.as_bytes())?;
+        Ok(file)
     }
 
     /// A folder for the linker in which the name of GCC's shared run-time library stands for the static one: unwinding

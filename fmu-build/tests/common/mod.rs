@@ -2,33 +2,24 @@
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
 use object::read::elf::{FileHeader, SectionHeader};
-use object::{Endianness, FileKind, Object, elf};
+use object::{BinaryFormat, Endianness, FileKind, Object, ObjectSymbol, SymbolScope, elf};
 use std::collections::BTreeSet;
 
-/// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load them all by name, whatever the
-/// capabilities say.
-const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
-    EnterInitializationMode ExitInitializationMode Terminate Reset \
-    GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString \
-    GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate \
-    GetDirectionalDerivative \
-    EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates \
-    GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates \
-    SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep \
-    GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus";
-
 pub fn functions() -> BTreeSet<String> {
-    FUNCTIONS.split_whitespace().map(|name| format!("fmi2{name}")).collect()
+    fmu_build::compile::FUNCTIONS.split_whitespace().map(|name| format!("fmi2{name}")).collect()
 }
 
 /// Names exported.
 pub fn exports(bytes: &[u8]) -> BTreeSet<String> {
     let binary = object::File::parse(bytes).unwrap();
+    if binary.format() == BinaryFormat::MachO {
+        // By the scope of symbols: the reader's own list has private ones too. C names begin with an underscore.
+        let shown = binary.symbols().filter(|s| s.is_definition() && s.scope() == SymbolScope::Dynamic);
+        return shown.map(|s| s.name().unwrap().trim_start_matches('_').to_owned()).collect();
+    }
     let name = |export: object::Export<'_>| {
         let name = export.into_name().into_name().expect("exported by name, not by number");
-        let name = String::from_utf8_lossy(&name).into_owned();
-        // Mach-O puts an underscore before C names.
-        name.strip_prefix("_fmi2").map_or(name.clone(), |rest| format!("fmi2{rest}"))
+        String::from_utf8_lossy(&name).into_owned()
     };
     binary.exports().unwrap().map(|export| name(export.unwrap())).collect()
 }
