@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! table (vibro_impact::fmi2) ─▶ describe ─▶ check ─┐
-//!                               page, icon ────────┼─▶ package ─▶ archive ─▶ .fmu
-//!                               compile, licences ─┘                          │
+//!                       page, icon, sketch ────────┼─▶ package ─▶ archive ─▶ .fmu
+//!                    platforms (compile), licences ─┘                          │
 //!                 table ◀─ run (host: the packaged binary; native library) ◀──┘
 //!               picture ◀──┘
 //! ```

@@ -2,7 +2,6 @@
 
 use clap::{Parser, Subcommand};
 use fmu_build::picture::Picture;
-use fmu_build::sketch::Sketch;
 use fmu_build::table::Table;
 use fmu_build::{archive, compile, package, run};
 use std::path::{Path, PathBuf};
@@ -92,7 +91,6 @@ fn refresh() -> fmu_build::Result<()> {
     let folder = "modelDescription/documentation";
     files.insert(format!("{folder}/run.svg"), canvas::svg(&Picture(&run))?.into_bytes());
     files.insert(format!("{folder}/run.png"), canvas::png(&Picture(&run))?);
-    files.insert(format!("{folder}/sketch.svg"), canvas::svg(&Sketch)?.into_bytes());
     let response = studies::force(&Settings::basic(), (0.0, 4.0), &[0.4], &[-0.4])?;
     if let Some(figure) = &response.figure {
         files.insert(format!("{folder}/response.svg"), canvas::svg(figure)?.into_bytes());

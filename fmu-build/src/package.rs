@@ -4,6 +4,7 @@ use crate::archive::{self, Content};
 use crate::compile;
 use crate::error::{Error, Result};
 use crate::platforms::{self, Binaries, LeftOut};
+use crate::sketch::Sketch;
 use crate::{check, describe, icon, licences, page};
 use std::path::{Path, PathBuf};
 use vibro_impact::analysis::figures::canvas;
@@ -40,6 +41,7 @@ pub fn committed() -> Result<Content> {
     Ok(Content::from([
         ("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes()),
         ("modelDescription/model.png".to_owned(), icon()?),
+        ("modelDescription/documentation/sketch.svg".to_owned(), canvas::svg(&Sketch)?.into_bytes()),
     ]))
 }
 
