@@ -17,6 +17,18 @@ pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = 
 /// Ending of a shared library's name on this platform, with its dot.
 pub const SHARED_LIBRARY: &str = std::env::consts::DLL_SUFFIX;
 
+/// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load them all by name, whatever the
+/// capabilities say.
+pub const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
+    EnterInitializationMode ExitInitializationMode Terminate Reset \
+    GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString \
+    GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate \
+    GetDirectionalDerivative \
+    EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates \
+    GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates \
+    SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep \
+    GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus";
+
 /// Folder of the workspace this packager was compiled from.
 pub fn workspace() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -28,26 +40,122 @@ pub fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
 }
 
-/// Compiles the library and returns its path.
-///
-/// The nested cargo has a target folder of its own, so that it never waits for the lock of a cargo that runs us.
+/// Compiles the library for this machine and returns its path.
 ///
 /// # Errors
 /// [`Error::Cargo`] when cargo cannot be run or fails.
 pub fn library() -> Result<PathBuf> {
-    let mut cargo = cargo();
-    // `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
-    cargo.args(["rustc", "--package", "vibro-impact", "--lib", "--crate-type", "cdylib"]);
-    cargo.args(["--no-default-features", "--profile", "fmu", "--locked", "--message-format"]);
-    cargo.args(["json-render-diagnostics", "--target-dir"]);
-    cargo.arg(target().join("fmu")).env("CARGO_ENCODED_RUSTFLAGS", flags());
-    // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
-    cargo.env("CARGO_INCREMENTAL", "0");
-    let messages = output(&mut cargo)?;
-    let mut libraries = messages.lines().filter_map(shared_library);
-    libraries
-        .next()
-        .ok_or_else(|| Error::Cargo { command: line(&cargo), problem: "made no shared library".into() })
+    Compiler::default().library()
+}
+
+/// Where sources come from and where compiled files go.
+#[derive(Clone, Debug)]
+pub struct Compiler {
+    workspace: PathBuf,
+    target: PathBuf,
+}
+
+impl Default for Compiler {
+    /// The nested cargo has a target folder of its own, so that it never waits for the lock of a cargo that runs us.
+    fn default() -> Self {
+        Self { workspace: workspace().into(), target: target().join("fmu") }
+    }
+}
+
+impl Compiler {
+    /// Compiles the workspace in one folder into another one; what comes out must not depend on either.
+    pub fn in_folders(workspace: &Path, target: &Path) -> Self {
+        Self { workspace: workspace.into(), target: target.into() }
+    }
+
+    /// Compiles the library for this machine and returns its path.
+    ///
+    /// # Errors
+    /// [`Error::Cargo`] when cargo cannot be run or fails.
+    pub fn library(&self) -> Result<PathBuf> {
+        let mut cargo = cargo();
+        self.arguments(&mut cargo, &LIBRARY);
+        if let Some(folder) = self.static_unwinder()? {
+            cargo.args(["--", "-C"]).arg(format!("link-arg=-L{}", folder.display()));
+        }
+        made(&mut cargo, "vibro_impact")
+    }
+
+    /// Compiles the library for another target, linked by zig, and returns its path.
+    ///
+    /// # Errors
+    /// [`Error::Cargo`] when cargo-zigbuild cannot be run or fails.
+    pub(crate) fn library_for(&self, target: &str) -> Result<PathBuf> {
+        let mut zigbuild = Command::new("cargo-zigbuild");
+        self.arguments(&mut zigbuild, &LIBRARY);
+        zigbuild.args(["--target", target]);
+        if target.contains("windows") {
+            zigbuild.args(["--", "-C"]).arg(format!("link-arg={}", self.definitions()?.display()));
+        }
+        made(&mut zigbuild, "vibro_impact")
+    }
+
+    /// Everything after the name of the program.
+    fn arguments(&self, cargo: &mut Command, what: &[&str]) {
+        cargo.current_dir(&self.workspace).args(what);
+        cargo.args(["--package", "vibro-impact", "--no-default-features", "--profile", "fmu", "--locked"]);
+        cargo.args(["--message-format", "json-render-diagnostics", "--target-dir"]);
+        cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
+        // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
+        cargo.env("CARGO_INCREMENTAL", "0");
+        // Windows libraries carry a time: 1980-01-01, as the archive's entries.
+        cargo.env("SOURCE_DATE_EPOCH", "315532800");
+    }
+
+    /// Compiler flags: no folder of this machine in the binary, so that builds in two folders are equal. They take the
+    /// place of the user's own, which must not change what is shipped.
+    fn flags(&self) -> String {
+        let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
+        let mut flags = vec![remap(&self.workspace, "/vibro-impact")];
+        let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+        if let Some(home) = home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))) {
+            flags.push(remap(&home, "/cargo"));
+        }
+        // Last, since of several that fit the last counts, and this folder may lie in the first.
+        flags.push(remap(&self.target, "/target"));
+        flags.join("\u{1f}")
+    }
+
+    /// What a Windows library exports: cargo-zigbuild leaves out the compiler's own list, and then all would be exported.
+    fn definitions(&self) -> Result<PathBuf> {
+        let file = self.target.join("fmi2.def");
+        let names = FUNCTIONS.split_whitespace().map(|name| format!("    fmi2{name}\n"));
+        let text = std::iter::once("EXPORTS\n".to_owned()).chain(names).collect::<String>();
+        crate::archive::write_file(&file, text.as_bytes())?;
+        Ok(file)
+    }
+
+    /// A folder for the linker in which the name of GCC's shared run-time library stands for the static one: unwinding
+    /// then needs no library that a host's machine may lack. `None` where GCC's libraries are not used.
+    fn static_unwinder(&self) -> Result<Option<PathBuf>> {
+        if !cfg!(all(target_os = "linux", target_env = "gnu")) {
+            return Ok(None);
+        }
+        let asked = Command::new("cc").arg("-print-file-name=libgcc_eh.a").stderr(Stdio::null()).output();
+        // Without such a file the compiler prints the bare name.
+        let found = asked.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_absolute());
+        if !found {
+            return Ok(None);
+        }
+        let folder = self.target.join("static-unwinder");
+        crate::archive::write_file(&folder.join("libgcc_s.so"), b"GROUP(libgcc_eh.a libgcc.a)\n")?;
+        Ok(Some(folder))
+    }
+}
+
+/// `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
+const LIBRARY: [&str; 4] = ["rustc", "--lib", "--crate-type", "cdylib"];
+
+/// The shared library of that name that a cargo makes.
+fn made(cargo: &mut Command, name: &str) -> Result<PathBuf> {
+    let messages = output(cargo)?;
+    let library = messages.lines().find_map(|message| shared_library(message, name));
+    library.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "made no shared library".into() })
 }
 
 /// The cargo that runs us, or the one on the path, in the workspace.
@@ -75,21 +183,11 @@ fn line(command: &Command) -> String {
     words.map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
-/// Compiler flags: no folder of this machine in the binary, so that builds in two folders are equal. They take the
-/// place of the user's own, which must not change what is shipped.
-fn flags() -> String {
-    let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
-    let mut flags = vec![remap(workspace(), "/vibro-impact")];
-    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
-    if let Some(home) = home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))) {
-        flags.push(remap(&home, "/cargo"));
-    }
-    flags.join("\u{1f}")
-}
-
-fn shared_library(message: &str) -> Option<PathBuf> {
+/// The shared library that a message of cargo's names.
+fn shared_library(message: &str, name: &str) -> Option<PathBuf> {
     let message: serde_json::Value = serde_json::from_str(message).ok()?;
-    let ours = message["reason"] == "compiler-artifact" && message["target"]["name"] == "vibro_impact";
+    let ours = message["reason"] == "compiler-artifact" && message["target"]["name"] == name;
     let files = message["filenames"].as_array().filter(|_| ours)?;
-    files.iter().filter_map(|f| f.as_str()).find(|f| f.ends_with(SHARED_LIBRARY)).map(PathBuf::from)
+    let shared = |name: &&str| [".so", ".dll", ".dylib"].iter().any(|ending| name.ends_with(ending));
+    files.iter().filter_map(|f| f.as_str()).find(shared).map(PathBuf::from)
 }

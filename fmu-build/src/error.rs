@@ -80,13 +80,8 @@ pub enum Error {
         native: f64,
     },
     /// A picture could not be drawn.
-    #[error("drawing {what}: {problem}")]
-    Picture {
-        /// Which picture.
-        what: &'static str,
-        /// What the drawing library says.
-        problem: String,
-    },
+    #[error(transparent)]
+    Picture(#[from] vibro_impact::analysis::Error),
     /// An option of the command line makes no sense.
     #[error("{name} = {value}: allowed is {allowed}")]
     Option {

@@ -1,12 +1,9 @@
 //! The icon `model.png`: the box on its spring, the block between the stops, the secondary oscillator.
 
-use crate::canvas::Drawing;
-use crate::canvas::colour::{BLACK, BLUE, GREEN, GREY, VERMILLION};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-
-/// The drawing is averaged down this many times to the icon's 256 by 256.
-pub const SHRINK: u32 = 4;
+use vibro_impact::analysis::figures::canvas::Drawing;
+use vibro_impact::analysis::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
 
 const PEN: u32 = 22;
 
@@ -16,8 +13,9 @@ pub struct Icon;
 type Point = (i32, i32);
 
 impl Drawing for Icon {
-    const NAME: &'static str = "the icon";
-    const SIZE: (u32, u32) = (1024, 1024);
+    fn size(&self) -> (u32, u32) {
+        (1024, 1024)
+    }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), String> {
         let text = |e: DrawingAreaErrorKind<DB::ErrorType>| e.to_string();
@@ -31,7 +29,7 @@ impl Drawing for Icon {
         fill([(24, 150), (64, 874)], GREY)?;
         fill([(960, 150), (1000, 874)], GREY)?;
         // Box: a frame open to the right, where the coupling spring passes.
-        line(spring(64, 230, 512), BLACK.stroke_width(PEN))?;
+        line(spring(64, 230, 512, 50), BLACK.stroke_width(PEN))?;
         for wall in [[(230, 250), (640, 290)], [(230, 734), (640, 774)], [(230, 250), (275, 774)]] {
             fill(wall, BLUE)?;
         }
@@ -39,9 +37,9 @@ impl Drawing for Icon {
         fill([(600, 594), (640, 774)], BLUE)?;
         // Block, the coupling spring, the secondary oscillator and its spring.
         fill([(370, 400), (520, 624)], VERMILLION)?;
-        line(spring(520, 730, 512), BLACK.stroke_width(PEN - 6))?;
+        line(spring(520, 730, 512, 50), BLACK.stroke_width(PEN - 6))?;
         fill([(730, 400), (830, 624)], GREEN)?;
-        line(spring(830, 960, 512), BLACK.stroke_width(PEN - 6))?;
+        line(spring(830, 960, 512, 50), BLACK.stroke_width(PEN - 6))?;
         // The drive.
         line(vec![(290, 160), (520, 160)], BLACK.stroke_width(PEN))?;
         area.draw(&Polygon::new(vec![(510, 110), (600, 160), (510, 210)], BLACK.filled())).map_err(text)
@@ -49,12 +47,12 @@ impl Drawing for Icon {
 }
 
 /// A zigzag between two abscissas.
-fn spring(from: i32, to: i32, y: i32) -> Vec<Point> {
+pub(crate) fn spring(from: i32, to: i32, y: i32, height: i32) -> Vec<Point> {
     const TEETH: i32 = 6;
     let end = (to - from) / 8;
     let (first, last) = (from + end, to - end);
     let tooth = |i: i32| {
-        let side = if i % 2 == 0 { 50 } else { -50 };
+        let side = if i % 2 == 0 { height } else { -height };
         (first + (last - first) * (2 * i + 1) / (2 * TEETH), y + side)
     };
     let mut points = vec![(from, y), (first, y)];

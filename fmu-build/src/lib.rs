@@ -2,14 +2,13 @@
 //!
 //! ```text
 //! table (vibro_impact::fmi2) ─▶ describe ─▶ check ─┐
-//!                               page, icon ────────┼─▶ package ─▶ archive ─▶ .fmu
-//!                               compile, licences ─┘                          │
+//!                       page, icon, sketch ────────┼─▶ package ─▶ archive ─▶ .fmu
+//!                    platforms (compile), licences ─┘                          │
 //!                 table ◀─ run (host: the packaged binary; native library) ◀──┘
 //!               picture ◀──┘
 //! ```
 
 pub mod archive;
-pub mod canvas;
 pub mod check;
 pub mod compile;
 pub mod describe;
@@ -20,8 +19,10 @@ pub mod licences;
 pub mod package;
 pub mod page;
 pub mod picture;
+pub mod platforms;
 pub mod run;
 pub mod schema;
+pub mod sketch;
 pub mod table;
 
 pub use error::{Error, Result};

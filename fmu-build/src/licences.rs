@@ -3,10 +3,28 @@
 use crate::archive::Content;
 use crate::compile::{cargo, output, workspace};
 use crate::error::{Error, Result};
+use crate::platforms::PLATFORMS;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// What is linked in besides crates.
+const RUN_TIME: &str = "
+The Rust standard library: MIT OR Apache-2.0 and what COPYRIGHT-library.html lists (licenses/rust-standard-library/).
+Run-time code of the linker, for unwinding and start-up: LLVM's libunwind (Apache-2.0 WITH LLVM-exception) or GCC's
+libgcc (GPL-3.0-or-later WITH GCC-exception-3.1, which puts no condition on what it is linked into), and on Windows that
+of mingw-w64 (public domain and Zope Public License 2.1).
+";
+
+/// Texts that the Rust toolchain brings along, in its `share/doc/rust`.
+const TOOLCHAIN: [&str; 4] = [
+    "COPYRIGHT-library.html",
+    "licenses/LLVM-exception.txt",
+    "licenses/GCC-exception-3.1.txt",
+    "licenses/GPL-3.0-or-later.txt",
+];
 
 /// Adds `licenses/` to an archive: our own texts, those of every crate linked, and a list of them.
 ///
@@ -24,13 +42,33 @@ pub fn add(content: &mut Content) -> Result<()> {
         let (name, version) = (text(&package["name"]), text(&package["version"]));
         list += &format!("\n{name} {version}: {}", text(&package["license"]));
         let folder = Path::new(text(&package["manifest_path"])).parent().unwrap_or(Path::new("."));
-        for file in licence_files(folder)? {
+        let files = licence_files(folder)?;
+        if files.is_empty() {
+            list += " (its package holds no text; the licence in general is among the others here)";
+        }
+        for file in files {
             let path = folder.join(&file);
             let bytes = fs::read(&path).map_err(Error::file("reading", &path))?;
             content.insert(format!("licenses/{name}-{version}/{file}"), bytes);
         }
     }
-    content.insert("licenses/README.txt".into(), (list + "\n").into_bytes());
+    content.insert("licenses/README.txt".into(), (list + "\n" + RUN_TIME).into_bytes());
+    standard_library(content)
+}
+
+/// The texts of the standard library, where the toolchain has them (rustup's have).
+fn standard_library(content: &mut Content) -> Result<()> {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let asked = Command::new(rustc).args(["--print", "sysroot"]).stderr(Stdio::null()).output();
+    let sysroot = asked.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned()).unwrap_or_default();
+    let folder = PathBuf::from(sysroot).join("share/doc/rust");
+    for name in TOOLCHAIN {
+        let path = folder.join(name);
+        if path.is_file() {
+            let text = fs::read(&path).map_err(Error::file("reading", &path))?;
+            content.insert(format!("licenses/rust-standard-library/{name}"), text);
+        }
+    }
     Ok(())
 }
 
@@ -38,7 +76,8 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or("unknown")
 }
 
-/// Packages of the normal dependency tree, without ourselves and without what only runs while compiling, sorted by name.
+/// Packages of the normal dependency tree on any platform, without ourselves and without what only runs while compiling,
+/// sorted by name.
 fn linked() -> Result<Vec<Value>> {
     let mut tree = cargo();
     tree.args([
@@ -50,6 +89,7 @@ fn linked() -> Result<Vec<Value>> {
         "normal,no-proc-macro",
     ]);
     tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);
+    tree.args(PLATFORMS.iter().flat_map(|p| p.targets).flat_map(|target| ["--target", target]));
     // A line reads `name vVERSION` and perhaps `(…)`.
     let names: BTreeSet<(String, String)> = output(&mut tree)?
         .lines()

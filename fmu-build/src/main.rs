@@ -3,9 +3,11 @@
 use clap::{Parser, Subcommand};
 use fmu_build::picture::Picture;
 use fmu_build::table::Table;
-use fmu_build::{archive, canvas, compile, package, run};
+use fmu_build::{archive, compile, package, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use vibro_impact::analysis::figures::canvas;
+use vibro_impact::analysis::{Settings, studies};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Builds VibroImpact3DOF.fmu, runs it beside the native library and draws what happened.
@@ -18,6 +20,9 @@ struct Arguments {
     /// Drive periods to run
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     periods: u32,
+    /// Pack a binary for every platform that can be built here, and say what the others need
+    #[arg(long)]
+    all_platforms: bool,
     /// Build only
     #[arg(long)]
     no_run: bool,
@@ -59,19 +64,27 @@ fn main() -> ExitCode {
     }
 }
 
-/// Shrinking of the pictures from their drawing size, for the screen.
-const SHRINK: u32 = 2;
-
 fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     let output = arguments.output.clone().unwrap_or_else(package::default_output);
-    package::build(&output)?;
+    let left_out = match arguments.all_platforms {
+        true => package::build_all(&output)?,
+        false => package::build(&output).map(|()| Vec::new())?,
+    };
     println!("{}", output.display());
-    if arguments.no_run {
-        return Ok(());
+    if !arguments.no_run {
+        show(&output, arguments.periods)?;
     }
-    let run = run::run(&output, arguments.periods)?;
+    for platform in left_out {
+        println!("{platform}");
+    }
+    Ok(())
+}
+
+/// Runs the FMU, prints the table and draws the pictures.
+fn show(output: &Path, periods: u32) -> fmu_build::Result<()> {
+    let run = run::run(output, periods)?;
     println!("{}", Table(&run));
-    for path in pictures(&run, &output)? {
+    for path in pictures(&run, output)? {
         println!("{}", path.display());
     }
     Ok(())
@@ -102,8 +115,8 @@ fn native(step: f64, steps: u32, start: &[f64]) -> fmu_build::Result<()> {
 
 fn pictures(run: &run::Run, beside: &Path) -> fmu_build::Result<[PathBuf; 2]> {
     let paths = [beside.with_extension("svg"), beside.with_extension("png")];
-    archive::write_file(&paths[0], canvas::svg(&Picture(run), SHRINK)?.as_bytes())?;
-    archive::write_file(&paths[1], &canvas::png(&Picture(run), SHRINK)?)?;
+    archive::write_file(&paths[0], canvas::svg(&Picture(run))?.as_bytes())?;
+    archive::write_file(&paths[1], &canvas::png(&Picture(run))?)?;
     Ok(paths)
 }
 
@@ -113,8 +126,12 @@ fn refresh() -> fmu_build::Result<()> {
     package::build(&fmu)?;
     let run = run::run(&fmu, 200)?;
     let folder = "modelDescription/documentation";
-    files.insert(format!("{folder}/run.svg"), canvas::svg(&Picture(&run), SHRINK)?.into_bytes());
-    files.insert(format!("{folder}/run.png"), canvas::png(&Picture(&run), SHRINK)?);
+    files.insert(format!("{folder}/run.svg"), canvas::svg(&Picture(&run))?.into_bytes());
+    files.insert(format!("{folder}/run.png"), canvas::png(&Picture(&run))?);
+    let response = studies::force(&Settings::basic(), (0.0, 4.0), &[0.4], &[-0.4])?;
+    if let Some(figure) = &response.figure {
+        files.insert(format!("{folder}/response.svg"), canvas::svg(figure)?.into_bytes());
+    }
     for (name, bytes) in files {
         archive::write_file(&compile::workspace().join(&name), &bytes)?;
         println!("{name}");

@@ -1,11 +1,13 @@
 //! Puts the archive together: description, binary, documentation, icon, licences.
 
 use crate::archive::{self, Content};
-use crate::compile::{self, PLATFORM, SHARED_LIBRARY};
+use crate::compile;
 use crate::error::{Error, Result};
-use crate::{canvas, check, describe, icon, licences, page};
-use std::fs;
+use crate::platforms::{self, Binaries, LeftOut};
+use crate::sketch::Sketch;
+use crate::{check, describe, icon, licences, page};
 use std::path::{Path, PathBuf};
+use vibro_impact::analysis::figures::canvas;
 use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
 
 /// Where the archive goes when nobody says otherwise.
@@ -28,7 +30,7 @@ pub fn description() -> Result<String> {
 /// # Errors
 /// [`Error::Picture`].
 pub fn icon() -> Result<Vec<u8>> {
-    canvas::png(&icon::Icon, icon::SHRINK)
+    Ok(canvas::png(&icon::Icon)?)
 }
 
 /// Files that are generated and committed: path in the workspace → content. A test fails when one is stale.
@@ -39,31 +41,41 @@ pub fn committed() -> Result<Content> {
     Ok(Content::from([
         ("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes()),
         ("modelDescription/model.png".to_owned(), icon()?),
+        ("modelDescription/documentation/sketch.svg".to_owned(), canvas::svg(&Sketch)?.into_bytes()),
     ]))
 }
 
-/// Everything the archive holds, around a library compiled before.
+/// Everything the archive holds, around binaries compiled before.
 ///
 /// # Errors
-/// [`Error::File`] when the library or a licence cannot be read, and as [`description`] and [`icon()`].
-pub fn content(library: &Path) -> Result<Content> {
-    let binary = fs::read(library).map_err(Error::file("reading", library))?;
+/// [`Error::File`] when a licence cannot be read, and as [`description`] and [`icon()`].
+pub fn content(binaries: Binaries) -> Result<Content> {
     let mut content = Content::from([
         ("modelDescription.xml".to_owned(), description()?.into_bytes()),
         ("model.png".to_owned(), icon()?),
         ("documentation/index.html".to_owned(), page::page().into_bytes()),
-        (format!("binaries/{PLATFORM}/{MODEL_IDENTIFIER}{SHARED_LIBRARY}"), binary),
         // Nothing is read from it; hosts hand over its place all the same.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
     ]);
     licences::add(&mut content)?;
+    content.extend(binaries);
     Ok(content)
 }
 
-/// Compiles the library and writes the archive.
+/// Compiles the library for this machine and writes the archive.
 ///
 /// # Errors
 /// Everything that can go wrong on the way.
 pub fn build(output: &Path) -> Result<()> {
-    archive::write(&content(&compile::library()?)?, output)
+    archive::write(&content(platforms::own()?)?, output)
+}
+
+/// Compiles the library for every platform that can be built here and writes the archive; returns the others.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_all(output: &Path) -> Result<Vec<LeftOut>> {
+    let (binaries, left_out) = platforms::all()?;
+    archive::write(&content(binaries)?, output)?;
+    Ok(left_out)
 }

@@ -7,18 +7,40 @@ use vibro_impact::fmi2::units::{ENUMERATION_TYPES, EnumerationType};
 use vibro_impact::fmi2::variables::{Kind, VARIABLES, Variable};
 
 static TEMPLATE: &str = include_str!("../../modelDescription/documentation/index.html");
-static PICTURE: &str = include_str!("../../modelDescription/documentation/run.svg");
+static RUN: &str = include_str!("../../modelDescription/documentation/run.svg");
+static SKETCH: &str = include_str!("../../modelDescription/documentation/sketch.svg");
+static RESPONSE: &str = include_str!("../../modelDescription/documentation/response.svg");
+
+/// Headings of the variable table, by the first variable under each.
+const HEADINGS: [(&str, &str); 9] = [
+    ("time", "Time"),
+    ("box.m", "Physical parameters"),
+    ("mode", "How the motion is obtained"),
+    ("box.f", "Loads"),
+    ("box.s", "Motion"),
+    ("stop.s", "Contact"),
+    ("energy.mechanical", "Energy"),
+    ("groups.epsilon", "Dimensionless groups"),
+    ("steady.exists", "Steady state"),
+];
 
 /// The page.
 pub fn page() -> String {
-    let picture = PICTURE.find("<svg").map_or("", |start| &PICTURE[start..]);
     TEMPLATE
         .replace("{{name}}", MODEL_IDENTIFIER)
         .replace("{{version}}", MODEL_VERSION)
         .replace("{{description}}", &escape(MODEL_DESCRIPTION))
         .replace("{{variables}}", &variables())
         .replace("{{enumerations}}", &enumerations())
-        .replace("{{picture}}", picture)
+        .replace("{{sketch}}", &inline(SKETCH, "Sketch of the machine with its symbols"))
+        .replace("{{picture}}", &inline(RUN, "Time histories and phase portraits of a run"))
+        .replace("{{response}}", &inline(RESPONSE, "Amplitudes over the drive amplitude"))
+}
+
+/// An SVG file as an element with a name for those who cannot see it.
+fn inline(file: &str, name: &str) -> String {
+    let picture = file.find("<svg").map_or("", |start| &file[start..]);
+    picture.replacen("<svg", &format!("<svg role=\"img\" aria-label=\"{name}\""), 1)
 }
 
 fn escape(text: &str) -> String {
@@ -30,6 +52,10 @@ fn variables() -> String {
 }
 
 fn row(v: &Variable) -> String {
+    let heading = HEADINGS.iter().find(|(first, _)| *first == v.name);
+    let heading = heading.map_or_else(String::new, |(_, text)| {
+        format!("<tr class=\"group\"><th colspan=\"6\">{text}</th></tr>\n")
+    });
     let kind = match v.kind {
         Kind::Real { .. } => v.unit().unwrap_or(""),
         Kind::Integer { .. } => "Integer",
@@ -47,10 +73,30 @@ fn row(v: &Variable) -> String {
         escape(v.description),
         escape(kind),
         escape(&start),
-        escape(v.allowed),
+        range(v),
         format!("{}, {}", causality(v.causality), variability(v.variability)),
     ];
-    format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"))
+    format!("{heading}<tr><td>{}</td></tr>\n", cells.join("</td><td>"))
+}
+
+/// What may be set; of what is only read, its bounds or items.
+fn range(v: &Variable) -> String {
+    if !v.allowed.is_empty() {
+        return escape(v.allowed);
+    }
+    match v.kind {
+        Kind::Real { min, max, .. } => match (min, max) {
+            (None, None) => "any number".into(),
+            (Some(min), None) => format!("at least {min}"),
+            (None, Some(max)) => format!("at most {max}"),
+            (Some(min), Some(max)) => format!("{min} to {max}"),
+        },
+        Kind::Integer { min } => format!("at least {min}"),
+        Kind::Boolean => "false or true".into(),
+        Kind::Enumeration(declared) => {
+            declared.items.iter().map(|item| item.name).collect::<Vec<_>>().join(", ")
+        }
+    }
 }
 
 fn item(declared: EnumerationType, value: f64) -> String {

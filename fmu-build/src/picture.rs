@@ -1,11 +1,11 @@
 //! The picture of a run: time histories and phase portraits.
 
-use crate::canvas::colour::{BLACK, BLUE, GREEN, GREY, VERMILLION};
-use crate::canvas::{Drawing, FONT};
 use crate::run::{Run, STEPS_PER_PERIOD};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use vibro_impact::State;
+use vibro_impact::analysis::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
+use vibro_impact::analysis::figures::canvas::{Drawing, FONT};
 
 /// Periods of the first time history: the transient.
 const TRANSIENT: u32 = 12;
@@ -36,8 +36,9 @@ struct Diagram {
 }
 
 impl Drawing for Picture<'_> {
-    const NAME: &'static str = "the picture of the run";
-    const SIZE: (u32, u32) = (2400, 1700);
+    fn size(&self) -> (u32, u32) {
+        (2400, 1700)
+    }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), String> {
         area.fill(&WHITE).map_err(|e| e.to_string())?;

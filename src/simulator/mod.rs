@@ -14,6 +14,7 @@ mod tables;
 mod types;
 
 pub use batch::advance_together;
+pub(crate) use step::Listener;
 pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, Work};
 
 use crate::error::{Error, Result};
@@ -313,7 +314,7 @@ impl Simulator {
         begin: f64,
         step: f64,
         stop_at_impact: bool,
-        on_event: Option<&mut dyn FnMut(&Event)>,
+        on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
         let end = Extended::sum(begin, step);
         let span = end.minus(self.motion.time).value();

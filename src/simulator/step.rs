@@ -37,7 +37,7 @@ struct Run<'a, 'b, const LEDGER: bool> {
 }
 
 /// Who hears of events, if anyone.
-pub(super) type Listener<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
+pub(crate) type Listener<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
 
 impl<const LEDGER: bool> pulp::WithSimd for Run<'_, '_, LEDGER> {
     type Output = Result<StopReason>;

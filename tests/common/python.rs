@@ -26,8 +26,13 @@ pub fn fmu() -> PathBuf {
 
 /// Python of the virtual environment with the pinned requirements; made on first use, then reused.
 pub fn python() -> PathBuf {
-    let requirements = root().join("tests/fmpy/requirements.txt");
-    let wanted = fs::read_to_string(&requirements).expect("requirements.txt is part of the repository");
+    python_with(&["tests/fmpy/requirements.txt"])
+}
+
+/// The same for other requirements.
+pub fn python_with(requirements: &[&str]) -> PathBuf {
+    let read = |path: &&str| fs::read_to_string(root().join(path)).expect("it is part of the repository");
+    let wanted: String = requirements.iter().map(read).collect();
     let system = system_python();
     let version = run("asking Python for its version", Command::new(&system).arg("--version"));
     let stamp = format!("{version}{wanted}");
@@ -53,8 +58,9 @@ pub fn python() -> PathBuf {
         Command::new(&system).args([OsStr::new("-m"), OsStr::new("venv"), folder.as_os_str()]),
     );
     let mut pip = Command::new(&python);
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
-    run("installing tests/fmpy/requirements.txt", pip.arg(&requirements));
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    pip.args(requirements.iter().flat_map(|path| ["--requirement", path])).current_dir(root());
+    run(&format!("installing {}", requirements.join(" and ")), &mut pip);
     fs::write(complete, stamp).expect("target can be written");
     python
 }

@@ -6,7 +6,7 @@ use crate::fmi2::logging::{Category, Log, Status};
 use crate::fmi2::problem::Problem;
 use crate::fmi2::states::{Function, State};
 use crate::parameters::Parameters;
-use crate::simulator::{Event, Loads, Simulator, StopReason};
+use crate::simulator::{Event, Listener, Loads, Simulator, StopReason};
 
 /// How far a master's time may be off ours, relative to max(1, |t|): masters add step sizes up and drift by about 1e-14 a
 /// step, which stays below this for 1e5 steps; anything larger is a mistake.
@@ -156,19 +156,27 @@ fn simulate(
     loads: Option<&Loads>,
     (point, size): (f64, f64),
     stop_at_impact: bool,
-    report: Option<&mut dyn FnMut(&Event)>,
+    mut report: Listener<'_, '_>,
 ) -> Outcome<StopReason> {
     let before = simulator.snapshot();
-    let advance = || {
+    let mut advance = || {
         if let Some(parameters) = parameters {
             simulator.set_parameters(parameters)?;
         }
         if let Some(loads) = loads {
             simulator.set_loads(loads)?;
         }
-        match simulator.proceed(point, size, stop_at_impact, report) {
+        match simulator.proceed(point, size, stop_at_impact, report.as_deref_mut()) {
             // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
             Err(Error::Step { .. }) => Ok(StopReason::End),
+            Ok(StopReason::End) if stop_at_impact => {
+                impact_at(simulator, point + size, report.as_deref_mut())?;
+                Ok(StopReason::End)
+            }
+            // At the end but for rounding.
+            Ok(StopReason::Impact) if point + size - simulator.time() <= rounding(point + size) => {
+                simulator.proceed(point, size, false, report.as_deref_mut())
+            }
             reason => reason,
         }
     };
@@ -177,6 +185,22 @@ fn simulate(
         let _ = simulator.restore(&before);
         error.into()
     })
+}
+
+/// How far off a step's end an impact still is at its end, s: a master's sum of time and step size may be off by this.
+fn rounding(end: f64) -> f64 {
+    const UNITS: f64 = 4.0; // of the last place
+    UNITS * f64::EPSILON * end.abs()
+}
+
+/// Takes an impact that lies past a step's end by rounding alone. A master that comes to the time of an impact it was
+/// told must have it behind itself: else its next step would end where it began, and it could not get on.
+fn impact_at(simulator: &mut Simulator, end: f64, report: Listener<'_, '_>) -> Result<(), Error> {
+    let before = simulator.snapshot();
+    match simulator.proceed(end, rounding(end), true, report)? {
+        StopReason::Impact => Ok(()),
+        StopReason::End => simulator.restore(&before),
+    }
 }
 
 fn not_available(kind: StatusKind) -> Problem {

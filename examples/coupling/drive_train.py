@@ -1,0 +1,66 @@
+"""An unbalanced motor as an FMU, made by pythonfmu: `pythonfmu build -f drive_train.py`.
+
+A rotor with an eccentric mass sits on the box and shakes it. The motor is not ideal: its torque falls with the speed, and
+the box's motion acts back on it (the Sommerfeld effect). With the rotor angle φ and the box's acceleration a:
+
+    J φ'' = T (1 - φ'/ω0) - m r a cos φ          force on the box: m r (φ'² sin φ - φ'' cos φ)
+
+The box's acceleration is held through a step; Heun's method with its own small steps carries φ on. The jump of the box's
+velocity at an impact, which would turn the rotor a little at once, is left out.
+"""
+
+import math
+
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+LONGEST_STEP = 0.01  # s, of Heun's method: below a hundredth of a turn at 1 rad/s
+
+
+class DriveTrain(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without types
+    """A motor of limited power with an eccentric mass."""
+
+    author = "vibro-impact examples"
+    description = "Motor of limited power that shakes what it stands on"
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__(**kwargs)
+        self.inertia, self.eccentricity = 0.5, 0.14
+        self.torque, self.idle = 0.4, 1.3
+        self.acceleration = 0.0
+        self.angle = 0.0
+        self.speed = 0.5
+        self.force = 0.0
+        for name, text in (
+            ("inertia", "moment of inertia J, kg.m2"),
+            ("eccentricity", "eccentric mass times its radius, kg.m"),
+            ("torque", "torque at standstill T, N.m"),
+            ("idle", "idle speed ω0, rad/s"),
+        ):
+            self.register_variable(
+                Real(name, causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable, description=text)
+            )
+        text = "acceleration of the box, m/s2"
+        self.register_variable(Real("acceleration", causality=Fmi2Causality.input, description=text))
+        for name, text in (
+            ("force", "force on the box, N"),
+            ("speed", "speed of the rotor, rad/s"),
+            ("angle", "angle of the rotor, rad"),
+        ):
+            self.register_variable(Real(name, causality=Fmi2Causality.output, description=text))
+
+    def _rate(self, angle: float, speed: float) -> float:
+        drive = self.torque * (1.0 - speed / self.idle)
+        return (drive - self.eccentricity * self.acceleration * math.cos(angle)) / self.inertia
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Heun's method, second order."""
+        count = max(1, math.ceil(step_size / LONGEST_STEP - 1e-9))  # a master's rounding must not change it
+        h = step_size / count
+        for _ in range(count):
+            rate = self._rate(self.angle, self.speed)
+            ahead = self._rate(self.angle + h * self.speed, self.speed + h * rate)
+            self.angle += h * (self.speed + h * rate / 2.0)
+            self.speed += h * (rate + ahead) / 2.0
+        rate = self._rate(self.angle, self.speed)
+        self.force = self.eccentricity * (self.speed**2 * math.sin(self.angle) - rate * math.cos(self.angle))
+        return True

@@ -1,0 +1,264 @@
+"""One machine as one FMU, and cut in two: the secondary oscillator becomes an FMU of its own.
+
+Whole: VibroImpact3DOF as it is. Cut: VibroImpact3DOF with coupling.k = 0 takes the spring's force as load `block.f`; the
+oscillator (oscillator.py, an FMU made by pythonfmu) takes the block's displacement and gives that force. Four masters
+couple them; the script draws their error against the communication step:
+
+    python examples/coupling/partitioned.py --output coupling.png
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from vibro import FMU, PathLike, Slave, start_values  # noqa: E402
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: A stronger coupling than the FMU's start value: its errors are easier to see.
+COUPLING = 0.05  # N/m
+PERIODS = 5
+BODIES = ("box.s", "block.s", "secondary.s")
+
+#: An iteration ends when the force at the end of the step changes by less than this (N); forces are about 0.05 N.
+TOLERANCE = 1e-14
+MOST_ITERATIONS = 50
+
+
+def build_oscillator(folder: PathLike) -> Path:
+    """The oscillator as an FMU, by pythonfmu."""
+    from pythonfmu.builder import FmuBuilder
+
+    script = Path(__file__).with_name("oscillator.py")
+    FmuBuilder.build_FMU(script, dest=folder, canGetAndSetFMUstate="true")
+    return Path(folder) / "Oscillator.fmu"
+
+
+@dataclass
+class Run:
+    """Displacements at the communication points that all runs share, and the work done."""
+
+    states: list[NDArray[np.float64]] = field(default_factory=list)
+    steps: int = 0
+    iterations: int = 0
+
+
+@dataclass
+class Machine:
+    """The cut machine: the two instances and what passes between them at the present communication point."""
+
+    box: Slave
+    oscillator: Slave
+    stiffness: float  # of the cut spring
+
+    def flange(self) -> tuple[float, float, float, float]:
+        """Displacement and velocity of the block, force on it and that force's rate; both sides agree on them after it."""
+        s, v = self.box.reals(["block.s", "block.v"])
+        for name, value in (("s", s), ("v", v), ("a", 0.0)):
+            self.oscillator.set(name, value)
+        f, rate = self.oscillator.reals(["f", "df"])
+        return float(s), float(v), float(f), float(rate)
+
+    def displacements(self) -> NDArray[np.float64]:
+        """Of box, block and secondary oscillator, m."""
+        return np.append(self.box.reals(["box.s", "block.s"]), self.oscillator.get("x"))
+
+
+#: A master carries the machine from a time over at most a step size, and returns the time reached and its iterations.
+Master = Callable[[Machine, float, float], "tuple[float, int]"]
+
+
+def held(machine: Machine, time: float, size: float) -> tuple[float, int]:
+    """Gauss–Seidel with held values: what every host can do. First order."""
+    _, _, f, _ = machine.flange()
+    machine.box.set("block.f", f)
+    reached = machine.box.step(time, size)
+    for name, value in (("s", machine.box.get("block.s")), ("v", 0.0), ("a", 0.0)):
+        machine.oscillator.set(name, value)
+    machine.oscillator.step(time, size)
+    return reached, 1
+
+
+def extrapolated(machine: Machine, time: float, size: float) -> tuple[float, int]:
+    """Gauss–Seidel, the force extrapolated by its rate (fmi2SetRealInputDerivatives), the motion interpolated. Second order."""
+    s, v, f, rate = machine.flange()
+    machine.box.set("block.f", f)
+    machine.box.set_derivatives("block.f", [rate])
+    reached = machine.box.step(time, size)
+    machine.oscillator.set("a", 2.0 * (machine.box.get("block.s") - s - v * size) / size**2)
+    machine.oscillator.step(time, size)
+    return reached, 1
+
+
+def iterated(machine: Machine, time: float, size: float) -> tuple[float, int]:
+    """Both sides step again and again from the saved states until they agree on the force f + f' t + q t² and the motion
+    s + v t + a t²/2. Third order between impacts; one inside a step costs an order, and with `stopAtImpact` a step ends
+    at the impact instead.
+
+    The next force follows by Newton's method. What the force at the end changes the block's displacement there comes from
+    fmi2GetDirectionalDerivative: an acceleration ∂a/∂f (t/h)² moves it by ∂a/∂f h²/12.
+    """
+    box, oscillator = machine.box, machine.oscillator
+    s, v, f, rate = machine.flange()
+    admittance = box.derivative("block.a", "block.f")
+    states = box.save(), oscillator.save()
+    end, bend = size, 0.0  # the step, and q h²
+    try:
+        for iteration in range(1, MOST_ITERATIONS + 1):
+            box.restore(states[0])
+            box.set("block.f", f)
+            box.set_derivatives("block.f", [rate, 2.0 * bend / end**2])
+            reached = box.step(time, size)
+            h = reached - time
+            if h < size:  # discarded at an impact: no further step is allowed from there, so once more, up to it
+                box.restore(states[0])
+                box.set("block.f", f)
+                box.set_derivatives("block.f", [rate, 2.0 * bend / end**2])
+                reached = box.step(time, h)
+            bend *= (h / end) ** 2
+            oscillator.restore(states[1])
+            oscillator.set("a", 2.0 * (box.get("block.s") - s - v * h) / h**2)
+            oscillator.step(time, h)
+            residual = oscillator.get("f") - (f + rate * h + bend)
+            settled = abs(residual) < TOLERANCE and h == end
+            if settled or (abs(residual) < TOLERANCE and abs(h - end) < 4e-16 * max(1.0, reached)):
+                return reached, iteration
+            bend += residual / (1.0 + machine.stiffness * admittance * h**2 / 12.0)
+            end = h
+    finally:
+        box.free(states[0])
+        oscillator.free(states[1])
+    raise RuntimeError(f"the step at t = {time} s does not settle in {MOST_ITERATIONS} iterations: take a smaller one")
+
+
+def parameters(fmu: PathLike) -> dict[str, float]:
+    """Of the whole machine, SI."""
+    return {**start_values(fmu), "coupling.k": COUPLING}
+
+
+START = {"block.s": 0.9, "block.v": 0.5}  # it meets both stops at once
+
+
+def whole(fmu: PathLike, points: int, periods: int = PERIODS) -> Run:
+    """The machine as one FMU, at so many points a period."""
+    p, run = parameters(fmu), Run()
+    size = 2.0 * math.pi / p["drive.frequency"] / points
+    with Slave(fmu, {**p, **START}) as box:
+        run.states.append(box.reals(BODIES))
+        for i in range(points * periods):
+            box.step(i * size, size)
+            run.states.append(box.reals(BODIES))
+    return run
+
+
+def cut(
+    fmu: PathLike,
+    oscillator: PathLike,
+    master: Master,
+    per_period: int,
+    points: int,
+    periods: int = PERIODS,
+    to_impacts: bool = False,
+) -> Run:
+    """The machine cut in two, with so many communication steps a period, of which `points` are recorded."""
+    p, run = parameters(fmu), Run()
+    size = 2.0 * math.pi / p["drive.frequency"] / per_period
+    box_start = {**p, "coupling.k": 0.0, "stopAtImpact": to_impacts, **START}
+    oscillator_start = {"m": p["secondary.m"], "k": p["secondary.k"], "c": p["secondary.c"], "kc": p["coupling.k"]}
+    with Slave(fmu, box_start) as box, Slave(oscillator, oscillator_start, name="oscillator") as second:
+        machine = Machine(box, second, p["coupling.k"])
+        run.states.append(machine.displacements())
+        time = 0.0
+        for i in range(per_period * periods):
+            end = (i + 1) * size
+            while time < end:
+                time, iterations = master(machine, time, end - time)
+                run.steps += 1
+                run.iterations += iterations
+            if (i + 1) % (per_period // points) == 0:
+                run.states.append(machine.displacements())
+    return run
+
+
+#: Name, master, whether it steps to the impacts.
+MASTERS: list[tuple[str, Master, bool]] = [
+    ("Gauss–Seidel, values held", held, False),
+    ("Gauss–Seidel, extrapolated", extrapolated, False),
+    ("iterated", iterated, False),
+    ("iterated, steps to the impacts", iterated, True),
+]
+
+#: Communication steps a period.
+STEPS = (10, 20, 40, 80, 160, 320, 640)
+
+
+def errors(fmu: PathLike, oscillator: PathLike, steps: tuple[int, ...] = STEPS) -> dict[str, list[float]]:
+    """Largest difference of any displacement from the whole machine, in m, per master and number of steps."""
+    points = min(steps)
+    expected = np.array(whole(fmu, points).states)
+    table: dict[str, list[float]] = {}
+    for name, master, to_impacts in MASTERS:
+        for count in steps:
+            run = cut(fmu, oscillator, master, count, points, to_impacts=to_impacts)
+            error = float(np.abs(np.array(run.states) - expected).max())
+            table.setdefault(name, []).append(error)
+            print(f"{name:32} {count:4d} a period: error {error:.1e} m, {run.iterations / run.steps:.1f} iterations a step")
+    return table
+
+
+def draw(table: dict[str, list[float]], motion: dict[str, NDArray[np.float64]], path: PathLike) -> None:
+    """Errors against the step, and what they look like."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    colours = ["#0072b2", "#e69f00", "#009e73", "#d55e00"]
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(12, 4.8), layout="constrained")
+    for (name, values), marker, colour in zip(table.items(), "osD^", colours):
+        left.loglog([1.0 / n for n in STEPS], values, marker=marker, color=colour, label=name)
+    left.set(xlabel="communication step (drive periods)", ylabel="largest error of a displacement (m)")
+    left.set_title("Cut machine against the whole one")
+    left.grid(alpha=0.3)
+    left.legend()
+    for (name, history), style in zip(motion.items(), ("-", "--", "o")):
+        time = np.linspace(0.0, PERIODS, len(history))
+        for body, index, colour in (("block", 1, "#d55e00"), ("secondary", 2, "#009e73")):
+            size = 4 if style == "o" else 0
+            right.plot(time, history[:, index], style, color=colour, markersize=size, label=f"{body}: {name}")
+    right.set(xlabel="time t/T (–)", ylabel="displacement (m)")
+    right.set_title("Ten communication steps a period")
+    right.legend(fontsize="small", ncols=1, loc="upper left")
+    right.set_ylim(top=right.get_ylim()[1] * 1.9)
+    figure.savefig(str(path), dpi=150)
+    pyplot.close(figure)
+
+
+def main() -> None:
+    """Runs everything and draws it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fmu", default=FMU, type=Path)
+    parser.add_argument("--output", default=Path("coupling.png"), type=Path)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        oscillator = build_oscillator(folder)
+        table = errors(arguments.fmu, oscillator)
+        motion: dict[str, Any] = {"whole": whole(arguments.fmu, 200)}
+        for name, master, to_impacts in (MASTERS[0], MASTERS[3]):
+            motion[name] = cut(arguments.fmu, oscillator, master, 10, 10, to_impacts=to_impacts)
+        draw(table, {name: np.array(run.states) for name, run in motion.items()}, arguments.output)
+    print(arguments.output)
+
+
+if __name__ == "__main__":
+    main()

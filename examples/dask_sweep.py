@@ -1,0 +1,215 @@
+"""A sweep or a plane of the packaged FMU on dask: a cluster of this machine's cores, or any scheduler.
+
+    python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:200 --output sweep.parquet
+    python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:100 --vary drive.amplitude=0.05:0.25:50 \\
+        --set stop.restitution=0.6 --scheduler tcp://node1:8786 --output plane.parquet
+
+Every point is a run with fmpy from the same start; the last periods are measured. Workers need fmpy and numpy; the FMU is
+sent to them, also to those that join later. The points of a worker that is lost are computed again by the others. The
+table is the same for any number of workers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import shutil
+import tempfile
+from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, Mapping
+
+import numpy as np
+from dask.distributed import Client, WorkerPlugin, as_completed, get_worker
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+FMU = Path(__file__).parents[1] / "target" / "VibroImpact3DOF.fmu"
+PLUGIN = "vibro-impact-fmu"
+RETRIES = 10  # of a chunk whose workers are lost
+BODIES = ("box.s", "block.s", "secondary.s")
+
+
+class FmuPlugin(WorkerPlugin):  # type: ignore[misc] # distributed comes without types
+    """Brings the FMU to a worker and unpacks it there once."""
+
+    name = PLUGIN
+
+    def __init__(self, archive: bytes) -> None:
+        self.archive = archive
+
+    def setup(self, worker: Any) -> None:
+        """Called by dask on every worker, present and future."""
+        import fmpy
+
+        self.folder = tempfile.mkdtemp(prefix="vibro-impact-")
+        path = Path(self.folder) / "model.fmu"
+        path.write_bytes(self.archive)
+        self.unzipped = fmpy.extract(str(path), unzipdir=str(Path(self.folder) / "model"))
+        self.description = fmpy.read_model_description(self.unzipped)
+
+    def teardown(self, worker: Any) -> None:
+        """Called when a worker leaves."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What is run and measured at each point."""
+
+    periods: int = 300  # in all
+    kept: int = 50  # at the end, measured
+    per_period: int = 64  # samples
+    start: Mapping[str, float] = field(default_factory=lambda: {"block.v": 0.3})
+
+    def run(self, unzipped: str, description: Any, point: Mapping[str, float]) -> dict[str, float]:
+        """One point: amplitudes (m), impacts per period, and power lost at the stops (W) over the last periods."""
+        import fmpy
+
+        values = {**self.start, **point}
+        defaults = {v.name: v.start for v in description.modelVariables}
+        period = 2.0 * math.pi / float(values.get("drive.frequency", defaults["drive.frequency"]))
+        names = [*BODIES, "impacts.upper", "impacts.lower", "energy.impact"]
+        skipped = (self.periods - self.kept) * period
+        slave = fmpy.instantiate_fmu(unzipped, description, fmi_type="CoSimulation")
+        references = {v.name: v.valueReference for v in description.modelVariables}
+        try:
+            slave.setupExperiment(startTime=0.0)
+            for name, value in values.items():
+                slave.setReal([references[name]], [value])
+            slave.enterInitializationMode()
+            slave.exitInitializationMode()
+            slave.doStep(currentCommunicationPoint=0.0, communicationStepSize=skipped)  # one step, whatever happens in it
+            count = self.kept * self.per_period
+            size = period / self.per_period
+            reals = [references[name] for name in (*BODIES, "energy.impact")]
+            counts = [references[name] for name in names[3:5]]
+            rows = [slave.getReal(reals)]
+            before = slave.getInteger(counts)
+            for i in range(count):
+                slave.doStep(currentCommunicationPoint=skipped + i * size, communicationStepSize=size)
+                rows.append(slave.getReal(reals))
+            after = slave.getInteger(counts)
+            slave.terminate()
+        finally:
+            slave.freeInstance()
+        table: NDArray[np.float64] = np.array(rows)
+        result = {f"amplitude.{n}": float(np.ptp(table[:, k])) / 2.0 for k, n in enumerate(BODIES)}
+        result["impacts.upper"] = (after[0] - before[0]) / self.kept
+        result["impacts.lower"] = (after[1] - before[1]) / self.kept
+        result["power.impact"] = float(table[-1, 3] - table[0, 3]) / (self.kept * period)
+        return result
+
+
+def chunk(measure: Measure, points: list[tuple[int, dict[str, float]]]) -> list[dict[str, float]]:
+    """Some points on a worker: their place, what was varied, what was measured."""
+    plugin: Any = get_worker().plugins[PLUGIN]
+    rows = []
+    for index, point in points:
+        rows.append({"index": index, **point, **measure.run(plugin.unzipped, plugin.description, point)})
+    return rows
+
+
+def grid(axes: Mapping[str, Iterable[float]], fixed: Mapping[str, float]) -> list[dict[str, float]]:
+    """All combinations of the axes, the last one fastest."""
+    return [{**fixed, **dict(zip(axes, map(float, values)))} for values in product(*axes.values())]
+
+
+def sweep(
+    client: Client, fmu: Path, points: list[dict[str, float]], measure: Measure, size: int = 8
+) -> Iterator[list[dict[str, float]]]:
+    """Yields the rows of each chunk as it is done, in any order."""
+    client.register_plugin(FmuPlugin(Path(fmu).read_bytes()))
+    numbered = list(enumerate(points))
+    futures = [
+        client.submit(chunk, measure, numbered[i : i + size], retries=RETRIES, pure=False)
+        for i in range(0, len(numbered), size)
+    ]
+    for future in as_completed(futures):
+        yield future.result()
+        future.release()
+
+
+def write(path: Path, rows: list[dict[str, float]], measure: Measure) -> None:
+    """The table as Parquet, in the order of the points; whole or not at all."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    ordered = sorted(rows, key=lambda row: row["index"])
+    columns = {name: [row[name] for row in ordered] for name in ordered[0] if name != "index"}
+    about = {"periods": measure.periods, "kept": measure.kept, "samples per period": measure.per_period}
+    table = pa.table(columns).replace_schema_metadata({k: str(v) for k, v in about.items()})
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
+    parquet.write_table(table, unfinished, compression="zstd")
+    unfinished.replace(path)
+
+
+def axis(text: str) -> tuple[str, NDArray[np.float64]]:
+    """NAME=FROM:TO:COUNT."""
+    name, _, values = text.partition("=")
+    try:
+        low, high, count = values.split(":")
+        return name, np.linspace(float(low), float(high), int(count))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: allowed is NAME=FROM:TO:COUNT") from None
+
+
+def setting(text: str) -> tuple[str, float]:
+    """NAME=VALUE."""
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: allowed is NAME=VALUE") from None
+
+
+def known(fmu: Path, names: Iterable[str]) -> None:
+    """Refuses names that are no Real parameter or start value of the FMU."""
+    import fmpy
+
+    variables = fmpy.read_model_description(str(fmu)).modelVariables
+    allowed = {v.name for v in variables if v.type == "Real" and v.start is not None and v.causality != "input"}
+    for name in names:
+        if name not in allowed:
+            raise SystemExit(f"{name}: allowed are {', '.join(sorted(allowed))}")
+
+
+def main() -> None:
+    """Makes or joins a cluster, sweeps, writes the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fmu", default=FMU, type=Path)
+    parser.add_argument("--vary", action="append", type=axis, required=True, metavar="NAME=FROM:TO:COUNT")
+    parser.add_argument("--set", action="append", default=[], type=setting, metavar="NAME=VALUE")
+    parser.add_argument("--periods", default=Measure.periods, type=int)
+    parser.add_argument("--kept", default=Measure.kept, type=int, help="periods at the end that are measured")
+    parser.add_argument("--scheduler", help="address of a dask scheduler [default: a cluster of this machine's cores]")
+    parser.add_argument("--workers", type=int, help="processes of the local cluster [default: one a core]")
+    parser.add_argument("--output", default=Path("sweep.parquet"), type=Path)
+    arguments = parser.parse_args()
+    if not 0 < arguments.kept < arguments.periods:
+        parser.error(f"--kept {arguments.kept}: allowed is 1 to --periods - 1 = {arguments.periods - 1}")
+
+    axes, fixed = dict(arguments.vary), dict(arguments.set)
+    known(arguments.fmu, [*axes, *fixed])
+    points = grid(axes, fixed)
+    measure = Measure(periods=arguments.periods, kept=arguments.kept)
+    if arguments.scheduler:
+        client = Client(arguments.scheduler)
+    else:
+        workers = arguments.workers or os.cpu_count()
+        client = Client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+    rows: list[dict[str, float]] = []
+    with client:
+        for done in sweep(client, arguments.fmu, points, measure):
+            rows += done
+            print(f"\r{len(rows)} of {len(points)} points", end="", flush=True)
+    print()
+    write(arguments.output, rows, measure)
+    print(arguments.output)
+
+
+if __name__ == "__main__":
+    main()

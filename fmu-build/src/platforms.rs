@@ -1,0 +1,182 @@
+//! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
+
+use crate::compile::{Compiler, PLATFORM, SHARED_LIBRARY};
+use crate::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::fmt::{self, Display, Formatter};
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
+
+/// A platform of the archive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Platform {
+    /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI 2.0.4 (2.3) has it,
+    /// the platform tuples of FMI 3.0.
+    pub folder: &'static str,
+    /// Targets of the Rust compiler; several are joined into one universal file.
+    pub targets: &'static [&'static str],
+    /// glibc to link against, the oldest the Rust standard library runs with.
+    pub glibc: Option<&'static str>,
+    /// Ending of the library's name.
+    pub ending: &'static str,
+}
+
+const fn platform(
+    folder: &'static str,
+    targets: &'static [&'static str],
+    glibc: Option<&'static str>,
+    ending: &'static str,
+) -> Platform {
+    Platform { folder, targets, glibc, ending }
+}
+
+const GLIBC: Option<&str> = Some("2.17");
+
+/// Every platform that is packed, where it can be built.
+pub const PLATFORMS: [Platform; 7] = [
+    platform("linux64", &["x86_64-unknown-linux-gnu"], GLIBC, ".so"),
+    platform("win64", &["x86_64-pc-windows-gnu"], None, ".dll"),
+    // Hosts on Apple's own processors look here too.
+    platform("darwin64", &["x86_64-apple-darwin", "aarch64-apple-darwin"], None, ".dylib"),
+    platform("aarch64-darwin", &["aarch64-apple-darwin"], None, ".dylib"),
+    platform("aarch64-linux", &["aarch64-unknown-linux-gnu"], GLIBC, ".so"),
+    platform("linux32", &["i686-unknown-linux-gnu"], GLIBC, ".so"),
+    platform("win32", &["i686-pc-windows-gnu"], None, ".dll"),
+];
+
+/// Binaries of an archive: path inside it → bytes.
+pub type Binaries = BTreeMap<String, Vec<u8>>;
+
+/// A platform that could not be built as it should, and why.
+#[derive(Debug)]
+pub struct LeftOut {
+    /// Its folder.
+    pub folder: &'static str,
+    /// What was in the way, and what to do.
+    pub reason: String,
+    /// Whether the machine's own compiler built it instead.
+    pub replaced: bool,
+}
+
+impl Display for LeftOut {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { folder, reason, .. } = self;
+        match self.replaced {
+            true => {
+                write!(f, "{folder} is built by this machine's linker and may need its C library: {reason}")
+            }
+            false => write!(f, "{folder} is left out: {reason}"),
+        }
+    }
+}
+
+/// What one needs beside the Rust toolchain.
+pub const TOOLS: &str = "install cargo-zigbuild and zig (`pip install -r fmu-build/requirements.txt` in a virtual environment) \
+     and put them on the PATH";
+
+fn path(folder: &str, ending: &str) -> String {
+    format!("binaries/{folder}/{MODEL_IDENTIFIER}{ending}")
+}
+
+fn read(library: &PathBuf) -> Result<Vec<u8>> {
+    fs::read(library).map_err(Error::file("reading", library))
+}
+
+/// The binary of this machine alone, by its own compiler.
+///
+/// # Errors
+/// [`Error::Cargo`], [`Error::File`].
+pub fn own() -> Result<Binaries> {
+    let library = Compiler::default().library()?;
+    Ok(Binaries::from([(path(PLATFORM, SHARED_LIBRARY), read(&library)?)]))
+}
+
+/// The binaries of all platforms that can be built here, and a list of those that cannot.
+///
+/// # Errors
+/// Where not even this machine's own can be built.
+pub fn all() -> Result<(Binaries, Vec<LeftOut>)> {
+    let mut binaries = Binaries::new();
+    let mut left_out = Vec::new();
+    for platform in PLATFORMS {
+        match platform.build() {
+            Ok(bytes) => drop(binaries.insert(platform.path(), bytes)),
+            Err(reason) => {
+                let replaced = platform.folder == PLATFORM;
+                left_out.push(LeftOut { folder: platform.folder, reason, replaced });
+            }
+        }
+    }
+    if !binaries.contains_key(&path(PLATFORM, SHARED_LIBRARY)) {
+        binaries.extend(own()?);
+    }
+    Ok((binaries, left_out))
+}
+
+impl Platform {
+    /// Where its binary is in the archive.
+    pub fn path(&self) -> String {
+        path(self.folder, self.ending)
+    }
+
+    /// Compiles its binary; the error says what to install.
+    fn build(&self) -> std::result::Result<Vec<u8>, String> {
+        if !runs("cargo-zigbuild", &["--version"]) {
+            return Err(TOOLS.into());
+        }
+        let missing: Vec<&str> = self.targets.iter().copied().filter(|t| !has_standard_library(t)).collect();
+        if !missing.is_empty() {
+            return Err(format!("run `rustup target add {}`", missing.join(" ")));
+        }
+        let slices: Result<Vec<Vec<u8>>> = self.targets.iter().map(|target| self.compile(target)).collect();
+        let mut slices = slices.map_err(|e| format!("{e}; {TOOLS}"))?;
+        Ok(if slices.len() == 1 { slices.remove(0) } else { universal(&slices) })
+    }
+
+    fn compile(&self, target: &str) -> Result<Vec<u8>> {
+        eprintln!("{}: {target}", self.folder);
+        let target = self.glibc.map_or_else(|| target.to_owned(), |version| format!("{target}.{version}"));
+        read(&Compiler::default().library_for(&target)?)
+    }
+}
+
+/// Whether the Rust standard library of a target is installed.
+fn has_standard_library(target: &str) -> bool {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let asked = Command::new(rustc)
+        .args(["--print", "target-libdir", "--target", target])
+        .stderr(Stdio::null())
+        .output();
+    asked.is_ok_and(|o| PathBuf::from(String::from_utf8_lossy(&o.stdout).trim()).is_dir())
+}
+
+/// Pages of Apple's processors, as a power of two: where the slices of a universal file begin.
+const PAGE: u32 = 14;
+
+/// A universal Mach-O file: a table of (processor, its subtype, offset, size, alignment) in big-endian words, then the
+/// files themselves.
+fn universal(slices: &[Vec<u8>]) -> Vec<u8> {
+    const MAGIC: u32 = 0xcafe_babe;
+    let aligned = |n: usize| n.next_multiple_of(1 << PAGE);
+    let mut table: Vec<u32> = vec![MAGIC, slices.len() as u32];
+    let mut offset = aligned(8 + 20 * slices.len());
+    for slice in slices {
+        let word = |at: usize| u32::from_le_bytes([slice[at], slice[at + 1], slice[at + 2], slice[at + 3]]);
+        table.extend([word(4), word(8), offset as u32, slice.len() as u32, PAGE]);
+        offset = aligned(offset + slice.len());
+    }
+    let mut file: Vec<u8> = table.into_iter().flat_map(u32::to_be_bytes).collect();
+    for slice in slices {
+        file.resize(aligned(file.len()), 0);
+        file.extend(slice);
+    }
+    file
+}
+
+/// Whether a program can be run.
+fn runs(program: &str, arguments: &[&str]) -> bool {
+    let quiet = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    quiet.is_ok_and(|status| status.success())
+}

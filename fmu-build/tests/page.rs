@@ -1,0 +1,152 @@
+//! The documentation page: complete, self-contained, well-formed; and, where asked for, as Chromium shows it.
+
+use fmu_build::page::page;
+use quick_xml::events::Event;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use vibro_impact::fmi2::variables::{Kind, VARIABLES};
+
+#[test]
+fn every_variable_has_name_unit_range_and_meaning() {
+    let page = page();
+    let rows: Vec<Vec<&str>> = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("<tr><td><code>"))
+        .map(|row| row.trim_end_matches("</td></tr>").split("</td><td>").collect())
+        .collect();
+    assert_eq!(rows.len(), VARIABLES.len());
+    for (row, variable) in rows.iter().zip(&VARIABLES) {
+        let [name, meaning, unit, start, range, kind] = row[..] else { panic!("{row:?}") };
+        assert_eq!(name, format!("{}</code>", variable.name));
+        assert!(meaning.len() > 3 && !range.is_empty() && kind.contains(", "), "{row:?}");
+        assert_eq!(start.is_empty(), variable.start().is_none(), "{row:?}");
+        if let Kind::Real { .. } = variable.kind {
+            assert_eq!(Some(unit), variable.unit(), "{row:?}");
+        }
+    }
+}
+
+/// Element by element: every tag closed, no address to load anything from, no script, every inner link leading somewhere.
+#[test]
+fn the_page_needs_nothing_from_outside() {
+    let page = page();
+    assert!(!page.contains("{{"), "a part of the template was not filled in");
+    let mut reader = quick_xml::Reader::from_str(&page);
+    let (mut ids, mut links, mut pictures, mut formulas) = (BTreeSet::new(), BTreeSet::new(), 0, 0);
+    loop {
+        let event = reader.read_event().unwrap_or_else(|e| panic!("{e} at {}", reader.error_position()));
+        let (Event::Start(tag) | Event::Empty(tag)) = &event else {
+            if matches!(event, Event::Eof) { break } else { continue }
+        };
+        let name = tag.name().as_ref().to_owned();
+        assert!(!["script", "link", "iframe", "object", "embed"].contains(&name.as_str()), "<{name}>");
+        pictures += usize::from(name == "svg");
+        formulas += usize::from(name == "math");
+        for attribute in tag.attributes() {
+            let attribute = attribute.unwrap();
+            let key = attribute.key.as_ref();
+            let value = attribute.value.as_ref();
+            match key {
+                "id" => assert!(ids.insert(value.to_owned()), "{value} twice"),
+                "href" => drop(links.insert(value.strip_prefix('#').expect("within the page").to_owned())),
+                "src" | "xlink:href" | "data" | "srcset" => panic!("{key}={value}"),
+                _ => {}
+            }
+        }
+    }
+    assert!(!page.contains("url(") && !page.contains("@import"));
+    assert!(links.is_subset(&ids), "{:?}", links.difference(&ids));
+    assert_eq!(pictures, 3, "sketch, run, response");
+    assert!(formulas > 10, "{formulas}");
+}
+
+/// Where Chromium is, by `CHROMIUM` or on the path.
+fn chromium() -> PathBuf {
+    let named = std::env::var_os("CHROMIUM").map(PathBuf::from);
+    let usual = ["chromium", "chromium-browser", "google-chrome"].map(PathBuf::from);
+    let candidates = named.map_or_else(|| usual.to_vec(), |path| vec![path]);
+    let works = |path: &&PathBuf| Command::new(path).arg("--version").output().is_ok();
+    candidates.iter().find(works).cloned().unwrap_or_else(|| {
+        panic!("none of {candidates:?} runs: install Chromium (Debian: apt install chromium) or name it in CHROMIUM")
+    })
+}
+
+fn browse(arguments: &[&str], page: &Path, profile: &Path) -> (String, String) {
+    let output = Command::new(chromium())
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            "--force-device-scale-factor=1",
+        ])
+        .args(["--enable-logging=stderr", "--virtual-time-budget=5000"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .args(arguments)
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    (text(&output.stdout), text(&output.stderr))
+}
+
+/// Looks at the page from inside and leaves what it finds in an attribute of the document.
+const PROBE: &str = r#"<script>
+const errors = [];
+addEventListener("error", (e) => errors.push(e.message || ("cannot load " + e.target.outerHTML)), true);
+addEventListener("load", () => {
+  const shown = (e) => { const r = e.getBoundingClientRect(); return r.width > 3 && r.height > 3; };
+  for (const svg of document.querySelectorAll("svg")) {
+    const drawn = [...svg.querySelectorAll("path, polyline, rect, text, circle, line, polygon")].filter((e) => {
+      const b = e.getBBox(); return b.width > 0 || b.height > 0; });
+    if (!shown(svg) || drawn.length < 10) errors.push("picture not drawn: " + svg.getAttribute("aria-label"));
+    if (svg.getBoundingClientRect().right > innerWidth) errors.push("picture cut off: " + svg.getAttribute("aria-label"));
+  }
+  for (const image of document.images) if (!image.naturalWidth) errors.push("picture missing: " + image.src);
+  for (const formula of document.querySelectorAll("math")) {
+    if (!shown(formula)) errors.push("formula not shown: " + formula.textContent);
+  }
+  const fraction = document.querySelector("mfrac").getBoundingClientRect();
+  if (fraction.height < 25) errors.push("MathML is not laid out");
+  if (document.documentElement.scrollWidth > innerWidth) errors.push("the page is wider than the window");
+  for (const r of performance.getEntriesByType("resource")) errors.push("loaded " + r.name);
+  document.documentElement.setAttribute("data-found", "found:" + errors.join("; ") + ":end");
+});
+</script>"#;
+
+#[test]
+#[ignore = "needs Chromium (Debian: apt install chromium)"]
+fn chromium_shows_the_page_without_errors_or_missing_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, profile) = (folder.path().join("index.html"), folder.path().join("profile"));
+    for width in [1280, 700] {
+        std::fs::write(&file, page().replacen("</title>", &format!("</title>{PROBE}"), 1)).unwrap();
+        let size = format!("--window-size={width},900");
+        let (dom, log) = browse(&[&size, "--dump-dom"], &file, &profile);
+        let found = dom.split("data-found=\"found:").nth(1).and_then(|rest| rest.split(":end\"").next());
+        assert_eq!(found, Some(""), "at {width} pixels");
+        let complaints: Vec<&str> = log.lines().filter(|line| line.contains(":CONSOLE")).collect();
+        assert!(complaints.is_empty(), "{complaints:?}");
+    }
+    // To be looked at.
+    std::fs::write(&file, page()).unwrap();
+    let picture = fmu_build::compile::target().join("documentation.png");
+    let target = format!("--screenshot={}", picture.display());
+    browse(&["--window-size=1200,6200", &target], &file, &profile);
+    println!("{}", picture.display());
+    assert!(std::fs::metadata(&picture).unwrap().len() > 100_000);
+}
+
+/// The probe itself: it tells of a picture that is not there.
+#[test]
+#[ignore = "needs Chromium (Debian: apt install chromium)"]
+fn chromium_tells_of_a_missing_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, profile) = (folder.path().join("index.html"), folder.path().join("profile"));
+    let broken = page().replacen("</title>", &format!("</title>{PROBE}"), 1);
+    std::fs::write(&file, broken.replacen("<h2", "<img src=\"nothing.png\" alt=\"\"/><h2", 1)).unwrap();
+    let (dom, _) = browse(&["--window-size=1280,900", "--dump-dom"], &file, &profile);
+    assert!(dom.contains("picture missing") && dom.contains("cannot load"), "{}", &dom[..400]);
+}

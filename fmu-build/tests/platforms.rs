@@ -1,0 +1,216 @@
+//! The archive of all platforms. Building it takes minutes and tools that not everybody has, so this is asked for:
+//! `cargo test -p fmu-build --test platforms -- --ignored --nocapture`. What cannot be done here is printed.
+
+mod common;
+
+use fmu_build::compile::PLATFORM;
+use fmu_build::platforms::{self, PLATFORMS, Platform};
+use fmu_build::{archive, package};
+use object::{Architecture, BinaryFormat, Object};
+use std::path::Path;
+use std::process::Command;
+use vibro_impact::fmi2::{description, variables};
+use vibro_impact::{Parameters, Simulator, State};
+
+/// The oldest glibc that is promised: that of CentOS 7.
+const GLIBC: [u32; 2] = [2, 17];
+
+const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
+
+/// The default motion is stable: other roundings (another libm's sine, fused operations) are not amplified.
+const SAME: f64 = 1e-10;
+
+const PERIODS: u32 = 50;
+const PER_PERIOD: u32 = 20;
+
+#[test]
+#[ignore = "builds every platform: needs minutes, rustup targets and fmu-build/requirements.txt"]
+fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("x.fmu");
+    let left_out = package::build_all(&fmu).unwrap();
+    for platform in &left_out {
+        println!("{platform}");
+    }
+    let expected = native();
+    for platform in PLATFORMS {
+        let missing = left_out.iter().any(|l| l.folder == platform.folder);
+        if missing {
+            continue;
+        }
+        let bytes = archive::read(&fmu, &platform.path()).unwrap();
+        check_binary(&platform, &bytes);
+        let library = folder.path().join(platform.folder).join(format!("x{}", platform.ending));
+        archive::write_file(&library, &bytes).unwrap();
+        match run(&platform, &library) {
+            Ok(got) => {
+                let difference = difference(&got, &expected);
+                println!(
+                    "{}: runs, largest difference from the native run {difference:.1e}",
+                    platform.folder
+                );
+                assert!(difference < SAME, "{}: {difference:e}", platform.folder);
+            }
+            Err(reason) => println!("{}: not run: {reason}", platform.folder),
+        }
+    }
+}
+
+/// Format, processor, exports and needs, slice by slice.
+fn check_binary(platform: &Platform, bytes: &[u8]) {
+    let folder = platform.folder;
+    let slices: Vec<&[u8]> = match object::read::macho::MachOFatFile32::parse(bytes) {
+        Ok(fat) => {
+            fat.arches().iter().map(|arch| object::read::macho::FatArch::data(arch, bytes).unwrap()).collect()
+        }
+        Err(_) => vec![bytes],
+    };
+    assert_eq!(slices.len(), platform.targets.len(), "{folder}");
+    for (slice, target) in slices.into_iter().zip(platform.targets) {
+        let binary = object::File::parse(slice).unwrap();
+        let architecture = match target.split('-').next() {
+            Some("x86_64") => Architecture::X86_64,
+            Some("i686") => Architecture::I386,
+            _ => Architecture::Aarch64,
+        };
+        let format = match platform.ending {
+            ".dll" => BinaryFormat::Pe,
+            ".dylib" => BinaryFormat::MachO,
+            _ => BinaryFormat::Elf,
+        };
+        assert_eq!((binary.architecture(), binary.format()), (architecture, format), "{folder}");
+        let mut exported = common::exports(slice);
+        if format == BinaryFormat::MachO {
+            // zig's linker takes no list of exports: two names of Rust's run time stay.
+            exported.retain(|name| !RUN_TIME.iter().any(|part| name.contains(part)));
+        }
+        assert_eq!(exported, common::functions(), "{folder}");
+        let needs = common::needs(slice);
+        assert!(needs.iter().all(|name| common::is_system(name)), "{folder}: {needs:?}");
+        let glibc = needs.iter().filter_map(|name| name.strip_prefix("GLIBC_"));
+        for version in glibc.map(|v| v.split('.').map(|n| n.parse().unwrap()).collect::<Vec<u32>>()) {
+            assert!(version[..2] <= GLIBC[..], "{folder} needs glibc {version:?}");
+        }
+        println!("{folder}: {target} needs {}", needs.into_iter().collect::<Vec<_>>().join(", "));
+    }
+}
+
+/// Of Rust, and of every Mach-O library.
+const RUN_TIME: [&str; 4] = ["rust_eh_personality", "std9panicking", "dso_handle", "mh_dylib_header"];
+
+type Path6 = Vec<[f64; 6]>;
+
+/// The native motion at the communication points.
+fn native() -> Path6 {
+    let parameters = Parameters::default();
+    let step = parameters.period() / f64::from(PER_PERIOD);
+    let mut simulator = Simulator::new(&parameters, &State::default(), 0.0).unwrap();
+    let mut path = Vec::new();
+    for i in 0..=PERIODS * PER_PERIOD {
+        simulator.advance_to(f64::from(i) * step).unwrap();
+        let State { x, v } = simulator.state();
+        path.push([x[0], x[1], x[2], v[0], v[1], v[2]]);
+    }
+    path
+}
+
+fn difference(a: &Path6, b: &Path6) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Compiles tests/host.c for the platform, runs it with the library and reads what it prints.
+fn run(platform: &Platform, library: &Path) -> Result<Path6, String> {
+    let (runner, target): (&[&str], &str) = match platform.folder {
+        folder if folder == PLATFORM && cfg!(target_arch = "x86_64") => (&[], platform.targets[0]),
+        "win64" => (&["wine"], "x86_64-windows-gnu"),
+        "win32" => (&["wine"], "x86-windows-gnu"),
+        "linux32" => (&["qemu-i386"], "x86-linux-gnu.2.17"),
+        "aarch64-linux" => (&["qemu-aarch64"], "aarch64-linux-gnu.2.17"),
+        _ => return Err("no emulator is known".into()),
+    };
+    let target = if runner.is_empty() { "x86_64-linux-gnu.2.17" } else { target };
+    if let Some(program) = runner.first()
+        && Command::new(program).arg("--version").output().is_err()
+    {
+        return Err(format!("install {program} (Debian: apt install wine64 qemu-user)"));
+    }
+    let host = library.with_file_name(if platform.ending == ".dll" { "host.exe" } else { "host" });
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/host.c");
+    let mut zig = Command::new("cargo-zigbuild");
+    zig.args(["zig", "cc", "--", "-target", target, "-O1", "-o"]).arg(&host).arg(&source);
+    if platform.ending == ".so" {
+        zig.arg("-ldl");
+    }
+    let compiled = zig.output().map_err(|e| format!("cargo-zigbuild: {e}"))?;
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+
+    let step = Parameters::default().period() / f64::from(PER_PERIOD);
+    let mut command = match runner.first() {
+        Some(program) => {
+            let mut command = Command::new(program);
+            if let Some(libraries) = libraries(platform) {
+                command.args(["-L", libraries]);
+            }
+            command.arg(&host);
+            command
+        }
+        None => Command::new(&host),
+    };
+    command.arg(library).arg(description::guid()).arg(step.to_string());
+    command.arg((PERIODS * PER_PERIOD).to_string());
+    command.args(NAMES.map(|name| variables::find(name).unwrap().0.to_string()));
+    command.env("WINEDEBUG", "-all").env("WINEPREFIX", library.with_file_name("wine"));
+    let output = command.output().map_err(|e| e.to_string())?;
+    let (printed, errors) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    if !output.status.success() && errors.contains("No such file or directory") {
+        // An emulator without that processor's C library.
+        return Err(format!("{} (Debian: apt install libc6-arm64-cross libc6-i386-cross)", errors.trim()));
+    }
+    if platform.folder == "win32" && printed.is_empty() && output.status.success() {
+        // Wine without its 32-bit part starts nothing and says nothing.
+        return Err(
+            "Wine runs no 32-bit programs (Debian: dpkg --add-architecture i386, apt install wine32)".into(),
+        );
+    }
+    assert!(output.status.success(), "{}: {}\n{printed}\n{errors}", platform.folder, output.status);
+    let row = |line: &str| -> [f64; 6] {
+        let values: Vec<f64> = line.split_whitespace().map(|word| word.parse().unwrap()).collect();
+        values.try_into().unwrap()
+    };
+    Ok(printed.lines().map(row).collect())
+}
+
+/// Where Debian's packages put another processor's C library.
+fn libraries(platform: &Platform) -> Option<&'static str> {
+    let folder = match platform.folder {
+        "aarch64-linux" => "/usr/aarch64-linux-gnu",
+        "linux32" => "/usr/i686-linux-gnu",
+        _ => return None,
+    };
+    Path::new(folder).is_dir().then_some(folder)
+}
+
+#[test]
+fn a_missing_tool_is_named_with_what_to_install() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("x.fmu");
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let without: Vec<_> =
+        std::env::split_paths(&path).filter(|folder| !folder.join("cargo-zigbuild").exists()).collect();
+    let output = Command::new(env!("CARGO_BIN_EXE_fmu-build"))
+        .args(["--all-platforms", "--no-run", "--output"])
+        .arg(&fmu)
+        .env("PATH", std::env::join_paths(without).unwrap())
+        .output()
+        .unwrap();
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for platform in PLATFORMS {
+        let line = printed.lines().find(|line| line.starts_with(platform.folder)).unwrap();
+        assert!(line.contains(platforms::TOOLS), "{line}");
+        let packed = archive::read(&fmu, &platform.path()).is_ok();
+        assert_eq!(packed, platform.folder == PLATFORM, "{line}");
+    }
+}

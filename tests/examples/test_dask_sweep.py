@@ -1,0 +1,115 @@
+"""The sweep on dask: as computed here without it, for any number of workers, and when one is killed midway."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import fmpy
+import pytest
+from pyarrow import parquet
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+sys.path.insert(0, str(EXAMPLES))
+os.environ["PYTHONPATH"] = str(EXAMPLES)  # the workers unpickle the module's functions
+
+import dask_sweep  # noqa: E402
+from dask.distributed import Client, LocalCluster  # noqa: E402
+
+MEASURE = dask_sweep.Measure(periods=60, kept=10)
+AXES = {"drive.frequency": [0.9 + 0.01 * i for i in range(12)], "stop.restitution": [0.5, 0.6, 0.75]}
+
+
+@pytest.fixture(scope="module")
+def fmu():
+    path = os.environ.get("VIBRO_IMPACT_FMU")
+    assert path, "VIBRO_IMPACT_FMU names no file: run this through `cargo test --test examples -- --ignored`"
+    return Path(path)
+
+
+@pytest.fixture(scope="module")
+def alone(fmu, tmp_path_factory):
+    """The rows, computed one after the other without dask."""
+    folder = fmpy.extract(str(fmu), unzipdir=str(tmp_path_factory.mktemp("fmu")))
+    description = fmpy.read_model_description(folder)
+    points = dask_sweep.grid(AXES, {})
+    return [{"index": i, **p, **MEASURE.run(folder, description, p)} for i, p in enumerate(points)]
+
+
+def test_rows_are_sensible(alone):
+    assert len(alone) == 36
+    assert all(row["amplitude.box.s"] > 0.0 for row in alone)
+    assert len({row["amplitude.block.s"] for row in alone}) > 10, "the points differ"
+    assert any(row["impacts.upper"] > 0 and row["power.impact"] > 0 for row in alone)
+
+
+class Slowly(dask_sweep.Measure):
+    """Leaves a mark for each point begun, and gives the test time to kill its worker."""
+
+    def run(self, unzipped, description, point):
+        with open(os.environ["SWEEP_MARKS"], "a") as marks:
+            print(os.getpid(), point["drive.frequency"], point["stop.restitution"], file=marks)
+        time.sleep(0.1)
+        return super().run(unzipped, description, point)
+
+
+def test_points_of_a_killed_worker_are_computed_again(fmu, alone, tmp_path, monkeypatch):
+    marks = tmp_path / "marks"
+    monkeypatch.setenv("SWEEP_MARKS", str(marks))
+    monkeypatch.setenv("PYTHONPATH", f"{EXAMPLES}{os.pathsep}{Path(__file__).parent}")
+    points = dask_sweep.grid(AXES, {})
+    slowly = Slowly(periods=MEASURE.periods, kept=MEASURE.kept)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        processes = set(client.run(os.getpid).values())
+        assert len(processes) == 2
+        rows, victim = [], None
+        for done in dask_sweep.sweep(client, fmu, points, slowly, size=3):
+            rows += done
+            if victim is None:
+                victim = int(marks.read_text().splitlines()[-1].split()[0])  # is amid a chunk or begins one
+                assert victim in processes
+                os.kill(victim, signal.SIGKILL)
+    assert sorted(rows, key=lambda row: row["index"]) == alone
+    begun = [line.split() for line in marks.read_text().splitlines()]
+    again = {tuple(b[1:]) for b in begun if b[0] == str(victim)} & {tuple(b[1:]) for b in begun if b[0] != str(victim)}
+    assert again, "no point of the killed worker was begun again by another"
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_the_script_writes_the_same_table_for_any_number_of_workers(fmu, alone, tmp_path, workers):
+    output = tmp_path / "sweep.parquet"
+    arguments = ["--vary", "drive.frequency=0.9:1.01:12", "--set", "stop.restitution=0.6", "--workers", str(workers)]
+    arguments += ["--periods", "60", "--kept", "10", "--fmu", str(fmu), "--output", str(output)]
+    subprocess.run([sys.executable, str(EXAMPLES / "dask_sweep.py"), *arguments], check=True, timeout=200)
+    table = parquet.read_table(output)
+    assert table.schema.metadata[b"periods"] == b"60"
+    expected = [row for row in alone if row["stop.restitution"] == 0.6]
+    for name in ("drive.frequency", "stop.restitution", "amplitude.block.s", "impacts.upper", "power.impact"):
+        assert table.column(name).to_pylist() == pytest.approx([row[name] for row in expected], rel=1e-6), name
+    assert list(tmp_path.iterdir()) == [output], "nothing unfinished is left"
+
+
+def test_the_script_joins_a_scheduler(fmu, tmp_path):
+    output = tmp_path / "sweep.parquet"
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        arguments = ["--vary", "stop.restitution=0.5:0.8:3", "--periods", "60", "--kept", "10", "--fmu", str(fmu)]
+        arguments += ["--scheduler", cluster.scheduler_address, "--output", str(output)]
+        subprocess.run([sys.executable, str(EXAMPLES / "dask_sweep.py"), *arguments], check=True, timeout=200)
+    assert parquet.read_table(output).num_rows == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--vary", "drive.speed=0:1:2"], "drive.speed: allowed are"),
+        (["--vary", "drive.frequency=0:1"], "allowed is NAME=FROM:TO:COUNT"),
+        (["--vary", "drive.frequency=0.9:1:2", "--kept", "300"], "--kept 300: allowed is 1 to"),
+    ],
+)
+def test_wrong_arguments_are_named(fmu, arguments, word):
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / "dask_sweep.py"), "--fmu", str(fmu), *arguments], capture_output=True, text=True
+    )
+    assert done.returncode != 0 and word in done.stderr, done.stderr

@@ -1,0 +1,170 @@
+"""The coupling examples: a machine cut in two, a master that steps to the impacts, an SSP archive."""
+
+import math
+import platform
+import sys
+from pathlib import Path
+
+import numpy as np
+import oracle
+import pytest
+from scipy.integrate import solve_ivp
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+sys.path[:0] = [str(EXAMPLES), str(EXAMPLES / "coupling")]
+
+import partitioned  # noqa: E402
+import ssp  # noqa: E402
+import step_to_impacts  # noqa: E402
+import vibro  # noqa: E402
+
+# pythonfmu brings binaries for these only.
+pythonfmu_runs = pytest.mark.skipif(
+    platform.machine() not in ("x86_64", "AMD64") or sys.platform == "darwin",
+    reason="pythonfmu has binaries for 64-bit Linux and Windows on x86 only",
+)
+
+# Of the closed form in the oscillator: a few roundings.
+ROUND_OFF = 1e-13
+
+# Sums of 4000 steps of 0.01 s that one host takes in nanoseconds: times differ by 1e-12 s, and impacts by as much.
+SAME_SYSTEM = 1e-9
+
+# DOP853 at 1e-12 with impacts by event is itself off by about 1e-9 after some periods.
+ORACLE = 1e-8
+
+
+@pytest.fixture(scope="module")
+def oscillator(tmp_path_factory):
+    return partitioned.build_oscillator(tmp_path_factory.mktemp("oscillator"))
+
+
+def slope(steps, errors):
+    """Order of the error, by least squares."""
+    return -np.polyfit(np.log(steps), np.log(errors), 1)[0]
+
+
+@pythonfmu_runs
+def test_oscillator_equals_dop853(oscillator):
+    p = {"m": 0.2, "k": 0.5, "c": 0.03, "kc": 0.1}
+    s, v, a = 0.3, -0.2, 0.15
+    with vibro.Slave(oscillator, {**p, "s": s, "v": v, "a": a}) as slave:
+        slave.step(0.0, 3.0)
+        got = slave.reals(["x", "dx", "f"])
+
+    def rate(t, y):
+        pull = p["kc"] * (s + v * t + a * t * t / 2 - y[0])
+        return [y[1], (pull - p["k"] * y[0] - p["c"] * y[1]) / p["m"]]
+
+    x, dx = solve_ivp(rate, (0.0, 3.0), [0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    np.testing.assert_allclose(got, [x, dx, p["kc"] * (x - (s + 3 * v + 4.5 * a))], rtol=0, atol=1e-10)
+
+
+@pythonfmu_runs
+def test_oscillator_does_not_depend_on_the_step(oscillator):
+    ends = []
+    for count in (1, 7):
+        with vibro.Slave(oscillator, {"s": 0.3, "v": -0.2, "a": 0.15}) as slave:
+            for i in range(count):
+                slave.step(i * 4.0 / count, 4.0 / count)
+            ends.append(slave.reals(["x", "dx", "f", "df"]))
+    np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=ROUND_OFF)
+
+
+@pythonfmu_runs
+def test_coupling_errors_fall_with_the_order_of_each_master(fmu, oscillator):
+    """First, second, second (impacts inside steps) and third order; the last reaches the whole machine's motion."""
+    steps = (80, 160, 320, 640)
+    table = partitioned.errors(fmu, oscillator, steps)
+    orders = {name: slope(steps, errors) for name, errors in table.items()}
+    for (name, order), expected in zip(orders.items(), (1.0, 1.7, 1.7, 2.9)):
+        assert expected - 0.3 < order < expected + 0.6, (name, order, table[name])
+    last = [errors[-1] for errors in table.values()]
+    assert last == sorted(last, reverse=True), table
+    assert last[0] > 1e-3, "the plain coupling shows its error"
+    assert last[-1] < 1e-7, table
+
+
+@pythonfmu_runs
+def test_iterations_are_those_of_newtons_method(fmu, oscillator, monkeypatch):
+    """Without the directional derivative the same result takes more iterations."""
+    name, master, to_impacts = partitioned.MASTERS[-1]
+    newton = partitioned.cut(fmu, oscillator, master, 10, 10, to_impacts=to_impacts)
+    monkeypatch.setattr(vibro.Slave, "derivative", lambda self, unknown, known: 0.0)
+    plain = partitioned.cut(fmu, oscillator, master, 10, 10, to_impacts=to_impacts)
+    np.testing.assert_allclose(np.array(newton.states), np.array(plain.states), rtol=0, atol=1e-9)
+    assert newton.iterations < plain.iterations, (newton.iterations, plain.iterations)
+
+
+def test_steps_to_the_impacts_of_dop853(fmu, period):
+    start = {"block.s": 0.9, "block.v": 0.5}
+    stop = 10 * period
+    found = list(step_to_impacts.impacts(fmu, start, stop, period / 10))
+    p = vibro.start_values(fmu)
+    _, expected = oracle.simulate(p, [0.0, 0.9, 0.0, 0.0, 0.5, 0.0], np.linspace(0.0, stop, 201))
+    assert len(found) == len(expected) > 10
+    np.testing.assert_allclose([impact.time for impact in found], expected, rtol=0, atol=ORACLE)
+    reduced = p["box.m"] * p["block.m"] / (p["box.m"] + p["block.m"])
+    for impact in found:
+        assert impact.impulse == pytest.approx((1 + p["stop.restitution"]) * reduced * impact.speed, rel=1e-12)
+    assert {impact.stop for impact in found} == {"upper", "lower"}
+
+
+@pytest.fixture(scope="module")
+def archive(fmu, tmp_path_factory):
+    return ssp.build(fmu, tmp_path_factory.mktemp("ssp") / "motor.ssp")
+
+
+@pythonfmu_runs
+def test_ssp_archive_is_valid_and_says_units_and_parameters(archive):
+    from fmpy.ssp.ssd import find_components, read_ssd
+
+    structure = read_ssd(str(archive))  # checks it against the schema of SSP 1.0
+    assert {unit.name for unit in structure.units} == set(ssp.UNITS)
+    used = {unit for connectors in ssp.CONNECTORS.values() for _, _, unit in connectors}
+    used |= {unit for values in ssp.PARAMETERS.values() for _, unit in values.values()}
+    assert used <= set(ssp.UNITS)
+    given = {
+        (component.name, parameter.name): (float(parameter.value), parameter.unit)
+        for component in find_components(structure.system)
+        for binding in component.parameterBindings
+        for values in binding.parameterValues
+        for parameter in values.parameters
+    }
+    assert given == {(c, n): value for c, values in ssp.PARAMETERS.items() for n, value in values.items()}
+
+
+@pythonfmu_runs
+def test_ssp_in_fmpy_equals_a_master_written_out(archive, fmu, tmp_path):
+    """fmpy couples by Jacobi's scheme: all step with the values of the step before, zero at first."""
+    from pythonfmu.builder import FmuBuilder
+
+    stop, step = 40.0, 0.01
+    result = ssp.run_fmpy(archive, stop, step)
+    FmuBuilder.build_FMU(EXAMPLES / "coupling" / "drive_train.py", dest=tmp_path)
+    start = {name: {n: value for n, (value, _) in values.items()} for name, values in ssp.PARAMETERS.items()}
+    motor = vibro.Slave(tmp_path / "DriveTrain.fmu", start["motor"], name="motor")
+    with vibro.Slave(fmu, start["machine"]) as machine, motor:
+        force = acceleration = time = 0.0
+        for i in range(round(stop / step)):
+            machine.set("box.f", force)
+            motor.set("acceleration", acceleration)
+            machine.step(time, step)
+            motor.step(time, step)
+            force, acceleration = motor.get("force"), machine.get("box.a")
+            assert result["machine.box.s"][i] == machine.get("box.s")
+            assert result["motor.speed"][i] == motor.get("speed")
+            time += step
+        assert machine.get("impacts.upper") > 0, "the shaken box meets the block"
+    assert math.isclose(result["time"][-1], stop, rel_tol=1e-9)
+
+
+@pythonfmu_runs
+def test_ssp_in_libcosimpy_gives_what_fmpy_gives(archive):
+    """Both couple by Jacobi's scheme, and the outputs are zero at the start; libcosimpy's times are whole nanoseconds."""
+    pytest.importorskip("libcosimpy", reason="libcosimpy has no wheel for this Python or platform")
+    ours, theirs = (run(archive, 40.0, 0.01) for run in (ssp.run_fmpy, ssp.run_libcosimpy))
+    assert set(theirs) == set(ours)
+    for name in ("motor.speed", "motor.force", "machine.box.s", "machine.block.s", "machine.stop.s"):
+        assert np.ptp(ours[name]) > 0.1, name
+        np.testing.assert_allclose(theirs[name], ours[name], rtol=0, atol=SAME_SYSTEM)
