@@ -101,6 +101,8 @@ impl Compiler {
         cargo.args(["--package", "vibro-impact", "--no-default-features", "--profile", "fmu", "--locked"]);
         cargo.args(["--message-format", "json-render-diagnostics", "--target-dir"]);
         cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
+        // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
+        cargo.env("CARGO_INCREMENTAL", "0");
         // Windows libraries carry a time: 1980-01-01, as the archive's entries.
         cargo.env("SOURCE_DATE_EPOCH", "315532800");
     }
