@@ -1,6 +1,6 @@
 //! The C interface: every `extern "C"` and every `unsafe` of the crate (FMI 2.0, 2.1, 3.2 and 4.2).
 //!
-//! [`export!`] declares a function of the standard as in its C prototype, with the kind of each argument; from that it
+//! The macro `export!` declares a function of the standard as in its C prototype, with the kind of each argument; from that it
 //! checks handle, state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose outcome
 //! becomes a status and a log message. Nothing is decided here. No panic leaves a function: one becomes `fmi2Fatal` and
 //! marks the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust enums.

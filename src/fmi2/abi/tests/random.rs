@@ -1,6 +1,7 @@
 //! Random calls with random arguments: no crash, no panic, and the instance answers afterwards.
 
 use super::*;
+use std::cell::Cell;
 
 /// Calls a run; a fuzzer goes further, this keeps the way open.
 const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
@@ -45,9 +46,10 @@ impl Random {
 
 /// Buffers of a call: eight elements each, as many as `count` says at most.
 struct Call {
-    references: [u32; 8],
-    reals: [f64; 8],
-    integers: [c_int; 8],
+    references: Cell<[u32; 8]>,
+    reals: Cell<[f64; 8]>,
+    results: Cell<[f64; 8]>,
+    integers: Cell<[c_int; 8]>,
     count: usize,
     null: [bool; 3],
 }
@@ -64,24 +66,25 @@ impl Call {
             n => n as usize % 9,
         };
         Self {
-            references,
-            reals: [(); 8].map(|()| random.number()),
-            integers: [(); 8].map(|()| random.integer()),
+            references: Cell::new(references),
+            reals: Cell::new([(); 8].map(|()| random.number())),
+            results: Cell::new([0.0; 8]),
+            integers: Cell::new([(); 8].map(|()| random.integer())),
             count,
             null: [(); 3].map(|()| random.one_in(25)),
         }
     }
 
     fn vr(&self) -> *const u32 {
-        if self.null[0] { null() } else { self.references.as_ptr() }
+        if self.null[0] { null() } else { self.references.as_ptr().cast() }
     }
 
-    fn reals(&mut self) -> *mut f64 {
-        if self.null[1] { null_mut() } else { self.reals.as_mut_ptr() }
+    fn reals(&self) -> *mut f64 {
+        if self.null[1] { null_mut() } else { self.reals.as_ptr().cast() }
     }
 
-    fn integers(&mut self) -> *mut c_int {
-        if self.null[2] { null_mut() } else { self.integers.as_mut_ptr() }
+    fn integers(&self) -> *mut c_int {
+        if self.null[2] { null_mut() } else { self.integers.as_ptr().cast() }
     }
 }
 
@@ -98,7 +101,7 @@ unsafe fn random_call(
     time: f64,
 ) -> FmiStatus {
     let c = host.c;
-    let mut call = Call::new(random);
+    let call = Call::new(random);
     let (vr, count) = (call.vr(), call.count);
     let (reals, integers) = (call.reals(), call.integers());
     let state = &mut states[random.below(4) as usize];
@@ -136,7 +139,7 @@ unsafe fn random_call(
                 fmi2DeSerializeFMUstate(c, bytes.as_ptr(), size, state)
             }
             24 => fmi2DeSerializeFMUstate(c, bytes.as_ptr(), random.below(1024) as usize, state),
-            25 => fmi2GetDirectionalDerivative(c, vr, count, vr, 2, reals, integers.cast()),
+            25 => fmi2GetDirectionalDerivative(c, vr, count, vr, 2, reals, call.results.as_ptr().cast()),
             26 => fmi2GetDirectionalDerivative(c, vr, 2, vr, 1, [1.0].as_ptr(), [0.0; 2].as_mut_ptr()),
             27 => fmi2EnterEventMode(c),
             28 => fmi2NewDiscreteStates(c, &mut FmiEventInfo::default()),
