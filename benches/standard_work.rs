@@ -10,6 +10,7 @@ use vibro_impact::fmi2::description::{self, MODEL_IDENTIFIER};
 use vibro_impact::fmi2::variables;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::reference::{Reference, Tolerance};
+use vibro_impact::simulator::advance_together;
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 #[path = "../tests/common/golden.rs"]
@@ -21,6 +22,10 @@ const ROUNDS: usize = 15;
 /// Drive periods of a timed run; the reference method, hundreds of times slower, runs fewer.
 const PERIODS: f64 = 2000.0;
 const REFERENCE_PERIODS: f64 = 100.0;
+
+/// Motions of a sweep, each from its own start, and the periods that each runs when timed.
+const MOTIONS: usize = 16;
+const SWEPT_PERIODS: f64 = 200.0;
 
 /// A run of n periods that returns the end state, set up already.
 type Run<'a> = Box<dyn FnOnce(f64) -> State + 'a>;
@@ -83,6 +88,28 @@ fn main() {
             })
         }
     };
+    let swept = |together: bool| {
+        move || -> Run<'_> {
+            let first = Simulator::new(&p, &start, 0.0).expect("valid").without_ledger();
+            let mut all: Vec<Simulator> = (0..MOTIONS)
+                .map(|i| {
+                    let x = [0.0, start.x[1] - 0.01 * i as f64, 0.0];
+                    first.another(&State { x, ..start }, 0.0).expect("valid")
+                })
+                .collect();
+            Box::new(move |n| {
+                let end = n / MOTIONS as f64 * period;
+                if together {
+                    for result in advance_together(&mut all, end) {
+                        result.expect("it arrives");
+                    }
+                } else {
+                    all.iter_mut().for_each(|s| s.advance_to(end).expect("it arrives"));
+                }
+                all[0].state()
+            })
+        }
+    };
     let packaged = |steps_per_period: f64| {
         let (binary, guid) = (&binary, description::guid());
         move || -> Run<'_> {
@@ -121,6 +148,16 @@ fn main() {
         Way { name: "library, energy accounts off".into(), periods: PERIODS, run: Box::new(native(false)) },
         Way { name: "library, energy accounts on".into(), periods: PERIODS, run: Box::new(native(true)) },
         Way {
+            name: format!("library, {MOTIONS} motions of a sweep, one by one"),
+            periods: SWEPT_PERIODS * MOTIONS as f64,
+            run: Box::new(swept(false)),
+        },
+        Way {
+            name: format!("library, {MOTIONS} motions of a sweep, together on one thread"),
+            periods: SWEPT_PERIODS * MOTIONS as f64,
+            run: Box::new(swept(true)),
+        },
+        Way {
             name: "packaged FMU, one `fmi2DoStep` for the whole run".into(),
             periods: PERIODS,
             run: Box::new(packaged(0.0)),
@@ -154,7 +191,8 @@ fn main() {
     );
     let base = least(&times[0]);
     for (way, times) in ways.iter().zip(&times) {
-        let error = golden::distance(&(way.run)()(20.0), &truth, 1.0, 1.0);
+        let motions = if way.name.contains("sweep") { MOTIONS as f64 } else { 1.0 };
+        let error = golden::distance(&(way.run)()(20.0 * motions), &truth, 1.0, 1.0);
         let ns = least(times);
         let ratio = base / ns;
         writeln!(table, "| {} | {ns:.0} | {ratio:.1} | {error:.1e} |", way.name).expect("memory");
@@ -175,5 +213,8 @@ fn main() {
     );
     print!("{text}");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/README.md");
+    // What other benches say stands below its first heading and stays.
+    let old = std::fs::read_to_string(path).unwrap_or_default();
+    let text = text + old.find("\n## ").map_or("", |place| &old[place..]);
     std::fs::write(path, text).unwrap_or_else(|e| panic!("{path}: {e}"));
 }

@@ -5,12 +5,30 @@
 //! coefficients the polynomial is monotone, convex or concave and its sign pattern is known; where none does, the
 //! interval is bounded and halved. Nothing is sampled.
 
+use crate::flow::PADDED;
+use crate::vector::{multiply_add, weighted};
+use pulp::Simd;
+
 /// A bracket is halved at most this often: then its width is under the resolution of a double.
 const MAX_DEPTH: u32 = 56;
 /// A polynomial of degree 11 is settled in some dozens of pieces; one that is round-off throughout would never be.
 const MAX_PIECES: u32 = 2000;
 /// Newton's method inside a bracket; every failing step bisects, so this is never reached.
 const MAX_ITERATIONS: u32 = 200;
+
+/// k and k - 1.
+const ORDERS: [f64; PADDED] = orders(0);
+const LOWER: [f64; PADDED] = orders(1);
+
+const fn orders(less: usize) -> [f64; PADDED] {
+    let mut k = [0.0; PADDED];
+    let mut i = 1;
+    while i < PADDED {
+        k[i] = (i - less) as f64;
+        i += 1;
+    }
+    k
+}
 
 /// p(u), even and odd orders apart so that two chains run side by side.
 #[inline(always)]
@@ -171,36 +189,57 @@ fn crossing_of_shape<const N: usize>(
     }
 }
 
-/// The passage of a p that rises and is nearly straight, which is almost every impact: Newton's method from the inverse
-/// series proves its own end, and a root inside is the only one.
+/// [`first_crossing`] for the gap of a free flight, whose orders from ten on are zero. Nearly always the gap rises
+/// and is nearly straight: then Newton's method from the inverse series proves its own end, and a root inside is the only one.
 #[inline(always)]
-fn straight<const N: usize>(
-    c: &[f64; N],
+pub(crate) fn flight_crossing<S: Simd>(
+    simd: S,
+    c: &[f64; PADDED],
     lo: f64,
     hi: f64,
-    squares: f64,
     iterations: &mut u64,
 ) -> Option<f64> {
+    // k c_k are the slope's coefficients, k (k-1) c_k the curvature's.
+    let (slope, sum, curvature) = weighted(simd, c, &ORDERS, &LOWER);
+    let spare = c[1] - (sum - c[1].abs());
+    if !(spare > 0.0 && curvature < 0.5 * spare) {
+        return first_crossing(c, lo, hi, iterations);
+    }
+    let squares = 0.5 * curvature / spare;
     let scale = 1.0 / c[1];
     let linear = -c[0] * scale;
-    let mut u = linear * (1.0 - linear * (c[2] * scale));
+    let (bend, twist) = (c[2] * scale, c[3] * scale);
+    let mut u = linear * (1.0 - linear * (bend - linear * (2.0 * bend * bend - twist)));
     if u > lo && u < hi {
-        for _ in 0..4 {
-            *iterations += 1;
-            let (p, d) = value_and_slope(c, u);
-            let moved = p / d;
-            u -= moved;
-            let resolution = f64::EPSILON * u.abs();
-            if 4.0 * squares * moved * moved <= resolution || moved.abs() <= 2.0 * resolution {
-                return if u > lo && u < hi {
-                    Some(u)
-                } else {
-                    rising(c, lo, value(c, lo), hi, squares, iterations)
-                };
-            }
+        *iterations += 1;
+        let inverse = 1.0 / pairwise::<S>(&slope, 1, u);
+        let moved = pairwise::<S>(c, 0, u) * inverse;
+        u -= moved;
+        let resolution = f64::EPSILON * u.abs();
+        // Newton's method squares the error: it is now at most `error`.
+        let error = 4.0 * squares * moved * moved;
+        if error <= resolution && u > lo && u < hi {
+            return Some(u);
+        }
+        // A second step with the slope of the first: |p''| times the way to there is all by which that slope is wrong.
+        *iterations += 1;
+        u -= pairwise::<S>(c, 0, u) * inverse;
+        if 2.0 * error * squares * (moved.abs() + error) <= resolution && u > lo && u < hi {
+            return Some(u);
         }
     }
     rising(c, lo, value(c, lo), hi, squares, iterations)
+}
+
+/// Σ_k c[first + k] u^k by pairs of neighbouring orders, so that nothing waits long for anything.
+#[inline(always)]
+fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 {
+    let square = u * u;
+    let fourth = square * square;
+    let pair = |k: usize| multiply_add::<S>(c[first + k + 1], u, c[first + k]);
+    let low = multiply_add::<S>(pair(2), square, pair(0));
+    let middle = multiply_add::<S>(pair(6), square, pair(4));
+    multiply_add::<S>(pair(8), fourth * fourth, multiply_add::<S>(middle, fourth, low))
 }
 
 /// The passage of a p that rises on [lo, hi].
@@ -251,7 +290,6 @@ pub(crate) fn first_crossing<const N: usize>(
     iterations: &mut u64,
 ) -> Option<f64> {
     match shape(c) {
-        (Shape::Rising, squares) if squares < 0.5 => straight(c, lo, hi, squares, iterations),
         (Shape::Unknown, _) => subdivide(c, lo, hi, 0, &mut { MAX_PIECES }, iterations),
         known => crossing_of_shape(c, known, lo, hi, iterations),
     }
@@ -288,128 +326,4 @@ fn subdivide<const N: usize>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Roots of products are found to the conditioning of a simple root, a few units in the last place.
-    const ROOT: f64 = 1e-14;
-
-    fn product(roots: &[f64], lead: f64) -> [f64; 9] {
-        let mut c = [0.0; 9];
-        c[0] = lead;
-        for (n, root) in roots.iter().enumerate() {
-            for k in (0..=n + 1).rev() {
-                c[k] = if k > 0 { c[k - 1] } else { 0.0 } - root * c[k];
-            }
-        }
-        c
-    }
-
-    #[test]
-    fn closed_form_first_of_several_crossings() {
-        // -(u+1.5)(u+0.5)(u-0.25)(u-0.75): negative between -0.5 and 0.25.
-        let p = product(&[-1.5, -0.5, 0.25, 0.75], -1.0);
-        let mut n = 0;
-        let u = first_crossing(&p, -0.4, 1.0, &mut n).unwrap();
-        assert!((u - 0.25).abs() < ROOT, "{u}");
-        assert_eq!(first_crossing(&p, -0.4, 0.24, &mut n), None);
-    }
-
-    #[test]
-    fn closed_form_grazing_is_found_only_when_it_crosses() {
-        // A hump of height ±h at 0.3 on a cubic background.
-        for exponent in 1..=14 {
-            let h = 10f64.powi(-exponent);
-            for (height, expected) in [(h, true), (-h, false)] {
-                // height - (u - 0.3)^2 (1 + 0.2 u)
-                let mut p = product(&[0.3, 0.3], -1.0);
-                let q = p;
-                for k in 1..9 {
-                    p[k] += 0.2 * q[k - 1];
-                }
-                p[0] += height;
-                let mut n = 0;
-                let found = first_crossing(&p, -1.0, 1.0, &mut n);
-                assert_eq!(found.is_some(), expected, "height {height}: {found:?}");
-                if let Some(u) = found {
-                    // A root of a hump is as well conditioned as its half width allows.
-                    let exact = 0.3 - (height / (1.0 + 0.2 * u)).sqrt();
-                    assert!((u - exact).abs() < 1e-15 / height.sqrt() + ROOT, "{u} {exact}");
-                }
-            }
-        }
-    }
-
-    /// The case by which the grazing set showed that a bisection must not end the search as a Newton step would: the last
-    /// Newton step, of zero length, falls on the bracket's end.
-    #[test]
-    fn closed_form_shallow_crossing_to_the_last_digit() {
-        let p = [
-            0.0002518929741130993,
-            0.0008843076351634871,
-            -0.00026608857974628575,
-            2.6542260945315372e-6,
-            8.79088555918616e-8,
-            -8.895322895182953e-10,
-            -1.042277700938083e-11,
-            9.206210981156425e-14,
-            6.244189292771136e-16,
-            -4.7981929021522255e-18,
-        ];
-        let u = first_crossing(&p, -1.0, 1.0, &mut 0).unwrap();
-        assert!((u + 0.263_845_939_068_308_9).abs() < ROOT, "{u}");
-    }
-
-    #[test]
-    fn closed_form_triple_root_without_certain_shape() {
-        let p = product(&[0.1, 0.1, 0.1], 1.0);
-        let mut n = 0;
-        let u = first_crossing(&p, -1.0, 1.0, &mut n).unwrap();
-        // The cube of the error is at round-off of the coefficients.
-        assert!((u - 0.1).abs() < 1e-5, "{u}");
-    }
-
-    #[test]
-    fn closed_form_nothing_passes_zero_in_zero_or_noise() {
-        let mut n = 0;
-        assert_eq!(first_crossing(&[0.0; 9], -1.0, 1.0, &mut n), None);
-        // Alternating round-off about zero: whatever is answered, it is answered soon.
-        let noise: [f64; 9] = std::array::from_fn(|k| if k % 2 == 0 { 1e-300 } else { -1e-300 });
-        first_crossing(&noise, -1.0, 1.0, &mut n);
-        assert!(n < 10_000, "{n}");
-    }
-
-    #[test]
-    fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
-        let mut seed = 1u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-        };
-        let mut found = 0;
-        for _ in 0..20_000 {
-            let mut c = [0.0; 9];
-            for (k, ck) in c.iter_mut().enumerate() {
-                *ck = random() / (1 << k) as f64;
-            }
-            c[0] -= value(&c, -1.0).max(0.0) + 0.01 * random().abs();
-            if value(&c, -1.0) >= 0.0 {
-                continue;
-            }
-            let mut n = 0;
-            let root = first_crossing(&c, -1.0, 1.0, &mut n);
-            const SAMPLES: i32 = 400;
-            let sampled = (0..=SAMPLES).map(|i| -1.0 + 2.0 * f64::from(i) / f64::from(SAMPLES));
-            match (root, sampled.clone().find(|&u| value(&c, u) > 1e-14)) {
-                (Some(u), Some(seen)) => {
-                    found += 1;
-                    assert!(u <= seen && value(&c, u).abs() < 1e-13, "{u} {seen} {c:?}");
-                }
-                (None, Some(seen)) => panic!("missed the passage before {seen}: {c:?}"),
-                (Some(u), None) => assert!(value(&c, u).abs() < 1e-13, "{u} {c:?}"),
-                (None, None) => {}
-            }
-        }
-        assert!(found > 1000);
-    }
-}
+mod tests;

@@ -6,6 +6,7 @@
 //! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
 
 use crate::model::{Augmented, Forces, GAP, LANES, Mode, Model};
+use crate::vector::{Rows, product, row};
 
 /// Intervals of a sub-step.
 pub(crate) const INTERVALS: usize = 16;
@@ -140,6 +141,57 @@ pub(crate) struct Table<const C: usize> {
     pub(crate) bound: [f64; C],
     /// The largest |functional''| at the centres, column by column.
     peak: [f64; C],
+}
+
+/// The free flight about any point as polynomials in the state there: the coefficients of a [`Series`] without loads.
+#[derive(Clone, Debug)]
+pub(crate) struct Local {
+    /// The augmented state's coefficients, `[order][column][lane]`.
+    lanes: [[Augmented; CORE]; CENTRED],
+    /// The gap's about the interval centres, from the state at the sub-step's start, `[interval][column][order]`; the
+    /// orders from [`CENTRED`] on are zero and make whole vectors.
+    gap: [[[f64; PADDED]; CORE]; INTERVALS],
+}
+
+/// Orders of a gap polynomial, filled up to whole vectors.
+pub(crate) const PADDED: usize = 16;
+
+impl Local {
+    pub(crate) fn zero() -> Self {
+        Self { lanes: [[[0.0; LANES]; CORE]; CENTRED], gap: [[[0.0; PADDED]; CORE]; INTERVALS] }
+    }
+
+    /// Fills it beside the `core` of flight over a sub-step `h`.
+    pub(crate) fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
+        let radius = 0.5 * h / INTERVALS as f64;
+        let mut gap = [[0.0; PADDED]; CORE];
+        for (c, gap) in gap.iter_mut().enumerate() {
+            let series = Series::<CENTRED>::expand(model, Mode::Flight, &Column::unit(c).z, None, radius);
+            for (k, lane) in series.lanes.iter().enumerate() {
+                self.lanes[k][c] = *lane;
+                gap[k] = lane[GAP];
+            }
+        }
+        for (columns, centre) in self.gap.iter_mut().zip(&core.centre) {
+            for (column, state) in columns.iter_mut().zip(centre) {
+                *column = product(pulp::Scalar, &gap, state);
+            }
+        }
+    }
+
+    /// The gap's coefficients about an interval's centre, with `z` at the sub-step's start.
+    #[inline(always)]
+    pub(crate) fn gap<S: pulp::Simd>(&self, simd: S, interval: usize, z: &Augmented) -> [f64; PADDED] {
+        product(simd, &self.gap[interval], z)
+    }
+
+    /// All coefficients about `z`.
+    #[inline(always)]
+    pub(crate) fn lanes<S: pulp::Simd>(&self, simd: S, z: &Augmented) -> Rows<S, CENTRED> {
+        let [a, b, c, d, e, f, g, h, i, j] = &self.lanes;
+        let of = |columns| row(simd, columns, z);
+        [of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h), of(i), of(j)]
+    }
 }
 
 /// One column of the whole system: a unit augmented coordinate or a unit load coefficient.

@@ -5,6 +5,8 @@ use crate::extended::Extended;
 use crate::flow::{CENTRED, INTERVALS, Series, WHOLE, polynomial};
 use crate::model::{Augmented, Forces, LANES, Mode, Model};
 use crate::parameters::Parameters;
+use crate::vector::{self, Rows, multiply_add, product};
+use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 /// Gauss–Legendre nodes and weights on [0, 1] of a rule.
@@ -139,6 +141,34 @@ impl Gramians {
         (dot(&y[..LANES], z), dot(&y[LANES..], z))
     }
 
+    /// [`up_to`](Self::up_to) in the machine's vectors.
+    #[inline(always)]
+    pub(crate) fn flown<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> (f64, f64) {
+        let y = product(simd, &self.prefix[index], z);
+        (vector::dot(simd, &y[..LANES], z), vector::dot(simd, &y[LANES..], z))
+    }
+
+    /// (input, damped) of a free flight along `rows` from 0 to `u`; `radius` in s.
+    #[inline(always)]
+    pub(crate) fn along_rows<S: Simd>(
+        &self,
+        simd: S,
+        rows: &Rows<S, CENTRED>,
+        u: f64,
+        radius: f64,
+    ) -> (f64, f64) {
+        let Powers { drive, c1, c3 } = self.powers;
+        let (mut input, mut damped) = (0.0, 0.0);
+        for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
+            let at = vector::polynomial(simd, rows, u * node);
+            let (v1, v3, sine) = (at[3], at[5], at[7]);
+            input = multiply_add::<S>(weight * v1, sine, input);
+            damped = multiply_add::<S>(*weight, multiply_add::<S>(c1 * v1, v1, c3 * v3 * v3), damped);
+        }
+        let length = u * radius;
+        (drive * length * input, length * damped)
+    }
+
     /// (input, damped) along a series from u0 to u1; `radius` in s. Loads included where given (at u = 0).
     #[inline(always)]
     pub(crate) fn along<const N: usize>(
@@ -188,7 +218,10 @@ impl Gramians {
 /// The scalar product, four lanes at a time.
 #[inline(always)]
 fn dot(y: &[f64], z: &Augmented) -> f64 {
-    let four: [f64; 4] = std::array::from_fn(|j| y[j] * z[j] + y[j + 4] * z[j + 4]);
+    let mut four = [0.0; 4];
+    for j in 0..4 {
+        four[j] = y[j] * z[j] + y[j + 4] * z[j + 4];
+    }
     (four[0] + four[2]) + (four[1] + four[3])
 }
 

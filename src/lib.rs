@@ -21,6 +21,7 @@ pub mod parameters;
 pub mod reference;
 pub mod simulator;
 pub mod steady;
+mod vector;
 
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};

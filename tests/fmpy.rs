@@ -15,13 +15,14 @@ const PERIODS: f64 = 200.0;
 /// Communication steps in drive periods, as file names have them.
 const STEPS: [(&str, f64); 3] = [("tenth", 1.0 / 10.0), ("odd", 1.0 / 7.3), ("long", 13.0)];
 
+/// Communication step (s) and end (s) of the run in libcosim, which counts in whole nanoseconds.
+const LIBCOSIM: (f64, f64) = (0.5, 600.0);
+
 /// Writes the native states at the communication points of one step size as CSV, numbers with all their digits.
-fn native_trajectory(file: &Path, step: f64) {
+fn native_trajectory(file: &Path, step: f64, end: f64) {
     let parameters = Parameters::default();
-    let period = parameters.period();
-    // Steps before the last; the 200 periods may be a whole number of steps but for rounding.
-    let count = (PERIODS / step - 1e-9).ceil() as u32;
-    let (end, step) = (PERIODS * period, step * period);
+    // Steps before the last; the end may be a whole number of steps but for rounding.
+    let count = (end / step - 1e-9).ceil() as u32;
     let mut simulator =
         Simulator::new(&parameters, &State::default(), 0.0).expect("the default set is valid");
     let mut csv = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v,impacts\n");
@@ -70,8 +71,10 @@ fn fmpy_drives_the_packaged_fmu() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("native");
     fs::create_dir_all(&folder).expect("target can be written");
     for (name, step) in STEPS {
-        native_trajectory(&folder.join(format!("{name}.csv")), step);
+        let period = Parameters::default().period();
+        native_trajectory(&folder.join(format!("{name}.csv")), step * period, PERIODS * period);
     }
+    native_trajectory(&folder.join("libcosim.csv"), LIBCOSIM.0, LIBCOSIM.1);
     closed_forms(&folder);
     let mut pytest = Command::new(python);
     pytest

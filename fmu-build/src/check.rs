@@ -71,6 +71,12 @@ fn header(model: &ModelDescription, found: &mut Vec<String>) {
 fn variables(model: &ModelDescription, found: &mut Vec<String>) {
     let units = &model.unit_definitions.units;
     unique("unit", units.iter().map(|u| u.name.as_str()), found);
+    for unit in units {
+        unique("display unit", unit.display.iter().map(|d| d.name.as_str()), found);
+        for display in unit.display.iter().filter(|d| !(d.factor.is_finite() && d.factor > 0.0)) {
+            found.push(format!("display unit {}: factor {} is not positive", display.name, display.factor));
+        }
+    }
     let displays: BTreeMap<&str, BTreeSet<&str>> = units
         .iter()
         .map(|u| (u.name.as_str(), u.display.iter().map(|d| d.name.as_str()).collect()))
@@ -101,6 +107,15 @@ fn variables(model: &ModelDescription, found: &mut Vec<String>) {
             }
         }
     }
+    for (name, kind) in &types {
+        if let SimpleKind::Enumeration(declared) = kind {
+            unique(&format!("item of {name}"), declared.items.iter().map(|item| item.name.as_str()), found);
+            let values: BTreeSet<i32> = declared.items.iter().map(|item| item.value).collect();
+            if values.len() != declared.items.len() {
+                found.push(format!("items of {name} share a value"));
+            }
+        }
+    }
     let names = model.type_definitions.types.iter().map(|t| t.name.as_str());
     let names = names.chain(model.model_variables.variables.iter().map(|v| v.name.as_str()));
     unique("type or variable", names, found); // FMI 2.0, 2.2.3: they share one name space
@@ -108,6 +123,9 @@ fn variables(model: &ModelDescription, found: &mut Vec<String>) {
     for v in &model.model_variables.variables {
         if let Some(other) = references.insert(v.value_reference, &v.name) {
             found.push(format!("{} and {other} share value reference {}", v.name, v.value_reference));
+        }
+        if model.variable_naming_convention == "structured" && !is_structured(&v.name) {
+            found.push(format!("{} is not a structured name", v.name));
         }
         if v.description.is_empty() {
             found.push(format!("{} has no description", v.name));
@@ -119,6 +137,14 @@ fn variables(model: &ModelDescription, found: &mut Vec<String>) {
     if clocks != 1 {
         found.push(format!("{clocks} variables are independent, allowed is one"));
     }
+}
+
+/// FMI 2.0, 2.2.9, as far as our names go: identifiers with dots between them.
+fn is_structured(name: &str) -> bool {
+    name.split('.').all(|part| {
+        let rest = part.strip_prefix(|c: char| c.is_ascii_alphabetic() || c == '_');
+        rest.is_some_and(|rest| rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
+    })
 }
 
 fn start(v: &ScalarVariable, types: &BTreeMap<&str, &SimpleKind>, found: &mut Vec<String>) {
@@ -190,6 +216,17 @@ fn attributes(v: &ScalarVariable, found: &mut Vec<String>) {
 
 fn derivatives(model: &ModelDescription, found: &mut Vec<String>) {
     let variables = &model.model_variables.variables;
+    let states: Vec<u32> = variables.iter().filter_map(ScalarVariable::derivative).collect();
+    if states.iter().collect::<BTreeSet<_>>().len() != states.len() {
+        found.push("two variables are the derivative of one".into());
+    }
+    for (index, v) in (1..).zip(variables) {
+        if let VariableKind::Real(Real { reinit: Some(true), .. }) = v.kind
+            && !states.contains(&index)
+        {
+            found.push(format!("{}: reinit belongs to continuous states", v.name)); // FMI 2.0, 2.2.7
+        }
+    }
     for v in variables {
         let Some(index) = v.derivative() else { continue };
         match (index as usize).checked_sub(1).and_then(|i| variables.get(i)) {
@@ -224,7 +261,12 @@ fn structure(model: &ModelDescription, found: &mut Vec<String>) {
             let valid = indices.is_some_and(|i| {
                 i.iter().all(|i| (1..=variables.len()).contains(i)) && i.windows(2).all(|w| w[0] < w[1])
             });
-            if !valid || kinds.as_ref().is_some_and(|k| on.as_ref().map(Vec::len) != Some(k.len())) {
+            const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
+            let fits = |k: &Vec<String>| {
+                on.as_ref().map(Vec::len) == Some(k.len())
+                    && k.iter().all(|kind| KINDS.contains(&kind.as_str()))
+            };
+            if !valid || !kinds.as_ref().is_none_or(fits) {
                 found
                     .push(format!("ModelStructure/{what}: dependencies of {} are not valid", name(&u.index)));
             }

@@ -41,6 +41,8 @@ pub fn library() -> Result<PathBuf> {
     cargo.args(["--no-default-features", "--profile", "fmu", "--locked", "--message-format"]);
     cargo.args(["json-render-diagnostics", "--target-dir"]);
     cargo.arg(target().join("fmu")).env("CARGO_ENCODED_RUSTFLAGS", flags());
+    // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
+    cargo.env("CARGO_INCREMENTAL", "0");
     let messages = output(&mut cargo)?;
     let mut libraries = messages.lines().filter_map(shared_library);
     libraries

@@ -52,6 +52,24 @@ struct Functions {
     get_version: unsafe extern "C" fn() -> *const c_char,
 }
 
+/// Loads a shared library with all its symbols: one that is missing is an error here, not a crash at its first call.
+///
+/// # Safety
+/// As [`Library::new`].
+unsafe fn open(path: &Path) -> std::result::Result<Library, libloading::Error> {
+    #[cfg(unix)]
+    {
+        use libloading::os::unix::{self, RTLD_LOCAL, RTLD_NOW};
+        // SAFETY: as the caller vouches.
+        unsafe { unix::Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Library::from)
+    }
+    // SAFETY: as the caller vouches; Windows resolves all symbols.
+    #[cfg(not(unix))]
+    unsafe {
+        Library::new(path)
+    }
+}
+
 /// A loaded binary.
 pub struct Binary {
     functions: Functions,
@@ -65,7 +83,7 @@ impl Binary {
     /// [`Error::Load`] when it cannot be loaded or lacks a function.
     pub fn load(path: &Path) -> Result<Self> {
         // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has none of its own.
-        let library = unsafe { Library::new(path) }?;
+        let library = unsafe { open(path) }?;
         macro_rules! function {
             ($name:literal) => {
                 // SAFETY: the field's type is the C prototype of this function in FMI 2.0, which the library exports.

@@ -6,6 +6,7 @@ use fmu_build::table::Table;
 use fmu_build::{archive, canvas, compile, package, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use vibro_impact::{Parameters, Simulator, State};
 
 /// Builds VibroImpact3DOF.fmu, runs it beside the native library and draws what happened.
 #[derive(Parser)]
@@ -28,12 +29,25 @@ struct Arguments {
 enum Task {
     /// Writes the generated files that are committed (modelDescription/, the pictures of README and documentation)
     Refresh,
+    /// Prints the native library's states at communication points as CSV, to compare hosts with
+    Native {
+        /// Communication step, s
+        #[arg(long, default_value_t = 0.5)]
+        step: f64,
+        /// How many steps
+        #[arg(long, default_value_t = 1200)]
+        steps: u32,
+        /// Start values: box.s,block.s,secondary.s,box.v,block.v,secondary.v
+        #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+        start: Vec<f64>,
+    },
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match arguments.command {
         Some(Task::Refresh) => refresh(),
+        Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         None => build(&arguments),
     };
     match done {
@@ -59,6 +73,29 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     println!("{}", Table(&run));
     for path in pictures(&run, &output)? {
         println!("{}", path.display());
+    }
+    Ok(())
+}
+
+fn native(step: f64, steps: u32, start: &[f64]) -> fmu_build::Result<()> {
+    let start = match *start {
+        [x1, x2, x3, v1, v2, v3] => State { x: [x1, x2, x3], v: [v1, v2, v3] },
+        [] => State::default(),
+        _ => {
+            return Err(fmu_build::Error::Option {
+                name: "--start",
+                value: format!("{start:?}"),
+                allowed: "six numbers",
+            });
+        }
+    };
+    let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0)?;
+    println!("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v");
+    for i in 0..=steps {
+        let time = f64::from(i) * step;
+        simulator.advance_to(time)?;
+        let State { x: [x1, x2, x3], v: [v1, v2, v3] } = simulator.state();
+        println!("{time},{x1},{x2},{x3},{v1},{v2},{v3}");
     }
     Ok(())
 }

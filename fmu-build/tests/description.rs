@@ -3,7 +3,7 @@
 use fmu_build::check::{problems, problems_of};
 use fmu_build::compile::workspace;
 use fmu_build::describe::{from_xml, model_description, to_xml};
-use fmu_build::schema::{ModelDescription, Real, ScalarVariable, VariableKind};
+use fmu_build::schema::{ModelDescription, Real, ScalarVariable, SimpleKind, VariableKind};
 use fmu_build::{licences, package};
 
 #[test]
@@ -42,7 +42,7 @@ fn real<'a>(model: &'a mut ModelDescription, name: &str) -> &'a mut Real {
 type Damage = fn(&mut ModelDescription);
 
 /// What each check must notice, and a word of its message.
-const DAMAGES: [(&str, Damage); 24] = [
+const DAMAGES: [(&str, Damage); 33] = [
     ("fmiVersion", |m| m.fmi_version = "3.0".into()),
     ("guid", |m| m.guid.clear()),
     ("modelIdentifier", |m| m.co_simulation.model_identifier = "3DOF".into()),
@@ -60,6 +60,31 @@ const DAMAGES: [(&str, Damage); 24] = [
     ("above max", |m| real(m, "stop.restitution").min = Some(2.0)),
     ("nominal", |m| real(m, "box.s").nominal = Some(0.0)),
     ("declared type Weight", |m| real(m, "box.m").declared_type = "Weight".into()),
+    ("start inf is outside", |m| real(m, "drive.phase").start = Some(f64::INFINITY)),
+    ("factor -1 is not positive", |m| m.unit_definitions.units[0].display[0].factor = -1.0),
+    ("is not a structured name", |m| named(m, "box.k").name = "box..k".into()),
+    ("items of Mode share a value", |m| {
+        for kind in m.type_definitions.types.iter_mut().map(|t| &mut t.kind) {
+            if let SimpleKind::Enumeration(mode) = kind {
+                mode.items[1].value = 1;
+            }
+        }
+    }),
+    ("is below min", |m| {
+        if let VariableKind::Integer(count) = &mut named(m, "impacts.upper").kind {
+            count.start = Some(-1);
+        }
+    }),
+    ("reinit belongs", |m| real(m, "stop.s").reinit = Some(true)),
+    ("the derivative of one", |m| real(m, "block.v").derivative = Some(21)),
+    ("dependencies of", |m| {
+        let unknown = m.model_structure.outputs.unknowns.iter_mut().find(|u| u.kinds.is_some());
+        unknown.unwrap().kinds = Some("linear".into());
+    }),
+    ("dependencies of", |m| {
+        let unknown = m.model_structure.outputs.unknowns.iter_mut().find(|u| u.dependencies.is_some());
+        unknown.unwrap().dependencies = Some("999".into());
+    }),
     ("no item of Mode", |m| {
         if let VariableKind::Enumeration(mode) = &mut named(m, "mode").kind {
             mode.start = Some(9);

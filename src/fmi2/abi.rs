@@ -1,42 +1,31 @@
-//! Every `extern "C"` and every `unsafe` of the crate (FMI 2.0, 2.1, 3.2 and 4.2).
+//! The C interface: every `extern "C"` and every `unsafe` of the crate (FMI 2.0, 2.1, 3.2 and 4.2).
 //!
-//! A function here turns pointers into slices and numbers, calls the [`Instance`], and turns its outcome into a status and
-//! a log message; it decides nothing. No panic leaves it: one becomes `fmi2Fatal` and marks the instance unusable.
-//! C enumerations arrive as integers and are checked, never taken as Rust enums.
+//! [`export!`] declares a function of the standard as in its C prototype, with the kind of each argument; from that it
+//! checks handle, state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose outcome
+//! becomes a status and a log message. Nothing is decided here. No panic leaves a function: one becomes `fmi2Fatal` and
+//! marks the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust enums.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
 #![allow(non_snake_case)] // the standard's names
 
-mod common;
-mod cosimulation;
-mod exchange;
-mod memory;
-mod values;
-
-pub use common::*;
-pub use cosimulation::*;
-pub use exchange::*;
-pub use memory::*;
-pub use values::*;
-
 #[cfg(test)]
 mod tests;
 
-use super::instance::{Instance, Outcome};
-use super::logging::{Category, Log, Status};
-use super::problem::Problem;
-use super::states::Function;
-use std::any::Any;
+use super::arguments::{Handle, Out, aligned, check_array, check_count, check_pointer};
+use super::instance::{Instance, Outcome, StatusKind};
+use super::logging::{self, Category, Log, Status, report};
+use super::panics::{guarded, silence};
+use super::states::{Function, Interface};
+use super::types::{FmiBoolean, FmiEventInfo, FmiStatus};
+use super::variables::Base;
+use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::mem::MaybeUninit;
+use std::ptr;
 
 /// `fmi2Component`: opaque to the host.
 pub type FmiComponent = *mut c_void;
-/// `fmi2Boolean`.
-pub type FmiBoolean = c_int;
-/// `fmi2Status`, as an integer.
-pub type FmiStatus = c_int;
 
 /// `fmi2CallbackLogger`: variadic in C; called here with a finished message and no further arguments.
 pub type FmiLogger =
@@ -58,15 +47,8 @@ pub struct FmiCallbackFunctions {
     pub component_environment: *mut c_void,
 }
 
-/// More references than this in one call are taken for a mistake (there are fewer than 100 variables): it keeps a
-/// wrong count from walking through the host's memory.
-const MAX_COUNT: usize = 4096;
-
-/// What a host's `fmi2Component` points to.
-struct Component {
-    instance: Instance,
-    host: Host,
-}
+/// What a host's `fmi2Component` points to; borrowed while a call runs, so that a call from inside the logger is refused.
+type Component = RefCell<(Instance, Host)>;
 
 /// Where log messages go.
 struct Host {
@@ -78,88 +60,44 @@ struct Host {
 impl Log for Host {
     fn log(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
-        // The host formats the message as printf does and reads # as the start of a variable reference.
-        let finished = message.replace('%', "%%").replace('#', "##").replace('\0', "?");
-        let (Ok(category), Ok(message)) = (CString::new(category.name()), CString::new(finished)) else {
-            return;
-        };
+        let (category, message) = (logging::c_text(category.name()), logging::finished(message));
         // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI 2.0, 2.1.5); all
         // strings live until it returns; no % in the message asks for a further argument.
         unsafe {
-            logger(
-                self.environment,
-                self.name.as_ptr(),
-                status as c_int,
-                category.as_ptr(),
-                message.as_ptr(),
-            );
+            let (name, category, message) = (self.name.as_ptr(), category.as_ptr(), message.as_ptr());
+            logger(self.environment, name, status as c_int, category, message);
         }
     }
 }
 
-/// Runs `body` on the instance behind `c`: null check, state machine, unwind guard, status and log message.
+/// Runs `body` on the instance behind `c`: handle, state machine, unwind guard, status and log message.
 ///
 /// # Safety
-/// `c` is null or from [`fmi2Instantiate`] and not freed, and no other call on it is running.
+/// `c` is null or from [`fmi2Instantiate`] and not freed, and no call on it is running in another thread.
 #[inline]
 unsafe fn call(
     c: FmiComponent,
     function: Function,
     body: impl FnOnce(&mut Instance, &mut Host) -> Outcome,
 ) -> FmiStatus {
-    // SAFETY: as above.
-    let Some(component) = (unsafe { c.cast::<Component>().as_mut() }) else {
+    // SAFETY: null or from `Box::into_raw` in `fmi2Instantiate`; only shared, so a second call at a time finds it borrowed.
+    let component = aligned(c.cast::<Component>(), "c").map(|c| unsafe { c.as_ref() });
+    let Ok(Some(Ok(mut component))) = component.map(|c| c.map(RefCell::try_borrow_mut)) else {
         return Status::Error as FmiStatus;
     };
-    let Component { instance, host } = &mut *component;
-    let guarded = || {
+    let (instance, host) = &mut *component;
+    let outcome = guarded(|| {
         instance.guard(function)?;
         body(instance, host)
-    };
-    match catch_unwind(AssertUnwindSafe(guarded)) {
+    });
+    match outcome {
         Ok(Ok(())) => Status::Ok as FmiStatus,
-        Ok(Err(problem)) => report(component, function, &problem),
+        Ok(Err(problem)) => report(instance.enabled(), host, function, &problem),
         Err(panic) => {
-            component.instance.break_down();
-            report(component, function, &Problem::Panic { what: text_of(&*panic) })
+            instance.break_down();
+            report(instance.enabled(), host, function, &panic)
         }
     }
-}
-
-/// Logs a problem where its category is enabled and returns its status.
-#[cold]
-fn report(component: &mut Component, function: Function, problem: &Problem) -> FmiStatus {
-    if component.instance.enabled().contains(problem.category()) {
-        let host = &mut component.host;
-        // A second panic has nowhere to go but the status.
-        let _ = catch_unwind(AssertUnwindSafe(|| {
-            host.log(problem.status(), problem.category(), &format!("{}: {problem}", function.name()));
-        }));
-    }
-    problem.status() as FmiStatus
-}
-
-fn text_of(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "panic".to_owned())
-}
-
-fn check_array<T>(pointer: *const T, count: usize, argument: &'static str) -> Outcome {
-    if count > MAX_COUNT {
-        return Err(Problem::Count {
-            argument: "number of elements",
-            value: count,
-            allowed: format!("up to {MAX_COUNT}"),
-        });
-    }
-    check_pointer(pointer, argument)
-}
-
-fn check_pointer<T>(pointer: *const T, argument: &'static str) -> Outcome {
-    if pointer.is_null() || !pointer.is_aligned() {
-        return Err(Problem::Null { argument });
-    }
-    Ok(())
 }
 
 /// The host's array as a slice; empty when `count` is 0, whatever the pointer.
@@ -167,58 +105,296 @@ fn check_pointer<T>(pointer: *const T, argument: &'static str) -> Outcome {
 /// # Safety
 /// `pointer` is null or points to `count` elements that live and stay unchanged while the slice is used.
 #[inline]
-unsafe fn slice<'a, T>(pointer: *const T, count: usize, argument: &'static str) -> Outcome<&'a [T]> {
-    if count == 0 {
-        return Ok(&[]);
-    }
+unsafe fn array<'a, T>(pointer: *const T, count: usize, argument: &'static str) -> Outcome<&'a [T]> {
     check_array(pointer, count, argument)?;
     // SAFETY: not null, aligned, of `count` elements as the caller says.
-    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+    Ok(if count == 0 { &[] } else { unsafe { std::slice::from_raw_parts(pointer, count) } })
 }
 
-/// Writes into the host's array; the array is only written, never read, since it may hold anything.
+/// The host's array, which must have `N` elements.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` elements to which nothing else refers meanwhile.
-#[inline]
-unsafe fn writer<T>(
-    pointer: *mut T,
+/// As [`array`].
+unsafe fn vector<'a, T, const N: usize>(
+    pointer: *const T,
     count: usize,
-    argument: &'static str,
-) -> Outcome<impl FnMut(usize, T) + use<T>> {
-    if count > 0 {
-        check_array(pointer, count, argument)?;
-    }
-    Ok(move |i: usize, value: T| {
-        if i < count {
-            // SAFETY: inside the array, checked above.
-            unsafe { pointer.add(i).write(value) };
-        }
-    })
-}
-
-/// Writes one value.
-///
-/// # Safety
-/// `pointer` is null or points to a `T` to which nothing else refers meanwhile.
-unsafe fn write_one<T>(
-    pointer: *mut T,
-    argument: &'static str,
-    value: impl FnOnce() -> Outcome<T>,
-) -> Outcome {
+    (argument, number): (&'static str, &'static str),
+) -> Outcome<&'a [T; N]> {
+    check_count(number, count, N)?;
     check_pointer(pointer, argument)?;
-    let value = value()?;
-    // SAFETY: not null, aligned.
-    unsafe { pointer.write(value) };
-    Ok(())
+    // SAFETY: not null, aligned, of N elements as the caller says.
+    Ok(unsafe { &*pointer.cast() })
 }
 
-/// A C string as text; bytes that are not UTF-8 are replaced.
+/// The host's C string.
 ///
 /// # Safety
 /// `pointer` is null or points to a string that ends with a null byte and lives while the text is used.
-unsafe fn text<'a>(pointer: *const c_char, argument: &'static str) -> Outcome<std::borrow::Cow<'a, str>> {
+unsafe fn c_str<'a>(pointer: *const c_char, argument: &'static str) -> Outcome<&'a CStr> {
     check_pointer(pointer, argument)?;
     // SAFETY: not null, ends with a null byte as the caller says.
-    Ok(unsafe { CStr::from_ptr(pointer) }.to_string_lossy())
+    Ok(unsafe { CStr::from_ptr(pointer) })
+}
+
+/// The host's array, or its single value, to be written.
+///
+/// # Safety
+/// `pointer` is null or points to `count` elements that live and are not read while this is used.
+#[inline]
+unsafe fn out<'a, T>(pointer: *mut T, count: usize, argument: &'static str) -> Outcome<Out<'a, T>> {
+    // SAFETY: as above; any bytes are valid as these cells.
+    Ok(Out(unsafe { array(pointer.cast::<Cell<MaybeUninit<T>>>(), count, argument) }?))
+}
+
+/// C type of an argument of this kind.
+#[rustfmt::skip]
+macro_rules! c_type {
+    (flag) => { FmiBoolean };
+    (value $type:ty) => { $type };
+    (array $type:ty) => { *const $type };
+    (vector $type:ty) => { *const $type };
+    (out $type:ty) => { *mut $type };
+    (texts) => { *const *const c_char };
+    (state) => { *mut c_void };
+    (handle) => { *mut *mut c_void };
+}
+
+/// An argument of this kind in safe types; to be used where `?` is.
+#[rustfmt::skip]
+macro_rules! checked {
+    (flag $name:ident) => { $name != 0 };
+    (value $name:ident) => { $name };
+    (state $name:ident) => { $name.addr() };
+    // SAFETY (all below): null or valid for that count, as the exported function's caller says.
+    (array $name:ident $count:expr) => { unsafe { array($name, $count, stringify!($name)) }? };
+    (vector $name:ident $count:expr) => {
+        unsafe { vector($name, $count, (stringify!($name), stringify!($count))) }?
+    };
+    (out $name:ident $count:expr) => { unsafe { out($name, $count, stringify!($name)) }? };
+    (handle $name:ident) => { Handle(unsafe { aligned($name, stringify!($name))?.as_mut() }) };
+    (texts $name:ident $count:expr) => {
+        unsafe { array($name, $count, stringify!($name)) }?
+            .iter()
+            .map(|name| Ok(unsafe { c_str(*name, "category") }?.to_string_lossy()))
+    };
+}
+
+/// Exports functions of the standard, by its clauses: name, row of the state tables, arguments after the component as
+/// `kind name: type[count]`, and what is done with them.
+macro_rules! export {
+    ($($clause:literal: $($(#[$doc:meta])* $name:ident, $function:ident
+        ($($kind:ident $argument:ident $(: $type:ty)? $([$count:expr])?),*)
+        |$instance:ident, $host:pat_param| $body:expr;)*)*) => {$($(
+        #[doc = concat!("`", stringify!($name), "` (FMI 2.0, ", $clause, ").")]
+        $(#[$doc])*
+        ///
+        /// # Safety
+        /// The component is null or from [`fmi2Instantiate`] and not freed, and no call on it is running in another thread.
+        /// Every other pointer is null or valid for what the standard has there, with as many elements as the count says.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(
+            c: FmiComponent,
+            $($argument: c_type!($kind $($type)?),)*
+        ) -> FmiStatus {
+            let body = |$instance: &mut Instance, $host: &mut Host| -> Outcome {
+                $(#[allow(unused_mut, unused_variables)]
+                let mut $argument = checked!($kind $argument $($count)?);)*
+                $body
+            };
+            // SAFETY: as above.
+            unsafe { call(c, Function::$function, body) }
+        }
+    )*)*};
+}
+
+/// `fmi2GetTypesPlatform` (FMI 2.0, 2.1.4).
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// `fmi2GetVersion` (FMI 2.0, 2.1.4).
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. The name is copied; resources and
+/// visibility are not used. Instances are independent of each other and may be used from different threads, each from
+/// one at a time.
+///
+/// # Safety
+/// `instanceName` and `fmuGUID` are null or C strings; `functions` is null or points to the callbacks, of which logger
+/// and environment stay valid until the instance is freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    instanceName: *const c_char,
+    fmuType: c_int,
+    fmuGUID: *const c_char,
+    _fmuResourceLocation: *const c_char,
+    functions: *const FmiCallbackFunctions,
+    _visible: FmiBoolean,
+    loggingOn: FmiBoolean,
+) -> FmiComponent {
+    silence();
+    // SAFETY: null or valid.
+    let functions = aligned(functions.cast_mut(), "functions").ok().and_then(|f| unsafe { f.as_ref() });
+    let mut host = Host {
+        name: CString::default(),
+        logger: functions.and_then(|functions| functions.logger),
+        environment: functions.map_or(ptr::null_mut(), |functions| functions.component_environment),
+    };
+    let outcome = guarded(|| {
+        // SAFETY: null or C strings.
+        let (name, guid) = unsafe { (c_str(instanceName, "instanceName")?, c_str(fmuGUID, "fmuGUID")?) };
+        host.name = name.to_owned();
+        let interface = Interface::from_number(fmuType)?;
+        Instance::new(&name.to_string_lossy(), interface, &guid.to_string_lossy(), loggingOn != 0)
+    });
+    match outcome.flatten() {
+        Ok(instance) => Box::into_raw(Box::new(Component::new((instance, host)))).cast(),
+        Err(problem) => {
+            let text = format!("fmi2Instantiate: {problem}");
+            let _ = guarded(|| host.log(problem.status(), problem.category(), &text));
+            ptr::null_mut()
+        }
+    }
+}
+
+/// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is ignored, and so is a call from inside
+/// the instance's own logger.
+///
+/// # Safety
+/// `c` is null or from [`fmi2Instantiate`] and not freed; nothing uses it or its FMU states afterwards.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(c: FmiComponent) {
+    let component = c.cast::<Component>();
+    // SAFETY: null or from `Box::into_raw` in `fmi2Instantiate`.
+    if unsafe { component.as_ref() }.is_some_and(|component| component.try_borrow_mut().is_ok()) {
+        // SAFETY: as above, and no call is running.
+        let component = unsafe { Box::from_raw(component) };
+        let _ = guarded(|| drop(component));
+    }
+}
+
+export! {
+    "2.1.5":
+    fmi2SetDebugLogging, SetDebugLogging(flag loggingOn, value nCategories: usize, texts categories[nCategories])
+        |instance, _| instance.set_debug_logging(loggingOn, categories);
+
+    "2.1.6":
+    fmi2SetupExperiment, SetupExperiment(flag toleranceDefined, value tolerance: f64, value startTime: f64,
+        flag stopTimeDefined, value stopTime: f64)
+        |instance, _| instance.setup_experiment(
+            toleranceDefined.then_some(tolerance), startTime, stopTimeDefined.then_some(stopTime));
+    fmi2EnterInitializationMode, EnterInitializationMode() |instance, _| instance.enter_initialization_mode();
+    fmi2ExitInitializationMode, ExitInitializationMode() |instance, host| instance.exit_initialization_mode(host);
+    fmi2Terminate, Terminate() |instance, _| instance.terminate();
+    fmi2Reset, Reset() |instance, _| instance.reset();
+
+    "2.1.7":
+    fmi2GetReal, GetReal(array vr: u32[nvr], value nvr: usize, out value: f64[nvr])
+        |instance, _| instance.get(Base::Real, vr, |i, x| value.put(i, x));
+    fmi2GetInteger, GetInteger(array vr: u32[nvr], value nvr: usize, out value: c_int[nvr])
+        |instance, _| instance.get(Base::Integer, vr, |i, x| value.put(i, x as c_int));
+    fmi2GetBoolean, GetBoolean(array vr: u32[nvr], value nvr: usize, out value: FmiBoolean[nvr])
+        |instance, _| instance.get(Base::Boolean, vr, |i, x| value.put(i, (x != 0.0).into()));
+    /// There are no String variables, so any reference is an error.
+    fmi2GetString, GetString(array vr: u32[nvr], value nvr: usize, out value: *const c_char[nvr])
+        |instance, _| instance.get(Base::String, vr, |i, _| value.put(i, c"".as_ptr()));
+    fmi2SetReal, SetReal(array vr: u32[nvr], value nvr: usize, array value: f64[nvr])
+        |instance, _| instance.set(Base::Real, vr, |i| value[i]);
+    fmi2SetInteger, SetInteger(array vr: u32[nvr], value nvr: usize, array value: c_int[nvr])
+        |instance, _| instance.set(Base::Integer, vr, |i| value[i].into());
+    fmi2SetBoolean, SetBoolean(array vr: u32[nvr], value nvr: usize, array value: FmiBoolean[nvr])
+        |instance, _| instance.set(Base::Boolean, vr, |i| value[i].into());
+    /// There are no String variables, so any reference is an error.
+    fmi2SetString, SetString(array vr: u32[nvr], value nvr: usize, array value: *const c_char[nvr])
+        |instance, _| instance.set(Base::String, vr, |_| 0.0);
+
+    "2.1.8":
+    /// A new one, or in the place of one this instance gave out.
+    fmi2GetFMUstate, GetFMUstate(handle FMUstate)
+        |instance, _| FMUstate.replace(|old| instance.keep(instance.fmu_state()?, old));
+    /// Any address is safe: only those this instance gave out are accepted.
+    fmi2SetFMUstate, SetFMUstate(state FMUstate) |instance, _| instance.restore_kept(FMUstate);
+    /// A null state is ignored.
+    fmi2FreeFMUstate, FreeFMUstate(handle FMUstate) |instance, _| FMUstate.free(|old| instance.free_kept(old));
+    fmi2SerializedFMUstateSize, SerializedFMUstateSize(state FMUstate, out size: usize[1])
+        |instance, _| size.give(instance.serialized(FMUstate).map(|bytes| bytes.len()));
+    /// Into as many bytes as `fmi2SerializedFMUstateSize` says.
+    fmi2SerializeFMUstate, SerializeFMUstate(state FMUstate, out serializedState: u8[size], value size: usize)
+        |instance, _| serializedState.copy(&instance.serialized(FMUstate)?, "size");
+    /// A new one, or in the place of one this instance gave out.
+    fmi2DeSerializeFMUstate, DeSerializeFMUstate(array serializedState: u8[size], value size: usize, handle FMUstate)
+        |instance, _| FMUstate.replace(|old| instance.keep_new(instance.deserialize(serializedState)?, old));
+
+    "2.1.9":
+    fmi2GetDirectionalDerivative, GetDirectionalDerivative(
+        array vUnknown_ref: u32[nUnknown], value nUnknown: usize,
+        array vKnown_ref: u32[nKnown], value nKnown: usize,
+        array dvKnown: f64[nKnown], out dvUnknown: f64[nUnknown])
+        |instance, _| instance.directional_derivative(
+            vUnknown_ref, vKnown_ref, dvKnown, |i, x| dvUnknown.put(i, x));
+
+    "3.2.2":
+    fmi2EnterEventMode, EnterEventMode() |instance, _| instance.enter_event_mode();
+    fmi2NewDiscreteStates, NewDiscreteStates(out eventInfo: FmiEventInfo[1])
+        |instance, host| eventInfo.give(instance.new_discrete_states(host).map(Into::into));
+    fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| instance.enter_continuous_time_mode();
+    fmi2CompletedIntegratorStep, CompletedIntegratorStep(flag noSetFMUStatePriorToCurrentPoint,
+        out enterEventMode: FmiBoolean[1], out terminateSimulation: FmiBoolean[1])
+        |instance, _| {
+            enterEventMode.give(instance.completed_integrator_step().map(Into::into))?;
+            terminateSimulation.give(Ok(0))
+        };
+
+    "3.2.1":
+    fmi2SetTime, SetTime(value time: f64) |instance, _| instance.set_time(time);
+    fmi2SetContinuousStates, SetContinuousStates(vector x: f64[nx], value nx: usize)
+        |instance, _| instance.set_continuous_states(x);
+
+    "3.2.2":
+    fmi2GetDerivatives, GetDerivatives(out derivatives: f64[nx], value nx: usize)
+        |instance, _| derivatives.copy(&instance.state_derivatives()?, "nx");
+    fmi2GetEventIndicators, GetEventIndicators(out eventIndicators: f64[ni], value ni: usize)
+        |instance, _| eventIndicators.copy(&instance.event_indicators()?, "ni");
+    fmi2GetContinuousStates, GetContinuousStates(out x: f64[nx], value nx: usize)
+        |instance, _| x.copy(&instance.continuous_states()?, "nx");
+    fmi2GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out x_nominal: f64[nx], value nx: usize)
+        |instance, _| x_nominal.copy(&instance.nominals()?, "nx");
+
+    "4.2.1":
+    fmi2SetRealInputDerivatives, SetRealInputDerivatives(
+        array vr: u32[nvr], value nvr: usize, array order: c_int[nvr], array value: f64[nvr])
+        |instance, _| instance.set_real_input_derivatives(vr, order, value);
+    fmi2GetRealOutputDerivatives, GetRealOutputDerivatives(
+        array vr: u32[nvr], value nvr: usize, array order: c_int[nvr], out value: f64[nvr])
+        |instance, _| instance.get_real_output_derivatives(vr, order, |i, x| value.put(i, x));
+
+    "4.2.2":
+    /// Whether the host may come back to an earlier time makes no difference here: nothing
+    /// is buffered.
+    fmi2DoStep, DoStep(value currentCommunicationPoint: f64, value communicationStepSize: f64,
+        flag noSetFMUStatePriorToCurrentPoint)
+        |instance, host| instance.do_step(currentCommunicationPoint, communicationStepSize, host);
+    /// Never allowed, since steps are synchronous.
+    fmi2CancelStep, CancelStep() |instance, _| instance.cancel_step();
+
+    "4.2.3":
+    /// Of asynchronous steps, which there are none of.
+    fmi2GetStatus, GetStatus(value s: c_int, out value: FmiStatus[1])
+        |instance, _| instance.other_status(Function::GetStatus, StatusKind::from_number(s)?);
+    /// `fmi2LastSuccessfulTime`.
+    fmi2GetRealStatus, GetRealStatus(value s: c_int, out value: f64[1])
+        |instance, _| value.give(instance.real_status(StatusKind::from_number(s)?));
+    /// There is no status of this type.
+    fmi2GetIntegerStatus, GetIntegerStatus(value s: c_int, out value: c_int[1])
+        |instance, _| instance.other_status(Function::GetIntegerStatus, StatusKind::from_number(s)?);
+    /// `fmi2Terminated`.
+    fmi2GetBooleanStatus, GetBooleanStatus(value s: c_int, out value: FmiBoolean[1])
+        |instance, _| value.give(instance.boolean_status(StatusKind::from_number(s)?).map(Into::into));
+    /// Of asynchronous steps, which there are none of.
+    fmi2GetStringStatus, GetStringStatus(value s: c_int, out value: *const c_char[1])
+        |instance, _| instance.other_status(Function::GetStringStatus, StatusKind::from_number(s)?);
 }

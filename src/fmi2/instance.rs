@@ -153,15 +153,16 @@ impl Instance {
     ///
     /// # Errors
     /// [`Problem::Text`] for an unknown category; nothing has changed then.
-    pub fn set_debug_logging<'a>(
+    pub fn set_debug_logging<S: AsRef<str>>(
         &mut self,
         on: bool,
-        categories: impl IntoIterator<Item = Outcome<&'a str>>,
+        categories: impl IntoIterator<Item = Outcome<S>>,
     ) -> Outcome {
         self.guard(Function::SetDebugLogging)?;
         let (mut enabled, mut any) = (self.enabled, false);
         for name in categories {
             let name = name?;
+            let name = name.as_ref();
             any = true;
             enabled = enabled.with(name, on).ok_or_else(|| Problem::Text {
                 argument: "category",

@@ -1,6 +1,10 @@
 //! Statuses and log categories (FMI 2.0, 2.1.3, 2.1.5 and 2.2.4).
 
 use super::description::LOG_CATEGORIES;
+use super::panics::guarded;
+use super::problem::Problem;
+use super::states::Function;
+use std::ffi::CString;
 
 /// `fmi2Status` (FMI 2.0, 2.1.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +48,29 @@ impl Category {
 pub trait Log {
     /// Takes one finished message without trailing line break.
     fn log(&mut self, status: Status, category: Category, message: &str);
+}
+
+/// A message as the host's logger takes it: the host formats it as printf does, with no arguments, and reads # as the
+/// start of a variable reference (FMI 2.0, 2.1.5).
+pub fn finished(message: &str) -> CString {
+    c_text(&message.replace('%', "%%").replace('#', "##"))
+}
+
+/// Text as a C string; null bytes, which would end it, are replaced.
+pub fn c_text(text: &str) -> CString {
+    CString::new(text.replace('\0', "?")).unwrap_or_default()
+}
+
+/// Logs a problem where its category is enabled and returns its status.
+#[cold]
+pub fn report(enabled: Enabled, log: &mut dyn Log, function: Function, problem: &Problem) -> i32 {
+    if enabled.contains(problem.category()) {
+        // A second panic has nowhere to go but the status.
+        let _ = guarded(|| {
+            log.log(problem.status(), problem.category(), &format!("{}: {problem}", function.name()));
+        });
+    }
+    problem.status() as i32
 }
 
 /// Which categories are enabled.

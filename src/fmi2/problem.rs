@@ -48,8 +48,8 @@ pub enum Problem {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// A null pointer where there must be none.
-    #[error("{argument} is null: allowed is a valid pointer")]
+    /// A pointer that is null, or not aligned for what it should point to.
+    #[error("{argument} is null or misaligned: allowed is a valid pointer")]
     Null {
         /// The argument.
         argument: &'static str,

@@ -1,5 +1,7 @@
 //! Which function may be called in which state: the two state machines as one table (FMI 2.0, 3.2.3 and 4.2.4).
 
+use super::problem::Problem;
+
 /// Interface type of an instance (FMI 2.0, 2.1.5, `fmi2Type`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Interface {
@@ -10,6 +12,22 @@ pub enum Interface {
 }
 
 impl Interface {
+    /// From the C enumeration `fmi2Type`.
+    ///
+    /// # Errors
+    /// [`Problem::Value`] for any other number.
+    pub fn from_number(number: i32) -> Result<Self, Problem> {
+        match number {
+            0 => Ok(Self::ModelExchange),
+            1 => Ok(Self::CoSimulation),
+            _ => Err(Problem::Value {
+                name: "fmuType",
+                value: f64::from(number),
+                allowed: "0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)",
+            }),
+        }
+    }
+
     /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {

@@ -7,8 +7,10 @@
 use super::settings::{Derived, Motion, Settings};
 use super::units::{EnumerationType, RealType};
 
+mod packed;
 mod table;
 
+pub(crate) use packed::{READERS, Reader, WRITERS, Writer};
 pub use table::{COUNT, VARIABLES};
 
 /// FMI 2.0, 2.2.7, attribute `causality`.
@@ -194,47 +196,6 @@ impl Variable {
         }
     }
 }
-
-/// What a getter needs of a variable, packed: ten of them fit into a few cache lines.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Reader {
-    /// Base type.
-    pub(crate) base: Base,
-    /// What must be up to date to read it: one of the bits below, or none.
-    pub(crate) needs: u8,
-    /// How to read it.
-    pub(crate) access: Access,
-}
-
-impl Reader {
-    /// Needs the motion.
-    pub(crate) const MOTION: u8 = 1;
-    /// Needs the motion once there is one.
-    pub(crate) const START: u8 = 2;
-    /// Needs what follows from the parameters.
-    pub(crate) const DERIVED: u8 = 4;
-
-    const fn of(variable: &Variable) -> Self {
-        let needs = match variable.access {
-            Access::Motion(_) => Self::MOTION,
-            Access::Start { .. } => Self::START,
-            Access::Derived(_) => Self::DERIVED,
-            Access::Setting { .. } => 0,
-        };
-        Self { base: variable.base(), needs, access: variable.access }
-    }
-}
-
-/// The readers of all variables, by value reference.
-pub(crate) static READERS: [Reader; COUNT] = {
-    let mut readers = [Reader::of(&VARIABLES[0]); COUNT];
-    let mut i = 0;
-    while i < COUNT {
-        readers[i] = Reader::of(&VARIABLES[i]);
-        i += 1;
-    }
-    readers
-};
 
 /// The variable of that name and its value reference.
 pub fn find(name: &str) -> Option<(u32, &'static Variable)> {

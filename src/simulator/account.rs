@@ -1,9 +1,10 @@
 //! Energy accounts along the sub-steps (see [`crate::ledger`]).
 
 use super::Simulator;
-use super::step::{Arrival, Start};
+use super::careful::{Arrival, Start};
 use crate::flow::INTERVALS;
 use crate::model::Mode;
+use std::sync::Arc;
 
 impl Simulator {
     #[inline(always)]
@@ -56,10 +57,11 @@ impl Simulator {
     }
 
     #[inline(always)]
-    fn prepare_gramians(&mut self) {
+    pub(super) fn prepare_gramians(&mut self) {
         let mode = self.mode();
         let tables = if mode == Mode::Flight { &mut self.flight } else { &mut self.rest };
         if !tables.energy_ready {
+            let tables = Arc::make_mut(tables);
             tables.energy.fill(&self.model, mode, self.substep);
             tables.energy_ready = true;
         }

@@ -1,5 +1,6 @@
 //! What happens at an event: the impact law, the closing of a chatter run, release.
 
+use super::step::Listener;
 use super::{Contact, Event, Simulator};
 use crate::flow::Series;
 use crate::model::{Augmented, GAP, GAP_RATE, Mode};
@@ -14,6 +15,13 @@ const LEAST_BOUNCE: f64 = 1e-12;
 /// A run is closed only while the free acceleration changes by less than this part of itself until its end.
 const STEADY: f64 = 0.25;
 
+#[inline(always)]
+fn report(listener: &mut Listener<'_, '_>, event: Event) {
+    if let Some(listener) = listener {
+        listener(&event);
+    }
+}
+
 impl Simulator {
     /// Applies the law of the event at stop `side`; true for an impact.
     #[inline(always)]
@@ -21,7 +29,7 @@ impl Simulator {
         &mut self,
         z: &mut Augmented,
         side: f64,
-        on_event: &mut dyn FnMut(&Event),
+        on_event: &mut Listener<'_, '_>,
     ) -> bool {
         let (time, stop) = (self.time(), side as i8);
         z[GAP] = side * self.model.gap;
@@ -29,7 +37,7 @@ impl Simulator {
             z[GAP_RATE] = 0.0;
             self.motion.contact = Contact::Flight;
             self.motion.departing = 3; // w' and w'' are zero, the jerk leads away
-            on_event(&Event::Release { time, side: stop });
+            report(on_event, Event::Release { time, side: stop });
             return false;
         }
         // A root whose speed round-off has turned negative is a touch.
@@ -37,20 +45,20 @@ impl Simulator {
         let (speed, impulse, lost) = self.model.impact(z, side);
         self.motion.sums.impact = self.motion.sums.impact.plus(lost);
         self.motion.record.count(side, time, speed, impulse);
-        on_event(&Event::Impact { time, side: stop, speed, impulse });
+        report(on_event, Event::Impact { time, side: stop, speed, impulse });
         self.motion.departing = 1;
         let rebound = z[GAP_RATE].abs();
         if rebound == 0.0 {
-            self.settle(z, side);
+            self.settle(*z, side);
             if self.motion.contact != Contact::Flight {
-                on_event(&Event::Rest { time, side: stop });
+                report(on_event, Event::Rest { time, side: stop });
             }
         } else if let Some(left) = self.closes::<LOADS>(z, side, rebound) {
             let lost = self.model.merge(z);
             self.motion.sums.impact = self.motion.sums.impact.plus(lost);
             self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             self.motion.departing = 0;
-            on_event(&Event::Rest { time: time + left, side: stop });
+            report(on_event, Event::Rest { time: time + left, side: stop });
         }
         true
     }
@@ -81,5 +89,45 @@ impl Simulator {
         let (second, third) = (series.lanes[2][GAP], series.lanes[3][GAP]);
         let steady = (3.0 * third).abs() <= STEADY * second.abs();
         steady.then_some(if elastic { 0.0 } else { span })
+    }
+
+    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap
+    /// that is not zero; called whenever state, parameters or loads are set from outside.
+    pub(super) fn classify(&mut self) {
+        let (gap, y) = (self.model.gap, &mut self.motion.y);
+        self.motion.departing = 0;
+        self.motion.contact = Contact::Flight;
+        if y[1].abs() < gap {
+            return;
+        }
+        let side = y[1].signum();
+        if side * y[GAP_RATE] > 0.0 {
+            return; // an impact is due at once
+        }
+        if y[GAP_RATE] != 0.0 {
+            self.motion.departing = 1;
+            return;
+        }
+        self.settle(self.augmented(), side);
+    }
+
+    /// Rest or departure at stop `side` with w' = 0.
+    fn settle(&mut self, z: Augmented, side: f64) {
+        let forces = self.forces_now();
+        let radius = 1.0 / self.model.rate;
+        let series = Series::<9>::expand(&self.model, Mode::Flight, &z, Some(&forces), radius);
+        let gap = series.gap_polynomial(side, self.model.gap);
+        let first = (2..9).find(|&k| gap[k] != 0.0);
+        match first {
+            Some(order) if gap[order] < 0.0 => {
+                self.motion.contact = Contact::Flight;
+                self.motion.departing = order as u8;
+            }
+            // Pressed, or at rest relative to the box with nothing that moves it.
+            _ => {
+                self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+                self.motion.departing = 0;
+            }
+        }
     }
 }

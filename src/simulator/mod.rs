@@ -4,45 +4,28 @@
 //! round-off. Nothing is allocated while advancing.
 
 mod account;
+mod batch;
+mod careful;
 mod contact;
+mod flight;
 mod limits;
 mod step;
+mod tables;
 mod types;
 
+pub use batch::advance_together;
 pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, Work};
 
 use crate::error::{Error, Result};
 use crate::extended::{Extended, Phase};
-use crate::flow::{self, CORE, LOAD, Series, Table};
-use crate::ledger::{self, Gramians, Sums};
-use crate::model::{Augmented, Forces, GAP_RATE, LANES, Mode, Model};
+use crate::flow::{self, Series};
+use crate::ledger::{self, Sums};
+use crate::model::{Augmented, Forces, LANES, Mode, Model};
 use crate::parameters::Parameters;
 use limits::{check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
-
-/// Tables of one mode; the load part is filled when loads first appear.
-#[derive(Clone, Debug)]
-struct ModeTables {
-    core: Table<CORE>,
-    load: Table<LOAD>,
-    energy: Gramians,
-    core_ready: bool,
-    load_ready: bool,
-    energy_ready: bool,
-}
-
-impl ModeTables {
-    fn zero() -> Self {
-        Self {
-            core: Table::zero(),
-            load: Table::zero(),
-            energy: Gramians::zero(),
-            core_ready: false,
-            load_ready: false,
-            energy_ready: false,
-        }
-    }
-}
+use std::sync::Arc;
+use tables::ModeTables;
 
 /// Everything that changes as the simulator advances.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,14 +43,31 @@ struct Motion {
     sums: Sums,
 }
 
+impl Motion {
+    fn new(parameters: &Parameters, y: [f64; 6], time: f64) -> Self {
+        Self {
+            time: Extended::new(time),
+            y,
+            contact: Contact::Flight,
+            departing: 0,
+            phase: Phase::new(parameters.drive_phase),
+            loads: [[0.0; 4]; 3],
+            loads_from: Extended::new(time),
+            record: ImpactRecord::default(),
+            sums: Sums::default(),
+        }
+    }
+}
+
 /// The event-driven simulator of one system.
 #[derive(Clone, Debug)]
 pub struct Simulator {
     parameters: Parameters,
     model: Model,
     substep: f64,
-    flight: Box<ModeTables>,
-    rest: Box<ModeTables>,
+    /// Shared by the simulators that were made from one another.
+    flight: Arc<ModeTables>,
+    rest: Arc<ModeTables>,
     motion: Motion,
     work: Work,
     keeps_ledger: bool,
@@ -98,23 +98,30 @@ impl Simulator {
             parameters: *parameters,
             substep: flow::substep(&model),
             model,
-            flight: Box::new(ModeTables::zero()),
-            rest: Box::new(ModeTables::zero()),
-            motion: Motion {
-                time: Extended::new(time),
-                y,
-                contact: Contact::Flight,
-                departing: 0,
-                phase: Phase::new(parameters.drive_phase),
-                loads: [[0.0; 4]; 3],
-                loads_from: Extended::new(time),
-                record: ImpactRecord::default(),
-                sums: Sums::default(),
-            },
+            flight: Arc::new(ModeTables::zero()),
+            rest: Arc::new(ModeTables::zero()),
+            motion: Motion::new(parameters, y, time),
             work: Work::default(),
             keeps_ledger: true,
         };
         simulator.renew_tables();
+        simulator.classify();
+        Ok(simulator)
+    }
+
+    /// Another simulator of the same system from `time` (s) and `state` on, without loads; it shares this one's tables, so
+    /// that it costs next to nothing.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn another(&self, state: &State, time: f64) -> Result<Self> {
+        if !time.is_finite() {
+            return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
+        }
+        let y = coordinates(&self.parameters, state)?;
+        check_speeds(&self.model, state)?;
+        let motion = Motion::new(&self.parameters, y, time);
+        let mut simulator = Self { motion, work: Work::default(), ..self.clone() };
         simulator.classify();
         Ok(simulator)
     }
@@ -282,7 +289,7 @@ impl Simulator {
     /// [`Error::Step`] for an end before the present or not finite; [`Error::ImpactRate`], after which the state stands at
     /// the time named.
     pub fn advance_to(&mut self, end: f64) -> Result<()> {
-        self.advance(end, 0.0, false, &mut |_| {}).map(|_| ())
+        self.proceed(end, 0.0, false, None).map(|_| ())
     }
 
     /// Advances to `begin + step` in extended precision (s), reporting each event; optionally stops just after the first
@@ -296,6 +303,17 @@ impl Simulator {
         step: f64,
         stop_at_impact: bool,
         on_event: &mut dyn FnMut(&Event),
+    ) -> Result<StopReason> {
+        self.proceed(begin, step, stop_at_impact, Some(on_event))
+    }
+
+    /// [`advance`](Self::advance), which nobody need listen to.
+    pub(crate) fn proceed(
+        &mut self,
+        begin: f64,
+        step: f64,
+        stop_at_impact: bool,
+        on_event: Option<&mut dyn FnMut(&Event)>,
     ) -> Result<StopReason> {
         let end = Extended::sum(begin, step);
         let span = end.minus(self.motion.time).value();
@@ -371,76 +389,5 @@ impl Simulator {
 
     fn loaded(&self) -> bool {
         self.motion.loads != [[0.0; 4]; 3]
-    }
-
-    /// Marks all tables stale and fills those that flight needs at once.
-    fn renew_tables(&mut self) {
-        for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
-            tables.energy.set_powers(&self.parameters);
-            tables.load_ready = false;
-            tables.energy_ready = false;
-            tables.core_ready = mode == Mode::Flight;
-            if tables.core_ready {
-                tables.core.fill(&self.model, mode, self.substep);
-            }
-        }
-        self.prepare_load_tables();
-    }
-
-    /// Fills the load tables when loads act and they are stale.
-    fn prepare_load_tables(&mut self) {
-        if self.loaded() {
-            for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
-                if !tables.core_ready {
-                    tables.core.fill(&self.model, mode, self.substep);
-                    tables.core_ready = true;
-                }
-                if !tables.load_ready {
-                    tables.load.fill(&tables.core, &self.model, mode, self.substep);
-                    tables.load_ready = true;
-                }
-            }
-        }
-    }
-
-    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap
-    /// that is not zero; called whenever state, parameters or loads are set from outside.
-    fn classify(&mut self) {
-        let (gap, y) = (self.model.gap, &mut self.motion.y);
-        self.motion.departing = 0;
-        self.motion.contact = Contact::Flight;
-        if y[1].abs() < gap {
-            return;
-        }
-        let side = y[1].signum();
-        if side * y[GAP_RATE] > 0.0 {
-            return; // an impact is due at once
-        }
-        if y[GAP_RATE] != 0.0 {
-            self.motion.departing = 1;
-            return;
-        }
-        let z = self.augmented();
-        self.settle(&z, side);
-    }
-
-    /// Rest or departure at stop `side` with w' = 0.
-    fn settle(&mut self, z: &Augmented, side: f64) {
-        let forces = self.forces_now();
-        let radius = 1.0 / self.model.rate;
-        let series = Series::<9>::expand(&self.model, Mode::Flight, z, Some(&forces), radius);
-        let gap = series.gap_polynomial(side, self.model.gap);
-        let first = (2..9).find(|&k| gap[k] != 0.0);
-        match first {
-            Some(order) if gap[order] < 0.0 => {
-                self.motion.contact = Contact::Flight;
-                self.motion.departing = order as u8;
-            }
-            // Pressed, or at rest relative to the box with nothing that moves it.
-            _ => {
-                self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-                self.motion.departing = 0;
-            }
-        }
     }
 }

@@ -1,54 +1,51 @@
-//! One sub-step: prove that no event falls in it and pass over it, or go to the first event and apply its law.
+//! An advance: sub-step after sub-step, each to its end or to its first event, whose law is applied.
 
 use super::{Contact, Event, ModeTables, Simulator, StopReason};
 use crate::error::{Error, Result};
-use crate::events::first_crossing;
 use crate::extended::Extended;
-use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
-use crate::model::{Augmented, Forces, GAP, GAP_RATE, Mode};
+use crate::flow::INTERVALS;
+use crate::model::{Augmented, GAP_RATE};
+use crate::vector;
+use pulp::Simd;
+use std::ops::ControlFlow;
 
 /// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about three drive periods); the
 /// rotations in between add a few units in the last place.
-const RENEW: u32 = 16;
+pub(super) const RENEW: u32 = 16;
 /// More events, or shortened steps, than this within one sub-step's time are reported instead of followed.
 const MAX_BURST: u32 = 1_000_000;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened so that the root's resolution keeps to the gap.
-const MAX_REACH: f64 = 4.0;
+pub(super) const MAX_REACH: f64 = 4.0;
 
-/// A point on a series at which an event or the step's end lies.
-pub(super) struct Arrival<'a, const N: usize> {
-    pub(super) series: &'a Series<N>,
-    /// Time from the sub-step's start to the series' centre, s.
-    pub(super) base: f64,
-    pub(super) radius: f64,
-    pub(super) u: f64,
-    /// The interval the series is centred on, or none where it is anchored at the start.
-    pub(super) interval: Option<usize>,
-}
-
-/// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled without them) and bound.
-pub(super) struct Start<const LOADS: usize> {
+/// What an advance carries from sub-step to sub-step.
+pub(super) struct Course {
     pub(super) z: Augmented,
-    pub(super) forces: [Forces; LOADS],
-    pub(super) bound: f64,
+    /// Sub-steps since cos θ and sin θ were taken anew.
+    pub(super) since_renewal: u32,
+    /// Sub-steps and events since `burst_from`.
+    burst: u32,
+    burst_from: Extended,
 }
 
-impl<const LOADS: usize> Start<LOADS> {
-    #[inline(always)]
-    fn forces(&self) -> Option<&Forces> {
-        self.forces.first()
-    }
+/// An advance, to be compiled once for each instruction set.
+struct Run<'a, 'b, const LEDGER: bool> {
+    simulator: &'a mut Simulator,
+    end: Extended,
+    stop_at_impact: bool,
+    on_event: Listener<'a, 'b>,
+}
+
+/// Who hears of events, if anyone.
+pub(super) type Listener<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
+
+impl<const LEDGER: bool> pulp::WithSimd for Run<'_, '_, LEDGER> {
+    type Output = Result<StopReason>;
 
     #[inline(always)]
-    pub(super) fn forces_after(&self, dt: f64) -> Option<Forces> {
-        self.forces.first().map(|f| shifted(f, dt))
-    }
-
-    /// The forces as columns of the load tables.
-    #[inline(always)]
-    fn columns(&self) -> Option<[f64; LOAD]> {
-        self.forces.first().map(|f| std::array::from_fn(|c| f[c / 4][c % 4]))
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { simulator, end, stop_at_impact, on_event } = self;
+        simulator.run_as::<S, 0, LEDGER>(simd, end, stop_at_impact, on_event)
     }
 }
 
@@ -58,73 +55,110 @@ impl Simulator {
         &mut self,
         end: Extended,
         stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
+        on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
         match (self.loaded(), self.keeps_ledger) {
-            (false, false) => self.dispatch::<0, false>(end, stop_at_impact, on_event),
-            (false, true) => self.dispatch::<0, true>(end, stop_at_impact, on_event),
-            (true, false) => self.dispatch::<1, false>(end, stop_at_impact, on_event),
-            (true, true) => self.dispatch::<1, true>(end, stop_at_impact, on_event),
+            (false, false) => self.dispatch::<false>(end, stop_at_impact, on_event),
+            (false, true) => self.dispatch::<true>(end, stop_at_impact, on_event),
+            (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, stop_at_impact, on_event),
+            (true, true) => self.run_as::<_, 1, true>(pulp::Scalar, end, stop_at_impact, on_event),
         }
     }
 
-    /// Runs the code compiled for the best instruction set at hand. No operation is fused or reordered, so all give the
-    /// same bits.
+    /// Runs the code compiled for the best instruction set at hand.
     #[inline(never)]
-    fn dispatch<const LOADS: usize, const LEDGER: bool>(
+    fn dispatch<const LEDGER: bool>(
         &mut self,
         end: Extended,
         stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
+        on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || self.run_as::<LOADS, LEDGER>(end, stop_at_impact, on_event),
-        )
+        pulp::Arch::new().dispatch(Run::<LEDGER> { simulator: self, end, stop_at_impact, on_event })
     }
 
     #[inline(always)]
-    fn run_as<const LOADS: usize, const LEDGER: bool>(
+    fn run_as<S: Simd, const LOADS: usize, const LEDGER: bool>(
         &mut self,
+        simd: S,
         end: Extended,
         stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
+        mut on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        let mut z = self.augmented();
-        let (mut since_renewal, mut burst, mut burst_from) = (0, 0, self.motion.time);
+        let mut course = self.depart();
         loop {
-            // Far from the end the leading parts tell enough; near it every digit counts.
-            let mut remaining = end.hi - self.motion.time.hi;
-            if remaining <= 2.0 * self.substep {
-                remaining = end.minus(self.motion.time).value();
-            }
-            if remaining <= 0.0 {
-                break;
-            }
-            if since_renewal == RENEW {
-                (z[7], z[6]) = self.drive_phase().sin_cos();
-                since_renewal = 0;
-            }
-            since_renewal += 1;
-            let passage = self.substep::<LOADS, LEDGER>(&mut z, remaining, end);
-            burst += 1;
-            if self.motion.time.hi - burst_from.hi > self.substep {
-                (burst, burst_from) = (0, self.motion.time);
-            } else if burst > MAX_BURST {
-                self.motion.y.copy_from_slice(&z[..6]);
-                return Err(self.too_many(passage.is_some()));
-            }
-            let Some(side) = passage else { continue };
-            self.work.events += 1;
-            let impact = self.handle::<LOADS>(&mut z, side, on_event);
-            if impact && stop_at_impact {
-                self.motion.y.copy_from_slice(&z[..6]);
-                return Ok(StopReason::Impact);
+            let going = self.go_on::<S, LOADS, LEDGER>(simd, &mut course, end, stop_at_impact, &mut on_event);
+            if let ControlFlow::Break(reason) = going {
+                return reason;
             }
         }
-        self.motion.y.copy_from_slice(&z[..6]);
-        self.motion.time = end;
-        Ok(StopReason::End)
+    }
+
+    /// Begins an advance.
+    #[inline(always)]
+    pub(super) fn depart(&self) -> Course {
+        Course { z: self.augmented(), since_renewal: 0, burst: 0, burst_from: self.motion.time }
+    }
+
+    /// One sub-step of an advance with the event at its end; breaks at the end of the advance.
+    #[inline(always)]
+    pub(super) fn go_on<S: Simd, const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        simd: S,
+        course: &mut Course,
+        end: Extended,
+        stop_at_impact: bool,
+        on_event: &mut Listener<'_, '_>,
+    ) -> ControlFlow<Result<StopReason>> {
+        // Far from the end the leading parts tell enough; near it every digit counts.
+        let mut remaining = end.hi - self.motion.time.hi;
+        if remaining <= 2.0 * self.substep {
+            remaining = end.minus(self.motion.time).value();
+        }
+        if remaining <= 0.0 {
+            self.motion.y.copy_from_slice(&course.z[..6]);
+            self.motion.time = end;
+            return ControlFlow::Break(Ok(StopReason::End));
+        }
+        self.renew(course);
+        let passage = self.substep::<S, LOADS, LEDGER>(simd, &mut course.z, remaining, end);
+        self.conclude::<LOADS>(course, passage, stop_at_impact, on_event)
+    }
+
+    /// Takes cos θ and sin θ anew when it is time.
+    #[inline(always)]
+    pub(super) fn renew(&self, course: &mut Course) {
+        if course.since_renewal == RENEW {
+            (course.z[7], course.z[6]) = self.drive_phase().sin_cos();
+            course.since_renewal = 0;
+        }
+        course.since_renewal += 1;
+    }
+
+    /// The end of a sub-step: its event, if it reached one, and the watch over motions that do not get on.
+    #[inline(always)]
+    pub(super) fn conclude<const LOADS: usize>(
+        &mut self,
+        course: &mut Course,
+        passage: Option<f64>,
+        stop_at_impact: bool,
+        on_event: &mut Listener<'_, '_>,
+    ) -> ControlFlow<Result<StopReason>> {
+        course.burst += 1;
+        if self.motion.time.hi - course.burst_from.hi > self.substep {
+            (course.burst, course.burst_from) = (0, self.motion.time);
+        } else if course.burst > MAX_BURST {
+            self.motion.y.copy_from_slice(&course.z[..6]);
+            return ControlFlow::Break(Err(self.too_many(passage.is_some())));
+        }
+        if let Some(side) = passage {
+            self.work.events += 1;
+            let impact = self.handle::<LOADS>(&mut course.z, side, on_event);
+            if impact && stop_at_impact {
+                self.motion.y.copy_from_slice(&course.z[..6]);
+                return ControlFlow::Break(Ok(StopReason::Impact));
+            }
+        }
+        ControlFlow::Continue(())
     }
 
     /// The error for a motion that does not get on: impacts without end, or a path that needs steps without end.
@@ -151,292 +185,30 @@ impl Simulator {
 
     /// One sub-step of at most `remaining` s; returns the stop at which an event was reached.
     #[inline(always)]
-    fn substep<const LOADS: usize, const LEDGER: bool>(
+    fn substep<S: Simd, const LOADS: usize, const LEDGER: bool>(
         &mut self,
+        simd: S,
         z: &mut Augmented,
         remaining: f64,
         end: Extended,
     ) -> Option<f64> {
         self.work.substeps += 1;
-        if self.motion.contact != Contact::Flight && !self.rest.core_ready {
-            self.rest.core.fill(&self.model, Mode::Rest, self.substep);
-            self.rest.core_ready = true;
-        }
-        let mut bound = self.tables().core.curvature(z);
-        let forces = [(); LOADS].map(|()| self.forces_now());
-        let mut start = Start { z: *z, forces, bound };
-        if let Some(columns) = start.columns() {
-            bound += self.tables().load.curvature(&columns);
-            start.bound = bound;
-        }
-        let interval = self.substep / INTERVALS as f64;
-        let speed = z[GAP_RATE].abs();
-        let wild = speed * interval + 0.5 * start.bound * interval * interval > MAX_REACH * self.model.gap;
-        if remaining <= interval || (wild && self.motion.contact == Contact::Flight) {
-            self.short::<LOADS, LEDGER>(z, &start, remaining.min(interval), remaining, end)
-        } else {
-            self.long::<LOADS, LEDGER>(z, &start, remaining, end)
-        }
-    }
-
-    /// A step within one interval, on a series anchored at its start.
-    #[inline(always)]
-    fn short<const LOADS: usize, const LEDGER: bool>(
-        &mut self,
-        z: &mut Augmented,
-        start: &Start<LOADS>,
-        mut span: f64,
-        remaining: f64,
-        end: Extended,
-    ) -> Option<f64> {
-        let gap = self.model.gap;
-        let mut near = [true; 2];
-        self.work.expansions += 1;
-        let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
-        if self.motion.contact == Contact::Flight {
-            // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the step is shortened.
-            let reach = |u: f64| series.lanes[1..].iter().rev().fold(0.0, |sum, c| (sum + c[GAP].abs()) * u);
-            let mut part = 1.0;
-            while reach(part) > MAX_REACH * gap {
-                part *= 0.5;
-            }
-            let path = reach(part);
-            near = [z[GAP] + path >= gap, path - z[GAP] >= gap];
-            if part < 1.0 {
-                span *= part;
-                self.work.expansions += 1;
-                series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+        if LOADS == 0 && self.motion.contact == Contact::Flight {
+            let interval = self.substep * (1.0 / INTERVALS as f64);
+            let bound = vector::weigh::<S>(z, &self.flight.core.bound);
+            if remaining > interval && !self.wild(z, bound) {
+                return self.cruise::<S, LEDGER>(simd, z, bound, remaining, end);
             }
         }
-        let passage = self.anchored_passage(&series, start, near, span);
-        let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
-        let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-        self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
-        if side.is_none() && span >= remaining {
-            self.motion.time = end;
-        }
+        let (arrived, side) = self.careful::<LOADS, LEDGER>(*z, remaining, end);
+        *z = arrived;
         side
     }
 
-    /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
+    /// Whether an interval is too long to be searched as a whole.
     #[inline(always)]
-    fn long<const LOADS: usize, const LEDGER: bool>(
-        &mut self,
-        z: &mut Augmented,
-        start: &Start<LOADS>,
-        remaining: f64,
-        end: Extended,
-    ) -> Option<f64> {
-        let interval = self.substep / INTERVALS as f64;
-        let (flight, gap) = (self.motion.contact == Contact::Flight, self.model.gap);
-        let tables = self.tables();
-        let mut g = [0.0; INTERVALS];
-        tables.core.samples(z, &mut g);
-        if let Some(columns) = start.columns() {
-            tables.load.samples(&columns, &mut g);
-        }
-        let margin = start.bound * interval * interval * 0.125;
-        let whole = remaining >= self.substep;
-        // A function that stays `margin` away from its limit at both ends of an interval does not reach it in between.
-        let (first, clear) = if flight {
-            let limit = gap - margin;
-            let most = g.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-            let leaves = match self.motion.departing {
-                0 => z[GAP].abs() < limit,
-                1 => z[GAP_RATE].abs() > 0.5 * start.bound * interval,
-                _ => false,
-            };
-            (leaves, leaves && most < limit)
-        } else {
-            let side = self.motion.contact.side();
-            let f = start.forces().map(|f| f.map(|d| d[0]));
-            let now = side * self.model.acceleration(Mode::Rest, z, f).1;
-            let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
-            (now > margin, now > margin && least > margin)
-        };
-        if !clear && let Some(side) = self.scan::<LOADS, LEDGER>(z, start, &g, margin, first, remaining) {
-            return Some(side);
-        }
-        if whole {
-            self.pass::<LOADS, LEDGER>(z, start);
-        } else {
-            let index = ((remaining / interval) as usize).min(INTERVALS - 1);
-            let (series, base) = self.centred(start, index);
-            let u = (remaining - base) / (0.5 * interval);
-            let arrival = Arrival { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
-            self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
-            self.motion.time = end;
-        }
-        None
-    }
-
-    /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
-    #[inline(always)]
-    fn scan<const LOADS: usize, const LEDGER: bool>(
-        &mut self,
-        z: &mut Augmented,
-        start: &Start<LOADS>,
-        g: &[f64; INTERVALS],
-        margin: f64,
-        first_clear: bool,
-        remaining: f64,
-    ) -> Option<f64> {
-        let interval = self.substep / INTERVALS as f64;
-        let side = self.motion.contact.side();
-        // A sample is near where `excess` is not negative: within the margin of a limit or past it.
-        let limit = self.model.gap - margin;
-        let excess = |x: f64| if side == 0.0 { x.abs() - limit } else { margin - side * x };
-        if !first_clear || excess(g[0]) >= 0.0 {
-            let span = interval.min(remaining);
-            self.work.expansions += 1;
-            let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
-            if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
-                let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
-                return Some(side);
-            }
-        }
-        // The intervals that the step reaches into and that have a near sample at an end.
-        let count = ((remaining / interval).ceil() as usize).min(INTERVALS);
-        let nearest = g.iter().position(|&x| excess(x) >= 0.0)?;
-        for i in nearest.max(1)..count {
-            if excess(g[i]) < 0.0 && excess(g[i - 1]) < 0.0 {
-                continue;
-            }
-            let (series, base) = self.centred(start, i);
-            let radius = 0.5 * interval;
-            let hi = ((remaining - base) / radius).min(1.0);
-            let near = [g[i - 1].max(g[i]) >= limit, g[i - 1].min(g[i]) <= -limit];
-            if let Some((u, side)) = self.passage(&series.functional(self.mode()), -1.0, hi, near) {
-                let arrival = Arrival { series: &series, base, radius, u, interval: Some(i) };
-                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
-                return Some(side);
-            }
-        }
-        None
-    }
-
-    /// The series about the centre of an interval and the time to there.
-    #[inline(always)]
-    pub(super) fn centred<const LOADS: usize>(
-        &mut self,
-        start: &Start<LOADS>,
-        index: usize,
-    ) -> (Series<CENTRED>, f64) {
-        self.work.expansions += 1;
-        let interval = self.substep / INTERVALS as f64;
-        let base = (index as f64 + 0.5) * interval;
-        let tables = self.tables();
-        let mut z = [0.0; 8];
-        Table::transit(&tables.core.centre[index], &start.z, &mut z);
-        let forces = start.forces_after(base);
-        if let Some(columns) = start.columns() {
-            Table::transit(&tables.load.centre[index], &columns, &mut z);
-        }
-        if self.motion.contact != Contact::Flight {
-            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
-        }
-        (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
-    }
-
-    /// The first event between two points, with its stop, from the coefficients of the event functional.
-    #[inline(always)]
-    fn passage<const N: usize>(
-        &mut self,
-        functional: &[f64; N],
-        lo: f64,
-        hi: f64,
-        near: [bool; 2],
-    ) -> Option<(f64, f64)> {
-        let iterations = &mut self.work.iterations;
-        let side = self.motion.contact.side();
-        if side != 0.0 {
-            let p = functional.map(|a| -side * a);
-            return first_crossing(&p, lo, hi, iterations).map(|u| (u, side));
-        }
-        let mut found: Option<(f64, f64)> = None;
-        for (side, near) in [(1.0, near[0]), (-1.0, near[1])] {
-            if near {
-                let mut p = functional.map(|w| side * w);
-                p[0] -= self.model.gap;
-                let hi = found.map_or(hi, |(u, _)| u);
-                if let Some(u) = first_crossing(&p, lo, hi, iterations) {
-                    found = Some((u, side));
-                }
-            }
-        }
-        found
-    }
-
-    /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
-    /// start are divided out, so that a return is found however soon it comes.
-    #[inline(always)]
-    fn anchored_passage<const LOADS: usize>(
-        &mut self,
-        series: &Series<ANCHORED>,
-        start: &Start<LOADS>,
-        near: [bool; 2],
-        span: f64,
-    ) -> Option<(f64, f64)> {
-        let order = usize::from(self.motion.departing);
-        if order == 0 {
-            let functional = series.functional(self.mode());
-            return self.passage(&functional, 0.0, 1.0, near);
-        }
-        let side = start.z[GAP].signum();
-        let mut found = None;
-        if order > 1 || start.z[GAP_RATE].abs() <= 0.5 * start.bound * span {
-            let p = series.gap_polynomial(side, self.model.gap);
-            let mut q = [0.0; ANCHORED];
-            q[..ANCHORED - order].copy_from_slice(&p[order..]);
-            q[0] = q[0].min(-f64::MIN_POSITIVE); // it leaves, whatever round-off says
-            found = first_crossing(&q, 0.0, 1.0, &mut self.work.iterations).map(|u| (u, side));
-        }
-        if near[usize::from(side > 0.0)] {
-            let p = series.gap_polynomial(-side, self.model.gap);
-            let hi = found.map_or(1.0, |(u, _)| u);
-            let other = first_crossing(&p, 0.0, hi, &mut self.work.iterations);
-            found = other.map(|u| (u, -side)).or(found);
-        }
-        found
-    }
-
-    /// Moves to a point of a series: state, time and energy accounts.
-    #[inline(always)]
-    fn arrive<const LOADS: usize, const LEDGER: bool, const N: usize>(
-        &mut self,
-        z: &mut Augmented,
-        start: &Start<LOADS>,
-        to: &Arrival<N>,
-    ) {
-        if LEDGER {
-            self.account(start, to);
-        }
-        *z = to.series.at(to.u);
-        if self.motion.contact != Contact::Flight {
-            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
-        }
-        self.motion.time = self.motion.time.plus(to.base).plus(to.u * to.radius);
-        self.motion.departing = 0;
-    }
-
-    /// Passes over a whole sub-step without event.
-    #[inline(always)]
-    fn pass<const LOADS: usize, const LEDGER: bool>(&mut self, z: &mut Augmented, start: &Start<LOADS>) {
-        if LEDGER {
-            self.account_whole(start);
-        }
-        let tables = self.tables();
-        let mut next = [0.0; 8];
-        Table::transit(&tables.core.full, &start.z, &mut next);
-        if let Some(columns) = start.columns() {
-            Table::transit(&tables.load.full, &columns, &mut next);
-        }
-        if self.motion.contact != Contact::Flight {
-            (next[GAP], next[GAP_RATE]) = (start.z[GAP], 0.0);
-        }
-        *z = next;
-        self.motion.time = self.motion.time.plus(self.substep);
-        self.motion.departing = 0;
+    pub(super) fn wild(&self, z: &Augmented, bound: f64) -> bool {
+        let interval = self.substep * (1.0 / INTERVALS as f64);
+        z[GAP_RATE].abs() * interval + 0.5 * bound * interval * interval > MAX_REACH * self.model.gap
     }
 }

@@ -128,11 +128,9 @@ impl ImpactRecord {
     /// Counts an impact at stop `side`.
     #[inline(always)]
     pub(crate) fn count(&mut self, side: f64, time: f64, speed: f64, impulse: f64) {
-        if side > 0.0 {
-            self.upper += 1;
-        } else {
-            self.lower += 1;
-        }
+        // Without a branch: in chaos the stops alternate beyond prediction.
+        self.upper += u64::from(side > 0.0);
+        self.lower += u64::from(side <= 0.0);
         (self.last_time, self.last_speed, self.last_impulse) = (time, speed, impulse);
         self.total_impulse += impulse;
     }

@@ -11,8 +11,9 @@ def simulate(p, state, times, f=(0.0, 0.0, 0.0)):
 
     p      start values by variable name
     state  state at times[0]
-    f      constant loads on the three bodies
+    f      loads on the three bodies, constant or a function of time
     """
+    loads = f if callable(f) else lambda t: f
     m1, m2, m3 = p["box.m"], p["block.m"], p["secondary.m"]
     gap, kappa = p["stop.gap"], p["stop.restitution"]
 
@@ -20,6 +21,7 @@ def simulate(p, state, times, f=(0.0, 0.0, 0.0)):
         x1, x2, x3, v1, v2, v3 = y
         drive = p["drive.amplitude"] * np.sin(p["drive.frequency"] * t + p["drive.phase"])
         spring = p["coupling.k"] * (x2 - x3)
+        f = loads(t)
         a1 = (drive + f[0] - p["box.c"] * v1 - p["box.k"] * x1) / m1
         a2 = (f[1] - spring) / m2
         a3 = (f[2] + spring - p["secondary.c"] * v3 - p["secondary.k"] * x3) / m3

@@ -74,6 +74,42 @@ def test_equals_dop853(new, description, period):
     assert instance.get("impacts.lastTime")[0] == pytest.approx(impacts[-1], abs=ORACLE)
 
 
+def test_input_derivatives_equal_dop853(new, description, period):
+    """Loads that are cubic in time, given by value and three derivatives at each communication point (not through
+    `simulate_fmu`, whose `set_input_derivatives` is broken in fmpy 0.3.32)."""
+    cubics = {"box.f": (0.02, -0.01, 0.004, -0.0005), "secondary.f": (-0.01, 0.02, -0.003, 0.0002)}
+
+    def derivatives(c, t):
+        return (c[0] + t * (c[1] + t * (c[2] + t * c[3])), c[1] + t * (2 * c[2] + t * 3 * c[3]), 2 * c[2] + 6 * c[3] * t,
+                6 * c[3])
+
+    def loads(t):
+        return derivatives(cubics["box.f"], t)[0], 0.0, derivatives(cubics["secondary.f"], t)[0]
+
+    start = dict(zip(STATES, (0.1, -0.3, 0.2, -0.4, 0.9, 0.3)))
+    instance = new()
+    for name, value in start.items():
+        instance.set(name, value)
+    instance.initialize()
+    times = np.linspace(0.0, 2.0 * period, 8)
+    got = [instance.get(*STATES)]
+    for begin, end in zip(times, times[1:]):
+        for name, cubic in cubics.items():
+            value, *slopes = derivatives(cubic, begin)
+            reference = instance.references[name]
+            instance.set(name, value)
+            instance.slave.setRealInputDerivatives([reference] * 3, [1, 2, 3], slopes)
+        instance.step(begin, end - begin)
+        got.append(instance.get(*STATES))
+    parameters = {v.name: float(v.start) for v in description.modelVariables
+                  if v.causality == "parameter" and v.type == "Real"}
+    expected, impacts = oracle.simulate(parameters, list(start.values()), times, loads)
+    assert len(impacts) >= 2
+    np.testing.assert_allclose(got, expected, rtol=0, atol=ORACLE)
+    held, _ = oracle.simulate(parameters, list(start.values()), times, loads(0.0))
+    assert np.abs(held - expected).max() > 0.1, "the loads must matter"
+
+
 def test_energy_balances(new, period):
     """mechanical = initial + input - damped - impact, at every communication point."""
     names = [f"energy.{name}" for name in ("mechanical", "input", "damped", "impact")]

@@ -23,6 +23,21 @@ unsafe extern "C" fn keep_message(
     messages.push(format!("{} {status} {} {}", text(name), text(category), text(message)));
 }
 
+type Plain = unsafe extern "C" fn(*mut c_void, *const c_char, FmiStatus, *const c_char, *const c_char);
+
+/// Callbacks with that logger and nothing else. On the platforms of the tests a variadic call without variadic arguments
+/// is an ordinary one.
+unsafe fn callbacks(logger: Plain, environment: *mut c_void) -> FmiCallbackFunctions {
+    FmiCallbackFunctions {
+        // Miri knows the difference, and there is no other way to write one in stable Rust.
+        logger: (!cfg!(miri)).then(|| unsafe { std::mem::transmute::<Plain, FmiLogger>(logger) }),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: environment,
+    }
+}
+
 struct Host {
     #[allow(clippy::box_collection)] // its address is the logger's environment
     messages: Box<Vec<String>>,
@@ -42,27 +57,7 @@ impl Host {
     fn with(name: &CStr, kind: c_int, guid: &CStr) -> Self {
         let mut messages = Box::new(Vec::<String>::new());
         let environment = std::ptr::from_mut(&mut *messages).cast();
-        // On the platforms of the tests a variadic call without variadic arguments is an ordinary one.
-        #[allow(clippy::missing_transmute_annotations)]
-        let logger: FmiLogger = unsafe {
-            std::mem::transmute(
-                keep_message
-                    as unsafe extern "C" fn(
-                        *mut c_void,
-                        *const c_char,
-                        FmiStatus,
-                        *const c_char,
-                        *const c_char,
-                    ),
-            )
-        };
-        let functions = FmiCallbackFunctions {
-            logger: Some(logger),
-            allocate_memory: None,
-            free_memory: None,
-            step_finished: None,
-            component_environment: environment,
-        };
+        let functions = unsafe { callbacks(keep_message, environment) };
         let name = name.to_owned(); // freed after the call
         let c = unsafe { fmi2Instantiate(name.as_ptr(), kind, guid.as_ptr(), null(), &functions, 0, 1) };
         Self { messages, c }
@@ -152,6 +147,51 @@ fn messages_are_finished_text() {
     assert!(host.last().contains("category = \"100 %% ##1\": allowed is logEvents, "), "{}", host.last());
 }
 
+/// A logger that calls back into the instance it is called by.
+unsafe extern "C" fn call_back(
+    environment: *mut c_void,
+    _: *const c_char,
+    _: FmiStatus,
+    _: *const c_char,
+    _: *const c_char,
+) {
+    let (c, statuses) = unsafe { &mut *environment.cast::<(FmiComponent, Vec<FmiStatus>)>() };
+    unsafe {
+        statuses.push(fmi2Reset(*c));
+        fmi2FreeInstance(*c);
+    }
+}
+
+#[test]
+fn calls_from_inside_the_logger_are_refused() {
+    let mut seen = Box::new((null_mut(), Vec::<FmiStatus>::new()));
+    let guid = CString::new(description::guid()).unwrap();
+    unsafe {
+        let functions = callbacks(call_back, std::ptr::from_mut(&mut *seen).cast());
+        let c = fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &functions, 0, 1);
+        seen.0 = c;
+        assert_eq!(fmi2DoStep(c, 0.0, 1.0, 0), ERROR);
+        assert_eq!(seen.1, [ERROR]);
+        assert_eq!(fmi2Reset(c), OK);
+        fmi2FreeInstance(c);
+    }
+}
+
+#[test]
+fn misaligned_pointers_are_errors() {
+    let host = Host::initialized();
+    let odd = |p: *mut c_void| p.wrapping_byte_add(1);
+    let (mut reals, mut state) = ([0.0; 2], null_mut::<c_void>());
+    let (vr, odd_reals) = (reference("box.s"), odd(reals.as_mut_ptr().cast()).cast());
+    unsafe {
+        assert_eq!(fmi2GetReal(odd(host.c), &vr, 1, reals.as_mut_ptr()), ERROR);
+        assert_eq!(fmi2GetReal(host.c, &vr, 1, odd_reals), ERROR);
+        assert!(host.last().ends_with("value is null or misaligned: allowed is a valid pointer"));
+        assert_eq!(fmi2GetFMUstate(host.c, odd((&raw mut state).cast()).cast()), ERROR);
+        assert_eq!(fmi2GetRealStatus(host.c, 2, odd_reals), ERROR);
+    }
+}
+
 #[test]
 fn null_pointers_and_impossible_counts_are_errors() {
     let host = Host::initialized();
@@ -163,7 +203,7 @@ fn null_pointers_and_impossible_counts_are_errors() {
         assert_eq!(fmi2GetReal(c, null(), 2, values.as_mut_ptr()), ERROR);
         assert_eq!(
             host.last(),
-            "box %d 3 logStatusError fmi2GetReal: vr is null: allowed is a valid pointer"
+            "box %d 3 logStatusError fmi2GetReal: vr is null or misaligned: allowed is a valid pointer"
         );
         assert_eq!(fmi2GetReal(c, vr, 2, null_mut()), ERROR);
         assert_eq!(fmi2GetReal(c, null(), 0, null_mut()), OK);
@@ -335,8 +375,8 @@ fn brought_to(interface: Interface, state: State) -> Host {
     for function in way {
         assert_eq!(unsafe { play(host.c, *function) }, OK, "{function:?}: {}", host.last());
     }
-    let component = unsafe { &mut *host.c.cast::<Component>() };
-    component.instance.force(state);
+    let component = unsafe { &*host.c.cast::<Component>() };
+    component.borrow_mut().0.force(state);
     host
 }
 
@@ -362,7 +402,7 @@ fn every_cell_of_both_state_machines() {
                     continue; // every instance is freed, in every state
                 }
                 let host = brought_to(interface, state);
-                let instance = |host: &Host| unsafe { &*host.c.cast::<Component>() }.instance.image();
+                let instance = |host: &Host| unsafe { &*host.c.cast::<Component>() }.borrow().0.image();
                 let before = instance(&host);
                 let status = unsafe { play(host.c, *function) };
                 let refusal =

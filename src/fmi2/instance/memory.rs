@@ -188,12 +188,30 @@ impl Instance {
         Ok(handle)
     }
 
+    /// As [`keep`](Self::keep), but any handle that is not ours stands for none: what a host has in a variable that is
+    /// only written to may be anything.
+    ///
+    /// # Errors
+    /// None.
+    pub fn keep_new(&mut self, state: FmuState, handle: usize) -> Outcome<usize> {
+        let known = self.place(handle).is_ok();
+        self.keep(state, if known { handle } else { 0 })
+    }
+
     /// The state of that handle.
     ///
     /// # Errors
     /// [`Problem::Memory`] when there is none.
     pub fn kept(&self, handle: usize) -> Outcome<&FmuState> {
         Ok(&self.kept[self.place(handle)?])
+    }
+
+    /// Bytes of the state of that handle.
+    ///
+    /// # Errors
+    /// As [`kept`](Self::kept).
+    pub fn serialized(&self, handle: usize) -> Outcome<Vec<u8>> {
+        self.kept(handle)?.serialize()
     }
 
     /// `fmi2SetFMUstate` by handle.

@@ -69,29 +69,17 @@ impl Instance {
         }
         let events = self.enabled.contains(Category::Events);
         let mut report = |event: &Event| log.log(Status::Ok, Category::Events, &describe(event));
+        let report: Option<&mut dyn FnMut(&Event)> = if events { Some(&mut report) } else { None };
         let reason = match &mut self.engine {
             Engine::Simulation(simulator) => {
                 let parameters = self.parameters_set.then_some(&self.settings.parameters);
                 let loads = self.loads_set.then_some(&self.settings.loads);
-                let mut quiet = |event: &Event| {
-                    if events {
-                        report(event);
-                    }
-                };
-                simulate(
-                    simulator,
-                    parameters,
-                    loads,
-                    (point, size),
-                    self.settings.stop_at_impact,
-                    &mut quiet,
-                )?
+                simulate(simulator, parameters, loads, (point, size), self.settings.stop_at_impact, report)?
             }
             Engine::Closed(form) => {
                 if self.parameters_set {
                     form.set_parameters(&self.settings.parameters)?;
                 }
-                let report: Option<&mut dyn FnMut(&Event)> = if events { Some(&mut report) } else { None };
                 form.advance(point, size, self.settings.stop_at_impact, report)
             }
             Engine::None | Engine::Continuous(_) => StopReason::End,
@@ -168,17 +156,17 @@ fn simulate(
     loads: Option<&Loads>,
     (point, size): (f64, f64),
     stop_at_impact: bool,
-    report: &mut dyn FnMut(&Event),
+    report: Option<&mut dyn FnMut(&Event)>,
 ) -> Outcome<StopReason> {
     let before = simulator.snapshot();
-    let mut advance = || {
+    let advance = || {
         if let Some(parameters) = parameters {
             simulator.set_parameters(parameters)?;
         }
         if let Some(loads) = loads {
             simulator.set_loads(loads)?;
         }
-        match simulator.advance(point, size, stop_at_impact, report) {
+        match simulator.proceed(point, size, stop_at_impact, report) {
             // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
             Err(Error::Step { .. }) => Ok(StopReason::End),
             reason => reason,

@@ -5,7 +5,7 @@ use crate::fmi2::problem::Problem;
 use crate::fmi2::settings::Settings;
 use crate::fmi2::states::{Function, State};
 use crate::fmi2::variables::{
-    Access, Base, Causality, Initial, READERS, Reader, VARIABLES, Variability, Variable,
+    Access, Base, Causality, READERS, Reader, VARIABLES, Variable, WRITERS, Writer,
 };
 use crate::parameters::Parameters;
 
@@ -107,18 +107,18 @@ impl Instance {
     #[inline]
     pub fn set(&mut self, base: Base, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
         self.guard(base.setter())?;
+        let when = self.when();
+        let closed = matches!(self.engine, Engine::Closed(_));
         for (i, &reference) in references.iter().enumerate() {
-            let variable = look_up(reference, base)?;
-            self.check_settable(variable)?;
             let value = read(i);
-            if !variable.accepts(value) {
-                return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed });
+            let plain = |writer: &Writer| writer.takes(base, when, value) && !(closed && writer.input);
+            if !WRITERS.get(reference as usize).is_some_and(plain) {
+                self.check_set(reference, base, value)?;
             }
-            self.check_load(variable, value)?;
         }
         let before = self.interface.applies_at_once().then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
-            self.assign(&VARIABLES[reference as usize], read(i));
+            self.assign(&WRITERS[reference as usize], read(i));
         }
         if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
         {
@@ -135,6 +135,17 @@ impl Instance {
         Ok(())
     }
 
+    /// A closer look at one set.
+    #[cold]
+    fn check_set(&self, reference: u32, base: Base, value: f64) -> Outcome {
+        let variable = look_up(reference, base)?;
+        self.check_settable(reference, variable)?;
+        if !variable.accepts(value) {
+            return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed });
+        }
+        self.check_load(variable, value)
+    }
+
     /// A closed form is a motion without loads.
     fn check_load(&self, variable: &Variable, value: f64) -> Outcome {
         if variable.causality == Causality::Input && value != 0.0 && matches!(self.engine, Engine::Closed(_))
@@ -144,7 +155,8 @@ impl Instance {
         Ok(())
     }
 
-    fn assign(&mut self, variable: &Variable, value: f64) {
+    #[inline]
+    fn assign(&mut self, variable: &Writer, value: f64) {
         if let (Engine::Continuous(continuous), Access::Start { set, .. }) =
             (&mut self.engine, variable.access)
         {
@@ -156,12 +168,14 @@ impl Instance {
         }
         let (Access::Setting { set, .. } | Access::Start { set, .. }) = variable.access else { return };
         let settings = &mut self.settings;
-        if variable.causality == Causality::Input {
-            let slopes = settings.loads.derivatives;
+        if variable.input {
+            let slopes = (self.slopes_set != [false; 3]).then_some(settings.loads.derivatives);
             set(settings, value);
             // Derivatives set for this communication point hold whichever of the two calls comes first.
-            for body in (0..3).filter(|body| self.slopes_set[*body]) {
-                settings.loads.derivatives[body][1..].copy_from_slice(&slopes[body][1..]);
+            if let Some(slopes) = slopes {
+                for body in (0..3).filter(|body| self.slopes_set[*body]) {
+                    settings.loads.derivatives[body][1..].copy_from_slice(&slopes[body][1..]);
+                }
             }
             self.loads_set = true;
         } else {
@@ -174,26 +188,25 @@ impl Instance {
         }
     }
 
-    /// FMI 2.0, 2.2.7: what may be set when. Inputs are also taken before initialization, where the standard has their
-    /// start values stand: several hosts set them there.
-    fn check_settable(&self, variable: &Variable) -> Outcome {
-        let input = variable.causality == Causality::Input;
-        let exact = variable.initial == Some(Initial::Exact);
-        let tunable =
-            variable.causality == Causality::Parameter && variable.variability == Variability::Tunable;
-        let (settable, allowed) = match self.state {
-            State::Instantiated | State::InitializationMode => {
-                (exact || input, "parameters, start values and inputs")
-            }
-            State::ContinuousTimeMode => {
-                let state = matches!(variable.access, Access::Start { .. });
-                (input || state, "inputs and continuous states")
-            }
-            _ => (input || tunable, "inputs and tunable parameters"),
-        };
-        if settable {
+    /// The present state's bit of [`Writer`].
+    fn when(&self) -> u8 {
+        match self.state {
+            State::Instantiated | State::InitializationMode => Writer::INITIAL,
+            State::ContinuousTimeMode => Writer::CONTINUOUS,
+            _ => Writer::EVENT,
+        }
+    }
+
+    fn check_settable(&self, reference: u32, variable: &Variable) -> Outcome {
+        let when = self.when();
+        if WRITERS[reference as usize].settable(when) {
             return Ok(());
         }
+        let allowed = match when {
+            Writer::INITIAL => "parameters, start values and inputs",
+            Writer::CONTINUOUS => "inputs and continuous states",
+            _ => "inputs and tunable parameters",
+        };
         Err(Problem::NotSettable { name: variable.name, state: self.state, allowed })
     }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Calls a run; a fuzzer goes further, this keeps the way open.
-const CALLS: usize = 4000;
+const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
 
 /// SplitMix64.
 struct Random(u64);

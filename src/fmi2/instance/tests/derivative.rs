@@ -138,3 +138,39 @@ fn wrong_unknowns_and_knowns_are_refused() {
         assert!(fmu.directional_derivative(&u, &k, &[seed], |_, _| panic!()).is_err(), "{unknown} {known}");
     }
 }
+
+/// `ModelStructure/Outputs` lists a known where, and only where, an output's derivative with respect to it is not zero.
+#[test]
+fn dependencies_are_those_of_the_derivatives() {
+    let mut flight = exchange(|fmu| {
+        for (name, value) in
+            [("box.s", 0.1), ("block.s", 0.3), ("box.v", 0.4), ("block.v", -0.2), ("secondary.s", 0.1)]
+        {
+            set(fmu, name, value).unwrap();
+        }
+        set(fmu, "secondary.v", 0.5).unwrap();
+        set(fmu, "secondary.f", 0.1).unwrap();
+    });
+    flight.set_time(0.3).unwrap(); // an open interval of the energies
+    let mut rest = exchange(|fmu| {
+        set(fmu, "block.s", 1.0).unwrap();
+        set(fmu, "block.f", 0.2).unwrap();
+    });
+    assert_eq!(get(&mut rest, "stop.state"), 2.0);
+    let names = outputs();
+    let listed = crate::fmi2::structure::outputs();
+    for known in KNOWNS {
+        let mut seen = vec![false; names.len()];
+        for fmu in [&mut flight, &mut rest] {
+            let column = derivative(fmu, &names, &[known], &[1.0]);
+            seen.iter_mut().zip(column).for_each(|(seen, value)| *seen |= value != 0.0);
+        }
+        let index = find(known).unwrap().0 + 1;
+        for (name, seen) in names.iter().zip(seen) {
+            let unknown = listed.iter().find(|u| u.index == find(name).unwrap().0 + 1).unwrap();
+            let dependencies = unknown.dependencies.as_ref().unwrap();
+            let says = dependencies.iter().any(|(i, _)| *i == index);
+            assert_eq!(says, seen, "{name} by {known}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! The C interface in one process. Targets (issue 5): a step without impact ≤ 0.5 µs, ten Reals read or written ≤ 50 ns,
+//! the FMU state taken and put back ≤ 200 ns. That none of these allocates is `cargo test --test allocation`.
+#![allow(unsafe_code)] // the C interface
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::ffi::CString;
+use std::hint::black_box;
+use std::ptr::{null, null_mut};
+use vibro_impact::fmi2::abi::*;
+use vibro_impact::fmi2::description;
+use vibro_impact::fmi2::variables::reference;
+
+const OUTPUTS: [&str; 10] = [
+    "box.s",
+    "box.v",
+    "box.a",
+    "block.s",
+    "block.v",
+    "block.a",
+    "secondary.s",
+    "secondary.v",
+    "secondary.a",
+    "stop.s",
+];
+
+/// Three loads and seven parameters that may be set between steps.
+const SETTABLE: [&str; 10] = [
+    "box.f",
+    "block.f",
+    "secondary.f",
+    "box.k",
+    "box.c",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "drive.amplitude",
+    "drive.frequency",
+];
+
+/// Step of the bench of stepping, s: a hundredth of the drive period.
+const STEP: f64 = 0.06;
+
+fn initialized() -> FmiComponent {
+    let guid = CString::new(description::guid()).expect("no null byte");
+    // SAFETY: valid strings, a live component.
+    unsafe {
+        let c = fmi2Instantiate(c"bench".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0);
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), 0);
+        assert_eq!(fmi2EnterInitializationMode(c), 0);
+        assert_eq!(fmi2ExitInitializationMode(c), 0);
+        c
+    }
+}
+
+fn impacts(c: FmiComponent) -> i32 {
+    let (references, mut counts) = ([reference("impacts.upper"), reference("impacts.lower")], [0; 2]);
+    // SAFETY: two of each.
+    assert_eq!(unsafe { fmi2GetInteger(c, references.as_ptr(), 2, counts.as_mut_ptr()) }, 0);
+    counts[0] + counts[1]
+}
+
+fn benches(criterion: &mut Criterion) {
+    let c = initialized();
+    // A start from rest has no impact for 100 steps; the state is put back after them, once in a hundred steps.
+    let (mut start, mut state, mut time) = (null_mut(), null_mut(), 0.0);
+    // SAFETY (all below): a live component, arrays of as many elements as the count says.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(c, &mut start), 0);
+        criterion.bench_function("fmi2DoStep of 0.06 s without impact", |b| {
+            b.iter(|| {
+                if time > 99.0 * STEP {
+                    fmi2SetFMUstate(c, start);
+                    time = 0.0;
+                }
+                let status = fmi2DoStep(c, black_box(time), STEP, 1);
+                time += STEP;
+                status
+            })
+        });
+        assert_eq!(impacts(c), 0);
+        assert_eq!(fmi2SetFMUstate(c, start), 0);
+
+        let (outputs, settable) = (OUTPUTS.map(reference), SETTABLE.map(reference));
+        let mut values = [0.0; 10];
+        criterion.bench_function("fmi2GetReal of ten", |b| {
+            b.iter(|| fmi2GetReal(c, black_box(outputs.as_ptr()), 10, values.as_mut_ptr()))
+        });
+        assert_eq!(fmi2GetReal(c, settable.as_ptr(), 10, values.as_mut_ptr()), 0);
+        criterion.bench_function("fmi2SetReal of ten", |b| {
+            b.iter(|| fmi2SetReal(c, black_box(settable.as_ptr()), 10, values.as_ptr()))
+        });
+        criterion.bench_function("fmi2GetFMUstate and fmi2SetFMUstate", |b| {
+            b.iter(|| fmi2GetFMUstate(c, black_box(&mut state)) + fmi2SetFMUstate(c, state))
+        });
+        fmi2FreeInstance(c);
+    }
+}
+
+criterion_group!(abi, benches);
+criterion_main!(abi);

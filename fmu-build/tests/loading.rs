@@ -1,0 +1,107 @@
+//! Hosts load and unload the library many times: its memory comes back, and it is not pinned by what it leaves behind.
+#![cfg(target_os = "linux")] // looks into /proc
+#![allow(unsafe_code)] // calls one function by name
+
+use fmu_build::{compile, host};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use vibro_impact::fmi2::description;
+use vibro_impact::fmi2::variables::reference;
+
+/// Cycles that count, after as many as it takes until the allocator has what it needs.
+const CYCLES: u32 = 200;
+const WARM_UP: u32 = 20;
+
+/// Pages that a long-lived process may still take on its own; std's hook with backtraces takes tens of MB, a leaked
+/// instance 200 times 2 KiB.
+const GROWTH: u64 = 256 << 10;
+
+/// Names the library to the process that loads it, and what to do with it.
+const LIBRARY: &str = "VIBRO_IMPACT_LOADING";
+const PANIC: &str = "VIBRO_IMPACT_PANIC";
+
+/// Resident memory of this process in bytes.
+fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches(" kB").trim().parse::<u64>().unwrap() << 10
+}
+
+fn is_mapped(library: &Path) -> bool {
+    let name = library.file_name().unwrap().to_str().unwrap();
+    std::fs::read_to_string("/proc/self/maps").unwrap().contains(name)
+}
+
+/// Loads, instantiates, steps, makes an error, frees, unloads.
+fn simulate(library: &Path) {
+    let binary = host::Binary::load(library).unwrap();
+    let mut instance = binary.instantiate(&description::guid()).unwrap();
+    instance.initialize(0.0).unwrap();
+    instance.step(0.0, 30.0).unwrap();
+    assert_eq!(instance.real(&[reference("time")]).unwrap(), [30.0]);
+    assert!(instance.step(0.0, 1.0).is_err());
+    assert!(is_mapped(library));
+}
+
+/// Loads, panics inside an FMI call, unloads.
+fn panic(library: &Path) {
+    // SAFETY: our own library; the function takes nothing and returns a status.
+    unsafe {
+        let library = libloading::Library::new(library).unwrap();
+        let provoke = library.get::<unsafe extern "C" fn() -> i32>("provoke_panic\0").unwrap();
+        assert_eq!(provoke(), 4); // fmi2Fatal
+    }
+}
+
+/// Runs in a process of its own, started by the two tests below.
+#[test]
+fn cycles() {
+    let Some(library) = std::env::var_os(LIBRARY).map(PathBuf::from) else { return };
+    let once = if std::env::var_os(PANIC).is_some() { panic } else { simulate };
+    for _ in 0..WARM_UP {
+        once(&library);
+    }
+    let before = resident();
+    for _ in 0..CYCLES {
+        once(&library);
+        assert!(!is_mapped(&library), "the library stays in memory after it was unloaded");
+    }
+    let growth = resident().saturating_sub(before);
+    assert!(growth <= GROWTH, "{growth} bytes more after {CYCLES} cycles");
+    println!("{growth} bytes more after {CYCLES} cycles");
+}
+
+fn in_its_own_process(library: &Path, panic: bool) {
+    let mut child = Command::new(std::env::current_exe().unwrap());
+    child.args(["--exact", "cycles", "--nocapture"]).env(LIBRARY, library).env("RUST_BACKTRACE", "1");
+    if panic {
+        child.env(PANIC, "1");
+    }
+    let output = child.output().unwrap();
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && out.contains("cycles"), "{out}{err}");
+    // FMUs print nothing, not even when they panic and the host wants backtraces.
+    assert_eq!(err, "");
+}
+
+#[test]
+fn two_hundred_load_unload_cycles_leave_nothing_behind() {
+    in_its_own_process(&compile::library().unwrap(), false);
+}
+
+#[test]
+fn nor_do_two_hundred_with_a_panic() {
+    in_its_own_process(&panicking(), true);
+}
+
+/// Compiles `tests/panicking/`, quickly: it is the panic that counts.
+fn panicking() -> PathBuf {
+    let target = compile::target().join("panicking");
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["build", "--quiet", "--locked", "--package", "panicking", "--target-dir"]).arg(&target);
+    cargo.current_dir(compile::workspace()).env("CARGO_INCREMENTAL", "0");
+    cargo.envs([("CARGO_PROFILE_DEV_DEBUG", "0"), ("CARGO_PROFILE_DEV_OPT_LEVEL", "0")]);
+    let output = cargo.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    target.join("debug").join("libpanicking.so")
+}

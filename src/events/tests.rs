@@ -1,0 +1,176 @@
+//! Event location against closed forms and second methods.
+
+use super::*;
+
+/// Roots of products are found to the conditioning of a simple root, a few units in the last place.
+const ROOT: f64 = 1e-14;
+
+fn product(roots: &[f64], lead: f64) -> [f64; 9] {
+    let mut c = [0.0; 9];
+    c[0] = lead;
+    for (n, root) in roots.iter().enumerate() {
+        for k in (0..=n + 1).rev() {
+            c[k] = if k > 0 { c[k - 1] } else { 0.0 } - root * c[k];
+        }
+    }
+    c
+}
+
+#[test]
+fn closed_form_first_of_several_crossings() {
+    // -(u+1.5)(u+0.5)(u-0.25)(u-0.75): negative between -0.5 and 0.25.
+    let p = product(&[-1.5, -0.5, 0.25, 0.75], -1.0);
+    let mut n = 0;
+    let u = first_crossing(&p, -0.4, 1.0, &mut n).unwrap();
+    assert!((u - 0.25).abs() < ROOT, "{u}");
+    assert_eq!(first_crossing(&p, -0.4, 0.24, &mut n), None);
+}
+
+#[test]
+fn closed_form_grazing_is_found_only_when_it_crosses() {
+    // A hump of height ±h at 0.3 on a cubic background.
+    for exponent in 1..=14 {
+        let h = 10f64.powi(-exponent);
+        for (height, expected) in [(h, true), (-h, false)] {
+            // height - (u - 0.3)^2 (1 + 0.2 u)
+            let mut p = product(&[0.3, 0.3], -1.0);
+            let q = p;
+            for k in 1..9 {
+                p[k] += 0.2 * q[k - 1];
+            }
+            p[0] += height;
+            let mut n = 0;
+            let found = first_crossing(&p, -1.0, 1.0, &mut n);
+            assert_eq!(found.is_some(), expected, "height {height}: {found:?}");
+            if let Some(u) = found {
+                // A root of a hump is as well conditioned as its half width allows.
+                let exact = 0.3 - (height / (1.0 + 0.2 * u)).sqrt();
+                assert!((u - exact).abs() < 1e-15 / height.sqrt() + ROOT, "{u} {exact}");
+            }
+        }
+    }
+}
+
+/// The case by which the grazing set showed that a bisection must not end the search as a Newton step would: the last
+/// Newton step, of zero length, falls on the bracket's end.
+#[test]
+fn closed_form_shallow_crossing_to_the_last_digit() {
+    let p = [
+        0.0002518929741130993,
+        0.0008843076351634871,
+        -0.00026608857974628575,
+        2.6542260945315372e-6,
+        8.79088555918616e-8,
+        -8.895322895182953e-10,
+        -1.042277700938083e-11,
+        9.206210981156425e-14,
+        6.244189292771136e-16,
+        -4.7981929021522255e-18,
+    ];
+    let u = first_crossing(&p, -1.0, 1.0, &mut 0).unwrap();
+    assert!((u + 0.263_845_939_068_308_9).abs() < ROOT, "{u}");
+}
+
+#[test]
+fn closed_form_triple_root_without_certain_shape() {
+    let p = product(&[0.1, 0.1, 0.1], 1.0);
+    let mut n = 0;
+    let u = first_crossing(&p, -1.0, 1.0, &mut n).unwrap();
+    // The cube of the error is at round-off of the coefficients.
+    assert!((u - 0.1).abs() < 1e-5, "{u}");
+}
+
+#[test]
+fn closed_form_nothing_passes_zero_in_zero_or_noise() {
+    let mut n = 0;
+    assert_eq!(first_crossing(&[0.0; 9], -1.0, 1.0, &mut n), None);
+    // Alternating round-off about zero: whatever is answered, it is answered soon.
+    let noise: [f64; 9] = std::array::from_fn(|k| if k % 2 == 0 { 1e-300 } else { -1e-300 });
+    first_crossing(&noise, -1.0, 1.0, &mut n);
+    assert!(n < 10_000, "{n}");
+}
+
+#[test]
+fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
+    let mut seed = 1u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    };
+    let mut found = 0;
+    for _ in 0..20_000 {
+        let mut c = [0.0; 9];
+        for (k, ck) in c.iter_mut().enumerate() {
+            *ck = random() / (1 << k) as f64;
+        }
+        c[0] -= value(&c, -1.0).max(0.0) + 0.01 * random().abs();
+        if value(&c, -1.0) >= 0.0 {
+            continue;
+        }
+        let mut n = 0;
+        let root = first_crossing(&c, -1.0, 1.0, &mut n);
+        const SAMPLES: i32 = 400;
+        let sampled = (0..=SAMPLES).map(|i| -1.0 + 2.0 * f64::from(i) / f64::from(SAMPLES));
+        match (root, sampled.clone().find(|&u| value(&c, u) > 1e-14)) {
+            (Some(u), Some(seen)) => {
+                found += 1;
+                assert!(u <= seen && value(&c, u).abs() < 1e-13, "{u} {seen} {c:?}");
+            }
+            (None, Some(seen)) => panic!("missed the passage before {seen}: {c:?}"),
+            (Some(u), None) => assert!(value(&c, u).abs() < 1e-13, "{u} {c:?}"),
+            (None, None) => {}
+        }
+    }
+    assert!(found > 1000);
+}
+
+/// [`flight_crossing`] in the machine's best instructions.
+struct Flight<'a>(&'a [f64; PADDED], f64);
+
+impl pulp::WithSimd for Flight<'_> {
+    type Output = Option<f64>;
+
+    fn with_simd<S: Simd>(self, simd: S) -> Option<f64> {
+        flight_crossing(simd, self.0, -1.0, self.1, &mut 0)
+    }
+}
+
+#[test]
+fn second_method_nearly_straight_passages() {
+    let mut seed = 11u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    };
+    let mut found = 0;
+    for _ in 0..20_000 {
+        // From nearly straight to anything.
+        let bend = 10f64.powf(-4.0 * random().abs());
+        let mut c = [0.0; PADDED];
+        for (k, ck) in c.iter_mut().enumerate().take(10) {
+            *ck = random() * if k < 2 { 1.0 } else { bend.powi(k as i32 - 1) };
+        }
+        c[0] -= value(&c, -1.0).max(0.0) + 0.01 * random().abs();
+        if value(&c, -1.0) >= 0.0 {
+            continue;
+        }
+        let hi = if random() > 0.0 { 1.0 } else { random() };
+        let sure = first_crossing(&c, -1.0, hi, &mut 0);
+        for root in [
+            pulp::Arch::new().dispatch(Flight(&c, hi)),
+            pulp::WithSimd::with_simd(Flight(&c, hi), pulp::Scalar),
+        ] {
+            match (root, sure) {
+                (Some(a), Some(b)) => {
+                    found += 1;
+                    let slope = value_and_slope(&c, b).1;
+                    assert!((a - b).abs() < ROOT / slope.abs().min(1.0), "{a} {b} {c:?}");
+                }
+                (None, None) => {}
+                // A root at the end but for rounding may be seen or not.
+                (Some(u), None) | (None, Some(u)) => assert!((u - hi).abs() < ROOT, "{u} {hi} {c:?}"),
+            }
+        }
+    }
+    assert!(found > 5000, "{found}");
+}

@@ -1,0 +1,123 @@
+//! The table of variables as getters and setters need it: packed, made at compile time.
+
+use super::{Access, Base, COUNT, Causality, Initial, Kind, VARIABLES, Variability, Variable};
+
+/// What a getter needs of a variable, packed: ten of them fit into a few cache lines.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reader {
+    /// Base type.
+    pub(crate) base: Base,
+    /// What must be up to date to read it: one of the bits below, or none.
+    pub(crate) needs: u8,
+    /// How to read it.
+    pub(crate) access: Access,
+}
+
+impl Reader {
+    /// Needs the motion.
+    pub(crate) const MOTION: u8 = 1;
+    /// Needs the motion once there is one.
+    pub(crate) const START: u8 = 2;
+    /// Needs what follows from the parameters.
+    pub(crate) const DERIVED: u8 = 4;
+
+    const fn of(variable: &Variable) -> Self {
+        let needs = match variable.access {
+            Access::Motion(_) => Self::MOTION,
+            Access::Start { .. } => Self::START,
+            Access::Derived(_) => Self::DERIVED,
+            Access::Setting { .. } => 0,
+        };
+        Self { base: variable.base(), needs, access: variable.access }
+    }
+}
+
+/// The readers of all variables, by value reference.
+pub(crate) static READERS: [Reader; COUNT] = {
+    let mut readers = [Reader::of(&VARIABLES[0]); COUNT];
+    let mut i = 0;
+    while i < COUNT {
+        readers[i] = Reader::of(&VARIABLES[i]);
+        i += 1;
+    }
+    readers
+};
+
+/// What a setter needs of a variable, packed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Writer {
+    /// Base type.
+    base: Base,
+    /// When it may be set: the bits below.
+    when: u8,
+    /// Whether it is an input.
+    pub(crate) input: bool,
+    /// Smallest and largest value that needs no closer look; the smallest is above the largest where every value does.
+    range: (f64, f64),
+    /// How to write it.
+    pub(crate) access: Access,
+}
+
+impl Writer {
+    /// Before and during initialization.
+    pub(crate) const INITIAL: u8 = 1;
+    /// In Continuous-Time Mode.
+    pub(crate) const CONTINUOUS: u8 = 2;
+    /// At communication points and in Event Mode.
+    pub(crate) const EVENT: u8 = 4;
+
+    /// FMI 2.0, 2.2.7: what may be set when. Inputs are also taken before initialization, where the standard has their
+    /// start values stand: several hosts set them there.
+    const fn of(variable: &Variable) -> Self {
+        let input = matches!(variable.causality, Causality::Input);
+        let parameter = matches!(variable.causality, Causality::Parameter);
+        let tunable = parameter && matches!(variable.variability, Variability::Tunable);
+        let mut when = 0;
+        if input || matches!(variable.initial, Some(Initial::Exact)) {
+            when |= Self::INITIAL;
+        }
+        if input || matches!(variable.access, Access::Start { .. }) {
+            when |= Self::CONTINUOUS;
+        }
+        if input || tunable {
+            when |= Self::EVENT;
+        }
+        let range = match variable.kind {
+            Kind::Real { min, max, .. } => (
+                match min {
+                    Some(min) if variable.open_min => min.next_up(),
+                    Some(min) => min,
+                    None => f64::MIN,
+                },
+                match max {
+                    Some(max) => max,
+                    None => f64::MAX,
+                },
+            ),
+            _ => (1.0, 0.0),
+        };
+        Self { base: variable.base(), when, input, range, access: variable.access }
+    }
+
+    /// Whether it may be set now, by the bit.
+    pub(crate) fn settable(&self, when: u8) -> bool {
+        self.when & when != 0
+    }
+
+    /// Whether a value may be set now without a closer look.
+    #[inline]
+    pub(crate) fn takes(&self, base: Base, when: u8, value: f64) -> bool {
+        self.base == base && self.settable(when) && self.range.0 <= value && value <= self.range.1
+    }
+}
+
+/// The writers of all variables, by value reference.
+pub(crate) static WRITERS: [Writer; COUNT] = {
+    let mut writers = [Writer::of(&VARIABLES[0]); COUNT];
+    let mut i = 0;
+    while i < COUNT {
+        writers[i] = Writer::of(&VARIABLES[i]);
+        i += 1;
+    }
+    writers
+};

@@ -1,0 +1,342 @@
+//! Sub-steps of any kind (short ones, rest, motion under loads): prove that no event falls in one and pass over it, or go
+//! to the first event. The sub-step of plain flight has its own faster way in `flight`.
+
+use super::step::MAX_REACH;
+use super::{Contact, Simulator};
+use crate::events::first_crossing;
+use crate::extended::Extended;
+use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
+use crate::model::{Augmented, Forces, GAP, GAP_RATE, Mode};
+use std::sync::Arc;
+
+/// A point on a series at which an event or the step's end lies.
+pub(super) struct Arrival<'a, const N: usize> {
+    pub(super) series: &'a Series<N>,
+    /// Time from the sub-step's start to the series' centre, s.
+    pub(super) base: f64,
+    pub(super) radius: f64,
+    pub(super) u: f64,
+    /// The interval the series is centred on, or none where it is anchored at the start.
+    pub(super) interval: Option<usize>,
+}
+
+/// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled without them) and bound.
+pub(super) struct Start<const LOADS: usize> {
+    pub(super) z: Augmented,
+    pub(super) forces: [Forces; LOADS],
+    pub(super) bound: f64,
+}
+
+impl<const LOADS: usize> Start<LOADS> {
+    #[inline(always)]
+    fn forces(&self) -> Option<&Forces> {
+        self.forces.first()
+    }
+
+    #[inline(always)]
+    pub(super) fn forces_after(&self, dt: f64) -> Option<Forces> {
+        self.forces.first().map(|f| shifted(f, dt))
+    }
+
+    /// The forces as columns of the load tables.
+    #[inline(always)]
+    fn columns(&self) -> Option<[f64; LOAD]> {
+        self.forces.first().map(|f| std::array::from_fn(|c| f[c / 4][c % 4]))
+    }
+}
+impl Simulator {
+    /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all machines.
+    #[inline(never)]
+    pub(super) fn careful<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        mut z: Augmented,
+        remaining: f64,
+        end: Extended,
+    ) -> (Augmented, Option<f64>) {
+        if self.motion.contact != Contact::Flight && !self.rest.core_ready {
+            let rest = Arc::make_mut(&mut self.rest);
+            rest.core.fill(&self.model, Mode::Rest, self.substep);
+            rest.core_ready = true;
+        }
+        let mut bound = self.tables().core.curvature(&z);
+        let forces = [(); LOADS].map(|()| self.forces_now());
+        let mut start = Start { z, forces, bound };
+        if let Some(columns) = start.columns() {
+            bound += self.tables().load.curvature(&columns);
+            start.bound = bound;
+        }
+        let interval = self.substep / INTERVALS as f64;
+        let wild = self.motion.contact == Contact::Flight && self.wild(&z, start.bound);
+        let side = if remaining <= interval || wild {
+            self.short::<LOADS, LEDGER>(&mut z, &start, remaining.min(interval), remaining, end)
+        } else {
+            self.long::<LOADS, LEDGER>(&mut z, &start, remaining, end)
+        };
+        (z, side)
+    }
+
+    /// A step within one interval, on a series anchored at its start.
+    #[inline(always)]
+    fn short<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        mut span: f64,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
+        let gap = self.model.gap;
+        let mut near = [true; 2];
+        self.work.expansions += 1;
+        let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+        if self.motion.contact == Contact::Flight {
+            // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the step is shortened.
+            let reach = |u: f64| series.lanes[1..].iter().rev().fold(0.0, |sum, c| (sum + c[GAP].abs()) * u);
+            let mut part = 1.0;
+            while reach(part) > MAX_REACH * gap {
+                part *= 0.5;
+            }
+            let path = reach(part);
+            near = [z[GAP] + path >= gap, path - z[GAP] >= gap];
+            if part < 1.0 {
+                span *= part;
+                self.work.expansions += 1;
+                series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+            }
+        }
+        let passage = self.anchored_passage(&series, start, near, span);
+        let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
+        let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
+        self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+        if side.is_none() && span >= remaining {
+            self.motion.time = end;
+        }
+        side
+    }
+
+    /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
+    #[inline(always)]
+    fn long<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
+        let interval = self.substep / INTERVALS as f64;
+        let (flight, gap) = (self.motion.contact == Contact::Flight, self.model.gap);
+        let tables = self.tables();
+        let mut g = [0.0; INTERVALS];
+        tables.core.samples(z, &mut g);
+        if let Some(columns) = start.columns() {
+            tables.load.samples(&columns, &mut g);
+        }
+        let margin = start.bound * interval * interval * 0.125;
+        let whole = remaining >= self.substep;
+        // A function that stays `margin` away from its limit at both ends of an interval does not reach it in between.
+        let (first, clear) = if flight {
+            let limit = gap - margin;
+            let most = g.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            let leaves = match self.motion.departing {
+                0 => z[GAP].abs() < limit,
+                1 => z[GAP_RATE].abs() > 0.5 * start.bound * interval,
+                _ => false,
+            };
+            (leaves, leaves && most < limit)
+        } else {
+            let side = self.motion.contact.side();
+            let f = start.forces().map(|f| f.map(|d| d[0]));
+            let now = side * self.model.acceleration(Mode::Rest, z, f).1;
+            let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
+            (now > margin, now > margin && least > margin)
+        };
+        if !clear && let Some(side) = self.scan::<LOADS, LEDGER>(z, start, &g, margin, first, remaining) {
+            return Some(side);
+        }
+        if whole {
+            self.pass::<LOADS, LEDGER>(z, start);
+        } else {
+            let index = ((remaining / interval) as usize).min(INTERVALS - 1);
+            let (series, base) = self.centred(start, index);
+            let u = (remaining - base) / (0.5 * interval);
+            let arrival = Arrival { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
+            self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+            self.motion.time = end;
+        }
+        None
+    }
+
+    /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
+    #[inline(always)]
+    fn scan<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        g: &[f64; INTERVALS],
+        margin: f64,
+        first_clear: bool,
+        remaining: f64,
+    ) -> Option<f64> {
+        let interval = self.substep / INTERVALS as f64;
+        let side = self.motion.contact.side();
+        // A sample is near where `excess` is not negative: within the margin of a limit or past it.
+        let limit = self.model.gap - margin;
+        let excess = |x: f64| if side == 0.0 { x.abs() - limit } else { margin - side * x };
+        if !first_clear || excess(g[0]) >= 0.0 {
+            let span = interval.min(remaining);
+            self.work.expansions += 1;
+            let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
+            if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
+                let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
+                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+                return Some(side);
+            }
+        }
+        // The intervals that the step reaches into and that have a near sample at an end.
+        let count = ((remaining / interval).ceil() as usize).min(INTERVALS);
+        let nearest = g.iter().position(|&x| excess(x) >= 0.0)?;
+        for i in nearest.max(1)..count {
+            if excess(g[i]) < 0.0 && excess(g[i - 1]) < 0.0 {
+                continue;
+            }
+            let (series, base) = self.centred(start, i);
+            let radius = 0.5 * interval;
+            let hi = ((remaining - base) / radius).min(1.0);
+            let near = [g[i - 1].max(g[i]) >= limit, g[i - 1].min(g[i]) <= -limit];
+            if let Some((u, side)) = self.passage(&series.functional(self.mode()), -1.0, hi, near) {
+                let arrival = Arrival { series: &series, base, radius, u, interval: Some(i) };
+                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+                return Some(side);
+            }
+        }
+        None
+    }
+
+    /// The series about the centre of an interval and the time to there.
+    #[inline(always)]
+    pub(super) fn centred<const LOADS: usize>(
+        &mut self,
+        start: &Start<LOADS>,
+        index: usize,
+    ) -> (Series<CENTRED>, f64) {
+        self.work.expansions += 1;
+        let interval = self.substep / INTERVALS as f64;
+        let base = (index as f64 + 0.5) * interval;
+        let tables = self.tables();
+        let mut z = [0.0; 8];
+        Table::transit(&tables.core.centre[index], &start.z, &mut z);
+        let forces = start.forces_after(base);
+        if let Some(columns) = start.columns() {
+            Table::transit(&tables.load.centre[index], &columns, &mut z);
+        }
+        if self.motion.contact != Contact::Flight {
+            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
+        }
+        (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
+    }
+
+    /// The first event between two points, with its stop, from the coefficients of the event functional.
+    #[inline(always)]
+    fn passage<const N: usize>(
+        &mut self,
+        functional: &[f64; N],
+        lo: f64,
+        hi: f64,
+        near: [bool; 2],
+    ) -> Option<(f64, f64)> {
+        let iterations = &mut self.work.iterations;
+        let side = self.motion.contact.side();
+        if side != 0.0 {
+            let p = functional.map(|a| -side * a);
+            return first_crossing(&p, lo, hi, iterations).map(|u| (u, side));
+        }
+        let mut found: Option<(f64, f64)> = None;
+        for (side, near) in [(1.0, near[0]), (-1.0, near[1])] {
+            if near {
+                let mut p = functional.map(|w| side * w);
+                p[0] -= self.model.gap;
+                let hi = found.map_or(hi, |(u, _)| u);
+                if let Some(u) = first_crossing(&p, lo, hi, iterations) {
+                    found = Some((u, side));
+                }
+            }
+        }
+        found
+    }
+
+    /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
+    /// start are divided out, so that a return is found however soon it comes.
+    #[inline(always)]
+    pub(super) fn anchored_passage<const LOADS: usize>(
+        &mut self,
+        series: &Series<ANCHORED>,
+        start: &Start<LOADS>,
+        near: [bool; 2],
+        span: f64,
+    ) -> Option<(f64, f64)> {
+        let order = usize::from(self.motion.departing);
+        if order == 0 {
+            let functional = series.functional(self.mode());
+            return self.passage(&functional, 0.0, 1.0, near);
+        }
+        let side = start.z[GAP].signum();
+        let mut found = None;
+        if order > 1 || start.z[GAP_RATE].abs() <= 0.5 * start.bound * span {
+            let p = series.gap_polynomial(side, self.model.gap);
+            let mut q = [0.0; ANCHORED];
+            q[..ANCHORED - order].copy_from_slice(&p[order..]);
+            q[0] = q[0].min(-f64::MIN_POSITIVE); // it leaves, whatever round-off says
+            found = first_crossing(&q, 0.0, 1.0, &mut self.work.iterations).map(|u| (u, side));
+        }
+        if near[usize::from(side > 0.0)] {
+            let p = series.gap_polynomial(-side, self.model.gap);
+            let hi = found.map_or(1.0, |(u, _)| u);
+            let other = first_crossing(&p, 0.0, hi, &mut self.work.iterations);
+            found = other.map(|u| (u, -side)).or(found);
+        }
+        found
+    }
+
+    /// Moves to a point of a series: state, time and energy accounts.
+    #[inline(always)]
+    pub(super) fn arrive<const LOADS: usize, const LEDGER: bool, const N: usize>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+        to: &Arrival<N>,
+    ) {
+        if LEDGER {
+            self.account(start, to);
+        }
+        *z = to.series.at(to.u);
+        if self.motion.contact != Contact::Flight {
+            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
+        }
+        self.motion.time = self.motion.time.plus(to.base).plus(to.u * to.radius);
+        self.motion.departing = 0;
+    }
+
+    /// Passes over a whole sub-step without event.
+    #[inline(always)]
+    pub(super) fn pass<const LOADS: usize, const LEDGER: bool>(
+        &mut self,
+        z: &mut Augmented,
+        start: &Start<LOADS>,
+    ) {
+        if LEDGER {
+            self.account_whole(start);
+        }
+        let tables = self.tables();
+        let mut next = [0.0; 8];
+        Table::transit(&tables.core.full, &start.z, &mut next);
+        if let Some(columns) = start.columns() {
+            Table::transit(&tables.load.full, &columns, &mut next);
+        }
+        if self.motion.contact != Contact::Flight {
+            (next[GAP], next[GAP_RATE]) = (start.z[GAP], 0.0);
+        }
+        *z = next;
+        self.motion.time = self.motion.time.plus(self.substep);
+        self.motion.departing = 0;
+    }
+}

@@ -1,0 +1,191 @@
+//! The sub-step that almost all time is spent in: free flight without loads.
+
+use super::Simulator;
+use super::careful::{Arrival, Start};
+use crate::events::flight_crossing;
+use crate::extended::Extended;
+use crate::flow::{ANCHORED, INTERVALS, Series};
+use crate::model::{Augmented, GAP, GAP_RATE, Mode};
+use crate::vector::{at_least, gap_over, polynomial, product};
+use pulp::Simd;
+
+/// An interval in units of the sub-step.
+const INTERVAL: f64 = 1.0 / INTERVALS as f64;
+
+/// What the samples of a sub-step tell.
+pub(super) struct Outlook {
+    /// The gap at the interval ends.
+    g: [f64; INTERVALS],
+    /// Within these limits no stop is reached between samples.
+    limit: f64,
+    /// The first interval must be searched.
+    pub(super) first: bool,
+    /// A bit for each interval that must be searched, the first not among them.
+    pub(super) search: u64,
+}
+
+/// Where an impact was found.
+pub(super) struct Aim {
+    pub(super) index: usize,
+    pub(super) u: f64,
+    pub(super) side: f64,
+}
+
+impl Simulator {
+    /// A sub-step of free flight: 16 samples of the gap and the `bound` on its second derivative tell which intervals the
+    /// block may reach a stop in; only these are searched. Returns the stop of the first impact.
+    #[inline(always)]
+    pub(super) fn cruise<S: Simd, const LEDGER: bool>(
+        &mut self,
+        simd: S,
+        z: &mut Augmented,
+        bound: f64,
+        remaining: f64,
+        end: Extended,
+    ) -> Option<f64> {
+        let interval = self.substep * INTERVAL;
+        let outlook = self.look(simd, z, bound);
+        if outlook.first {
+            let found = self.first_interval::<LEDGER>(*z, bound, interval.min(remaining));
+            if let Some((arrived, side)) = found {
+                *z = arrived;
+                return Some(side);
+            }
+        }
+        let whole = remaining >= self.substep;
+        let mut search = outlook.search;
+        while search != 0 {
+            let index = search.trailing_zeros() as usize;
+            search &= search - 1;
+            if !whole && index as f64 * interval >= remaining {
+                break;
+            }
+            if let Some(aim) = self.aim(simd, z, &outlook, index, remaining) {
+                *z = self.reach::<S, LEDGER>(simd, z, &aim);
+                return Some(aim.side);
+            }
+        }
+        if whole {
+            self.pass::<0, LEDGER>(z, &Start { z: *z, forces: [], bound });
+        } else {
+            let index = ((remaining / interval) as usize).min(INTERVALS - 1);
+            let u = (remaining - (index as f64 + 0.5) * interval) / (0.5 * interval);
+            *z = self.land::<S, LEDGER>(simd, z, index, u);
+            self.motion.time = end;
+        }
+        None
+    }
+
+    /// Samples the gap over a sub-step.
+    #[inline(always)]
+    pub(super) fn look<S: Simd>(&self, simd: S, z: &Augmented, bound: f64) -> Outlook {
+        let interval = self.substep * INTERVAL;
+        let g = product(simd, &self.flight.core.sample, z);
+        // A gap that stays this margin away from the stops at both ends of an interval does not reach them in between.
+        let limit = self.model.gap - bound * interval * interval * 0.125;
+        let near = at_least(simd, &g, limit);
+        let leaves = match self.motion.departing {
+            0 => z[GAP].abs() < limit,
+            1 => z[GAP_RATE].abs() > 0.5 * bound * interval,
+            _ => false,
+        };
+        // An interval is searched when one of its ends is near.
+        let search = (near | near << 1) & ((1 << INTERVALS) - 2);
+        Outlook { g, limit, first: !leaves || near & 1 != 0, search }
+    }
+
+    /// Looks for an impact in interval `index`, not the first, up to the `remaining` time.
+    #[inline(always)]
+    pub(super) fn aim<S: Simd>(
+        &mut self,
+        simd: S,
+        z: &Augmented,
+        outlook: &Outlook,
+        index: usize,
+        remaining: f64,
+    ) -> Option<Aim> {
+        let interval = self.substep * INTERVAL;
+        self.work.expansions += 1;
+        let gap = self.flight.local.gap(simd, index, z);
+        let mut hi = 1.0;
+        if remaining < self.substep {
+            hi = ((remaining - (index as f64 + 0.5) * interval) / (0.5 * interval)).min(1.0);
+        }
+        let ends = [outlook.g[index - 1], outlook.g[index]];
+        let (most, least) = (ends[0].max(ends[1]), ends[0].min(ends[1]));
+        // Without a branch where one stop only is near: in chaos the stops alternate beyond prediction.
+        let mut side = if most >= -least { 1.0 } else { -1.0 };
+        let mut found = None;
+        loop {
+            let p = gap_over(simd, &gap, side, self.model.gap);
+            if let Some(u) = flight_crossing(simd, &p, -1.0, hi, &mut self.work.iterations) {
+                found = Some(Aim { index, u, side });
+                hi = u;
+            }
+            let both = most >= outlook.limit && -least >= outlook.limit;
+            if !both || side != (if most >= -least { 1.0 } else { -1.0 }) {
+                return found;
+            }
+            side = -side;
+        }
+    }
+
+    /// Goes to the impact that was found: state, energy accounts and time.
+    #[inline(always)]
+    pub(super) fn reach<S: Simd, const LEDGER: bool>(
+        &mut self,
+        simd: S,
+        z: &Augmented,
+        aim: &Aim,
+    ) -> Augmented {
+        let interval = self.substep * INTERVAL;
+        let base = (aim.index as f64 + 0.5) * interval;
+        let arrived = self.land::<S, LEDGER>(simd, z, aim.index, aim.u);
+        self.motion.time = self.motion.time.plus(base).plus(aim.u * (0.5 * interval));
+        arrived
+    }
+
+    /// The state at `u` of interval `index`, with the energy accounts up to there; the time is the caller's.
+    #[inline(always)]
+    fn land<S: Simd, const LEDGER: bool>(
+        &mut self,
+        simd: S,
+        z: &Augmented,
+        index: usize,
+        u: f64,
+    ) -> Augmented {
+        let centre = product(simd, &self.flight.core.centre[index], z);
+        let rows = self.flight.local.lanes(simd, &centre);
+        let mut before = (0.0, 0.0);
+        if LEDGER {
+            self.prepare_gramians();
+            before = self.flight.energy.flown(simd, index, z);
+        }
+        let arrived = polynomial(simd, &rows, u);
+        if LEDGER {
+            let radius = 0.5 * self.substep * INTERVAL;
+            let (input, damped) = self.flight.energy.along_rows(simd, &rows, u, radius);
+            self.motion.sums.input = self.motion.sums.input.plus(before.0 + input);
+            self.motion.sums.damped = self.motion.sums.damped.plus(before.1 + damped);
+        }
+        self.motion.departing = 0;
+        arrived
+    }
+
+    /// The first interval, where the block may just be leaving a stop.
+    #[cold]
+    fn first_interval<const LEDGER: bool>(
+        &mut self,
+        mut z: Augmented,
+        bound: f64,
+        span: f64,
+    ) -> Option<(Augmented, f64)> {
+        self.work.expansions += 1;
+        let start = Start::<0> { z, forces: [], bound };
+        let series = Series::<ANCHORED>::expand(&self.model, Mode::Flight, &z, None, span);
+        let (u, side) = self.anchored_passage(&series, &start, [true; 2], span)?;
+        let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
+        self.arrive::<0, LEDGER, _>(&mut z, &start, &arrival);
+        Some((z, side))
+    }
+}

@@ -1,0 +1,72 @@
+//! The precomputed tables of a simulator: filled when parameters change, each part when it is first needed.
+
+use super::Simulator;
+use crate::flow::{CORE, LOAD, Local, Table};
+use crate::ledger::Gramians;
+use crate::model::Mode;
+use std::sync::Arc;
+
+/// Tables of one mode; the load part is filled when loads first appear.
+#[derive(Clone, Debug)]
+pub(super) struct ModeTables {
+    pub(super) core: Table<CORE>,
+    pub(super) load: Table<LOAD>,
+    pub(super) energy: Gramians,
+    /// Flight only.
+    pub(super) local: Local,
+    pub(super) core_ready: bool,
+    pub(super) load_ready: bool,
+    pub(super) energy_ready: bool,
+}
+
+impl ModeTables {
+    pub(super) fn zero() -> Self {
+        Self {
+            core: Table::zero(),
+            load: Table::zero(),
+            energy: Gramians::zero(),
+            local: Local::zero(),
+            core_ready: false,
+            load_ready: false,
+            energy_ready: false,
+        }
+    }
+}
+
+impl Simulator {
+    /// Marks all tables stale and fills those that flight needs at once.
+    pub(super) fn renew_tables(&mut self) {
+        for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+            let tables = Arc::make_mut(tables);
+            tables.energy.set_powers(&self.parameters);
+            tables.load_ready = false;
+            tables.energy_ready = false;
+            tables.core_ready = mode == Mode::Flight;
+            if tables.core_ready {
+                tables.core.fill(&self.model, mode, self.substep);
+                tables.local.fill(&tables.core, &self.model, self.substep);
+            }
+        }
+        self.prepare_load_tables();
+    }
+
+    /// Fills the load tables when loads act and they are stale.
+    pub(super) fn prepare_load_tables(&mut self) {
+        if self.loaded() {
+            for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+                if tables.core_ready && tables.load_ready {
+                    continue;
+                }
+                let tables = Arc::make_mut(tables);
+                if !tables.core_ready {
+                    tables.core.fill(&self.model, mode, self.substep);
+                    tables.core_ready = true;
+                }
+                if !tables.load_ready {
+                    tables.load.fill(&tables.core, &self.model, mode, self.substep);
+                    tables.load_ready = true;
+                }
+            }
+        }
+    }
+}

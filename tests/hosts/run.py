@@ -1,0 +1,244 @@
+"""Runs the packaged FMU in hosts that nobody here wrote, and writes what came out into the README's table.
+
+    python3 tests/hosts/run.py [--allow-missing] [--no-readme]
+
+Each host is installed by itself under target/hosts/ (a virtual environment, or a root of `cargo install`). Needed beside
+Rust and Python >= 3.11: libclang for fmi-sim (Debian: libclang-dev) and TBB for ecos (Debian: libtbb12). A host that cannot
+be installed is named, and the command fails unless --allow-missing says that this is known.
+"""
+
+import argparse
+import csv
+import os
+import re
+import stat
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "hosts"
+STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
+
+# The communication points: 1200 steps of 0.5 s are 99 drive periods with some 190 impacts, and k/2 is exact in binary and
+# in libcosim's nanoseconds.
+STEP, STEPS = 0.5, 1200
+
+# Co-Simulation: the bound of the contract. Where the points are exact there is nothing to differ but the build.
+SAME = 1e-10
+
+# Model Exchange is driven over 20 s with a dozen impacts from the start.
+ME_START = ("block.s=0.9", "block.v=0.5")
+ME_END = 20.0
+
+# CVode at 1e-10, times the growth of errors from impact to impact (tests/fmpy/test_exchange.py: 1e-6 after forty).
+CVODE = 1e-6
+
+# Euler's method is of first order: half the step leaves half the error, and at the smaller step it is at most about
+# h t / 2 times the accelerations, which are below 2.
+EULER_STEPS = (1 / 2000, 1 / 4000)
+EULER_RATIO = (1.6, 2.5)
+EULER = 0.005
+
+
+class Missing(Exception):
+    """A host that cannot be installed here."""
+
+
+def run(command, timeout=3600):
+    command = [str(word) for word in command]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=timeout)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command)}\nfailed with {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+    return done.stdout
+
+
+def environment(name, *requirements):
+    """Python of the host's own virtual environment."""
+    folder = TARGET / name
+    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    stamp = folder / "complete"
+    wanted = " ".join(requirements)
+    if stamp.exists() and stamp.read_text() == wanted:
+        return python
+    venv.create(folder, with_pip=True, clear=True)
+    try:
+        run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *requirements])
+    except RuntimeError as error:
+        raise Missing(str(error)) from error
+    stamp.write_text(wanted)
+    return python
+
+
+def fmi_sim():
+    root = TARGET / "fmi-sim"
+    program = root / "bin" / ("fmi-sim.exe" if os.name == "nt" else "fmi-sim")
+    if not program.exists():
+        try:
+            run(["cargo", "install", "fmi-sim", "--version", "0.7.0", "--locked", "--root", root,
+                 "--target-dir", TARGET / "fmi-sim-build"])
+        except (RuntimeError, OSError) as error:
+            raise Missing(f"{error}\nfmi-sim needs libclang (Debian: apt install libclang-dev)") from error
+    return program
+
+
+def table(text):
+    rows = list(csv.DictReader(text.splitlines()))
+    return [(float(row["time"]), *(float(row[name]) for name in STATES)) for row in rows]
+
+
+def native(step, steps, start=()):
+    """The library's own states at the communication points."""
+    values = dict(item.split("=") for item in start)
+    numbers = ",".join(values.get(name, "0") for name in STATES)
+    return table(run(["cargo", "run", "--quiet", "--package", "fmu-build", "--", "native", f"--step={step!r}",
+                      f"--steps={steps}", f"--start={numbers}"]))
+
+
+def difference(got, expected, states=slice(1, 7)):
+    """Largest difference of those states at any communication point; all but the start must be there."""
+    times = {round(row[0] * 1e6): row[states] for row in got}
+    missing = [row[0] for row in expected[1:] if round(row[0] * 1e6) not in times]
+    assert not missing, f"the host has no values at {missing[:5]} s"
+    return max(abs(a - b) for row in expected[1:]
+               for a, b in zip(times[round(row[0] * 1e6)], row[states]))
+
+
+class Case:
+    """One run: host, way, largest difference from the native library, verdict."""
+
+    def __init__(self, what, value, good, note):
+        self.what, self.value, self.good, self.note = what, value, good, note
+
+
+def co_simulation(drive):
+    value = difference(drive(STEP, STEPS, ()), native(STEP, STEPS))
+    return Case(f"Co-Simulation, {STEPS} steps", value, value <= SAME, f"at most {SAME:g}")
+
+
+def euler(drive):
+    errors = []
+    for step in EULER_STEPS:
+        steps = round(ME_END / step)
+        # Displacements: an impact that comes one step late has the wrong velocity for that step.
+        errors.append(difference(drive(step, steps, ME_START), native(step, steps, ME_START), slice(1, 4)))
+    ratio = errors[0] / errors[1]
+    good = errors[1] <= EULER and EULER_RATIO[0] <= ratio <= EULER_RATIO[1]
+    return Case(f"Model Exchange, Euler, {ME_END / EULER_STEPS[1]:.0f} steps", errors[1], good,
+                f"displacements at most {EULER:g}, of first order (half the step leaves 1/{ratio:.2f} of it)")
+
+
+def run_libcosimpy(fmu):
+    python = environment("libcosimpy", "libcosimpy==0.0.6")
+    return [co_simulation(by_script(python, "drive_libcosimpy.py", fmu))]
+
+
+def run_ecospy(fmu):
+    python = environment("ecospy", "ecospy==0.7.2")
+    for program in TARGET.glob("ecospy/lib/python*/site-packages/ecospy/binaries/*"):
+        program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    try:
+        run([python, "-c", "import ecospy"])
+    except RuntimeError as error:
+        raise Missing(f"{error}\necos needs TBB (Debian: apt install libtbb12)") from error
+    return [co_simulation(by_script(python, "drive_ecospy.py", fmu))]
+
+
+def run_fmpy(fmu):
+    python = environment("fmpy", *requirements())
+    interval, steps = 0.5, round(ME_END / 0.5)
+    cvode = by_script(python, "drive_fmpy.py", fmu, "CVode")(interval, steps, ME_START)
+    value = difference(cvode, native(interval, steps, ME_START))
+    return [
+        co_simulation(by_script(python, "drive_fmpy.py", fmu, "CoSimulation")),
+        Case("Model Exchange, CVode 1e-10", value, value <= CVODE, f"at most {CVODE:g}"),
+        euler(by_script(python, "drive_fmpy.py", fmu, "Euler")),
+    ]
+
+
+def run_fmi_sim(fmu):
+    program = fmi_sim()
+
+    def drive(way):
+        def one(step, steps, start):
+            output = TARGET / "fmi-sim.csv"
+            output.unlink(missing_ok=True)
+            values = [word for item in start for word in ("--init-values", item)]
+            run([program, "--model", fmu, "-o", output, way, "--output-interval", repr(step), "-s", "0",
+                 "-f", repr(step * steps), *values])
+            return table(output.read_text())
+        return one
+
+    return [co_simulation(drive("co-simulation")), euler(drive("model-exchange"))]
+
+
+def by_script(python, script, fmu, *way):
+    def one(step, steps, start):
+        output = TARGET / f"{script}.csv"
+        output.unlink(missing_ok=True)
+        run([python, HERE / script, fmu, repr(step), steps, output, *way, *start])
+        return table(output.read_text())
+    return one
+
+
+def requirements():
+    """Those of the tests, without what only the tests need."""
+    lines = (ROOT / "tests/fmpy/requirements.txt").read_text().splitlines()
+    return [line for line in lines if line and not line.startswith(("#", "pytest", "libcosimpy"))]
+
+
+HOSTS = (
+    ("fmpy 0.3.32", run_fmpy),
+    ("fmi-sim 0.7.0", run_fmi_sim),
+    ("libcosimpy 0.0.6 (libcosim, FMI Library)", run_libcosimpy),
+    ("ecospy 0.7.2 (ecos; ignores statuses)", run_ecospy),
+)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--allow-missing", action="store_true", help="go on without hosts that cannot be installed")
+    parser.add_argument("--no-readme", action="store_true", help="leave the README as it is")
+    arguments = parser.parse_args()
+    TARGET.mkdir(parents=True, exist_ok=True)
+    fmu = TARGET / "VibroImpact3DOF.fmu"
+    run(["cargo", "run", "--quiet", "--package", "fmu-build", "--", "--no-run", "--output", fmu])
+    lines, missing, failed = [], [], []
+    for name, host in HOSTS:
+        try:
+            cases = host(fmu)
+        except Missing as error:
+            missing.append(name)
+            print(f"MISSING {name}: cannot be installed here\n{error}", file=sys.stderr)
+            lines.append(f"| {name} | could not be installed on the machine that wrote this table | | |")
+            continue
+        except (RuntimeError, AssertionError) as error:
+            cases = [Case("broken off", float("nan"), False, str(error).splitlines()[0])]
+            print(error, file=sys.stderr)
+        for case in cases:
+            verdict = "agrees" if case.good else "DIFFERS"
+            if not case.good:
+                failed.append(f"{name}: {case.what}")
+            lines.append(f"| {name} | {case.what} | {case.value:.1e} | {verdict}: {case.note} |")
+            print(lines[-1], flush=True)
+    head = ["| host | what was run | largest difference from the native library | verdict |", "|---|---|---|---|"]
+    if not arguments.no_readme:
+        write("\n".join(head + lines))
+    for what, names in (("missing", missing), ("failed", failed)):
+        if names:
+            print(f"{what}: {', '.join(names)}", file=sys.stderr)
+    return 1 if failed or (missing and not arguments.allow_missing) else 0
+
+
+def write(text):
+    readme = ROOT / "README.md"
+    old = readme.read_text()
+    new = re.sub(r"(<!-- hosts -->\n).*?(<!-- /hosts -->)", lambda m: f"{m[1]}{text}\n{m[2]}", old, flags=re.DOTALL)
+    assert "<!-- hosts -->" in old, "README.md has no place for the table of hosts"
+    readme.write_text(new)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

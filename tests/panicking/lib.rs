@@ -1,0 +1,14 @@
+//! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`: the packaged one has no way to.
+#![allow(unsafe_code)] // exported by name
+
+use vibro_impact::fmi2::panics::{guarded, silence};
+
+/// Returns `fmi2Fatal`.
+#[unsafe(no_mangle)]
+pub extern "C" fn provoke_panic() -> i32 {
+    silence();
+    match guarded(|| -> i32 { panic!("provoked") }) {
+        Ok(status) => status,
+        Err(problem) => problem.status() as i32,
+    }
+}
