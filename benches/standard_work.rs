@@ -100,7 +100,7 @@ fn main() {
             Box::new(move |n| {
                 let end = n / MOTIONS as f64 * period;
                 if together {
-                    for result in advance_together(&mut all, end) {
+                    for result in advance_together(&mut all, |_| end) {
                         result.expect("it arrives");
                     }
                 } else {

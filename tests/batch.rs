@@ -32,7 +32,7 @@ fn motions() -> Vec<Simulator> {
 fn second_method_together_gives_the_bits_of_one_by_one() {
     let (mut together, mut alone) = (motions(), motions());
     for end in [0.7, 40.0, 400.0] {
-        for (s, result) in alone.iter_mut().zip(advance_together(&mut together, end)) {
+        for (s, result) in alone.iter_mut().zip(advance_together(&mut together, |_| end)) {
             assert_eq!(result, s.advance_to(end));
         }
         for (i, (s, t)) in alone.iter().zip(&together).enumerate() {
@@ -46,13 +46,14 @@ fn one_that_fails_leaves_the_others_alone() {
     let mut late = Simulator::new(&weak(0.75, 1.5), &start(0.9), 50.0).expect("valid");
     let before = late.snapshot();
     let mut all = vec![late.clone().without_ledger(), motions().remove(0)];
-    let results = advance_together(&mut all, 20.0);
+    let results = advance_together(&mut all, |_| 20.0);
     assert_eq!(results[0], Err(Error::Step { time: 50.0, end: 20.0 }));
     assert_eq!(results[1], Ok(()));
     assert_eq!(all[0].snapshot(), before);
     assert_eq!(all[1].time(), 20.0);
     assert!(
-        late.advance_to(f64::NAN).is_err() && advance_together(&mut all, f64::NAN).iter().all(Result::is_err)
+        late.advance_to(f64::NAN).is_err()
+            && advance_together(&mut all, |_| f64::NAN).iter().all(Result::is_err)
     );
 }
 

@@ -12,23 +12,24 @@ use std::ops::ControlFlow;
 /// Motions under way at a time: with more, their tables no longer fit the nearest cache.
 const LANES: usize = 4;
 
-/// Advances each simulator to `end` (s), as [`Simulator::advance_to`] does and with the same bits; several motions are
+/// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does and with the same bits; several motions are
 /// under way at a time, so that all together take less time than one after another. Those that keep their energy accounts
 /// or are under loads go one by one. Results in the simulators' order.
-pub fn advance_together(simulators: &mut [Simulator], end: f64) -> Vec<Result<()>> {
-    let mut results: Vec<Result<()>> = simulators.iter().map(|s| s.check_end(end)).collect();
+pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -> f64) -> Vec<Result<()>> {
+    let mut results: Vec<Result<()>> = simulators.iter().map(|s| s.check_end(end(s))).collect();
     let mut waiting = Vec::new();
     for (simulator, result) in simulators.iter_mut().zip(&mut results).rev() {
         if result.is_err() {
             continue;
         }
         if simulator.keeps_ledger || simulator.loaded() {
-            *result = simulator.advance_to(end);
+            *result = simulator.advance_to(end(simulator));
         } else {
-            waiting.push(Motion { course: simulator.depart(), simulator, result });
+            let (course, end) = (simulator.depart(), Extended::new(end(simulator)));
+            waiting.push(Motion { simulator, course, end, result });
         }
     }
-    pulp::Arch::new().dispatch(Batch { waiting, end: Extended::new(end) });
+    pulp::Arch::new().dispatch(Batch { waiting });
     results
 }
 
@@ -36,6 +37,7 @@ pub fn advance_together(simulators: &mut [Simulator], end: f64) -> Vec<Result<()
 struct Motion<'a> {
     simulator: &'a mut Simulator,
     course: Course,
+    end: Extended,
     result: &'a mut Result<()>,
 }
 
@@ -43,7 +45,6 @@ struct Motion<'a> {
 struct Batch<'a> {
     /// Taken from the back.
     waiting: Vec<Motion<'a>>,
-    end: Extended,
 }
 
 impl pulp::WithSimd for Batch<'_> {
@@ -56,8 +57,8 @@ impl pulp::WithSimd for Batch<'_> {
             // All lanes look, then all aim, then all go: what one lane waits for another fills.
             let mut outlooks = [const { None }; LANES];
             for (outlook, lane) in outlooks.iter_mut().zip(&mut lanes) {
-                if let Some(Motion { simulator, course, .. }) = lane {
-                    *outlook = simulator.survey(simd, course, self.end);
+                if let Some(Motion { simulator, course, end, .. }) = lane {
+                    *outlook = simulator.survey(simd, course, *end);
                 }
             }
             let mut aims = [const { None }; LANES];
@@ -68,7 +69,7 @@ impl pulp::WithSimd for Batch<'_> {
                 }
             }
             for (aim, lane) in aims.iter().zip(&mut lanes) {
-                let Some(Motion { simulator, course, result }) = lane else { continue };
+                let Some(Motion { simulator, course, end, result }) = lane else { continue };
                 let going = match aim {
                     Some(aim) => {
                         course.since_renewal += 1;
@@ -76,7 +77,7 @@ impl pulp::WithSimd for Batch<'_> {
                         course.z = simulator.reach::<S, false>(simd, &course.z, aim);
                         simulator.conclude::<0>(course, Some(aim.side), false, &mut None)
                     }
-                    None => simulator.go_on::<S, 0, false>(simd, course, self.end, false, &mut None),
+                    None => simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None),
                 };
                 if let ControlFlow::Break(reason) = going {
                     **result = reason.map(|_: StopReason| ());
