@@ -125,12 +125,10 @@ pub fn basin(
         let states = (0..request.x.count).map(|i| start(p, request, i, j));
         let starts: Vec<Start> = states.map(|state| Start { parameters: *p, state }).collect();
         let ends = lead(&starts, request.discard, &|| ());
+        let system = Simulator::new(p, &State::default(), 0.0)?.without_ledger();
         ends.into_iter()
             .map(|end| match end {
-                Ok(state) => {
-                    let mut simulator = Simulator::new(p, &state, 0.0)?.without_ledger();
-                    observe(&mut simulator).map(Some)
-                }
+                Ok(state) => observe(&mut system.another(&state, 0.0)?).map(Some),
                 Err(Error::Model(crate::Error::Penetration { .. })) => Ok(None),
                 Err(other) => Err(other),
             })

@@ -23,7 +23,7 @@ const PORTRAITS: [f64; 9] = [2.2, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
 /// f10 of the modulated motion of figure 13.
 const MODULATED: f64 = 0.6;
 /// f10 at which basins are shown: two pairs of attractors coexist in BASIC.
-const COEXISTING: f64 = 2.48;
+const COEXISTING: f64 = 2.5;
 /// Values of f10 in figure 9.
 const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
 /// Mass ratios of figure 17.

@@ -21,7 +21,8 @@ pub struct Start {
 /// starts and do not depend on the number of threads. Since the periods are whole, a motion may be continued from its
 /// result at time 0.
 ///
-/// This is the one place through which sweeps of independent motions go.
+/// This is the one place through which sweeps of independent motions go: neighbours go [together](advance_together), those of
+/// one system share its tables.
 pub fn lead(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
     let some = |starts: &[Start]| {
         let mut simulators: Vec<Simulator> = Vec::with_capacity(starts.len());
@@ -47,4 +48,39 @@ pub fn lead(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Res
         started.into_iter().map(state).collect::<Vec<Result<State>>>()
     };
     starts.par_chunks(TOGETHER).flat_map_iter(some).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{Groups, Scales};
+
+    #[test]
+    fn second_method_together_as_one_by_one() {
+        // Several systems, one of another drive period, and starts that are refused among them.
+        let mut starts = Vec::new();
+        for (i, (f10, sigma1)) in [(0.6, 0.4), (2.48, 0.4), (3.6, 0.4), (1.5, 0.2)].into_iter().enumerate() {
+            let groups = Groups { f10, sigma1, ..Groups::basic() };
+            let parameters = groups.to_parameters(Scales::default()).unwrap();
+            for k in 0..11 {
+                let x2 = if k == 5 { 1.5 } else { 0.0 };
+                let state = State { x: [0.0, x2, 0.0], v: [0.1 * i as f64, 0.2 * f64::from(k), 0.0] };
+                starts.push(Start { parameters, state });
+            }
+        }
+        let led = lead(&starts, 40, &|| ());
+        assert_eq!(led.len(), starts.len());
+        for (start, led) in starts.iter().zip(led) {
+            let one = Simulator::new(&start.parameters, &start.state, 0.0).and_then(|s| {
+                let mut s = s.without_ledger();
+                s.advance_to(40.0 * start.parameters.period())?;
+                Ok(s.state())
+            });
+            match (one, led) {
+                (Ok(one), Ok(led)) => assert_eq!(one, led),
+                (Err(one), Err(led)) => assert_eq!(one.to_string(), led.to_string()),
+                (one, led) => panic!("{one:?} {led:?}"),
+            }
+        }
+    }
 }
