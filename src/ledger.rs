@@ -48,6 +48,12 @@ const FOUR: Rule<4> = Rule {
     ],
 };
 
+/// Over a length of 0.075/rate the error is under 5e-13 of the power over the rate, which is 2e-13 of a flight's energy.
+const THREE: Rule<3> = Rule {
+    nodes: [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7],
+    weights: [0.277_777_777_777_777_8, 0.444_444_444_444_444_4, 0.277_777_777_777_777_8],
+};
+
 /// Pieces into which the Gramians' own quadrature divides an interval's half.
 const PREFIXES: usize = INTERVALS + 1;
 /// Two 8 × 8 forms side by side: lanes 0…7 input, 8…15 damped.
@@ -159,7 +165,7 @@ impl Gramians {
     ) -> (f64, f64) {
         let Powers { drive, c1, c3 } = self.powers;
         let (mut input, mut damped) = (0.0, 0.0);
-        for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
+        for (node, weight) in THREE.nodes.iter().zip(&THREE.weights) {
             let at = vector::polynomial(simd, rows, u * node);
             let (v1, v3, sine) = (at[3], at[5], at[7]);
             input = multiply_add::<S>(weight * v1, sine, input);
