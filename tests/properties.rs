@@ -76,6 +76,26 @@ fn cases() -> ProptestConfig {
     ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
 }
 
+/// By how much a small change of the start's velocities has grown at `end`.
+fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
+    const CHANGE: f64 = 1e-9;
+    let mut changed = *start;
+    for (v, sign) in changed.v.iter_mut().zip([1.0, -1.0, 1.0]) {
+        *v += sign * CHANGE;
+    }
+    let [a, b] = [start, &changed].map(|start| {
+        let mut simulator = Simulator::new(p, start, 0.0)?;
+        simulator.set_loads(load)?;
+        simulator.advance_to(end).map(|()| simulator.state())
+    });
+    let (Ok(a), Ok(b)) = (a, b) else { return f64::INFINITY };
+    let differences = a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)).map(|(x, y)| (x - y).abs());
+    differences.fold(0.0, f64::max) / CHANGE
+}
+
+/// Motions in which small differences grow by more than this within the test part in earnest, whoever computes them.
+const MAX_GROWTH: f64 = 1e4;
+
 proptest! {
     #![proptest_config(cases())]
 
@@ -90,7 +110,7 @@ proptest! {
         let first = simulator.ledger().mechanical;
         let (mut passed, mut t) = (first, 0.0);
         for (step, load) in script {
-            simulator.set_loads(&load).unwrap();
+            prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
             let mut previous = f64::NEG_INFINITY;
             let mut wrong = None;
             let outcome = simulator.advance(t, step, false, &mut |e| {
@@ -139,7 +159,7 @@ proptest! {
         parts in 2..40u32,
     ) {
         let mut whole = Simulator::new(&p, &start, 0.0).unwrap();
-        whole.set_loads(&load).unwrap();
+        prop_assume!(whole.set_loads(&load).is_ok()); // else out of all proportion to this system
         let mut split = whole.clone();
         let mut least = f64::INFINITY;
         let mut impacts = 0;
@@ -153,7 +173,7 @@ proptest! {
             split.advance_to(t).unwrap();
         }
         // A slow impact or a long run of them multiplies round-off: there the two may part in earnest.
-        prop_assume!(least > 1e-2 && impacts < 30);
+        prop_assume!(least > 1e-2 && impacts < 30 && growth(&p, &start, &load, end) < MAX_GROWTH);
         /// Round-off of some hundred sub-steps, times the growth over up to 30 impacts no slower than 0.01 m/s.
         const BOUND: f64 = 1e-7;
         let (a, b) = (whole.state(), split.state());
@@ -173,7 +193,7 @@ proptest! {
         /// The reference method's local tolerance; its error is that times the steps and what impacts make of it.
         const TOLERANCE: f64 = 1e-11;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
-        simulator.set_loads(&load).unwrap();
+        prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
         let (mut least, mut events) = (f64::INFINITY, 0);
         let outcome = simulator.advance(0.0, end, false, &mut |e| {
             events += 1;
@@ -183,6 +203,7 @@ proptest! {
         });
         // Slow impacts, chatter and long runs of impacts multiply the reference method's error without bound.
         prop_assume!(outcome.is_ok() && least > 2e-2 * p.stop_gap && events < 15);
+        prop_assume!(growth(&p, &start, &load, end) < MAX_GROWTH);
         let mut reference = Reference::new(&p, &start, 0.0, Tolerance::new(TOLERANCE)).unwrap();
         reference.set_loads(&load).unwrap();
         prop_assume!(reference.advance_to(end).is_ok());
