@@ -5,7 +5,7 @@ use crate::extended::Extended;
 use crate::flow::{CENTRED, INTERVALS, Series, WHOLE, polynomial};
 use crate::model::{Augmented, Forces, LANES, Mode, Model};
 use crate::parameters::Parameters;
-use crate::vector::{self, Rows, multiply_add, product};
+use crate::vector::{self, Rows, dot, multiply_add, product};
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
@@ -137,21 +137,9 @@ impl Gramians {
 
     /// (input, damped) from the start `z` to the centre of interval `index`, or to the end with [`INTERVALS`].
     #[inline(always)]
-    pub(crate) fn up_to(&self, index: usize, z: &Augmented) -> (f64, f64) {
-        let mut y = [0.0; 2 * LANES];
-        for (row, &x) in self.prefix[index].iter().zip(z) {
-            for (yj, rj) in y.iter_mut().zip(row) {
-                *yj += rj * x;
-            }
-        }
-        (dot(&y[..LANES], z), dot(&y[LANES..], z))
-    }
-
-    /// [`up_to`](Self::up_to) in the machine's vectors.
-    #[inline(always)]
-    pub(crate) fn flown<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> (f64, f64) {
+    pub(crate) fn up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> (f64, f64) {
         let y = product(simd, &self.prefix[index], z);
-        (vector::dot(simd, &y[..LANES], z), vector::dot(simd, &y[LANES..], z))
+        (dot(simd, &y[..LANES], z), dot(simd, &y[LANES..], z))
     }
 
     /// (input, damped) of a free flight along `rows` from 0 to `u`; `radius` in s.
@@ -219,16 +207,6 @@ impl Gramians {
         let scale = width * radius;
         (input * scale, damped * scale)
     }
-}
-
-/// The scalar product, four lanes at a time.
-#[inline(always)]
-fn dot(y: &[f64], z: &Augmented) -> f64 {
-    let mut four = [0.0; 4];
-    for j in 0..4 {
-        four[j] = y[j] * z[j] + y[j + 4] * z[j + 4];
-    }
-    (four[0] + four[2]) + (four[1] + four[3])
 }
 
 /// Kinetic and elastic energy in J of an augmented state.

@@ -12,13 +12,17 @@ pub(crate) fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
     if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
 }
 
-/// Σ_j columns[j] x_j for columns of 8 or 16 lanes, as two sums side by side, which takes half as long to wait for.
+/// Σ_j columns[j] x_j in vectors, of which only the first `W/F64_LANES` of V count; as two sums side by side, which takes
+/// half as long to wait for.
 #[inline(always)]
-pub(crate) fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f64; 8]) -> [f64; W] {
-    let mut out = [0.0; W];
+fn combine<S: Simd, const W: usize, const V: usize>(
+    simd: S,
+    columns: &[[f64; W]; 8],
+    x: &[f64; 8],
+) -> [S::f64s; V] {
     let vectors = W / S::F64_LANES;
     let zero = simd.splat_f64s(0.0);
-    let (mut first, mut second) = ([zero; WIDE], [zero; WIDE]);
+    let (mut first, mut second) = ([zero; V], [zero; V]);
     for j in 0..4 {
         let (even, _) = S::as_simd_f64s(&columns[2 * j]);
         let (odd, _) = S::as_simd_f64s(&columns[2 * j + 1]);
@@ -33,9 +37,20 @@ pub(crate) fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8],
             }
         }
     }
-    let (sum, _) = S::as_mut_simd_f64s(&mut out);
     for v in 0..vectors {
-        sum[v] = simd.add_f64s(first[v], second[v]);
+        first[v] = simd.add_f64s(first[v], second[v]);
+    }
+    first
+}
+
+/// Σ_j columns[j] x_j for columns of 8 or 16 lanes.
+#[inline(always)]
+pub(crate) fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f64; 8]) -> [f64; W] {
+    let mut out = [0.0; W];
+    let sums = combine::<S, W, WIDE>(simd, columns, x);
+    let (vectors, _) = S::as_mut_simd_f64s(&mut out);
+    for (vector, sum) in vectors.iter_mut().zip(sums) {
+        *vector = sum;
     }
     out
 }
@@ -46,26 +61,7 @@ pub(crate) type Rows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
 /// The row Σ_j columns[j] x_j.
 #[inline(always)]
 pub(crate) fn row<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> [S::f64s; 8] {
-    let zero = simd.splat_f64s(0.0);
-    let (mut first, mut second) = ([zero; 8], [zero; 8]);
-    for j in 0..4 {
-        let (even, _) = S::as_simd_f64s(&columns[2 * j]);
-        let (odd, _) = S::as_simd_f64s(&columns[2 * j + 1]);
-        let (x0, x1) = (simd.splat_f64s(x[2 * j]), simd.splat_f64s(x[2 * j + 1]));
-        for v in 0..8 / S::F64_LANES {
-            if j == 0 {
-                first[v] = simd.mul_f64s(even[v], x0);
-                second[v] = simd.mul_f64s(odd[v], x1);
-            } else {
-                first[v] = simd.mul_add_e_f64s(even[v], x0, first[v]);
-                second[v] = simd.mul_add_e_f64s(odd[v], x1, second[v]);
-            }
-        }
-    }
-    for v in 0..8 / S::F64_LANES {
-        first[v] = simd.add_f64s(first[v], second[v]);
-    }
-    first
+    combine::<S, 8, 8>(simd, columns, x)
 }
 
 /// Σ_k rows[k] u^k lane by lane, even and odd orders apart so that two chains run side by side.

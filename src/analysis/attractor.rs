@@ -227,8 +227,9 @@ impl Attractor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::bifurcation::kicked;
+    use crate::analysis::motion::settled;
     use crate::parameters::{Groups, Scales};
-    use crate::simulator::State;
 
     /// Strokes of a made-up motion.
     fn strokes(section: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<Stroke> {
@@ -255,9 +256,7 @@ mod tests {
     #[test]
     fn invariant_the_stable_symmetric_motion_is_its_own_mirror_image() {
         let p = Groups::basic().to_parameters(Scales::default()).unwrap();
-        let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
-        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
-        simulator.advance_to(400.0 * p.period()).unwrap();
+        let mut simulator = settled(&p, &kicked(&p), 400.0).unwrap();
         let found = observe(&mut simulator).unwrap();
         assert_eq!((found.period, found.impacts, found.rests), (Some(1), [1.0, 1.0], false));
         assert!(found.is_symmetric() && !found.approaching);

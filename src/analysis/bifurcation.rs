@@ -9,6 +9,7 @@ use super::error::{Error, Result};
 use super::groups::check_together;
 use super::lyapunov::{self, Spectrum};
 use super::maxima::record;
+use super::motion::settled;
 use super::parts::{Parts, Shard};
 use super::plane::PlaneAxis;
 use super::settings::Settings;
@@ -84,11 +85,10 @@ fn chain(settings: &Settings, sweep: &Sweep, upward: bool) -> Result<Vec<Station
         let p = settings.parameters_of(&groups)?;
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> crate::Result<(State, State)> {
-            let mut simulator = Simulator::new(&p, &state, 0.0)?.without_ledger();
-            simulator.advance_to(discard * p.period())?;
-            let settled = simulator.state();
+            let mut simulator = settled(&p, &state, discard)?;
+            let before = simulator.state();
             simulator.advance_to(all * p.period())?;
-            Ok((settled, simulator.state()))
+            Ok((before, simulator.state()))
         };
         let run = run();
         stations.push(Station { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) });

@@ -118,6 +118,8 @@ pub fn record(simulator: &mut Simulator, periods: u32, visit: &mut dyn FnMut(&Pe
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::bifurcation::kicked;
+    use crate::analysis::motion::settled;
     use crate::steady::exact_orbit;
 
     /// The transient has died out to this part of L.
@@ -130,18 +132,11 @@ mod tests {
         groups.to_parameters(crate::Scales::default()).unwrap()
     }
 
-    fn settled(p: &Parameters, periods: f64) -> Simulator {
-        let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
-        let mut simulator = Simulator::new(p, &start, 0.0).unwrap().without_ledger();
-        simulator.advance_to(periods * p.period()).unwrap();
-        simulator
-    }
-
     #[test]
     fn second_method_the_exact_orbits_amplitude_at_a_corner() {
         let p = Parameters::default();
         let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
-        let mut simulator = settled(&p, 600.0);
+        let mut simulator = settled(&p, &kicked(&p), 600.0).unwrap();
         record(&mut simulator, 3, &mut |period| {
             assert_eq!(period.impacts.len(), 2);
             let [top] = period.maxima[..] else { panic!("{:?}", period.maxima) };
@@ -156,7 +151,7 @@ mod tests {
         const PERIODS: u32 = 6;
         for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
             let p = at(f10, kappa);
-            let mut simulator = settled(&p, 50.0);
+            let mut simulator = settled(&p, &kicked(&p), 50.0).unwrap();
             let mut other = simulator.clone();
             let mut exact = Vec::new();
             record(&mut simulator, PERIODS, &mut |period| exact.extend(period.maxima.clone())).unwrap();
@@ -175,7 +170,7 @@ mod tests {
         // the box carries it.
         let groups = crate::Groups { beta2: 0.0, alpha23: 0.0, ..crate::Groups::basic() };
         let p = groups.to_parameters(crate::Scales::default()).unwrap();
-        let mut simulator = settled(&p, 40.0);
+        let mut simulator = settled(&p, &kicked(&p), 40.0).unwrap();
         let mut count = 0;
         record(&mut simulator, 20, &mut |period| {
             count += period.maxima.len();

@@ -21,7 +21,7 @@ impl Simulator {
                 from = -1.0;
             } else {
                 self.prepare_gramians();
-                total = self.tables().energy.up_to(index, &start.z);
+                total = self.tables().energy.up_to(pulp::Scalar, index, &start.z);
             }
         }
         let forces = start.forces_after(to.base);
@@ -36,7 +36,7 @@ impl Simulator {
             self.account_loaded(start, INTERVALS)
         } else {
             self.prepare_gramians();
-            self.tables().energy.up_to(INTERVALS, &start.z)
+            self.tables().energy.up_to(pulp::Scalar, INTERVALS, &start.z)
         };
         self.motion.sums.input = self.motion.sums.input.plus(input);
         self.motion.sums.damped = self.motion.sums.damped.plus(damped);
@@ -49,7 +49,7 @@ impl Simulator {
         for index in 0..count {
             let (series, base) = self.centred(start, index);
             let forces = start.forces_after(base);
-            let radius = 0.5 * self.substep / INTERVALS as f64;
+            let radius = 0.5 * self.interval();
             let (input, damped) = self.tables().energy.along(&series, forces.as_ref(), (-1.0, 1.0), radius);
             total = (total.0 + input, total.1 + damped);
         }

@@ -72,7 +72,7 @@ impl pulp::WithSimd for Batch<'_> {
                 let Some(Motion { simulator, course, end, result }) = lane else { continue };
                 let going = match aim {
                     Some(aim) => {
-                        course.since_renewal += 1;
+                        simulator.renew(course);
                         simulator.work.substeps += 1;
                         course.z = simulator.reach::<S, false>(simd, &course.z, aim);
                         simulator.conclude::<0>(course, Some(aim.side), false, &mut None)

@@ -65,7 +65,7 @@ impl Simulator {
             bound += self.tables().load.curvature(&columns);
             start.bound = bound;
         }
-        let interval = self.substep / INTERVALS as f64;
+        let interval = self.interval();
         let wild = self.motion.contact == Contact::Flight && self.wild(&z, start.bound);
         let side = if remaining <= interval || wild {
             self.short::<LOADS, LEDGER>(&mut z, &start, remaining.min(interval), remaining, end)
@@ -123,7 +123,7 @@ impl Simulator {
         remaining: f64,
         end: Extended,
     ) -> Option<f64> {
-        let interval = self.substep / INTERVALS as f64;
+        let interval = self.interval();
         let (flight, gap) = (self.motion.contact == Contact::Flight, self.model.gap);
         let tables = self.tables();
         let mut g = [0.0; INTERVALS];
@@ -137,11 +137,7 @@ impl Simulator {
         let (first, clear) = if flight {
             let limit = gap - margin;
             let most = g.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-            let leaves = match self.motion.departing {
-                0 => z[GAP].abs() < limit,
-                1 => z[GAP_RATE].abs() > 0.5 * start.bound * interval,
-                _ => false,
-            };
+            let leaves = self.leaves(z, start.bound, limit);
             (leaves, leaves && most < limit)
         } else {
             let side = self.motion.contact.side();
@@ -177,7 +173,7 @@ impl Simulator {
         first_clear: bool,
         remaining: f64,
     ) -> Option<f64> {
-        let interval = self.substep / INTERVALS as f64;
+        let interval = self.interval();
         let side = self.motion.contact.side();
         // A sample is near where `excess` is not negative: within the margin of a limit or past it.
         let limit = self.model.gap - margin;
@@ -220,7 +216,7 @@ impl Simulator {
         index: usize,
     ) -> (Series<CENTRED>, f64) {
         self.work.expansions += 1;
-        let interval = self.substep / INTERVALS as f64;
+        let interval = self.interval();
         let base = (index as f64 + 0.5) * interval;
         let tables = self.tables();
         let mut z = [0.0; 8];

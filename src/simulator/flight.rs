@@ -5,12 +5,9 @@ use super::careful::{Arrival, Start};
 use crate::events::flight_crossing;
 use crate::extended::Extended;
 use crate::flow::{ANCHORED, INTERVALS, Series};
-use crate::model::{Augmented, GAP, GAP_RATE, Mode};
+use crate::model::{Augmented, Mode};
 use crate::vector::{at_least, gap_over, polynomial, product};
 use pulp::Simd;
-
-/// An interval in units of the sub-step.
-const INTERVAL: f64 = 1.0 / INTERVALS as f64;
 
 /// What the samples of a sub-step tell.
 pub(super) struct Outlook {
@@ -43,7 +40,7 @@ impl Simulator {
         remaining: f64,
         end: Extended,
     ) -> Option<f64> {
-        let interval = self.substep * INTERVAL;
+        let interval = self.interval();
         let outlook = self.look(simd, z, bound);
         if outlook.first {
             let found = self.first_interval::<LEDGER>(*z, bound, interval.min(remaining));
@@ -79,16 +76,12 @@ impl Simulator {
     /// Samples the gap over a sub-step.
     #[inline(always)]
     pub(super) fn look<S: Simd>(&self, simd: S, z: &Augmented, bound: f64) -> Outlook {
-        let interval = self.substep * INTERVAL;
+        let interval = self.interval();
         let g = product(simd, &self.flight.core.sample, z);
         // A gap that stays this margin away from the stops at both ends of an interval does not reach them in between.
         let limit = self.model.gap - bound * interval * interval * 0.125;
         let near = at_least(simd, &g, limit);
-        let leaves = match self.motion.departing {
-            0 => z[GAP].abs() < limit,
-            1 => z[GAP_RATE].abs() > 0.5 * bound * interval,
-            _ => false,
-        };
+        let leaves = self.leaves(z, bound, limit);
         // An interval is searched when one of its ends is near.
         let search = (near | near << 1) & ((1 << INTERVALS) - 2);
         Outlook { g, limit, first: !leaves || near & 1 != 0, search }
@@ -104,7 +97,7 @@ impl Simulator {
         index: usize,
         remaining: f64,
     ) -> Option<Aim> {
-        let interval = self.substep * INTERVAL;
+        let interval = self.interval();
         self.work.expansions += 1;
         let gap = self.flight.local.gap(simd, index, z);
         let mut hi = 1.0;
@@ -138,7 +131,7 @@ impl Simulator {
         z: &Augmented,
         aim: &Aim,
     ) -> Augmented {
-        let interval = self.substep * INTERVAL;
+        let interval = self.interval();
         let base = (aim.index as f64 + 0.5) * interval;
         let arrived = self.land::<S, LEDGER>(simd, z, aim.index, aim.u);
         self.motion.time = self.motion.time.plus(base).plus(aim.u * (0.5 * interval));
@@ -159,11 +152,11 @@ impl Simulator {
         let mut before = (0.0, 0.0);
         if LEDGER {
             self.prepare_gramians();
-            before = self.flight.energy.flown(simd, index, z);
+            before = self.flight.energy.up_to(simd, index, z);
         }
         let arrived = polynomial(simd, &rows, u);
         if LEDGER {
-            let radius = 0.5 * self.substep * INTERVAL;
+            let radius = 0.5 * self.interval();
             let (input, damped) = self.flight.energy.along_rows(simd, &rows, u, radius);
             self.motion.sums.input = self.motion.sums.input.plus(before.0 + input);
             self.motion.sums.damped = self.motion.sums.damped.plus(before.1 + damped);

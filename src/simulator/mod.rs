@@ -45,8 +45,14 @@ struct Motion {
 }
 
 impl Motion {
-    fn new(parameters: &Parameters, y: [f64; 6], time: f64) -> Self {
-        Self {
+    /// From a checked start, in flight until it is classified, without loads.
+    fn new(parameters: &Parameters, model: &Model, state: &State, time: f64) -> Result<Self> {
+        if !time.is_finite() {
+            return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
+        }
+        let y = coordinates(parameters, state)?;
+        check_speeds(model, state)?;
+        Ok(Self {
             time: Extended::new(time),
             y,
             contact: Contact::Flight,
@@ -56,7 +62,7 @@ impl Motion {
             loads_from: Extended::new(time),
             record: ImpactRecord::default(),
             sums: Sums::default(),
-        }
+        })
     }
 }
 
@@ -90,18 +96,14 @@ impl Simulator {
     /// [`Error::PrecisionLost`] where double precision cannot carry the motion.
     pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
         let model = Model::new(parameters)?;
-        if !time.is_finite() {
-            return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
-        }
-        let y = coordinates(parameters, state)?;
-        check_speeds(&model, state)?;
+        let motion = Motion::new(parameters, &model, state, time)?;
         let mut simulator = Self {
             parameters: *parameters,
             substep: flow::substep(&model),
             model,
             flight: Arc::new(ModeTables::zero()),
             rest: Arc::new(ModeTables::zero()),
-            motion: Motion::new(parameters, y, time),
+            motion,
             work: Work::default(),
             keeps_ledger: true,
         };
@@ -116,12 +118,7 @@ impl Simulator {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn another(&self, state: &State, time: f64) -> Result<Self> {
-        if !time.is_finite() {
-            return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
-        }
-        let y = coordinates(&self.parameters, state)?;
-        check_speeds(&self.model, state)?;
-        let motion = Motion::new(&self.parameters, y, time);
+        let motion = Motion::new(&self.parameters, &self.model, state, time)?;
         let mut simulator = Self { motion, work: Work::default(), ..self.clone() };
         simulator.classify();
         Ok(simulator)

@@ -4,7 +4,7 @@ use super::{Contact, Event, ModeTables, Simulator, StopReason};
 use crate::error::{Error, Result};
 use crate::extended::Extended;
 use crate::flow::INTERVALS;
-use crate::model::{Augmented, GAP_RATE};
+use crate::model::{Augmented, GAP, GAP_RATE};
 use crate::vector;
 use pulp::Simd;
 use std::ops::ControlFlow;
@@ -194,7 +194,7 @@ impl Simulator {
     ) -> Option<f64> {
         self.work.substeps += 1;
         if LOADS == 0 && self.motion.contact == Contact::Flight {
-            let interval = self.substep * (1.0 / INTERVALS as f64);
+            let interval = self.interval();
             let bound = vector::weigh::<S>(z, &self.flight.core.bound);
             if remaining > interval && !self.wild(z, bound) {
                 return self.cruise::<S, LEDGER>(simd, z, bound, remaining, end);
@@ -205,10 +205,27 @@ impl Simulator {
         side
     }
 
+    /// The length of an interval, s.
+    #[inline(always)]
+    pub(super) fn interval(&self) -> f64 {
+        self.substep * (1.0 / INTERVALS as f64)
+    }
+
+    /// Whether the block in flight meets no stop between the start and the first sample if that is within the `limit`: it
+    /// is clear of the stops, or leaves one faster than its acceleration (at most `bound`) could turn it back.
+    #[inline(always)]
+    pub(super) fn leaves(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
+        match self.motion.departing {
+            0 => z[GAP].abs() < limit,
+            1 => z[GAP_RATE].abs() > 0.5 * bound * self.interval(),
+            _ => false,
+        }
+    }
+
     /// Whether an interval is too long to be searched as a whole.
     #[inline(always)]
     pub(super) fn wild(&self, z: &Augmented, bound: f64) -> bool {
-        let interval = self.substep * (1.0 / INTERVALS as f64);
+        let interval = self.interval();
         z[GAP_RATE].abs() * interval + 0.5 * bound * interval * interval > MAX_REACH * self.model.gap
     }
 }

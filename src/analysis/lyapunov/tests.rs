@@ -1,5 +1,7 @@
 //! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's multipliers, two trajectories.
 
+use super::super::bifurcation::kicked;
+use super::super::motion::settled;
 use super::super::variation::unit_frame;
 use super::*;
 use crate::parameters::{Groups, Parameters, Scales};
@@ -13,13 +15,6 @@ const IDENTITY: f64 = 1e-8;
 
 fn groups(f10: f64, kappa: f64) -> Parameters {
     Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
-}
-
-fn settled(p: &Parameters, periods: f64) -> Simulator {
-    let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
-    let mut simulator = Simulator::new(p, &start, 0.0).unwrap().without_ledger();
-    simulator.advance_to(periods * p.period()).unwrap();
-    simulator
 }
 
 #[test]
@@ -58,7 +53,7 @@ fn invariant_sum_is_divergence_and_determinants() {
         [(0.6, 0.75), (1.5, 0.75), (2.7, 0.75), (3.6, 0.75), (4.5, 0.75), (3.0, 0.9), (1.5, 0.5)]
     {
         let p = groups(f10, kappa);
-        let mut simulator = settled(&p, 200.0);
+        let mut simulator = settled(&p, &kicked(&p), 200.0).unwrap();
         let options = Options { align: 0, periods: 300, ..Options::default() };
         let found = spectrum(&mut simulator, &options).unwrap();
         assert!(!found.rests, "f10 = {f10}");
@@ -107,7 +102,7 @@ fn second_method_two_trajectories_in_chaos() {
     const STATISTICS: f64 = 0.08;
     for f10 in [3.6, 4.5] {
         let p = groups(f10, 0.75);
-        let mut one = settled(&p, 200.0);
+        let mut one = settled(&p, &kicked(&p), 200.0).unwrap();
         let found = spectrum(&mut one.clone(), &Options::default()).unwrap();
         assert!(found.exponents[0] > 0.01, "f10 = {f10}: {:?}", found.exponents);
         let (mut sum, mut other) = (0.0, one.state());
@@ -141,7 +136,7 @@ fn second_method_two_trajectories_in_chaos() {
 fn closed_form_rest_and_dead_impacts_lose_directions() {
     // κ = 0 with rest: two directions are lost; the rest of the spectrum stays finite and holds the phase's zero.
     let p = groups(3.0, 0.0);
-    let found = spectrum(&mut settled(&p, 200.0), &Options::default()).unwrap();
+    let found = spectrum(&mut settled(&p, &kicked(&p), 200.0).unwrap(), &Options::default()).unwrap();
     let lost = found.exponents.iter().filter(|e| **e == f64::NEG_INFINITY).count();
     assert_eq!((found.rests, lost), (true, 2), "{found:?}");
     assert!(found.exponents[..5].iter().all(|e| e.is_finite()), "{found:?}");
@@ -160,7 +155,7 @@ fn closed_form_variations_through_rest() {
     const DIFFERENCE: f64 = 1e-3;
     for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
         let p = groups(f10, kappa);
-        let mut simulator = settled(&p, f64::from(periods));
+        let mut simulator = settled(&p, &kicked(&p), f64::from(periods)).unwrap();
         let model = Model::new(&p).unwrap();
         // Go on until a rest has been passed through.
         let start = simulator.snapshot();
@@ -212,9 +207,13 @@ fn closed_form_variations_through_rest() {
 #[test]
 fn closed_form_early_stop_by_the_deviation() {
     let p = Parameters::default();
-    let all = convergence(&mut settled(&p, 400.0), &Options { align: 0, ..Options::default() }).unwrap();
+    let all = convergence(
+        &mut settled(&p, &kicked(&p), 400.0).unwrap(),
+        &Options { align: 0, ..Options::default() },
+    )
+    .unwrap();
     let options = Options { align: 0, threshold: 1e-4, ..Options::default() };
-    let early = convergence(&mut settled(&p, 400.0), &options).unwrap();
+    let early = convergence(&mut settled(&p, &kicked(&p), 400.0).unwrap(), &options).unwrap();
     let count = early.running.len();
     assert!(early.spectrum.settled && (200..1500).contains(&count), "{count}");
     assert_eq!(early.running[..], all.running[..count], "the same way, only shorter");
