@@ -196,13 +196,13 @@ impl Local {
 
 /// One column of the whole system: a unit augmented coordinate or a unit load coefficient.
 #[derive(Clone, Copy)]
-struct Column {
-    z: Augmented,
+pub(crate) struct Column {
+    pub(crate) z: Augmented,
     forces: Forces,
 }
 
 impl Column {
-    fn unit(index: usize) -> Self {
+    pub(crate) fn unit(index: usize) -> Self {
         let mut column = Self { z: [0.0; LANES], forces: [[0.0; 4]; 3] };
         if index < LANES {
             column.z[index] = 1.0;

@@ -2,10 +2,10 @@
 //! exact flow (performance.md, item 7). They are found without the mechanical energy, so their balance is a test.
 
 use crate::extended::Extended;
-use crate::flow::{CENTRED, INTERVALS, Series, WHOLE, polynomial};
+use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
 use crate::model::{Augmented, Forces, LANES, Mode, Model};
 use crate::parameters::Parameters;
-use crate::vector::{self, Rows, dot, multiply_add, product};
+use crate::vector::{Rows, form, form_and_squares};
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
@@ -56,8 +56,8 @@ const THREE: Rule<3> = Rule {
 
 /// Pieces into which the Gramians' own quadrature divides an interval's half.
 const PREFIXES: usize = INTERVALS + 1;
-/// Two 8 × 8 forms side by side: lanes 0…7 input, 8…15 damped.
-type Form = [[f64; 2 * LANES]; LANES];
+/// An 8 × 8 quadratic form of the augmented state.
+type Form = [[f64; LANES]; LANES];
 
 /// What the powers are made of: F10, c1, c3 in SI units.
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,89 +78,128 @@ pub(crate) struct Sums {
 /// Gramians of input and damped power from a sub-step's start to the centre of each interval and to its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Gramians {
-    prefix: [Form; PREFIXES],
+    input: [Form; PREFIXES],
+    damped: [Form; PREFIXES],
     powers: Powers,
+    /// The damping coefficients in the lanes of x1' and x3'.
+    weights: Augmented,
+    /// In flight, the drive's work in closed form; none in rest and near an undamped resonance.
+    work: Option<DriveWork>,
 }
 
 impl Gramians {
     pub(crate) fn zero() -> Self {
-        Self { prefix: [[[0.0; 2 * LANES]; LANES]; PREFIXES], powers: Powers::default() }
+        Self {
+            input: [[[0.0; LANES]; LANES]; PREFIXES],
+            damped: [[[0.0; LANES]; LANES]; PREFIXES],
+            powers: Powers::default(),
+            weights: [0.0; LANES],
+            work: None,
+        }
     }
 
     /// Sets the powers; to be called before anything else when parameters change.
-    pub(crate) fn set_powers(&mut self, p: &Parameters) {
+    pub(crate) fn set_powers(&mut self, p: &Parameters, model: &Model, mode: Mode) {
         self.powers = Powers { drive: p.drive_amplitude, c1: p.box_damping, c3: p.secondary_damping };
+        self.weights = [0.0, 0.0, 0.0, p.box_damping, 0.0, p.secondary_damping, 0.0, 0.0];
+        self.work = match mode {
+            Mode::Flight => DriveWork::new(p.drive_amplitude, model),
+            Mode::Rest => None,
+        };
     }
 
-    /// Integrates the Gramians over a sub-step `h` of `mode`.
-    pub(crate) fn fill(&mut self, model: &Model, mode: Mode, h: f64) {
-        let columns: [Series<WHOLE>; LANES] = std::array::from_fn(|j| {
-            let mut unit = [0.0; LANES];
-            unit[j] = 1.0;
-            Series::expand(model, mode, &unit, None, h)
-        });
-        // Only the rows x1', x3' and sin θ of the transition matrix enter the powers.
-        let row = |lane: usize| -> [[f64; LANES]; WHOLE] {
-            std::array::from_fn(|k| std::array::from_fn(|j| columns[j].lanes[k][lane]))
-        };
-        let (box_speed, secondary_speed, sine) = (row(3), row(5), row(7));
-        let at = |row: &[[f64; LANES]; WHOLE], u: f64| -> [f64; LANES] {
-            let mut r = row[WHOLE - 1];
-            for k in (0..WHOLE - 1).rev() {
-                for j in 0..LANES {
-                    r[j] = r[j] * u + row[k][j];
-                }
+    /// The drive's work in closed form, where it may be used.
+    #[inline(always)]
+    pub(crate) fn work(&self) -> Option<&DriveWork> {
+        self.work.as_ref()
+    }
+
+    /// Integrates the Gramians of `mode` over a sub-step `h`, beside its `core`: those over the halves of an interval are the
+    /// same about every centre, and the transition matrices carry them to the sub-step's start. Input only where it is asked for.
+    pub(crate) fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: Mode, h: f64) {
+        let radius = 0.5 * h / INTERVALS as f64;
+        let columns: [Series<CENTRED>; LANES] =
+            std::array::from_fn(|j| Series::expand(model, mode, &Column::unit(j).z, None, radius));
+        let halves = [-1.0, 1.0].map(|end| self.over_half(&columns, end, radius));
+        let by_difference = self.work.is_some();
+        for (forms, part) in [(&mut self.damped, 1), (&mut self.input, 0)] {
+            if part == 0 && by_difference {
+                continue;
             }
-            r
-        };
+            let mut sum: Form = [[0.0; LANES]; LANES];
+            for (i, centre) in core.centre.iter().enumerate() {
+                add_carried(&mut sum, &halves[0][part], centre);
+                forms[i] = sum;
+                add_carried(&mut sum, &halves[1][part], centre);
+            }
+            forms[INTERVALS] = sum;
+        }
+    }
+
+    /// The forms [input, damped] between an interval's centre and its `end`, in the state at the centre.
+    fn over_half(&self, columns: &[Series<CENTRED>; LANES], end: f64, radius: f64) -> [Form; 2] {
         let Powers { drive, c1, c3 } = self.powers;
-        let piece = 0.5 / INTERVALS as f64;
-        let mut form: Form = [[0.0; 2 * LANES]; LANES];
-        for half in 0..2 * INTERVALS {
-            for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
-                let u = (half as f64 + node) * piece;
-                let weight = weight * piece * h;
-                let (v1, v3, s) = (at(&box_speed, u), at(&secondary_speed, u), at(&sine, u));
-                for i in 0..LANES {
-                    for j in 0..LANES {
-                        form[i][j] += 0.5 * weight * drive * (v1[i] * s[j] + s[i] * v1[j]);
-                        form[i][LANES + j] += weight * (c1 * v1[i] * v1[j] + c3 * v3[i] * v3[j]);
-                    }
+        let (mut input, mut damped): (Form, Form) = ([[0.0; LANES]; LANES], [[0.0; LANES]; LANES]);
+        for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
+            let weight = weight * radius;
+            // Of the transition matrix to the node the rows x1', x3' and sin θ, in columns.
+            let at: [[f64; 3]; LANES] = std::array::from_fn(|j| {
+                let z = columns[j].at(end * node);
+                [z[3], z[5], z[7]]
+            });
+            for (i, [v1, v3, s]) in at.iter().enumerate() {
+                for (j, [u1, u3, r]) in at.iter().enumerate() {
+                    input[i][j] += 0.5 * weight * drive * (v1 * r + s * u1);
+                    damped[i][j] += weight * (c1 * v1 * u1 + c3 * v3 * u3);
                 }
-            }
-            if half % 2 == 0 {
-                self.prefix[half / 2] = form;
             }
         }
-        self.prefix[INTERVALS] = form;
+        [input, damped]
     }
 
-    /// (input, damped) from the start `z` to the centre of interval `index`, or to the end with [`INTERVALS`].
+    /// Input from the start `z` to the centre of interval `index`, or to the end with [`INTERVALS`].
     #[inline(always)]
-    pub(crate) fn up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> (f64, f64) {
-        let y = product(simd, &self.prefix[index], z);
-        (dot(simd, &y[..LANES], z), dot(simd, &y[LANES..], z))
+    pub(crate) fn input_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
+        form(simd, &self.input[index], z)
     }
 
-    /// (input, damped) of a free flight along `rows` from 0 to `u`; `radius` in s.
+    /// Damped from the start `z` likewise.
     #[inline(always)]
-    pub(crate) fn along_rows<S: Simd>(
+    pub(crate) fn damped_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
+        form(simd, &self.damped[index], z)
+    }
+
+    /// Damped from the start `z` of a free flight to the centre of interval `index`, and on along the `rows` about there from 0
+    /// to `u`; `radius` in s.
+    #[inline(always)]
+    pub(crate) fn damped_along<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        z: &Augmented,
+        rows: &Rows<S, CENTRED>,
+        (u, radius): (f64, f64),
+    ) -> f64 {
+        let length = u * radius;
+        let ([n0, n1, n2], [w0, w1, w2]) = (THREE.nodes, THREE.weights);
+        let (at, shares) = ([u * n0, u * n1, u * n2], [length * w0, length * w1, length * w2]);
+        form_and_squares(simd, &self.damped[index], z, rows, (&at, &shares), &self.weights)
+    }
+
+    /// Input likewise, along the rows only.
+    #[inline(always)]
+    pub(crate) fn input_along<S: Simd>(
         &self,
         simd: S,
         rows: &Rows<S, CENTRED>,
-        u: f64,
-        radius: f64,
-    ) -> (f64, f64) {
-        let Powers { drive, c1, c3 } = self.powers;
-        let (mut input, mut damped) = (0.0, 0.0);
+        (u, radius): (f64, f64),
+    ) -> f64 {
+        let mut input = 0.0;
         for (node, weight) in THREE.nodes.iter().zip(&THREE.weights) {
-            let at = vector::polynomial(simd, rows, u * node);
-            let (v1, v3, sine) = (at[3], at[5], at[7]);
-            input = multiply_add::<S>(weight * v1, sine, input);
-            damped = multiply_add::<S>(*weight, multiply_add::<S>(c1 * v1, v1, c3 * v3 * v3), damped);
+            let at = crate::vector::polynomial(simd, rows, u * node);
+            input += weight * at[3] * at[7];
         }
-        let length = u * radius;
-        (drive * length * input, length * damped)
+        self.powers.drive * u * radius * input
     }
 
     /// (input, damped) along a series from u0 to u1; `radius` in s. Loads included where given (at u = 0).
@@ -209,6 +248,82 @@ impl Gramians {
     }
 }
 
+/// Adds Φᵀ `form` Φ, Φ given by its columns.
+fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; LANES]) {
+    let mut along: Form = [[0.0; LANES]; LANES];
+    for (y, column) in along.iter_mut().zip(columns) {
+        Table::transit(form, column, y);
+    }
+    for (i, column) in columns.iter().enumerate() {
+        for j in i..LANES {
+            let value: f64 = column.iter().zip(&along[j]).map(|(a, b)| a * b).sum();
+            sum[i][j] += value;
+            if j > i {
+                sum[j][i] += value;
+            }
+        }
+    }
+}
+
+/// The drive's work in flight in closed form. There the box knows of nothing but its spring, its damper and the drive, so
+/// that `d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1') + (q1 s c - p1 s²) F10/(2 m1 ω1)] + mean = F10 s x1'` with c = cos θ,
+/// s = sin θ and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`, A the box's own matrix: between two impacts the work is a difference of two
+/// values, and at an impact the value jumps with x1'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DriveWork {
+    p: [f64; 2],
+    q: [f64; 2],
+    /// F10/(2 m1 ω1).
+    swing: f64,
+    /// The mean power of the box's own steady state, W.
+    mean: f64,
+}
+
+impl DriveWork {
+    /// None where the steady state is so large that the differences would lose more than three digits: near resonance with
+    /// hardly any damping.
+    fn new(amplitude: f64, model: &Model) -> Option<Self> {
+        /// Least impedance, in units of the sum of its parts.
+        const LEAST: f64 = 1e-3;
+        let Model { k1, c1, omega, .. } = *model;
+        let (stiff, inert) = (k1 / omega, omega);
+        let reactance = inert - stiff;
+        let square = c1 * c1 + reactance * reactance;
+        let parts = c1 + stiff + inert;
+        let usable = square.sqrt() >= LEAST * parts && square.is_finite() && square >= f64::MIN_POSITIVE;
+        usable.then(|| {
+            let (q1, p1) = (-amplitude * c1 / square, -amplitude * reactance / square);
+            Self {
+                p: [-stiff * q1, p1],
+                q: [stiff * p1, q1],
+                swing: 0.5 * model.drive / omega,
+                mean: -0.5 * q1 * model.drive,
+            }
+        })
+    }
+
+    /// The function whose difference, with `mean` times the time between, is the work, J.
+    #[inline(always)]
+    pub(crate) fn value(&self, z: &Augmented) -> f64 {
+        let (x, v, c, s) = (z[0], z[3], z[6], z[7]);
+        let [p0, p1] = self.p;
+        let [q0, q1] = self.q;
+        c * (p0 * x + p1 * v) + s * (q0 * x + q1 * v) + self.swing * s * (q1 * c - p1 * s)
+    }
+
+    /// Its jump when x1' changes by `change`.
+    #[inline(always)]
+    pub(crate) fn jump(&self, z: &Augmented, change: f64) -> f64 {
+        (z[6] * self.p[1] + z[7] * self.q[1]) * change
+    }
+
+    /// Mean power, W.
+    #[inline(always)]
+    pub(crate) fn mean(&self) -> f64 {
+        self.mean
+    }
+}
+
 /// Kinetic and elastic energy in J of an augmented state.
 pub(crate) fn mechanical(p: &Parameters, y: &[f64; 6]) -> f64 {
     let (stretch, v2) = ((y[0] - y[2]) + y[1], y[3] + y[4]);
@@ -219,3 +334,6 @@ pub(crate) fn mechanical(p: &Parameters, y: &[f64; 6]) -> f64 {
         + p.secondary_stiffness * y[2] * y[2]
         + p.coupling_stiffness * stretch * stretch)
 }
+
+#[cfg(test)]
+mod tests;

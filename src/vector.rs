@@ -66,8 +66,7 @@ pub(crate) fn row<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> [S
 
 /// Σ_k rows[k] u^k lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
-pub(crate) fn polynomial<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [f64; 8] {
-    let mut out = [0.0; 8];
+fn evaluate<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [S::f64s; 8] {
     let zero = simd.splat_f64s(0.0);
     let (at, square) = (simd.splat_f64s(u), simd.splat_f64s(u * u));
     let (mut even, mut odd) = ([zero; 8], [zero; 8]);
@@ -77,11 +76,63 @@ pub(crate) fn polynomial<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u:
             sum[v] = if k + 2 >= N { rows[k][v] } else { simd.mul_add_e_f64s(sum[v], square, rows[k][v]) };
         }
     }
-    let (sum, _) = S::as_mut_simd_f64s(&mut out);
     for v in 0..8 / S::F64_LANES {
-        sum[v] = simd.mul_add_e_f64s(odd[v], at, even[v]);
+        even[v] = simd.mul_add_e_f64s(odd[v], at, even[v]);
+    }
+    even
+}
+
+/// The polynomials' values at u.
+#[inline(always)]
+pub(crate) fn polynomial<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [f64; 8] {
+    let mut out = [0.0; 8];
+    let values = evaluate(simd, rows, u);
+    let (lanes, _) = S::as_mut_simd_f64s(&mut out);
+    for (lane, value) in lanes.iter_mut().zip(values) {
+        *lane = value;
     }
     out
+}
+
+/// The quadratic form xᵀ columns x.
+#[inline(always)]
+pub(crate) fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
+    let sums = combine::<S, 8, 8>(simd, columns, x);
+    let (x, _) = S::as_simd_f64s(x);
+    let mut sum = simd.mul_f64s(sums[0], x[0]);
+    for v in 1..x.len() {
+        sum = simd.mul_add_e_f64s(sums[v], x[v], sum);
+    }
+    simd.reduce_sum_f64s(sum)
+}
+
+/// A form and, beside it, `Σ_i shares[i] Σ_lane weights · p(at[i])²` of the polynomials p in `rows`; one sum over lanes for both.
+#[inline(always)]
+pub(crate) fn form_and_squares<S: Simd, const N: usize, const R: usize>(
+    simd: S,
+    columns: &[[f64; 8]; 8],
+    x: &[f64; 8],
+    rows: &Rows<S, N>,
+    (at, shares): (&[f64; R], &[f64; R]),
+    weights: &[f64; 8],
+) -> f64 {
+    let sums = combine::<S, 8, 8>(simd, columns, x);
+    let ((x, _), (weights, _)) = (S::as_simd_f64s(x), S::as_simd_f64s(weights));
+    let mut squares = [simd.splat_f64s(0.0); 8];
+    for i in 0..R {
+        let values = evaluate(simd, rows, at[i]);
+        let share = simd.splat_f64s(shares[i]);
+        for v in 0..x.len() {
+            let scaled = simd.mul_f64s(values[v], share);
+            squares[v] = simd.mul_add_e_f64s(values[v], scaled, squares[v]);
+        }
+    }
+    let mut sum = simd.splat_f64s(0.0);
+    for v in 0..x.len() {
+        sum = simd.mul_add_e_f64s(sums[v], x[v], sum);
+        sum = simd.mul_add_e_f64s(squares[v], weights[v], sum);
+    }
+    simd.reduce_sum_f64s(sum)
 }
 
 /// A bit for each lane with |x| ≥ limit.
@@ -153,16 +204,4 @@ pub(crate) fn weigh<S: Simd>(x: &[f64; 8], weights: &[f64; 8]) -> f64 {
         odd = multiply_add::<S>(x[2 * j + 1].abs(), weights[2 * j + 1], odd);
     }
     even + odd
-}
-
-/// xᵀ y over 8 lanes.
-#[inline(always)]
-pub(crate) fn dot<S: Simd>(simd: S, x: &[f64], y: &[f64; 8]) -> f64 {
-    let (x, _) = S::as_simd_f64s(x);
-    let (y, _) = S::as_simd_f64s(y);
-    let mut sum = simd.mul_f64s(x[0], y[0]);
-    for v in 1..y.len() {
-        sum = simd.mul_add_e_f64s(x[v], y[v], sum);
-    }
-    simd.reduce_sum_f64s(sum)
 }

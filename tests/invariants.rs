@@ -96,6 +96,43 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
 }
 
 #[test]
+fn second_method_drive_work_in_closed_form_and_by_quadrature() {
+    /// Rounding over 300 periods. Loads of no size have their work, and with it the drive's, found by quadrature.
+    const ROUNDING: f64 = 1e-12;
+    let undamped = |p: Parameters, detuning: f64| {
+        let resonance = (p.box_stiffness / p.box_mass).sqrt();
+        Parameters { box_damping: 0.0, drive_frequency: resonance * (1.0 + detuning), ..p }
+    };
+    let p = basic(1.5, 0.75);
+    for p in [p, basic(3.0, 0.1), undamped(p, 0.0), undamped(p, 1e-4), undamped(p, 0.02), undamped(p, -0.3)] {
+        let mut form = Simulator::new(&p, &start(), 0.0).unwrap();
+        for n in 1..=300 {
+            // The quadrature starts anew from the same state each period: the motions must not part.
+            let mut rule = Simulator::new(&p, &form.state(), form.time()).unwrap();
+            rule.set_loads(&Loads { derivatives: [[f64::MIN_POSITIVE, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]] })
+                .unwrap();
+            let before = form.ledger();
+            form.advance_to(f64::from(n) * p.period()).unwrap();
+            rule.advance_to(f64::from(n) * p.period()).unwrap();
+            let (a, b) = (form.ledger(), rule.ledger());
+            let size = a.mechanical + b.input.abs() + before.input.abs();
+            assert!(
+                (a.input - before.input - b.input).abs() < ROUNDING * size,
+                "{n}: {a:?} {before:?} {b:?}"
+            );
+            assert!(
+                (a.damped - before.damped - b.damped).abs() < ROUNDING * size,
+                "{n}: {a:?} {before:?} {b:?}"
+            );
+        }
+        let l = form.ledger();
+        let first = Simulator::new(&p, &start(), 0.0).unwrap().ledger().mechanical;
+        let error = l.mechanical - first - l.input + l.damped + l.impact;
+        assert!(error.abs() < ROUNDING * l.input.abs().max(l.mechanical), "{error:e} of {l:?}");
+    }
+}
+
+#[test]
 fn invariant_energy_balance_under_loads_in_all_modes() {
     /// Rounding of the quadrature over some thousand steps.
     const BOUND: f64 = 1e-12;

@@ -1,44 +1,123 @@
 //! Energy accounts along the sub-steps (see [`crate::ledger`]).
 
-use super::Simulator;
 use super::careful::{Arrival, Start};
-use crate::flow::INTERVALS;
-use crate::model::Mode;
+use super::step::Course;
+use super::{Contact, Simulator};
+use crate::flow::{CENTRED, INTERVALS};
+use crate::model::{Augmented, Mode};
+use crate::vector::Rows;
+use pulp::Simd;
 use std::sync::Arc;
 
 impl Simulator {
+    /// In a flight without loads the drive's work is the difference of a function's values: its value here is taken off.
+    #[inline(always)]
+    pub(super) fn open_account(&mut self, course: &mut Course) {
+        if self.motion.contact == Contact::Flight
+            && let Some(work) = self.flight.energy.work()
+        {
+            self.motion.sums.input = self.motion.sums.input.plus(-work.value(&course.z));
+            course.flown_from = self.motion.time;
+        }
+    }
+
+    /// Where such a flight is left its value here is added.
+    #[inline(always)]
+    pub(super) fn close_account(&mut self, course: &Course) {
+        if let Some(work) = self.flight.energy.work() {
+            let flown = self.motion.time.minus(course.flown_from).value();
+            let input = self.motion.sums.input.plus(work.value(&course.z));
+            self.motion.sums.input = input.plus(work.mean() * flown);
+        }
+    }
+
+    /// An event that changed the box's velocity from `speed` and perhaps the mode from `contact`.
+    #[inline(always)]
+    pub(super) fn account_event(&mut self, course: &mut Course, contact: Contact, speed: f64) {
+        if contact != Contact::Flight {
+            self.open_account(course);
+            return;
+        }
+        if let Some(work) = self.flight.energy.work() {
+            let jump = work.jump(&course.z, course.z[3] - speed);
+            self.motion.sums.input = self.motion.sums.input.plus(-jump);
+        }
+        if self.motion.contact != Contact::Flight {
+            self.close_account(course);
+        }
+    }
+
+    /// A flight's last piece in interval `index` up to `u`, along the `rows` about its centre.
+    #[inline(always)]
+    pub(super) fn account_flight<S: Simd>(
+        &mut self,
+        simd: S,
+        z: &Augmented,
+        index: usize,
+        rows: &Rows<S, CENTRED>,
+        u: f64,
+    ) {
+        self.prepare_gramians();
+        let to = (u, 0.5 * self.interval());
+        let energy = &self.flight.energy;
+        let damped = energy.damped_along(simd, index, z, rows, to);
+        if energy.work().is_none() {
+            let input = energy.input_up_to(simd, index, z) + energy.input_along(simd, rows, to);
+            self.motion.sums.input = self.motion.sums.input.plus(input);
+        }
+        self.motion.sums.damped = self.motion.sums.damped.plus(damped);
+    }
+
     #[inline(always)]
     pub(super) fn account<const LOADS: usize, const N: usize>(
         &mut self,
         start: &Start<LOADS>,
         to: &Arrival<N>,
     ) {
-        let mut total = (0.0, 0.0);
         let mut from = 0.0;
         if let Some(index) = to.interval {
             if LOADS > 0 {
-                total = self.account_loaded(start, index);
+                let (input, damped) = self.account_loaded(start, index);
+                self.add::<LOADS>(input, damped);
                 from = -1.0;
             } else {
-                self.prepare_gramians();
-                total = self.tables().energy.up_to(pulp::Scalar, index, &start.z);
+                self.account_up_to(pulp::Scalar, &start.z, index);
             }
         }
         let forces = start.forces_after(to.base);
         let (input, damped) = self.tables().energy.along(to.series, forces.as_ref(), (from, to.u), to.radius);
-        self.motion.sums.input = self.motion.sums.input.plus(total.0 + input);
-        self.motion.sums.damped = self.motion.sums.damped.plus(total.1 + damped);
+        self.add::<LOADS>(input, damped);
+    }
+
+    /// Adds to the accounts; the drive's work only where it is not found by differences.
+    #[inline(always)]
+    fn add<const LOADS: usize>(&mut self, input: f64, damped: f64) {
+        if LOADS > 0 || self.tables().energy.work().is_none() {
+            self.motion.sums.input = self.motion.sums.input.plus(input);
+        }
+        self.motion.sums.damped = self.motion.sums.damped.plus(damped);
     }
 
     #[inline(always)]
     pub(super) fn account_whole<const LOADS: usize>(&mut self, start: &Start<LOADS>) {
-        let (input, damped) = if LOADS > 0 {
-            self.account_loaded(start, INTERVALS)
+        if LOADS > 0 {
+            let (input, damped) = self.account_loaded(start, INTERVALS);
+            self.add::<LOADS>(input, damped);
         } else {
-            self.prepare_gramians();
-            self.tables().energy.up_to(pulp::Scalar, INTERVALS, &start.z)
-        };
-        self.motion.sums.input = self.motion.sums.input.plus(input);
+            self.account_up_to(pulp::Scalar, &start.z, INTERVALS);
+        }
+    }
+
+    /// From a sub-step's start to the centre of interval `index` or to its end, without loads.
+    #[inline(always)]
+    pub(super) fn account_up_to<S: Simd>(&mut self, simd: S, z: &Augmented, index: usize) {
+        self.prepare_gramians();
+        let energy = &self.tables().energy;
+        let damped = energy.damped_up_to(simd, index, z);
+        if energy.work().is_none() {
+            let input = energy.input_up_to(simd, index, z);
+            self.motion.sums.input = self.motion.sums.input.plus(input);
+        }
         self.motion.sums.damped = self.motion.sums.damped.plus(damped);
     }
 
@@ -62,7 +141,7 @@ impl Simulator {
         let tables = if mode == Mode::Flight { &mut self.flight } else { &mut self.rest };
         if !tables.energy_ready {
             let tables = Arc::make_mut(tables);
-            tables.energy.fill(&self.model, mode, self.substep);
+            tables.energy.fill(&tables.core, &self.model, mode, self.substep);
             tables.energy_ready = true;
         }
     }

@@ -149,17 +149,10 @@ impl Simulator {
     ) -> Augmented {
         let centre = product(simd, &self.flight.core.centre[index], z);
         let rows = self.flight.local.lanes(simd, &centre);
-        let mut before = (0.0, 0.0);
-        if LEDGER {
-            self.prepare_gramians();
-            before = self.flight.energy.up_to(simd, index, z);
-        }
+        // First what the motion waits for, then the accounts.
         let arrived = polynomial(simd, &rows, u);
         if LEDGER {
-            let radius = 0.5 * self.interval();
-            let (input, damped) = self.flight.energy.along_rows(simd, &rows, u, radius);
-            self.motion.sums.input = self.motion.sums.input.plus(before.0 + input);
-            self.motion.sums.damped = self.motion.sums.damped.plus(before.1 + damped);
+            self.account_flight(simd, z, index, &rows, u);
         }
         self.motion.departing = 0;
         arrived

@@ -9,9 +9,9 @@ use crate::vector;
 use pulp::Simd;
 use std::ops::ControlFlow;
 
-/// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about three drive periods); the
+/// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about ten drive periods); the
 /// rotations in between add a few units in the last place.
-pub(super) const RENEW: u32 = 16;
+pub(super) const RENEW: u32 = 32;
 /// More events, or shortened steps, than this within one sub-step's time are reported instead of followed.
 const MAX_BURST: u32 = 1_000_000;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
@@ -23,6 +23,8 @@ pub(super) struct Course {
     pub(super) z: Augmented,
     /// Sub-steps since cos θ and sin θ were taken anew.
     pub(super) since_renewal: u32,
+    /// Where the flight began whose drive work is kept as a difference (see [`Simulator::open_account`]).
+    pub(super) flown_from: Extended,
     /// Sub-steps and events since `burst_from`.
     burst: u32,
     burst_from: Extended,
@@ -85,9 +87,17 @@ impl Simulator {
         mut on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
         let mut course = self.depart();
+        // The drive's work in a flight without loads is kept as a difference of values.
+        let by_difference = LEDGER && LOADS == 0;
+        if by_difference {
+            self.open_account(&mut course);
+        }
         loop {
             let going = self.go_on::<S, LOADS, LEDGER>(simd, &mut course, end, stop_at_impact, &mut on_event);
             if let ControlFlow::Break(reason) = going {
+                if by_difference && self.motion.contact == Contact::Flight {
+                    self.close_account(&course);
+                }
                 return reason;
             }
         }
@@ -96,7 +106,8 @@ impl Simulator {
     /// Begins an advance.
     #[inline(always)]
     pub(super) fn depart(&self) -> Course {
-        Course { z: self.augmented(), since_renewal: 0, burst: 0, burst_from: self.motion.time }
+        let time = self.motion.time;
+        Course { z: self.augmented(), since_renewal: 0, flown_from: time, burst: 0, burst_from: time }
     }
 
     /// One sub-step of an advance with the event at its end; breaks at the end of the advance.
@@ -121,7 +132,12 @@ impl Simulator {
         }
         self.renew(course);
         let passage = self.substep::<S, LOADS, LEDGER>(simd, &mut course.z, remaining, end);
-        self.conclude::<LOADS>(course, passage, stop_at_impact, on_event)
+        let (contact, speed) = (self.motion.contact, course.z[3]);
+        let going = self.conclude::<LOADS>(course, passage, stop_at_impact, on_event);
+        if LEDGER && LOADS == 0 && passage.is_some() {
+            self.account_event(course, contact, speed);
+        }
+        going
     }
 
     /// Takes cos θ and sin θ anew when it is time.

@@ -38,7 +38,7 @@ impl Simulator {
     pub(super) fn renew_tables(&mut self) {
         for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
             let tables = Arc::make_mut(tables);
-            tables.energy.set_powers(&self.parameters);
+            tables.energy.set_powers(&self.parameters, &self.model, mode);
             tables.load_ready = false;
             tables.energy_ready = false;
             tables.core_ready = mode == Mode::Flight;
