@@ -86,9 +86,9 @@ impl Extended {
     /// The fraction in [-1/2, 1/2] left when the nearest whole number is taken away.
     #[inline(always)]
     pub(crate) fn fraction(self) -> Self {
-        let whole = self.hi.round();
+        let whole = self.hi.round_ties_even();
         let rest = Self::new(self.hi - whole).plus(self.lo);
-        let again = rest.hi.round(); // lo may carry over a half
+        let again = rest.hi.round_ties_even(); // lo may carry over a half
         Self { hi: rest.hi - again, lo: rest.lo }
     }
 }

@@ -169,13 +169,13 @@ impl Gramians {
         form(simd, &self.damped[index], z)
     }
 
-    /// Damped from the start `z` of a free flight to the centre of interval `index`, and on along the `rows` about there from 0
-    /// to `u`; `radius` in s.
+    /// Damped from the start `z` of a free flight to the centre of interval `index`, if it passes one, and on along the `rows`
+    /// from 0 to `u`; `radius` in s.
     #[inline(always)]
     pub(crate) fn damped_along<S: Simd>(
         &self,
         simd: S,
-        index: usize,
+        index: Option<usize>,
         z: &Augmented,
         rows: &Rows<S, CENTRED>,
         (u, radius): (f64, f64),
@@ -183,7 +183,8 @@ impl Gramians {
         let length = u * radius;
         let ([n0, n1, n2], [w0, w1, w2]) = (THREE.nodes, THREE.weights);
         let (at, shares) = ([u * n0, u * n1, u * n2], [length * w0, length * w1, length * w2]);
-        form_and_squares(simd, &self.damped[index], z, rows, (&at, &shares), &self.weights)
+        let before = index.map(|index| (&self.damped[index], z));
+        form_and_squares(simd, before, rows, (&at, &shares), &self.weights)
     }
 
     /// Input likewise, along the rows only.

@@ -106,31 +106,36 @@ pub(crate) fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f
     simd.reduce_sum_f64s(sum)
 }
 
-/// A form and, beside it, `Σ_i shares[i] Σ_lane weights · p(at[i])²` of the polynomials p in `rows`; one sum over lanes for both.
+/// A form, if there is one, and beside it `Σ_i shares[i] Σ_lane weights · p(at[i])²` of the polynomials p in `rows`; one sum
+/// over lanes for both.
 #[inline(always)]
 pub(crate) fn form_and_squares<S: Simd, const N: usize, const R: usize>(
     simd: S,
-    columns: &[[f64; 8]; 8],
-    x: &[f64; 8],
+    form: Option<(&[[f64; 8]; 8], &[f64; 8])>,
     rows: &Rows<S, N>,
     (at, shares): (&[f64; R], &[f64; R]),
     weights: &[f64; 8],
 ) -> f64 {
-    let sums = combine::<S, 8, 8>(simd, columns, x);
-    let ((x, _), (weights, _)) = (S::as_simd_f64s(x), S::as_simd_f64s(weights));
+    let (weights, _) = S::as_simd_f64s(weights);
     let mut squares = [simd.splat_f64s(0.0); 8];
     for i in 0..R {
         let values = evaluate(simd, rows, at[i]);
         let share = simd.splat_f64s(shares[i]);
-        for v in 0..x.len() {
+        for v in 0..weights.len() {
             let scaled = simd.mul_f64s(values[v], share);
             squares[v] = simd.mul_add_e_f64s(values[v], scaled, squares[v]);
         }
     }
     let mut sum = simd.splat_f64s(0.0);
-    for v in 0..x.len() {
-        sum = simd.mul_add_e_f64s(sums[v], x[v], sum);
+    for v in 0..weights.len() {
         sum = simd.mul_add_e_f64s(squares[v], weights[v], sum);
+    }
+    if let Some((columns, x)) = form {
+        let sums = combine::<S, 8, 8>(simd, columns, x);
+        let (x, _) = S::as_simd_f64s(x);
+        for v in 0..x.len() {
+            sum = simd.mul_add_e_f64s(sums[v], x[v], sum);
+        }
     }
     simd.reduce_sum_f64s(sum)
 }

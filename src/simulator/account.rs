@@ -47,13 +47,14 @@ impl Simulator {
         }
     }
 
-    /// A flight's last piece in interval `index` up to `u`, along the `rows` about its centre.
+    /// A flight's last piece: from the sub-step's start to the centre of interval `index`, if it passes one, and on along the
+    /// `rows` up to `u`.
     #[inline(always)]
     pub(super) fn account_flight<S: Simd>(
         &mut self,
         simd: S,
         z: &Augmented,
-        index: usize,
+        index: Option<usize>,
         rows: &Rows<S, CENTRED>,
         u: f64,
     ) {
@@ -62,7 +63,8 @@ impl Simulator {
         let energy = &self.flight.energy;
         let damped = energy.damped_along(simd, index, z, rows, to);
         if energy.work().is_none() {
-            let input = energy.input_up_to(simd, index, z) + energy.input_along(simd, rows, to);
+            let before = index.map_or(0.0, |index| energy.input_up_to(simd, index, z));
+            let input = before + energy.input_along(simd, rows, to);
             self.motion.sums.input = self.motion.sums.input.plus(input);
         }
         self.motion.sums.damped = self.motion.sums.damped.plus(damped);

@@ -5,7 +5,7 @@ use super::careful::{Arrival, Start};
 use crate::events::flight_crossing;
 use crate::extended::Extended;
 use crate::flow::{ANCHORED, INTERVALS, Series};
-use crate::model::{Augmented, Mode};
+use crate::model::{Augmented, GAP, Mode};
 use crate::vector::{at_least, gap_over, polynomial, product};
 use pulp::Simd;
 
@@ -71,6 +71,41 @@ impl Simulator {
             self.motion.time = end;
         }
         None
+    }
+
+    /// A step within one interval, at both ends of which the block is clear of the stops by more than its acceleration could
+    /// bend its path in between. False, and nothing done, where it is not: then the interval is to be searched.
+    #[inline(always)]
+    pub(super) fn stroll<S: Simd, const LEDGER: bool>(
+        &mut self,
+        simd: S,
+        z: &mut Augmented,
+        bound: f64,
+        remaining: f64,
+        end: Extended,
+    ) -> bool {
+        let limit = self.model.gap - bound * remaining * remaining * 0.125;
+        if !self.leaves(z, bound, limit) {
+            return false;
+        }
+        self.work.expansions += 1;
+        // About the start itself if the series reaches that far, so that the shortest steps round the least.
+        let radius = 0.5 * self.interval();
+        let centred = remaining > radius;
+        let centre = if centred { product(simd, &self.flight.core.centre[0], z) } else { *z };
+        let rows = self.flight.local.lanes(simd, &centre);
+        let u = if centred { remaining - radius } else { remaining } / radius;
+        let arrived = polynomial(simd, &rows, u);
+        if arrived[GAP].abs() >= limit {
+            return false;
+        }
+        if LEDGER {
+            self.account_flight(simd, z, centred.then_some(0), &rows, u);
+        }
+        *z = arrived;
+        self.motion.time = end;
+        self.motion.departing = 0;
+        true
     }
 
     /// Samples the gap over a sub-step.
@@ -152,7 +187,7 @@ impl Simulator {
         // First what the motion waits for, then the accounts.
         let arrived = polynomial(simd, &rows, u);
         if LEDGER {
-            self.account_flight(simd, z, index, &rows, u);
+            self.account_flight(simd, z, Some(index), &rows, u);
         }
         self.motion.departing = 0;
         arrived

@@ -251,6 +251,7 @@ impl Simulator {
     }
 
     /// Drive phase θ in [-π, π], rad; the drive's force is F10 sin θ.
+    #[inline]
     pub fn drive_phase(&self) -> f64 {
         self.motion.phase.angle(self.model.omega, self.motion.time)
     }
@@ -367,6 +368,7 @@ impl Simulator {
         }
     }
 
+    #[inline(always)]
     fn augmented(&self) -> Augmented {
         let mut z = [0.0; LANES];
         z[..6].copy_from_slice(&self.motion.y);

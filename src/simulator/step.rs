@@ -212,8 +212,13 @@ impl Simulator {
         if LOADS == 0 && self.motion.contact == Contact::Flight {
             let interval = self.interval();
             let bound = vector::weigh::<S>(z, &self.flight.core.bound);
-            if remaining > interval && !self.wild(z, bound) {
-                return self.cruise::<S, LEDGER>(simd, z, bound, remaining, end);
+            if !self.wild(z, bound) {
+                if remaining > interval {
+                    return self.cruise::<S, LEDGER>(simd, z, bound, remaining, end);
+                }
+                if self.stroll::<S, LEDGER>(simd, z, bound, remaining, end) {
+                    return None;
+                }
             }
         }
         let (arrived, side) = self.careful::<LOADS, LEDGER>(*z, remaining, end);

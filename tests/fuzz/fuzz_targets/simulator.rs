@@ -51,10 +51,10 @@ struct Input {
     actions: Vec<Action>,
 }
 
-/// Sub-steps per step that are still worth an iteration; a longer step is cut. (Cubic loads over 2000 sub-steps drive the
-/// block to 10⁵ impacts in each: true, and bounded, but a minute.)
+/// Sub-steps per step that are still worth an iteration; a longer step is cut.
 const WORK: f64 = 200.0;
-/// The same where bounces of 1e-12 gaps, 10⁶ in a sub-step, may go on for ever.
+/// The same for nearly elastic stops, where up to 10⁶ impacts in each sub-step are followed one by one: true, and bounded,
+/// but the time of a sub-step is then a tenth of a second.
 const ELASTIC_WORK: f64 = 5.0;
 /// Of the energy that passed, or is stored at the scale of the springs.
 const BALANCE: f64 = 1e-6;
