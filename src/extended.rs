@@ -100,10 +100,17 @@ pub(crate) struct Phase {
     from: Extended,
 }
 
+/// Turns of a phase given in rad. 32 digits of π are too few for the largest doubles: the library's own reduction knows more.
+fn turns_of(phase: f64) -> Extended {
+    const PLAIN: f64 = 1e9;
+    let phase = if phase.abs() <= PLAIN { phase } else { phase.sin().atan2(phase.cos()) };
+    Extended::new(phase).times(INVERSE_TAU)
+}
+
 impl Phase {
     /// The phase of `sin(ω t + phase)`.
     pub(crate) fn new(phase: f64) -> Self {
-        Self { base: Extended::new(phase).times(INVERSE_TAU).fraction(), from: Extended::default() }
+        Self { base: turns_of(phase).fraction(), from: Extended::default() }
     }
 
     #[inline(always)]
@@ -122,9 +129,9 @@ impl Phase {
         [self.base, self.from].iter().all(|e| e.hi.is_finite() && e.lo.is_finite())
     }
 
-    /// Goes on from `time` with another frequency (set by the caller) and a jump of `shift` rad.
-    pub(crate) fn rebase(&mut self, omega: f64, time: Extended, shift: f64) {
-        let shift = Extended::new(shift).times(INVERSE_TAU);
+    /// Goes on from `time` with another frequency (set by the caller) and a jump from one phase to another, rad.
+    pub(crate) fn rebase(&mut self, omega: f64, time: Extended, (from, to): (f64, f64)) {
+        let shift = turns_of(to).minus(turns_of(from));
         self.base = self.turns(omega, time).add(shift).fraction();
         self.from = time;
     }
@@ -151,8 +158,26 @@ mod tests {
         let mut phase = Phase::new(0.3);
         let time = Extended::new(123_456.789);
         let before = phase.angle(1.04, time);
-        phase.rebase(1.04, time, 0.0);
+        phase.rebase(1.04, time, (0.3, 0.3));
         assert!((phase.angle(7.0, time) - before).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn closed_form_phases_of_any_size() {
+        let far = [1e9, -3e12, 1e22, -9.2e305, f64::MAX];
+        for from in far {
+            let (sine, cosine) = Phase::new(from).angle(1.0, Extended::default()).sin_cos();
+            assert!(
+                (sine - from.sin()).abs() < ROUNDING && (cosine - from.cos()).abs() < ROUNDING,
+                "{from:e}"
+            );
+            for to in far {
+                let mut phase = Phase::new(from);
+                phase.rebase(1.0, Extended::new(0.0), (from, to));
+                let sine = phase.angle(1.0, Extended::default()).sin();
+                assert!((sine - to.sin()).abs() < ROUNDING, "{from:e} {to:e}");
+            }
+        }
     }
 
     #[test]

@@ -90,8 +90,50 @@ fn bad_starts_are_named() {
     for end in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(simulator.advance_to(end).unwrap_err(), Error::Step { .. }));
     }
+    let before = simulator.snapshot();
+    for end in [1e16, 1e305] {
+        let late = simulator.advance_to(end).unwrap_err();
+        assert!(late.to_string().contains("time times the fastest rate"), "{late}");
+        assert!(matches!(Simulator::new(&p, &State::default(), end), Err(Error::PrecisionLost { .. })));
+    }
+    assert_eq!(simulator.snapshot(), before);
     let loads = Loads { derivatives: [[0.0; 4], [0.0, f64::NAN, 0.0, 0.0], [0.0; 4]] };
     assert!(simulator.set_loads(&loads).unwrap_err().to_string().contains("block.f"));
+}
+
+#[test]
+fn second_method_a_drive_phase_of_any_size_is_its_rest_of_a_turn() {
+    /// The reduced phase's own rounding, grown over three periods.
+    const ROUNDING: f64 = 1e-12;
+    let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
+    let base = Parameters::default();
+    for phase in [1e6, 1e15, -3.7e22, -9.2e305, f64::MAX] {
+        let far = Parameters { drive_phase: phase, ..base };
+        let near = Parameters { drive_phase: phase.sin().atan2(phase.cos()), ..base };
+        let end = 3.0 * base.period();
+        let at_end = |p: &Parameters| {
+            let mut simulator = Simulator::new(p, &start, 0.0).unwrap();
+            simulator.advance_to(end).unwrap();
+            simulator
+        };
+        let (mut one, mut two) = (at_end(&far), at_end(&near));
+        for back in [None, Some(base), Some(far), Some(Parameters { drive_phase: -phase, ..base })] {
+            if let Some(p) = back {
+                // A change from one phase to another, however far, and a snapshot after it.
+                one.set_parameters(&p).unwrap();
+                let reduced = p.drive_phase.sin().atan2(p.drive_phase.cos());
+                two.set_parameters(&Parameters { drive_phase: reduced, ..p }).unwrap();
+                let saved = one.snapshot();
+                one.restore(&saved).unwrap();
+            }
+            let (t, step) = (one.time(), 0.1);
+            one.advance_to(t + step).unwrap();
+            two.advance_to(t + step).unwrap();
+            for (a, b) in one.state().x.iter().zip(two.state().x) {
+                assert!((a - b).abs() < ROUNDING, "{phase:e}: {a} {b}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::extended::{Extended, Phase};
 use crate::ledger::{self, FIVE};
 use crate::model::Model;
 use crate::parameters::Parameters;
-use crate::simulator::{Contact, Event, ImpactRecord, Ledger, StopReason};
+use crate::simulator::{Contact, Event, ImpactRecord, Ledger, StopReason, check_time};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -75,6 +75,7 @@ impl ClosedForm {
     /// As [`Solution::new`].
     pub(crate) fn of(data: Data) -> Result<Self, Problem> {
         let p = &data.parameters;
+        check_time(p.drive_frequency, data.time.value())?;
         let solution = Solution::new(data.mode, p)?;
         let (speed, impulse) = solution.impact();
         let reduced = p.box_mass * (p.block_mass / (p.box_mass + p.block_mass));
@@ -138,7 +139,7 @@ impl ClosedForm {
         let motion = self.motion();
         let Ledger { mechanical, input, damped, impact } = motion.ledger;
         let mut phase = self.data.phase;
-        phase.rebase(old.drive_frequency, self.data.time, parameters.drive_phase - old.drive_phase);
+        phase.rebase(old.drive_frequency, self.data.time, (old.drive_phase, parameters.drive_phase));
         let mut next = Self::of(Data {
             mode: self.data.mode,
             parameters: *parameters,
@@ -157,16 +158,20 @@ impl ClosedForm {
     }
 
     /// To `begin + step`, reporting each impact; optionally only to the first.
+    ///
+    /// # Errors
+    /// [`PrecisionLost`](crate::Error::PrecisionLost) for a time that a double no longer tells from a moment later.
     pub(crate) fn advance(
         &mut self,
         begin: f64,
         step: f64,
         stop_at_impact: bool,
         on_event: Option<&mut dyn FnMut(&Event)>,
-    ) -> StopReason {
+    ) -> Result<StopReason, Problem> {
         let end = Extended::sum(begin, step);
+        check_time(self.data.parameters.drive_frequency, end.value())?;
         if end.minus(self.data.time).value() <= 0.0 {
-            return StopReason::End;
+            return Ok(StopReason::End);
         }
         let before = self.halves(self.data.time).0;
         let after = self.halves(end).0;
@@ -175,7 +180,7 @@ impl ClosedForm {
             if let Some(report) = on_event {
                 report(&self.event(before + 1.0));
             }
-            return StopReason::Impact;
+            return Ok(StopReason::Impact);
         }
         self.data.time = end;
         if let Some(report) = on_event {
@@ -185,7 +190,7 @@ impl ClosedForm {
                 n += 1.0;
             }
         }
-        StopReason::End
+        Ok(StopReason::End)
     }
 
     /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive

@@ -8,7 +8,7 @@ use crate::extended::{Extended, Phase};
 use crate::ledger;
 use crate::model::{Augmented, GAP, GAP_RATE, LANES, Mode, Model};
 use crate::parameters::Parameters;
-use crate::simulator::{Contact, Event, ImpactRecord, Ledger, Simulator, State};
+use crate::simulator::{Contact, Event, ImpactRecord, Ledger, Simulator, State, check_time};
 use serde::{Deserialize, Serialize};
 
 /// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10 off. A bounce lower than
@@ -116,8 +116,12 @@ impl Continuous {
         self.data.time
     }
 
-    pub(crate) fn set_time(&mut self, time: f64) {
+    /// # Errors
+    /// [`Error::PrecisionLost`]; nothing has changed then.
+    pub(crate) fn set_time(&mut self, time: f64) -> Result<(), Error> {
+        check_time(self.model.rate, time)?;
         self.data.time = time;
+        Ok(())
     }
 
     pub(crate) fn state(&self) -> State {
@@ -140,9 +144,10 @@ impl Continuous {
     pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), Error> {
         let old = self.data.parameters;
         let model = Model::new(parameters)?;
-        let shift = parameters.drive_phase - old.drive_phase;
-        if parameters.drive_frequency != old.drive_frequency || shift != 0.0 {
-            self.data.phase.rebase(old.drive_frequency, Extended::new(self.data.time), shift);
+        check_time(model.rate, self.data.time)?;
+        let phases = (old.drive_phase, parameters.drive_phase);
+        if parameters.drive_frequency != old.drive_frequency || phases.0 != phases.1 {
+            self.data.phase.rebase(old.drive_frequency, Extended::new(self.data.time), phases);
         }
         self.data.parameters = *parameters;
         self.model = model;

@@ -13,6 +13,19 @@ const MAX_DRIFT: f64 = 1e10;
 /// shorter than the resolution of the motion that they are part of.
 const MAX_VIOLENCE: f64 = 1e12;
 
+/// Time in units of the fastest rate: beyond this a double does not tell two moments of the motion apart.
+const MAX_TIME: f64 = 1e15;
+
+/// A time against what a double resolves at the fastest `rate` (1/s).
+#[inline]
+pub(crate) fn check_time(rate: f64, time: f64) -> Result<()> {
+    let value = (rate * time).abs();
+    if value <= MAX_TIME {
+        return Ok(());
+    }
+    Err(Error::PrecisionLost { what: "time times the fastest rate", value, limit: MAX_TIME })
+}
+
 pub(super) fn limit(what: &'static str, value: f64) -> Result<()> {
     if value.abs() <= MAX_VIOLENCE {
         return Ok(());

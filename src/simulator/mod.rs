@@ -23,6 +23,7 @@ use crate::flow::{self, Series};
 use crate::ledger::{self, Sums};
 use crate::model::{Augmented, Forces, LANES, Mode, Model};
 use crate::parameters::Parameters;
+pub(crate) use limits::check_time;
 use limits::{check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -50,6 +51,7 @@ impl Motion {
         if !time.is_finite() {
             return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
         }
+        check_time(model.rate, time)?;
         let y = coordinates(parameters, state)?;
         check_speeds(model, state)?;
         Ok(Self {
@@ -146,13 +148,14 @@ impl Simulator {
             return Ok(());
         }
         let model = Model::new(parameters)?;
+        check_time(model.rate, self.time())?;
         check_speeds(&model, &self.state())?;
         let gap_changed = parameters.stop_gap != self.parameters.stop_gap;
         let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.motion.y };
         let before = ledger::mechanical(&self.parameters, &self.motion.y);
-        let (time, shift) = (self.motion.time, parameters.drive_phase - self.parameters.drive_phase);
-        if parameters.drive_frequency != self.parameters.drive_frequency || shift != 0.0 {
-            self.motion.phase.rebase(self.parameters.drive_frequency, time, shift);
+        let (time, phases) = (self.motion.time, (self.parameters.drive_phase, parameters.drive_phase));
+        if parameters.drive_frequency != self.parameters.drive_frequency || phases.0 != phases.1 {
+            self.motion.phase.rebase(self.parameters.drive_frequency, time, phases);
         }
         self.motion.y = y;
         let gained = ledger::mechanical(parameters, &y) - before;
@@ -285,8 +288,8 @@ impl Simulator {
     /// Advances to exactly `end` (s).
     ///
     /// # Errors
-    /// [`Error::Step`] for an end before the present or not finite; [`Error::ImpactRate`], after which the state stands at
-    /// the time named.
+    /// [`Error::Step`] for an end before the present or not finite; [`Error::PrecisionLost`] for one that a double no longer
+    /// tells from a moment later; [`Error::ImpactRate`], after which the state stands at the time named.
     pub fn advance_to(&mut self, end: f64) -> Result<()> {
         self.proceed(end, 0.0, false, None).map(|_| ())
     }
@@ -323,6 +326,7 @@ impl Simulator {
         if !(end.value().is_finite() && span >= 0.0) {
             return Err(Error::Step { time: self.time(), end: end.value() });
         }
+        check_time(self.model.rate, end.value())?;
         self.run(end, stop_at_impact, on_event)
     }
 
@@ -348,12 +352,14 @@ impl Simulator {
         }
         if snapshot.parameters != self.parameters {
             let model = Model::new(&snapshot.parameters)?;
+            check_time(model.rate, motion.time.value())?;
             self.substep = flow::substep(&model);
             self.model = model;
             self.parameters = snapshot.parameters;
             self.motion = motion;
             self.renew_tables();
         } else {
+            check_time(self.model.rate, motion.time.value())?;
             self.motion = motion;
             self.prepare_load_tables();
         }

@@ -80,7 +80,7 @@ impl Instance {
     /// `fmi2SetTime` (FMI 2.0, 3.2.1); in Event Mode only to the present time, as some hosts do.
     ///
     /// # Errors
-    /// [`Problem::Value`] for a time that is not finite, or in Event Mode another than the present.
+    /// [`Problem::Value`] for a time that is not finite, or in Event Mode another than the present; one too large to resolve.
     pub fn set_time(&mut self, time: f64) -> Outcome {
         self.guard(Function::SetTime)?;
         let refuse = |allowed| Err(Problem::Value { name: "time", value: time, allowed });
@@ -90,7 +90,7 @@ impl Instance {
         if self.state == State::EventMode && time != self.continuous_mut()?.time() {
             return refuse("the present time in Event Mode");
         }
-        self.continuous_mut()?.set_time(time);
+        self.continuous_mut()?.set_time(time)?;
         self.motion_stale = true;
         Ok(())
     }

@@ -80,7 +80,7 @@ impl Instance {
                 if self.parameters_set {
                     form.set_parameters(&self.settings.parameters)?;
                 }
-                form.advance(point, size, self.settings.stop_at_impact, report)
+                form.advance(point, size, self.settings.stop_at_impact, report)?
             }
             Engine::None | Engine::Continuous(_) => StopReason::End,
         };

@@ -207,10 +207,13 @@ fn played_impacts_stop_a_step_and_are_logged() {
     let mut times = Vec::new();
     while times.len() < 20 {
         let now = form.time();
-        assert_eq!(form.advance(now, 100.0, true, None), StopReason::Impact);
+        assert!(matches!(form.advance(now, 100.0, true, None), Ok(StopReason::Impact)));
         times.push(form.time());
         assert_eq!(form.motion().impacts.last_time, form.time());
     }
+    let now = form.time();
+    assert!(form.advance(now, 1e300, false, None).is_err() && form.time() == now);
+    assert!(ClosedForm::new(Mode::ExactOrbit, &crate::Parameters::default(), 1e300).is_err());
     for pair in times.windows(2) {
         assert!((pair[1] - pair[0] - std::f64::consts::PI / 1.04).abs() < 1e-12, "{pair:?}");
     }
