@@ -51,7 +51,7 @@ impl Axis {
 }
 
 /// What to compute.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     /// Horizontal.
     pub x: Axis,

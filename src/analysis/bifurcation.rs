@@ -23,7 +23,7 @@ const BLOCK: usize = 8;
 const RESOLUTION: f64 = 1e-6;
 
 /// What to compute.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
     /// The group and its values.
     pub axis: PlaneAxis,

@@ -2,12 +2,13 @@
 
 use super::error::{Error, Result};
 use super::groups::{Group, check_together};
-use super::settings::Settings;
+use super::settings::{Settings, find_group};
 use crate::parameters::Groups;
 use crate::steady::multiple_scales::MultipleScales;
 use crate::steady::strong_coupling::StrongCoupling;
 use crate::steady::{Sheet, exact_orbit::OrbitFamily};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Which theory of the steady state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,8 +35,10 @@ pub enum Class {
     Undefined,
 }
 
-/// One axis of a plane: `count` values from `from` to `to`, both included.
-#[derive(Clone, Copy, Debug)]
+/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the group's name, and checked
+/// when read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
 pub struct PlaneAxis {
     /// What varies.
     pub group: &'static Group,
@@ -45,6 +48,29 @@ pub struct PlaneAxis {
     pub to: f64,
     /// Number of values.
     pub count: usize,
+}
+
+/// An axis as a file has it.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    group: String,
+    from: f64,
+    to: f64,
+    count: usize,
+}
+
+impl From<PlaneAxis> for Written {
+    fn from(axis: PlaneAxis) -> Self {
+        Self { group: axis.group.name.into(), from: axis.from, to: axis.to, count: axis.count }
+    }
+}
+
+impl TryFrom<Written> for PlaneAxis {
+    type Error = Error;
+
+    fn try_from(axis: Written) -> Result<Self> {
+        Self::new(find_group(&axis.group)?, (axis.from, axis.to), axis.count)
+    }
 }
 
 /// A classified plane.

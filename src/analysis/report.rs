@@ -6,7 +6,8 @@ mod statements;
 
 pub use statements::{Statement, Verdict};
 
-use super::basin::Axis;
+use super::basin::{self, Axis};
+use super::bifurcation::Sweep;
 use super::error::Result;
 use super::lyapunov::Options;
 use super::parts::{Parts, Shard};
@@ -60,11 +61,10 @@ impl Plan {
     pub fn new(settings: &Settings, quick: bool) -> Result<Self> {
         let (discard, keep, periods) = if quick { (200, 200, 300) } else { (400, 800, 1500) };
         let options = Options { periods, ..Options::default() };
-        let sweep = |name: &str, from, to, count| {
-            let at = Vec::new();
-            let exponents = Some(options);
-            let kind = Kind::Sweep { along: "f10".into(), from, to, count, discard, keep, exponents, at };
-            Work::new(name, kind, settings)
+        let sweep = |name: &str, range, count| -> Result<Work> {
+            let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+            let sweep = Sweep { axis, discard, keep, exponents: Some(options) };
+            Ok(Work::new(name, Kind::Sweep { sweep, at: Vec::new() }, settings))
         };
         let cells = if quick { 40 } else { 200 };
         let (x, y) = (Axis::parse("x1=-1:1", cells)?, Axis::parse("v2=-2:2", cells)?);
@@ -72,18 +72,15 @@ impl Plan {
         Ok(Self {
             settings: settings.clone(),
             quick,
-            coarse: sweep("figure-14", 0.5, 5.0, if quick { 91 } else { 451 }),
-            fine: sweep("figure-14-fine", 1.9, 4.0, if quick { 106 } else { 1051 }),
-            basin: Work::new("basin", Kind::Basin { x, y, discard }, &there),
+            coarse: sweep("figure-14", (0.5, 5.0), if quick { 91 } else { 451 })?,
+            fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
+            basin: Work::new("basin", Kind::Basin(basin::Request { x, y, discard }), &there),
         })
     }
 
     /// Steps of work, for a progress bar.
-    ///
-    /// # Errors
-    /// None for the ranges used.
-    pub fn steps(&self) -> Result<usize> {
-        Ok(self.coarse.count()? + self.fine.count()? + self.basin.count()? + SHORT)
+    pub fn steps(&self) -> usize {
+        self.coarse.count() + self.fine.count() + self.basin.count() + SHORT
     }
 
     /// Computes everything; finished parts go into folders in `home` and are taken from there.
