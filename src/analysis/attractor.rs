@@ -5,7 +5,8 @@
 
 use super::error::Result;
 use super::lyapunov::Spectrum;
-use crate::simulator::{Event, Simulator};
+use crate::parameters::Parameters;
+use crate::simulator::{Event, Simulator, State};
 use serde::{Deserialize, Serialize};
 
 /// Drive periods over which a motion is observed.
@@ -23,8 +24,21 @@ const STATISTICS: f64 = 0.15;
 /// a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
 
-/// A state at a whole drive period, in units of L and L ω10.
+/// A state at a whole drive period, x1, x2, x3 in units of L and v1, v2, v3 in units of L ω10.
 pub type Section = [f64; 6];
+
+/// A state in these units.
+pub fn section(p: &Parameters, state: &State) -> Section {
+    let speed = p.stop_gap * p.box_frequency();
+    let (x, v) = (state.x.map(|x| x / p.stop_gap), state.v.map(|v| v / speed));
+    [x[0], x[1], x[2], v[0], v[1], v[2]]
+}
+
+/// A state from these units.
+pub fn state(p: &Parameters, s: &Section) -> State {
+    let speed = p.stop_gap * p.box_frequency();
+    State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
+}
 
 /// One drive period of an observed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,13 +111,13 @@ impl Class {
         matches!(self, Self::Periodic(_) | Self::Settling)
     }
 
-    /// The class of an attractor, with its spectrum where there is one; `rate` is ω10 in rad/s.
-    pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>, rate: f64) -> Self {
+    /// The class of an attractor, with its spectrum in units of ω10 where there is one.
+    pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>) -> Self {
         match (attractor.period, spectrum) {
             (Some(n), _) => Self::Periodic(n),
             (None, None) => Self::Aperiodic,
             (None, Some(s)) => {
-                let [first, second] = [0, 1].map(|i| s.exponents[i] / rate);
+                let [first, second, ..] = s.exponents;
                 if first > ZERO_EXPONENT {
                     Self::Chaotic
                 } else if second > -ZERO_EXPONENT && !attractor.approaching {
@@ -123,11 +137,7 @@ impl Class {
 pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
     let p = *simulator.parameters();
     let (begin, length) = (simulator.time(), p.period());
-    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
-    let section = |s: &Simulator| -> Section {
-        let state = s.state();
-        std::array::from_fn(|i| if i < 3 { state.x[i] / p.stop_gap } else { state.v[i - 3] / speed })
-    };
+    let section = |s: &Simulator| section(&p, &s.state());
     let (mut strokes, mut halves) = (Vec::new(), Vec::new());
     let (mut counts, mut rests, mut pattern) = ([0u32; 2], false, 1u64);
     for i in 1..=2 * OBSERVED {
@@ -195,6 +205,11 @@ fn distance(a: &Section, b: &Section) -> f64 {
 }
 
 impl Attractor {
+    /// Whether it passes through a state at a whole drive period.
+    pub fn passes(&self, state: &Section) -> bool {
+        self.sections.iter().any(|own| distance(own, state) < SAME)
+    }
+
     /// What another attractor is to this one. Aperiodic ones are compared by their statistics.
     pub fn relation(&self, other: &Self) -> Relation {
         if self.period != other.period {
@@ -260,7 +275,7 @@ mod tests {
         let found = observe(&mut simulator).unwrap();
         assert_eq!((found.period, found.impacts, found.rests), (Some(1), [1.0, 1.0], false));
         assert!(found.is_symmetric() && !found.approaching);
-        assert_eq!(Class::of(&found, None, 1.0), Class::Periodic(1));
+        assert_eq!(Class::of(&found, None), Class::Periodic(1));
     }
 
     #[test]
@@ -282,14 +297,12 @@ mod tests {
             impacts: 3000,
             rests: false,
         };
-        let class = |approaching, first, second| {
-            Class::of(&attractor(approaching), Some(&spectrum(first, second)), 2.0)
-        };
-        // ω10 = 2 rad/s: exponents in 1/s are twice those per unit of τ.
-        assert_eq!(class(false, 0.1, 0.0), Class::Chaotic);
-        assert_eq!(class(false, 1.9e-3, 0.0), Class::QuasiPeriodic);
+        let class =
+            |approaching, first, second| Class::of(&attractor(approaching), Some(&spectrum(first, second)));
+        assert_eq!(class(false, 0.05, 0.0), Class::Chaotic);
+        assert_eq!(class(false, 0.95e-3, 0.0), Class::QuasiPeriodic);
         assert_eq!(class(true, 0.0, 0.0), Class::Settling);
         assert_eq!(class(false, 0.0, -0.1), Class::Settling);
-        assert_eq!(Class::of(&attractor(false), None, 1.0), Class::Aperiodic);
+        assert_eq!(Class::of(&attractor(false), None), Class::Aperiodic);
     }
 }

@@ -1,6 +1,6 @@
 //! Basins of attraction over two initial values, and the attractors that coexist.
 
-use super::attractor::{Attractor, Relation, observe};
+use super::attractor::{Attractor, Relation, observe, state};
 use super::error::{Error, Result};
 use super::parts::{Parts, Shard};
 use super::trajectories::{Start, lead};
@@ -96,8 +96,7 @@ fn start(p: &Parameters, request: &Request, column: usize, row: usize) -> State 
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
         s[axis.coordinate] = axis.value(i);
     }
-    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
-    State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
+    state(p, &s)
 }
 
 /// Number of parts: the rows.

@@ -4,7 +4,7 @@
 //! state is the start of the next value. The motion from value to value is one chain and cannot be divided; what is
 //! learnt at each value is independent of the other values, so that threads and machines share it.
 
-use super::attractor::{Attractor, Class, Relation, observe};
+use super::attractor::{Attractor, Class, Relation, Section, observe, state};
 use super::error::{Error, Result};
 use super::groups::check_together;
 use super::lyapunov::{self, Spectrum};
@@ -68,9 +68,11 @@ struct Station {
 }
 
 /// A start with the block on its way to a stop.
+pub const KICK: Section = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+
+/// The same in SI.
 pub fn kicked(p: &Parameters) -> State {
-    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
-    State { x: [0.0; 3], v: [0.0, speed, 0.0] }
+    state(p, &KICK)
 }
 
 /// The chain of states from value to value. Where the simulator refuses, the next value starts anew.
@@ -120,18 +122,9 @@ fn point(station: &Station, state: &State, sweep: &Sweep) -> Result<Point> {
     let met = tops.chunk_by(|a, b| a == b);
     let maxima = met.map(|same| (same[0] as f64 * RESOLUTION, same.len() as u32)).collect();
     let attractor = observe(&mut simulator)?;
-    let rate = (p.box_stiffness / p.box_mass).sqrt();
-    let spectrum = match &sweep.exponents {
-        Some(options) => {
-            let threshold = options.threshold * rate;
-            let mut found = lyapunov::spectrum(&mut simulator, &lyapunov::Options { threshold, ..*options })?;
-            found.exponents = found.exponents.map(|e| e / rate);
-            found.deviation /= rate;
-            Some(found)
-        }
-        None => None,
-    };
-    let class = Class::of(&attractor, spectrum.as_ref(), 1.0);
+    let exponents = |options| Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum);
+    let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
+    let class = Class::of(&attractor, spectrum.as_ref());
     Ok(Point { value: station.value, maxima, attractor, class, spectrum })
 }
 

@@ -49,7 +49,7 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
     for (number, attractor) in shown {
         colours.extend([Some(colour(number, false)), Some(colour(number, true))]);
         let [own, mirror] = basin.shares(number as u16);
-        let class = Class::of(attractor, None, 1.0).name();
+        let class = Class::of(attractor, None).name();
         let title = format!("{}: {class}", number + 1);
         if number < PAIRS.len() {
             layers.push(Layer::band(&title, colour(number, false), 1.0, Vec::new()));

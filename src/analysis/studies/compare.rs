@@ -43,7 +43,7 @@ pub(super) fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 
 fn start(p: &Parameters, theory: &Theory) -> State {
     let at = theory.history(p, 1.0);
     let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));
-    let (length, speed) = (p.stop_gap, p.stop_gap * (p.box_stiffness / p.box_mass).sqrt());
+    let (length, speed) = (p.stop_gap, p.stop_gap * p.box_frequency());
     let [_, _, x1, x2, x3] = first.0.map(|x| x * length);
     let [_, _, v1, v2, v3] = first.1.map(|v| v * speed);
     let room = 0.999 * length;
