@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
 use vibro_impact::analysis::bifurcation::{Sweep, diagram, kicked};
-use vibro_impact::analysis::parts::{Parts, Shard};
+use vibro_impact::analysis::parts::Task;
 use vibro_impact::analysis::plane::PlaneAxis;
 use vibro_impact::analysis::trajectories::{Start, lead};
 use vibro_impact::analysis::{Settings, find_group, lyapunov};
@@ -90,7 +90,7 @@ fn main() {
         let axis = PlaneAxis::new(group, range, count).expect("an axis");
         let sweep = Sweep { axis, discard: DISCARD, keep: KEEP, exponents: None };
         let time = timed(|| {
-            let found = diagram(&Settings::basic(), &sweep, &Parts::none(), Shard::ALL, &|_| ());
+            let found = diagram(&Settings::basic(), &sweep, &Task::ALL);
             black_box(found.expect("allowed"));
         });
         let periods = 2.0 * count as f64 * f64::from(DISCARD + KEEP);

@@ -8,7 +8,7 @@ use vibro_impact::analysis::attractor::{Class, Relation, observe};
 use vibro_impact::analysis::basin::{self, Axis, Goal};
 use vibro_impact::analysis::bifurcation::{Diagram, Point, Sweep, diagram};
 use vibro_impact::analysis::figures::chart::Shape;
-use vibro_impact::analysis::parts::{Parts, Shard};
+use vibro_impact::analysis::parts::Task;
 use vibro_impact::analysis::plane::PlaneAxis;
 use vibro_impact::analysis::{Settings, find_group, lyapunov, studies};
 use vibro_impact::steady::exact_orbit;
@@ -20,7 +20,7 @@ const SETTLED: f64 = 2e-6;
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::Options>) -> (Sweep, Diagram) {
     let axis = PlaneAxis::new(find_group("f10").unwrap(), range, count).unwrap();
     let sweep = Sweep { axis, discard: 300, keep: 60, exponents };
-    let all = diagram(&Settings::basic(), &sweep, &Parts::none(), Shard::ALL, &|_| ()).unwrap();
+    let all = diagram(&Settings::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }
 
@@ -139,7 +139,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     let p = settings.parameters();
     let (x, y) = (Axis::parse("x1=-1:1", 6).unwrap(), Axis::parse("v2=-2:2", 5).unwrap());
     let request = basin::Request { x, y, discard: 300 };
-    let found = basin::basin(p, &request, &Parts::none(), Shard::ALL, &|_| ()).unwrap().unwrap();
+    let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.goals.len(), 30);
     let both = found.shares(0);
     assert!(both[0] > 0.0 && both[1] > 0.0, "a pair of mirror images: {both:?}");
@@ -159,7 +159,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
         assert_eq!(found.attractors[usize::from(number)].relation(&ends), relation, "cell {i}");
     }
     let outside = basin::Request { x: Axis::parse("x2=-3:3", 6).unwrap(), ..request };
-    let found = basin::basin(p, &outside, &Parts::none(), Shard::ALL, &|_| ()).unwrap().unwrap();
+    let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.goals.iter().filter(|g| **g == Goal::Outside).count(), 20);
 }
 

@@ -2,7 +2,7 @@
 
 use super::attractor::{Attractor, Relation, observe, state};
 use super::error::{Error, Result};
-use super::parts::{Parts, Shard};
+use super::parts::Task;
 use super::trajectories::{Start, lead};
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
@@ -109,13 +109,7 @@ pub fn count(request: &Request) -> usize {
 ///
 /// # Errors
 /// [`Error::Form`] for two axes of one coordinate; what the simulator refuses, starts outside the stops apart.
-pub fn basin(
-    p: &Parameters,
-    request: &Request,
-    parts: &Parts,
-    shard: Shard,
-    done: &(dyn Fn(bool) + Sync),
-) -> Result<Option<Basin>> {
+pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Basin>> {
     if request.x.coordinate == request.y.coordinate {
         let text = COORDINATES[request.x.coordinate].into();
         return Err(Error::Form { text, expected: "two different initial values, e.g. v2 and x1" });
@@ -133,7 +127,7 @@ pub fn basin(
             })
             .collect()
     };
-    let Some(rows) = parts.complete(count(request), shard, row, done)? else { return Ok(None) };
+    let Some(rows) = task.complete(count(request), row)? else { return Ok(None) };
     let mut found = Basin { attractors: Vec::new(), goals: Vec::new() };
     for cell in rows.into_iter().flatten() {
         let Some(attractor) = cell else {

@@ -10,7 +10,7 @@ use super::groups::check_together;
 use super::lyapunov::{self, Spectrum};
 use super::maxima::record;
 use super::motion::settled;
-use super::parts::{Parts, Shard};
+use super::parts::Task;
 use super::plane::PlaneAxis;
 use super::settings::Settings;
 use crate::parameters::Parameters;
@@ -138,20 +138,14 @@ pub fn count(sweep: &Sweep) -> usize {
 ///
 /// # Errors
 /// Ranges that are not allowed; what the parts' folder refuses.
-pub fn diagram(
-    settings: &Settings,
-    sweep: &Sweep,
-    parts: &Parts,
-    shard: Shard,
-    done: &(dyn Fn(bool) + Sync),
-) -> Result<Option<Diagram>> {
+pub fn diagram(settings: &Settings, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
     // A sweep that is all there needs no chain.
     let stations = std::sync::OnceLock::new();
     let chains = || -> Result<[Vec<Station>; 2]> {
         let (up, down) = rayon::join(|| chain(settings, sweep, true), || chain(settings, sweep, false));
         Ok([up?, down?])
     };
-    if parts.missing(count(sweep)) > 0 {
+    if task.parts.missing(count(sweep)) > 0 {
         // Set once, here.
         let _ = stations.set(chains()?);
     }
@@ -171,7 +165,7 @@ pub fn diagram(
         let until = (from + BLOCK).min(stations.len());
         stations[from..until].iter().map(|s| learnt(s, sweep)).collect()
     };
-    let Some(mut all) = parts.complete(count(sweep), shard, make, done)? else { return Ok(None) };
+    let Some(mut all) = task.complete(count(sweep), make)? else { return Ok(None) };
     let down = all.split_off(blocks).concat();
     Ok(Some(Diagram { up: all.concat(), down }))
 }

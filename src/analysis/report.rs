@@ -10,7 +10,7 @@ use super::basin::{self, Axis};
 use super::bifurcation::Sweep;
 use super::error::Result;
 use super::lyapunov::Options;
-use super::parts::{Parts, Shard};
+use super::parts::{Parts, Task};
 use super::plane::{Method, PAIRS, PlaneAxis};
 use super::settings::{Settings, find_group};
 use super::studies::{self, Study};
@@ -113,7 +113,7 @@ impl Plan {
         let (thirteen, modulation) = studies::histories_of(s, force, MODULATED)?;
         all.extend(step(vec![thirteen]));
         // Always all parts: None is for shards only.
-        let found = |work: &Work| work.diagram(&open(work)?, Shard::ALL, done);
+        let found = |work: &Work| work.diagram(&Task { parts: &open(work)?, done, ..Task::ALL });
         let (Some((sweep, coarse)), Some((fine_sweep, fine))) = (found(&self.coarse)?, found(&self.fine)?)
         else {
             return Err(super::Error::Output { what: "the report", problem: "a part is missing".into() });
@@ -137,7 +137,9 @@ impl Plan {
         let errors_table = errors.tables.first().map(|t| t.1.clone()).unwrap_or_default();
         all.extend(step(vec![errors]));
         all.extend(step(vec![studies::strong_case(&Settings::strong()?)?]));
-        all.extend(self.basin.run(&open(&self.basin)?, Shard::ALL, done)?.into_iter().flatten());
+        all.extend(
+            self.basin.run(&Task { parts: &open(&self.basin)?, done, ..Task::ALL })?.into_iter().flatten(),
+        );
         let statements = statements::all(&statements::Found {
             settings: s,
             coarse: &coarse,

@@ -3,7 +3,7 @@
 use super::basin;
 use super::bifurcation::{self, Sweep};
 use super::error::Result;
-use super::parts::{Parts, Shard};
+use super::parts::Task;
 use super::settings::Settings;
 use super::studies::{self, Study};
 use serde::{Deserialize, Serialize};
@@ -58,29 +58,19 @@ impl Work {
     ///
     /// # Errors
     /// As [`bifurcation::diagram`].
-    pub fn diagram(
-        &self,
-        parts: &Parts,
-        shard: Shard,
-        done: &(dyn Fn(bool) + Sync),
-    ) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
+    pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
         let Kind::Sweep { sweep, .. } = self.kind else { return Ok(None) };
-        Ok(bifurcation::diagram(&self.settings, &sweep, parts, shard, done)?.map(|d| (sweep, d)))
+        Ok(bifurcation::diagram(&self.settings, &sweep, task)?.map(|d| (sweep, d)))
     }
 
     /// Computes what belongs to the shard, and the tables and pictures where all parts are there.
     ///
     /// # Errors
     /// As [`bifurcation::diagram`] and [`basin::basin`].
-    pub fn run(
-        &self,
-        parts: &Parts,
-        shard: Shard,
-        done: &(dyn Fn(bool) + Sync),
-    ) -> Result<Option<Vec<Study>>> {
+    pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         match &self.kind {
             Kind::Sweep { at, .. } => {
-                let Some((sweep, diagram)) = self.diagram(parts, shard, done)? else { return Ok(None) };
+                let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
                 let mut found = vec![studies::sweep(&self.settings, &sweep, &diagram, &self.name)?];
                 if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
                     let (group, stem) = (sweep.axis.group, &self.name);
@@ -91,7 +81,7 @@ impl Work {
                 Ok(Some(found))
             }
             Kind::Basin(request) => {
-                let found = basin::basin(self.settings.parameters(), request, parts, shard, done)?;
+                let found = basin::basin(self.settings.parameters(), request, task)?;
                 let study = |b| studies::basins(&self.settings, request, &b, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }

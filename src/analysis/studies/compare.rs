@@ -5,7 +5,7 @@ use super::super::error::Result;
 use super::super::figures::canvas::palette::FAMILY;
 use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use super::super::motion::{amplitude, record, settled};
-use super::super::parts::{Parts, Shard};
+use super::super::parts::Task;
 use super::super::plane::PlaneAxis;
 use super::super::settings::{Settings, find_group, short};
 use super::super::table::{Table, exact};
@@ -116,7 +116,7 @@ pub fn force_overlay(
 ) -> Result<Study> {
     let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
     let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None };
-    let found = diagram(settings, &sweep, &Parts::none(), Shard::ALL, &|_| done())?;
+    let found = diagram(settings, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
     overlay(settings, &sweep, &found, "compare-16")

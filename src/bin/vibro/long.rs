@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use vibro_impact::analysis::basin::{Axis, Request};
 use vibro_impact::analysis::bifurcation::Sweep;
 use vibro_impact::analysis::lyapunov::Options;
-use vibro_impact::analysis::parts::{Parts, Shard};
+use vibro_impact::analysis::parts::{Parts, Shard, Task};
 use vibro_impact::analysis::plane::PlaneAxis;
 use vibro_impact::analysis::report;
 use vibro_impact::analysis::work::{Kind, Work};
@@ -53,7 +53,8 @@ fn perform(work: &Work, common: &Common, shard: Option<Shard>) -> Result<()> {
     let (out, count) = (&common.out, work.count());
     let parts = Parts::open(&folder(out, work), work)?;
     let progress = Progress::new(count.div_ceil(shard.map_or(1, |s| s.count)), "parts");
-    let found = work.run(&parts, shard.unwrap_or(Shard::ALL), &|_| progress.step())?;
+    let found =
+        work.run(&Task { parts: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() })?;
     drop(progress);
     match found {
         Some(studies) => {
