@@ -3,6 +3,7 @@
 use super::basin;
 use super::bifurcation::{self, Sweep};
 use super::error::Result;
+use super::isoperiodic;
 use super::parts::Task;
 use super::settings::Settings;
 use super::studies::{self, Study};
@@ -33,6 +34,8 @@ pub enum Kind {
     },
     /// Basins over two initial values.
     Basin(basin::Request),
+    /// Simulated motion over two groups.
+    Isoperiodic(isoperiodic::Request),
 }
 
 impl Work {
@@ -51,6 +54,7 @@ impl Work {
         match &self.kind {
             Kind::Sweep { sweep, .. } => bifurcation::count(sweep),
             Kind::Basin(request) => basin::count(request),
+            Kind::Isoperiodic(request) => isoperiodic::count(request),
         }
     }
 
@@ -66,7 +70,7 @@ impl Work {
     /// Computes what belongs to the shard, and the tables and pictures where all parts are there.
     ///
     /// # Errors
-    /// As [`bifurcation::diagram`] and [`basin::basin`].
+    /// As [`bifurcation::diagram`], [`basin::basin`] and [`isoperiodic::isoperiodic`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         match &self.kind {
             Kind::Sweep { at, .. } => {
@@ -83,6 +87,12 @@ impl Work {
             Kind::Basin(request) => {
                 let found = basin::basin(self.settings.parameters(), request, task)?;
                 let study = |b| studies::basins(&self.settings, request, &b, &self.name).map(|s| vec![s]);
+                found.map(study).transpose()
+            }
+            Kind::Isoperiodic(request) => {
+                let found = isoperiodic::isoperiodic(&self.settings, request, task)?;
+                let study =
+                    |p| studies::isoperiodic(&self.settings, request, &p, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
         }

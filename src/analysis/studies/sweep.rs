@@ -85,12 +85,6 @@ fn method(sweep: &Sweep) -> String {
     text
 }
 
-/// Edges of the cells: each is centred on its value.
-fn edges(axis: &PlaneAxis) -> (f64, f64) {
-    let half = 0.5 * (axis.to - axis.from) / (axis.count - 1) as f64;
-    (axis.from - half, axis.to + half)
-}
-
 /// Range of all maxima, with some air.
 fn reach(points: &[Option<Point>]) -> (f64, f64) {
     let all = points.iter().flatten().flat_map(|p| p.maxima.iter().map(|m| m.0));
@@ -124,13 +118,13 @@ fn cells(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: (f64
     };
     let mut colours = vec![None];
     colours.extend(SHADES.into_iter().chain(FALLING).map(Some));
-    let (x, cells) = (edges(axis), counts.into_iter().map(class).collect());
+    let (x, cells) = (axis.edges(), counts.into_iter().map(class).collect());
     Shape::Cells { x, y, columns: axis.count, cells, colours }
 }
 
 fn maxima_panel(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool]) -> Panel {
     let both: Vec<Option<Point>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
-    let (x, y) = (edges(axis), reach(&both));
+    let (x, y) = (axis.edges(), reach(&both));
     let mut layers = vec![Layer::new("", BLACK, cells(axis, keep, diagram, apart, y))];
     layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
     layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
@@ -143,7 +137,7 @@ fn maxima_panel(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool]) 
 }
 
 fn exponent_panel(axis: &PlaneAxis, points: &[Option<Point>]) -> Panel {
-    let x = edges(axis);
+    let x = axis.edges();
     let curve = |index: usize| -> Path {
         points
             .iter()
@@ -165,7 +159,7 @@ fn exponent_panel(axis: &PlaneAxis, points: &[Option<Point>]) -> Panel {
 }
 
 fn impact_panel(axis: &PlaneAxis, diagram: &Diagram) -> Panel {
-    let x = edges(axis);
+    let x = axis.edges();
     let curve = |points: &[Option<Point>]| -> Path {
         let all = points.iter().flatten();
         all.map(|p| (p.value, p.attractor.impacts[0] + p.attractor.impacts[1])).collect()

@@ -1,11 +1,12 @@
 //! Long studies: in parts on disk, as shards, merged, and all together.
 
-use crate::arguments::{Basin, Bifurcation, Common, Lyapunov, Merge, Reproduce};
+use crate::arguments::{Basin, Bifurcation, Common, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::output;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
-use vibro_impact::analysis::basin::{Axis, Request};
+use vibro_impact::analysis::basin::{self, Axis};
 use vibro_impact::analysis::bifurcation::Sweep;
+use vibro_impact::analysis::isoperiodic;
 use vibro_impact::analysis::lyapunov::Options;
 use vibro_impact::analysis::parts::{Parts, Shard, Task};
 use vibro_impact::analysis::plane::PlaneAxis;
@@ -40,8 +41,23 @@ pub fn lyapunov(settings: &Settings, common: &Common, a: &Lyapunov) -> Result<()
 pub fn basin(settings: &Settings, common: &Common, a: &Basin) -> Result<()> {
     let count = usize::from(a.resolution);
     let (x, y) = (Axis::parse(&a.x, count)?, Axis::parse(&a.y, count)?);
-    let kind = Kind::Basin(Request { x, y, discard: a.discard });
+    let kind = Kind::Basin(basin::Request { x, y, discard: a.discard });
     perform(&Work::new("basin", kind, settings), common, a.share.shard)
+}
+
+pub fn isoperiodic(
+    settings: &Settings,
+    common: &Common,
+    a: &Isoperiodic,
+    planes: &[(PlaneAxis, PlaneAxis)],
+) -> Result<()> {
+    let exponents = (a.periods > 0).then(|| Options { periods: a.periods, ..Options::default() });
+    for &(x, y) in planes {
+        let request = isoperiodic::Request { x, y, start: a.start, discard: a.discard, exponents };
+        let name = format!("isoperiodic-{}-{}", x.group.name, y.group.name);
+        perform(&Work::new(&name, Kind::Isoperiodic(request), settings), common, a.share.shard)?;
+    }
+    Ok(())
 }
 
 fn folder(out: &Path, work: &Work) -> PathBuf {
