@@ -268,7 +268,7 @@ fn comparisons_find_the_papers_errors() {
 #[test]
 fn help_lists_the_commands() {
     let text = drawn(&folder("help"), &["--help"]);
-    let long = ["bifurcation", "lyapunov", "basin", "merge", "reproduce"];
+    let long = ["bifurcation", "lyapunov", "basin", "isoperiodic", "merge", "reproduce"];
     for command in ["steady", "response", "manifold", "stability", "plane", "compare"].into_iter().chain(long)
     {
         assert!(text.contains(command), "{command}");

@@ -232,11 +232,15 @@ const EXPONENTS: [&str; 13] = [
     "--at",
     "1.5,2.88",
 ];
+const ISOPERIODIC: [&str; 9] =
+    ["isoperiodic", "--pair", "kappa,f10", "--pair", "sigma1,f10", "--resolution", "12", "--periods", "100"];
 const BASIN: [&str; 7] = ["basin", "--set", "f10=2.48", "--resolution", "24", "--discard", "150"];
 
 #[test]
 fn second_method_shards_merged_and_threads_give_the_same_bytes() {
-    for (name, work) in [("sweep", &SWEEP[..]), ("exponents", &EXPONENTS), ("basin", &BASIN)] {
+    for (name, work) in
+        [("sweep", &SWEEP[..]), ("exponents", &EXPONENTS), ("basin", &BASIN), ("isoperiodic", &ISOPERIODIC)]
+    {
         let whole = folder(&format!("{name}-whole"));
         drawn(&whole, &[work, &["--threads", "1"]].concat());
         for file in files(&whole).iter().filter(|f| f.0.ends_with(".png")) {
@@ -302,6 +306,9 @@ fn errors_of_long_studies_name_what_is_allowed() {
         (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
         (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
         (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
+        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent groups"),
+        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1, or orbit"),
+        (vec!["isoperiodic", "--start", "x2=3"], "stop"),
         (vec!["merge", "absent"], "reading absent"),
     ] {
         let output = command(&folder("refused"), &arguments).output().unwrap();

@@ -165,9 +165,12 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
             *size += x * x / f64::from(2 * OBSERVED);
         }
     }
+    // Without impacts the flow is linear; where every part of it is damped, which here needs the coupling, it has one limit.
+    let damped = [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0);
+    let dies_out = damped && counts == [0; 2] && !rests;
     Ok(Attractor {
         period,
-        approaching: period.is_none() && approaches(&strokes),
+        approaching: period.is_none() && (dies_out || approaches(&strokes)),
         impacts: counts.map(|c| f64::from(c) / f64::from(OBSERVED)),
         rests,
         sections: strokes[strokes.len() - kept..].iter().map(|s| s.section).collect(),
@@ -210,8 +213,17 @@ impl Attractor {
         self.sections.iter().any(|own| distance(own, state) < SAME)
     }
 
-    /// What another attractor is to this one. Aperiodic ones are compared by their statistics.
+    /// Whether the block never touches a stop.
+    pub fn is_free(&self) -> bool {
+        self.impacts == [0.0; 2] && !self.rests
+    }
+
+    /// What another attractor is to this one. Aperiodic ones are compared by their statistics; those without impacts are
+    /// one, for the flow without impacts is linear.
     pub fn relation(&self, other: &Self) -> Relation {
+        if self.is_free() && other.is_free() {
+            return Relation::Same;
+        }
         if self.period != other.period {
             return Relation::Different;
         }
@@ -276,6 +288,32 @@ mod tests {
         assert_eq!((found.period, found.impacts, found.rests), (Some(1), [1.0, 1.0], false));
         assert!(found.is_symmetric() && !found.approaching);
         assert_eq!(Class::of(&found, None), Class::Periodic(1));
+    }
+
+    #[test]
+    fn closed_form_motions_without_impacts_have_one_limit() {
+        // Block and secondary oscillator: the slow swing loses about a thousandth of itself a period.
+        let groups = Groups { f10: 0.4, sigma1: 2.0, ..Groups::basic() };
+        let p = groups.to_parameters(Scales::default()).unwrap();
+        let start = |v2| crate::simulator::State { x: [0.0; 3], v: [0.0, v2, 0.0] };
+        let [slow, fast] =
+            [0.02, 0.1].map(|v2| observe(&mut settled(&p, &start(v2), 300.0).unwrap()).unwrap());
+        assert!(slow.is_free() && slow.period.is_none() && slow.approaching, "{slow:?}");
+        assert_eq!(slow.relation(&fast), Relation::Same);
+        // The limit: x1 = Re((sin - i cos) ...) of the box alone, the other two at rest.
+        let late = observe(&mut settled(&p, &start(0.1), 20_000.0).unwrap()).unwrap();
+        let (stiffness, damping) =
+            (p.box_stiffness - p.box_mass * p.drive_frequency.powi(2), p.box_damping * p.drive_frequency);
+        let amplitude = p.drive_amplitude / stiffness.hypot(damping) / p.stop_gap;
+        assert_eq!((late.period, late.is_symmetric()), (Some(1), true));
+        assert!(
+            (late.sections[0][0].hypot(late.sections[0][3] * p.box_frequency() / p.drive_frequency)
+                - amplitude)
+                .abs()
+                < RETURN
+        );
+        assert!(late.sections[0][1].abs() < RETURN && late.sections[0][2].abs() < RETURN);
+        assert_eq!(late.relation(&slow), Relation::Same);
     }
 
     #[test]

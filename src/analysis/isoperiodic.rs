@@ -74,7 +74,7 @@ pub struct Request {
     pub start: Origin,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// How exponents of motions without a period are computed, if they are.
+    /// How exponents of motions with impacts and without a period are computed, if they are.
     pub exponents: Option<Options>,
 }
 
@@ -89,9 +89,9 @@ pub struct Motion {
     pub rests: bool,
     /// Whether it is its own mirror image; false for motions without a period.
     pub symmetric: bool,
-    /// The largest exponent per unit of τ, where exponents were asked for and there is no period.
+    /// The largest exponent per unit of τ, where exponents were asked for and there are impacts and no period.
     pub exponent: Option<f64>,
-    /// Whether it is the stable exact orbit.
+    /// Whether it is the stable exact orbit, and not one that has just broken away from it.
     pub on_orbit: bool,
 }
 
@@ -211,16 +211,18 @@ fn row(settings: &Settings, request: &Request, j: usize) -> Vec<Point> {
 fn motion(p: &Parameters, end: &State, orbit: Option<&State>, exponents: Option<&Options>) -> Result<Motion> {
     let mut simulator = Simulator::new(p, end, 0.0)?.without_ledger();
     let found = observe(&mut simulator)?;
-    let asked = exponents.filter(|_| found.period.is_none());
+    let asked = exponents.filter(|_| found.period.is_none() && !found.is_free());
     let spectrum = asked.map(|options| lyapunov::dimensionless(&mut simulator, options)).transpose()?;
     let spectrum = spectrum.map(|found| found.spectrum);
+    let dies_out = found.is_free() && found.approaching;
+    let symmetric = found.period.is_some() && found.is_symmetric();
     Ok(Motion {
-        class: Class::of(&found, spectrum.as_ref()),
+        class: if dies_out { Class::Settling } else { Class::of(&found, spectrum.as_ref()) },
         impacts: found.impacts,
         rests: found.rests,
-        symmetric: found.period.is_some() && found.is_symmetric(),
+        symmetric,
         exponent: spectrum.map(|s| s.exponents[0]),
-        on_orbit: found.period == Some(1) && orbit.is_some_and(|o| found.passes(&section(p, o))),
+        on_orbit: found.period == Some(1) && symmetric && orbit.is_some_and(|o| found.passes(&section(p, o))),
     })
 }
 

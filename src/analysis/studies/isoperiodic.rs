@@ -19,29 +19,29 @@ type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 
 /// Kinds of motion as the first panel tells them apart; the last takes what no other does.
 const KINDS: [Entry<Motion>; 10] = [
-    ("1T without impacts", PALE, |m| m.class == Class::Periodic(1) && m.impacts == [0.0; 2]),
-    ("1T, two symmetric impacts", BLUE, |m| m.is_two_impact()),
-    ("1T, others", SKY, |m| m.class == Class::Periodic(1)),
-    ("2T", GREEN, |m| m.class == Class::Periodic(2)),
-    ("3T", PURPLE, |m| m.class == Class::Periodic(3)),
-    ("4T", MINT, |m| m.class == Class::Periodic(4)),
-    ("longer periods", ORANGE, |m| matches!(m.class, Class::Periodic(_))),
-    ("periodic, settling", GREY, |m| m.class == Class::Settling),
-    ("quasi-periodic", YELLOW, |m| m.class == Class::QuasiPeriodic),
+    ("(a) without impacts", PALE, |m| m.impacts == [0.0; 2] && !m.rests),
+    ("(a) 1T, two symmetric impacts", BLUE, |m| m.is_two_impact()),
+    ("(a) 1T, others", SKY, |m| m.class == Class::Periodic(1)),
+    ("(a) 2T", GREEN, |m| m.class == Class::Periodic(2)),
+    ("(a) 3T", PURPLE, |m| m.class == Class::Periodic(3)),
+    ("(a) 4T", MINT, |m| m.class == Class::Periodic(4)),
+    ("(a) longer periods", ORANGE, |m| matches!(m.class, Class::Periodic(_))),
+    ("(a) periodic, settling", GREY, |m| m.class == Class::Settling),
+    ("(a) quasi-periodic", YELLOW, |m| m.class == Class::QuasiPeriodic),
     // Without exponents no more is known than that there is no period.
-    ("chaotic, or no period found", BLACK, |_| true),
+    ("(a) chaotic, or no period found", BLACK, |_| true),
 ];
 
-/// Impacts per drive period as the second panel tells them apart.
+/// Impacts per drive period, dark where there are many, as the second panel tells them apart.
 const IMPACTS: [Entry<f64>; 8] = [
-    ("no impacts", PALE, |n| n == 0.0),
-    ("under 2 impacts a period", MINT, |n| n < 2.0),
-    ("2 impacts", BLUE, |n| n == 2.0),
-    ("2 to 3 impacts", SKY, |n| n < 3.0),
-    ("3 impacts", VERMILLION, |n| n == 3.0),
-    ("3 to 4 impacts", ORANGE, |n| n < 4.0),
-    ("4 impacts", PURPLE, |n| n == 4.0),
-    ("over 4 impacts", BLACK, |_| true),
+    ("(b) none", PALE, |n| n == 0.0),
+    ("(b) under 2", Colour(253, 231, 37), |n| n < 2.0),
+    ("(b) 2", Colour(160, 218, 57), |n| n == 2.0),
+    ("(b) 2 to 3", Colour(74, 193, 109), |n| n < 3.0),
+    ("(b) 3", Colour(31, 161, 135), |n| n == 3.0),
+    ("(b) 3 to 4", Colour(39, 127, 142), |n| n < 4.0),
+    ("(b) 4", Colour(54, 92, 141), |n| n == 4.0),
+    ("(b) over 4", Colour(68, 1, 84), |_| true),
 ];
 
 /// The study of a plane of motions.
@@ -61,9 +61,9 @@ pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, 
         let mut layers: Vec<Layer> = met.map(|((n, c), _)| Layer::band(n, *c, 1.0, Vec::new())).collect();
         let shape = Shape::Cells { x: x.edges(), y: y.edges(), columns: x.count, cells, colours };
         layers.insert(0, Layer::new("", GREY, shape));
-        let edge = "limit of the stable exact orbit";
-        layers.push(Layer::lines(edge, Colour(255, 255, 255), Dash::Solid, border.clone()).stroke(2 * THIN));
-        layers.push(Layer::lines(edge, VERMILLION, Dash::Solid, border.clone()).stroke(THIN));
+        let edge = |name, colour| Layer::lines(name, colour, Dash::Solid, border.clone());
+        layers.push(edge("", Colour(255, 255, 255)).stroke(3 * THIN));
+        layers.push(edge("limit of the stable exact orbit", VERMILLION));
         layers.push(Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here.clone()));
         let (across, up) = (x.edges(), y.edges());
         Panel {
@@ -89,7 +89,10 @@ pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, 
         x.count, y.count, request.start, request.discard
     );
     if let Some(o) = &request.exponents {
-        method.push_str(&format!(" Exponents where there is no period, over {} periods.", o.periods));
+        method.push_str(&format!(
+            " Exponents where there are impacts and no period, over {} periods.",
+            o.periods
+        ));
     }
     let figure = Figure {
         title: format!("Simulated motion over {pair}"),

@@ -167,7 +167,7 @@ pub struct Isoperiodic {
     /// Drive periods discarded
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
-    /// Drive periods over which exponents of motions without a period are computed; 0: not at all
+    /// Drive periods over which exponents of motions with impacts and without a period are computed; 0: not at all
     #[arg(long, value_name = "N", default_value_t = 400)]
     pub periods: u32,
     /// For many machines.
