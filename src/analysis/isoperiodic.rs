@@ -96,9 +96,9 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Whether it is of the exact orbit's kind: symmetric, with one impact at each stop in each drive period.
+    /// Whether it is of the exact orbit's kind: symmetric, with one impact at each stop in each drive period, and no rest.
     pub fn is_two_impact(&self) -> bool {
-        self.class == Class::Periodic(1) && self.symmetric && self.impacts == [1.0; 2]
+        self.class == Class::Periodic(1) && self.symmetric && self.impacts == [1.0; 2] && !self.rests
     }
 }
 
@@ -125,7 +125,7 @@ pub struct Agreement {
     pub stable: usize,
     /// Of these, where the simulated motion is this orbit. What is missing starts in the basin of another motion.
     pub reached: usize,
-    /// Where the simulated motion is symmetric, with one impact at each stop in each drive period.
+    /// Where the simulated motion is of the exact orbit's [kind](Motion::is_two_impact).
     pub two_impact: usize,
     /// Of these, where it is the exact orbit, and that is stable. What is missing contradicts the theory.
     pub foretold: usize,

@@ -44,6 +44,9 @@ const IMPACTS: [Entry<f64>; 8] = [
     ("(b) over 4", Colour(68, 1, 84), |_| true),
 ];
 
+/// Most classes told on the screen.
+const TOLD: usize = 8;
+
 /// The study of a plane of motions.
 ///
 /// # Errors
@@ -177,17 +180,20 @@ fn remarks(plane: &Isoperiodic) -> Vec<String> {
         }
     }
     classes.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
-    let told: Vec<String> =
-        classes.iter().map(|(n, c)| format!("{n} {:.1} %", percent(*c, plane.points.len()))).collect();
+    let told: Vec<String> = classes
+        .iter()
+        .take(TOLD)
+        .map(|(n, c)| format!("{n} {:.1} %", percent(*c, plane.points.len())))
+        .collect();
     let Agreement { stable, reached, two_impact, foretold } = plane.agreement();
     let mut lines = vec![
-        told.join(", "),
+        format!("{}{}", told.join(", "), if classes.len() > TOLD { ", others less" } else { "" }),
         format!(
             "the exact orbit is stable at {stable} points; at {reached} of them ({:.1} %) the motion settles on it",
             percent(reached, stable)
         ),
         format!(
-            "{two_impact} motions are symmetric with two impacts a period; {foretold} of them ({:.1} %) are the stable exact orbit",
+            "{two_impact} motions are symmetric with two impacts a period and without rest; {foretold} of them ({:.1} %) are the stable exact orbit",
             percent(foretold, two_impact)
         ),
     ];
