@@ -342,5 +342,8 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
     for file in drawn_files {
         check_picture(&one.join(file.0));
     }
+    let mut contents: Vec<_> = files(&one).into_iter().map(|f| f.1).collect();
+    contents.sort();
+    assert!(contents.windows(2).all(|w| w[0] != w[1]), "the same file under two names");
     assert!(!one.join("reproduce.parts").exists());
 }

@@ -132,7 +132,9 @@ impl Plan {
             "exponents-running",
         )?);
         all.push(studies::portraits(s, force, &fine, &PORTRAITS)?);
-        all.push(studies::overlay(s, &sweep, &coarse, "figure-16")?);
+        let mut overlay = studies::overlay(s, &sweep, &coarse, "figure-16")?;
+        overlay.remarks.push("the maxima are those of figure-14.csv".into());
+        all.push(overlay);
         let errors = studies::accuracy(s, &EPSILONS)?;
         let errors_table = errors.tables.first().map(|t| t.1.clone()).unwrap_or_default();
         all.extend(step(vec![errors]));

@@ -10,7 +10,7 @@ use super::super::plane::PlaneAxis;
 use super::super::settings::{Settings, find_group, short};
 use super::super::table::{Table, exact};
 use super::steady::{comparison_panel, four_panels};
-use super::sweep::overlay;
+use super::sweep::{maxima_table, overlay};
 use super::theory::{Point, Theory, simulated};
 use super::{PANEL, Study};
 use crate::parameters::Parameters;
@@ -119,7 +119,9 @@ pub fn force_overlay(
     let found = diagram(settings, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
-    overlay(settings, &sweep, &found, "compare-16")
+    let mut study = overlay(settings, &sweep, &found, "compare-16")?;
+    study.tables.push(("compare-16-maxima".into(), maxima_table(&axis, &found)?));
+    Ok(study)
 }
 
 /// One ε of figure 17: both motions over a period, both sets of amplitudes.

@@ -178,7 +178,10 @@ fn impact_panel(axis: &PlaneAxis, diagram: &Diagram) -> Panel {
 const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
 /// Every maximum with its count; written directly, since there are hundreds of thousands.
-fn maxima_table(axis: &PlaneAxis, diagram: &Diagram) -> Result<Vec<u8>> {
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn maxima_table(axis: &PlaneAxis, diagram: &Diagram) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut put = |row: [&str; 4]| writer.write_record(row).map_err(Error::output("a table"));
     put([axis.group.name, "direction", "X2_maximum", "count"])?;
@@ -279,7 +282,8 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
     Ok((table, study))
 }
 
-/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10.
+/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10, which are in the sweep's own
+/// [table](maxima_table).
 ///
 /// # Errors
 /// What the theories refuse, [`Error::Output`].
@@ -323,7 +327,7 @@ pub fn overlay(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str
     Ok(Study {
         name: name.into(),
         what: "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16".into(),
-        tables: vec![(name.into(), table.csv()?), (format!("{name}-maxima"), maxima_table(axis, diagram)?)],
+        tables: vec![(name.into(), table.csv()?)],
         shown: None,
         figure: Some(figure),
         remarks: Vec::new(),

@@ -73,6 +73,10 @@ pub enum Command {
     /// Theory against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
     /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
+    ///
+    /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
+    /// divided: every shard repeats it, about a fifth of the work. Only what is learnt at the values is shared, so that more
+    /// than some four shards hardly help; `lyapunov` and the planes, where that is nearly all, gain from more.
     Bifurcation(Bifurcation),
     /// The same with all Lyapunov exponents (figure 14, table 2)
     Lyapunov(Lyapunov),
