@@ -1,9 +1,13 @@
 //! Long studies: the sweep against the exact orbit and the windows of model.md, the figures against their tables, and
 //! the real `vibro` interrupted, resumed, sharded, merged, on any number of threads.
 
+#[path = "common/vibro.rs"]
+mod vibro;
+
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
+use vibro::{command, drawn, pixels};
 use vibro_impact::analysis::attractor::{Class, Relation, observe};
 use vibro_impact::analysis::basin::{self, Axis, Goal};
 use vibro_impact::analysis::bifurcation::{Diagram, Point, Sweep, diagram};
@@ -164,26 +168,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
 }
 
 fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("studies-{name}"));
-    // Absent on the first run.
-    let _ = std::fs::remove_dir_all(&path);
-    path
-}
-
-fn command(out: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    command.args(arguments).arg("--out").arg(out);
-    command
-}
-
-/// Standard output of a run that must succeed, and say nothing else.
-fn drawn(out: &Path, arguments: &[&str]) -> String {
-    let output = command(out, arguments).output().expect("vibro runs");
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
-    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
-    // No progress bar where there is no terminal.
-    assert_eq!(text(&output.stderr), "", "{arguments:?}");
-    text(&output.stdout)
+    vibro::folder(&format!("studies-{name}"))
 }
 
 /// All files of a folder and their bytes.
@@ -207,10 +192,7 @@ fn assert_same(one: &Path, two: &Path) {
 
 /// Not blank: ink in some per cent of the picture.
 fn check_picture(path: &Path) {
-    let file = std::fs::File::open(path).expect("a PNG file");
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG header");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
-    reader.next_frame(&mut pixels).expect("PNG data");
+    let (_, _, pixels) = pixels(path);
     let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
     assert!(inked * 100 > pixels.len() / 3, "{}: {inked} of {}", path.display(), pixels.len() / 3);
 }
