@@ -7,9 +7,10 @@
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
-use vibro_impact::analysis::bifurcation::{Sweep, diagram, kicked};
+use vibro_impact::analysis::bifurcation::{Sweep, diagram};
 use vibro_impact::analysis::parts::Task;
 use vibro_impact::analysis::plane::PlaneAxis;
+use vibro_impact::analysis::section::kicked;
 use vibro_impact::analysis::trajectories::{Start, lead};
 use vibro_impact::analysis::{Settings, find_group, lyapunov};
 use vibro_impact::reference::{Reference, Tolerance};

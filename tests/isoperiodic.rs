@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use vibro_impact::Simulator;
 use vibro_impact::analysis::attractor::{Class, observe};
-use vibro_impact::analysis::bifurcation::kicked;
 use vibro_impact::analysis::figures::chart::Shape;
 use vibro_impact::analysis::isoperiodic::{Isoperiodic, Origin, Request, isoperiodic};
 use vibro_impact::analysis::lyapunov::Options;
 use vibro_impact::analysis::parts::Task;
 use vibro_impact::analysis::plane::{self, Method, PlaneAxis};
+use vibro_impact::analysis::section::kicked;
 use vibro_impact::analysis::{Settings, find_group, studies};
 use vibro_impact::steady::exact_orbit;
 

@@ -5,8 +5,8 @@
 
 use super::error::Result;
 use super::lyapunov::Spectrum;
-use crate::parameters::Parameters;
-use crate::simulator::{Event, Simulator, State};
+use super::section::{Section, section};
+use crate::simulator::{Event, Simulator};
 use serde::{Deserialize, Serialize};
 
 /// Drive periods over which a motion is observed.
@@ -23,22 +23,6 @@ const STATISTICS: f64 = 0.15;
 /// An exponent (per 1/ω10) over this is positive, under its negative is negative: over 1500 periods the zero ones keep to
 /// a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
-
-/// A state at a whole drive period, x1, x2, x3 in units of L and v1, v2, v3 in units of L ω10.
-pub type Section = [f64; 6];
-
-/// A state in these units.
-pub fn section(p: &Parameters, state: &State) -> Section {
-    let speed = p.stop_gap * p.box_frequency();
-    let (x, v) = (state.x.map(|x| x / p.stop_gap), state.v.map(|v| v / speed));
-    [x[0], x[1], x[2], v[0], v[1], v[2]]
-}
-
-/// A state from these units.
-pub fn state(p: &Parameters, s: &Section) -> State {
-    let speed = p.stop_gap * p.box_frequency();
-    State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
-}
 
 /// One drive period of an observed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -262,8 +246,8 @@ impl Attractor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::bifurcation::kicked;
     use crate::analysis::motion::settled;
+    use crate::analysis::section::kicked;
     use crate::parameters::{Groups, Scales};
 
     /// Strokes of a made-up motion.

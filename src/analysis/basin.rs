@@ -1,15 +1,13 @@
 //! Basins of attraction over two initial values, and the attractors that coexist.
 
-use super::attractor::{Attractor, Relation, observe, state};
+use super::attractor::{Attractor, Relation, observe};
 use super::error::{Error, Result};
 use super::parts::Task;
+use super::section::{COORDINATES, state};
 use super::trajectories::{Start, lead};
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
 use serde::{Deserialize, Serialize};
-
-/// Names of the initial values: displacements in units of L, velocities in units of L ω10.
-pub const COORDINATES: [&str; 6] = ["x1", "x2", "x3", "v1", "v2", "v3"];
 
 /// One axis: an initial value at the centres of `count` cells between `from` and `to`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@
 //! state is the start of the next value. The motion from value to value is one chain and cannot be divided; what is
 //! learnt at each value is independent of the other values, so that threads and machines share it.
 
-use super::attractor::{Attractor, Class, Relation, Section, observe, state};
+use super::attractor::{Attractor, Class, Relation, observe};
 use super::error::{Error, Result};
 use super::groups::check_together;
 use super::lyapunov::{self, Spectrum};
@@ -12,6 +12,7 @@ use super::maxima::record;
 use super::motion::settled;
 use super::parts::Task;
 use super::plane::PlaneAxis;
+use super::section::kicked;
 use super::settings::Settings;
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
@@ -65,14 +66,6 @@ struct Station {
     value: f64,
     parameters: Parameters,
     state: Option<State>,
-}
-
-/// A start with the block on its way to a stop.
-pub const KICK: Section = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-
-/// The same in SI.
-pub fn kicked(p: &Parameters) -> State {
-    state(p, &KICK)
 }
 
 /// The chain of states from value to value. Where the simulator refuses, the next value starts anew.

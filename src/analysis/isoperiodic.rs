@@ -3,14 +3,13 @@
 //!
 //! Every point is a motion of its own from the same start, so that all of them go through [`lead`].
 
-use super::attractor::{Class, Section, observe, section, state};
-use super::basin::COORDINATES;
-use super::bifurcation::KICK;
+use super::attractor::{Class, observe};
 use super::error::{Error, Result};
 use super::groups::check_together;
 use super::lyapunov::{self, Options};
 use super::parts::Task;
 use super::plane::{self, PlaneAxis, check_pair};
+use super::section::{COORDINATES, KICK, Section, section, state};
 use super::settings::Settings;
 use super::trajectories::{Start, lead};
 use crate::parameters::Parameters;

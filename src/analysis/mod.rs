@@ -21,6 +21,7 @@ pub mod parts;
 pub mod plane;
 pub mod report;
 pub mod response;
+pub mod section;
 mod settings;
 pub mod studies;
 pub mod table;

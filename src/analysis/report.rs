@@ -2,9 +2,10 @@
 
 mod analytical;
 mod page;
+mod statement;
 mod statements;
 
-pub use statements::{Statement, Verdict};
+pub use statement::{Statement, Verdict};
 
 use super::basin::{self, Axis};
 use super::bifurcation::Sweep;
@@ -142,7 +143,7 @@ impl Plan {
         all.extend(
             self.basin.run(&Task { parts: &open(&self.basin)?, done, ..Task::ALL })?.into_iter().flatten(),
         );
-        let statements = statements::all(&statements::Found {
+        let statements = statements::all(&statement::Found {
             settings: s,
             coarse: &coarse,
             fine: &fine,

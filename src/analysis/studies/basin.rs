@@ -1,10 +1,11 @@
 //! Pictures and tables of basins of attraction.
 
 use super::super::attractor::Class;
-use super::super::basin::{Axis as Start, Basin, COORDINATES, Goal, Request};
+use super::super::basin::{Axis as Start, Basin, Goal, Request};
 use super::super::error::{Error, Result};
 use super::super::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use super::super::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
+use super::super::section::COORDINATES;
 use super::super::settings::Settings;
 use super::super::table::{Table, exact};
 use super::Study;

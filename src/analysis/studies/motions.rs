@@ -1,13 +1,13 @@
 //! Simulated motions as they are: time histories (figure 13), phase portraits (figure 15), exponents on their way.
 
-use super::super::attractor::{Section, state};
-use super::super::bifurcation::{Diagram, Point, kicked};
+use super::super::bifurcation::{Diagram, Point};
 use super::super::error::Result;
 use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
 use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
 use super::super::groups::Group;
 use super::super::lyapunov::{Convergence, Options, dimensionless};
 use super::super::motion::{Flight, record, settled};
+use super::super::section::{Section, kicked, state};
 use super::super::settings::{Settings, short};
 use super::super::table::{Table, exact};
 use super::theory::{Point as Instant, simulated};
