@@ -282,8 +282,8 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
     Ok((table, study))
 }
 
-/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10, which are in the sweep's own
-/// [table](maxima_table).
+/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10, which are in the table of the
+/// sweep itself.
 ///
 /// # Errors
 /// What the theories refuse, [`Error::Output`].
