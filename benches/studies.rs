@@ -7,9 +7,12 @@
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
-use vibro_impact::analysis::bifurcation::{Sweep, diagram, kicked};
-use vibro_impact::analysis::parts::{Parts, Shard};
+use vibro_impact::analysis::attractor::OBSERVED;
+use vibro_impact::analysis::bifurcation::{Sweep, diagram};
+use vibro_impact::analysis::isoperiodic::{Origin, Request, isoperiodic};
+use vibro_impact::analysis::parts::Task;
 use vibro_impact::analysis::plane::PlaneAxis;
+use vibro_impact::analysis::section::kicked;
 use vibro_impact::analysis::trajectories::{Start, lead};
 use vibro_impact::analysis::{Settings, find_group, lyapunov};
 use vibro_impact::reference::{Reference, Tolerance};
@@ -90,7 +93,7 @@ fn main() {
         let axis = PlaneAxis::new(group, range, count).expect("an axis");
         let sweep = Sweep { axis, discard: DISCARD, keep: KEEP, exponents: None };
         let time = timed(|| {
-            let found = diagram(&Settings::basic(), &sweep, &Parts::none(), Shard::ALL, &|_| ());
+            let found = diagram(&Settings::basic(), &sweep, &Task::ALL);
             black_box(found.expect("allowed"));
         });
         let periods = 2.0 * count as f64 * f64::from(DISCARD + KEEP);
@@ -116,6 +119,22 @@ fn main() {
         black_box(lead(&starts, 400, &|| ()));
     });
     row("4000 independent motions, 400 periods each", 1_600_000.0, time);
+    let axis = |name| {
+        let group = find_group(name).expect("a group");
+        PlaneAxis::new(group, group.shown, 100).expect("an axis")
+    };
+    let (x, y) = (axis("sigma1"), axis("f10"));
+    let plane = Request { x, y, start: Origin::default(), discard: 300, exponents: None };
+    let time = timed(|| {
+        let found = isoperiodic(&Settings::basic(), &plane, &Task::ALL);
+        black_box(found.expect("allowed"));
+    });
+    let periods = plane.discard + OBSERVED;
+    row(
+        &format!("plane of 100 × 100 motions over (sigma1, f10), {periods} periods each, classified"),
+        1e4 * f64::from(periods),
+        time,
+    );
     let text = format!(
         "# Studies\n\nWritten by `cargo bench --bench studies` on {THREADS} threads: least times of {ROUNDS} rounds. The reference method is the \
          paper's own\n(RKF45 with bisection, 1e-12), for the bare motion: without maxima and without variations; its mean time over\nthe diagram's values is {:.0} µs a period. Wall times hold for a quiet machine only; processor times hold anyway.\n\n{table}",

@@ -147,6 +147,11 @@ impl Parameters {
         std::f64::consts::TAU / self.drive_frequency
     }
 
+    /// Natural frequency ω10 = √(k1/m1) of the box, rad/s; it scales time.
+    pub fn box_frequency(&self) -> f64 {
+        (self.box_stiffness / self.box_mass).sqrt()
+    }
+
     /// The scales that make this set dimensionless: m1, k1 and L.
     pub fn scales(&self) -> Scales {
         Scales { mass: self.box_mass, stiffness: self.box_stiffness, length: self.stop_gap }
@@ -166,7 +171,7 @@ impl Parameters {
                 allowed: "box.k > 0",
             });
         }
-        let omega10 = (self.box_stiffness / self.box_mass).sqrt();
+        let omega10 = self.box_frequency();
         let epsilon = self.block_mass / self.box_mass;
         let square = omega10 * omega10;
         let beta2 = self.coupling_stiffness / (self.block_mass * square);

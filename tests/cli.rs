@@ -1,35 +1,17 @@
 //! Runs the real `vibro`: first lines, tables against the library, pictures, exit codes, error texts.
 
+#[path = "common/vibro.rs"]
+mod vibro;
+
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use vibro::{command, drawn, folder, pixels};
 use vibro_impact::analysis::Settings;
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 
-/// A fresh folder for one test.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
-    // Absent on the first run.
-    let _ = std::fs::remove_dir_all(&path);
-    path
-}
-
-fn vibro(out: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    command.args(arguments).arg("--out").arg(out).output().expect("vibro runs")
-}
-
-/// Standard output of a run that must succeed.
-fn drawn(out: &Path, arguments: &[&str]) -> String {
-    let output = vibro(out, arguments);
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
-    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
-    text(&output.stdout)
-}
-
 /// Exit code and standard error of a run that must fail.
 fn refused(arguments: &[&str]) -> (i32, String) {
-    let output = vibro(&folder("refused"), arguments);
+    let output = command(&folder("cli-refused"), arguments).output().expect("vibro runs");
     assert!(output.stdout.is_empty(), "{arguments:?}");
     (output.status.code().expect("a code"), String::from_utf8(output.stderr).expect("text"))
 }
@@ -41,11 +23,8 @@ fn table(out: &Path, name: &str) -> Vec<HashMap<String, String>> {
 
 /// A valid PNG with something on it, and an SVG with text and shapes.
 fn check_picture(out: &Path, stem: &str) {
-    let file = std::fs::File::open(out.join(format!("{stem}.png"))).expect("a PNG file");
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG header");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
-    let info = reader.next_frame(&mut pixels).expect("PNG data");
-    assert!(info.width >= 900 && info.height >= 500, "{stem}: {} x {}", info.width, info.height);
+    let (width, height, pixels) = pixels(&out.join(format!("{stem}.png")));
+    assert!(width >= 900 && height >= 500, "{stem}: {width} x {height}");
     let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
     let coloured =
         pixels.chunks(3).filter(|p| p.iter().max().unwrap() - p.iter().min().unwrap() > 60).count();
@@ -64,7 +43,7 @@ fn number(rows: &[HashMap<String, String>], quantity: &str, theory: &str, root: 
 
 #[test]
 fn steady_writes_the_librarys_values() {
-    let out = folder("steady");
+    let out = folder("cli-steady");
     let text = drawn(&out, &["steady", "--set", "kappa=0.7", "--set", "f10=1.4"]);
     let first = text.lines().next().unwrap();
     assert!(first.starts_with("drew time histories and phase portraits as in figure 8"), "{first}");
@@ -88,7 +67,7 @@ fn steady_writes_the_librarys_values() {
 
 #[test]
 fn steady_without_a_motion_says_so() {
-    let out = folder("nothing");
+    let out = folder("cli-nothing");
     let text = drawn(&out, &["steady", "--set", "f10=0.01"]);
     assert!(text.starts_with("no picture, for there is no motion with two symmetric impacts"), "{text}");
     assert!(out.join("steady.csv").exists() && !out.join("steady.png").exists());
@@ -96,7 +75,7 @@ fn steady_without_a_motion_says_so() {
 
 #[test]
 fn parameters_come_from_a_file_in_either_form() {
-    let out = folder("config");
+    let out = folder("cli-config");
     std::fs::create_dir_all(&out).unwrap();
     let file = out.join("p.toml");
     // The same system in other units: 2 kg, 8 N/m, 1 cm.
@@ -158,9 +137,9 @@ fn errors_name_the_nearest_name_and_the_range() {
 
 #[test]
 fn a_folder_that_cannot_be_is_another_exit_code() {
-    let file = folder("file");
+    let file = folder("cli-file");
     std::fs::write(&file, "in the way").unwrap();
-    let output = vibro(&file, &["manifold", "--figure", "2"]);
+    let output = command(&file, &["manifold", "--figure", "2"]).output().expect("vibro runs");
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("making folder"));
     std::fs::remove_file(&file).unwrap();
@@ -168,7 +147,7 @@ fn a_folder_that_cannot_be_is_another_exit_code() {
 
 #[test]
 fn every_command_draws() {
-    let out = folder("all");
+    let out = folder("cli-all");
     for (command, pictures) in [
         (vec!["response"], vec!["response-frequency", "response-force"]),
         (vec!["manifold"], vec!["manifold-2", "manifold-7", "manifold-9"]),
@@ -188,7 +167,7 @@ fn every_command_draws() {
 
 #[test]
 fn responses_end_where_the_library_says() {
-    let out = folder("response");
+    let out = folder("cli-response");
     drawn(&out, &["response", "--kind", "force", "--values", "sigma1=0.4"]);
     let rows = table(&out, "response-force.csv");
     let stable = rows.iter().filter(|r| r["theory"] == "multiple scales" && r["stable"] == "true");
@@ -207,7 +186,7 @@ fn responses_end_where_the_library_says() {
 
 #[test]
 fn planes_do_not_depend_on_threads_and_agree_with_the_library() {
-    let (one, two) = (folder("plane-1"), folder("plane-2"));
+    let (one, two) = (folder("cli-plane-1"), folder("cli-plane-2"));
     let arguments = ["plane", "--pair", "sigma1,f10", "--resolution", "60", "--method"];
     for method in ["multiple-scales", "exact-orbit", "strong-coupling"] {
         for (out, threads) in [(&one, "1"), (&two, "2")] {
@@ -218,7 +197,7 @@ fn planes_do_not_depend_on_threads_and_agree_with_the_library() {
             assert!(same, "{method}, {file}");
         }
     }
-    let out = folder("plane-values");
+    let out = folder("cli-plane-values");
     drawn(&out, &["plane", "--pair", "kappa,f10", "--resolution", "30"]);
     let rows = table(&out, "plane-kappa-f10.csv");
     assert_eq!(rows.len(), 900);
@@ -240,7 +219,7 @@ fn planes_do_not_depend_on_threads_and_agree_with_the_library() {
 
 #[test]
 fn comparisons_find_the_papers_errors() {
-    let out = folder("compare");
+    let out = folder("cli-compare");
     let text = drawn(&out, &["compare", "--figure", "17"]);
     assert!(
         text.starts_with("drew U and W for some ε and the amplitudes' errors over ε as in figure 17"),
@@ -267,8 +246,8 @@ fn comparisons_find_the_papers_errors() {
 
 #[test]
 fn help_lists_the_commands() {
-    let text = drawn(&folder("help"), &["--help"]);
-    let long = ["bifurcation", "lyapunov", "basin", "merge", "reproduce"];
+    let text = drawn(&folder("cli-help"), &["--help"]);
+    let long = ["bifurcation", "lyapunov", "basin", "isoperiodic", "merge", "reproduce"];
     for command in ["steady", "response", "manifold", "stability", "plane", "compare"].into_iter().chain(long)
     {
         assert!(text.contains(command), "{command}");

@@ -1,14 +1,18 @@
 //! Long studies: the sweep against the exact orbit and the windows of model.md, the figures against their tables, and
 //! the real `vibro` interrupted, resumed, sharded, merged, on any number of threads.
 
+#[path = "common/vibro.rs"]
+mod vibro;
+
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
+use vibro::{command, drawn, pixels};
 use vibro_impact::analysis::attractor::{Class, Relation, observe};
 use vibro_impact::analysis::basin::{self, Axis, Goal};
 use vibro_impact::analysis::bifurcation::{Diagram, Point, Sweep, diagram};
 use vibro_impact::analysis::figures::chart::Shape;
-use vibro_impact::analysis::parts::{Parts, Shard};
+use vibro_impact::analysis::parts::Task;
 use vibro_impact::analysis::plane::PlaneAxis;
 use vibro_impact::analysis::{Settings, find_group, lyapunov, studies};
 use vibro_impact::steady::exact_orbit;
@@ -20,7 +24,7 @@ const SETTLED: f64 = 2e-6;
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::Options>) -> (Sweep, Diagram) {
     let axis = PlaneAxis::new(find_group("f10").unwrap(), range, count).unwrap();
     let sweep = Sweep { axis, discard: 300, keep: 60, exponents };
-    let all = diagram(&Settings::basic(), &sweep, &Parts::none(), Shard::ALL, &|_| ()).unwrap();
+    let all = diagram(&Settings::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }
 
@@ -139,7 +143,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     let p = settings.parameters();
     let (x, y) = (Axis::parse("x1=-1:1", 6).unwrap(), Axis::parse("v2=-2:2", 5).unwrap());
     let request = basin::Request { x, y, discard: 300 };
-    let found = basin::basin(p, &request, &Parts::none(), Shard::ALL, &|_| ()).unwrap().unwrap();
+    let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.goals.len(), 30);
     let both = found.shares(0);
     assert!(both[0] > 0.0 && both[1] > 0.0, "a pair of mirror images: {both:?}");
@@ -159,31 +163,12 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
         assert_eq!(found.attractors[usize::from(number)].relation(&ends), relation, "cell {i}");
     }
     let outside = basin::Request { x: Axis::parse("x2=-3:3", 6).unwrap(), ..request };
-    let found = basin::basin(p, &outside, &Parts::none(), Shard::ALL, &|_| ()).unwrap().unwrap();
+    let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.goals.iter().filter(|g| **g == Goal::Outside).count(), 20);
 }
 
 fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("studies-{name}"));
-    // Absent on the first run.
-    let _ = std::fs::remove_dir_all(&path);
-    path
-}
-
-fn command(out: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    command.args(arguments).arg("--out").arg(out);
-    command
-}
-
-/// Standard output of a run that must succeed, and say nothing else.
-fn drawn(out: &Path, arguments: &[&str]) -> String {
-    let output = command(out, arguments).output().expect("vibro runs");
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
-    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
-    // No progress bar where there is no terminal.
-    assert_eq!(text(&output.stderr), "", "{arguments:?}");
-    text(&output.stdout)
+    vibro::folder(&format!("studies-{name}"))
 }
 
 /// All files of a folder and their bytes.
@@ -207,10 +192,7 @@ fn assert_same(one: &Path, two: &Path) {
 
 /// Not blank: ink in some per cent of the picture.
 fn check_picture(path: &Path) {
-    let file = std::fs::File::open(path).expect("a PNG file");
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG header");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
-    reader.next_frame(&mut pixels).expect("PNG data");
+    let (_, _, pixels) = pixels(path);
     let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
     assert!(inked * 100 > pixels.len() / 3, "{}: {inked} of {}", path.display(), pixels.len() / 3);
 }
@@ -232,11 +214,15 @@ const EXPONENTS: [&str; 13] = [
     "--at",
     "1.5,2.88",
 ];
+const ISOPERIODIC: [&str; 9] =
+    ["isoperiodic", "--pair", "kappa,f10", "--pair", "sigma1,f10", "--resolution", "12", "--periods", "100"];
 const BASIN: [&str; 7] = ["basin", "--set", "f10=2.48", "--resolution", "24", "--discard", "150"];
 
 #[test]
 fn second_method_shards_merged_and_threads_give_the_same_bytes() {
-    for (name, work) in [("sweep", &SWEEP[..]), ("exponents", &EXPONENTS), ("basin", &BASIN)] {
+    for (name, work) in
+        [("sweep", &SWEEP[..]), ("exponents", &EXPONENTS), ("basin", &BASIN), ("isoperiodic", &ISOPERIODIC)]
+    {
         let whole = folder(&format!("{name}-whole"));
         drawn(&whole, &[work, &["--threads", "1"]].concat());
         for file in files(&whole).iter().filter(|f| f.0.ends_with(".png")) {
@@ -302,6 +288,9 @@ fn errors_of_long_studies_name_what_is_allowed() {
         (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
         (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
         (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
+        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent groups"),
+        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1, or orbit"),
+        (vec!["isoperiodic", "--start", "x2=3"], "stop"),
         (vec!["merge", "absent"], "reading absent"),
     ] {
         let output = command(&folder("refused"), &arguments).output().unwrap();
@@ -335,5 +324,8 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
     for file in drawn_files {
         check_picture(&one.join(file.0));
     }
+    let mut contents: Vec<_> = files(&one).into_iter().map(|f| f.1).collect();
+    contents.sort();
+    assert!(contents.windows(2).all(|w| w[0] != w[1]), "the same file under two names");
     assert!(!one.join("reproduce.parts").exists());
 }

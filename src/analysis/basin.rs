@@ -2,14 +2,12 @@
 
 use super::attractor::{Attractor, Relation, observe};
 use super::error::{Error, Result};
-use super::parts::{Parts, Shard};
+use super::parts::Task;
+use super::section::{COORDINATES, state};
 use super::trajectories::{Start, lead};
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
 use serde::{Deserialize, Serialize};
-
-/// Names of the initial values: displacements in units of L, velocities in units of L ω10.
-pub const COORDINATES: [&str; 6] = ["x1", "x2", "x3", "v1", "v2", "v3"];
 
 /// One axis: an initial value at the centres of `count` cells between `from` and `to`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,7 +49,7 @@ impl Axis {
 }
 
 /// What to compute.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     /// Horizontal.
     pub x: Axis,
@@ -96,8 +94,7 @@ fn start(p: &Parameters, request: &Request, column: usize, row: usize) -> State 
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
         s[axis.coordinate] = axis.value(i);
     }
-    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
-    State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
+    state(p, &s)
 }
 
 /// Number of parts: the rows.
@@ -110,13 +107,7 @@ pub fn count(request: &Request) -> usize {
 ///
 /// # Errors
 /// [`Error::Form`] for two axes of one coordinate; what the simulator refuses, starts outside the stops apart.
-pub fn basin(
-    p: &Parameters,
-    request: &Request,
-    parts: &Parts,
-    shard: Shard,
-    done: &(dyn Fn(bool) + Sync),
-) -> Result<Option<Basin>> {
+pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Basin>> {
     if request.x.coordinate == request.y.coordinate {
         let text = COORDINATES[request.x.coordinate].into();
         return Err(Error::Form { text, expected: "two different initial values, e.g. v2 and x1" });
@@ -134,7 +125,7 @@ pub fn basin(
             })
             .collect()
     };
-    let Some(rows) = parts.complete(count(request), shard, row, done)? else { return Ok(None) };
+    let Some(rows) = task.complete(count(request), row)? else { return Ok(None) };
     let mut found = Basin { attractors: Vec::new(), goals: Vec::new() };
     for cell in rows.into_iter().flatten() {
         let Some(attractor) = cell else {

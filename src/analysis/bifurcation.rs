@@ -10,8 +10,9 @@ use super::groups::check_together;
 use super::lyapunov::{self, Spectrum};
 use super::maxima::record;
 use super::motion::settled;
-use super::parts::{Parts, Shard};
+use super::parts::Task;
 use super::plane::PlaneAxis;
+use super::section::kicked;
 use super::settings::Settings;
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
@@ -23,7 +24,7 @@ const BLOCK: usize = 8;
 const RESOLUTION: f64 = 1e-6;
 
 /// What to compute.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
     /// The group and its values.
     pub axis: PlaneAxis,
@@ -65,12 +66,6 @@ struct Station {
     value: f64,
     parameters: Parameters,
     state: Option<State>,
-}
-
-/// A start with the block on its way to a stop.
-pub fn kicked(p: &Parameters) -> State {
-    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
-    State { x: [0.0; 3], v: [0.0, speed, 0.0] }
 }
 
 /// The chain of states from value to value. Where the simulator refuses, the next value starts anew.
@@ -120,18 +115,9 @@ fn point(station: &Station, state: &State, sweep: &Sweep) -> Result<Point> {
     let met = tops.chunk_by(|a, b| a == b);
     let maxima = met.map(|same| (same[0] as f64 * RESOLUTION, same.len() as u32)).collect();
     let attractor = observe(&mut simulator)?;
-    let rate = (p.box_stiffness / p.box_mass).sqrt();
-    let spectrum = match &sweep.exponents {
-        Some(options) => {
-            let threshold = options.threshold * rate;
-            let mut found = lyapunov::spectrum(&mut simulator, &lyapunov::Options { threshold, ..*options })?;
-            found.exponents = found.exponents.map(|e| e / rate);
-            found.deviation /= rate;
-            Some(found)
-        }
-        None => None,
-    };
-    let class = Class::of(&attractor, spectrum.as_ref(), 1.0);
+    let exponents = |options| Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum);
+    let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
+    let class = Class::of(&attractor, spectrum.as_ref());
     Ok(Point { value: station.value, maxima, attractor, class, spectrum })
 }
 
@@ -145,20 +131,14 @@ pub fn count(sweep: &Sweep) -> usize {
 ///
 /// # Errors
 /// Ranges that are not allowed; what the parts' folder refuses.
-pub fn diagram(
-    settings: &Settings,
-    sweep: &Sweep,
-    parts: &Parts,
-    shard: Shard,
-    done: &(dyn Fn(bool) + Sync),
-) -> Result<Option<Diagram>> {
+pub fn diagram(settings: &Settings, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
     // A sweep that is all there needs no chain.
     let stations = std::sync::OnceLock::new();
     let chains = || -> Result<[Vec<Station>; 2]> {
         let (up, down) = rayon::join(|| chain(settings, sweep, true), || chain(settings, sweep, false));
         Ok([up?, down?])
     };
-    if parts.missing(count(sweep)) > 0 {
+    if task.parts.missing(count(sweep)) > 0 {
         // Set once, here.
         let _ = stations.set(chains()?);
     }
@@ -178,7 +158,7 @@ pub fn diagram(
         let until = (from + BLOCK).min(stations.len());
         stations[from..until].iter().map(|s| learnt(s, sweep)).collect()
     };
-    let Some(mut all) = parts.complete(count(sweep), shard, make, done)? else { return Ok(None) };
+    let Some(mut all) = task.complete(count(sweep), make)? else { return Ok(None) };
     let down = all.split_off(blocks).concat();
     Ok(Some(Diagram { up: all.concat(), down }))
 }

@@ -6,3 +6,4 @@ mod draw;
 mod panel;
 mod scale;
 mod symbols;
+mod text;

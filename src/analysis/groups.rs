@@ -30,6 +30,13 @@ pub struct Group {
     pub set: fn(&mut Groups, f64),
 }
 
+impl PartialEq for Group {
+    /// Names are unique.
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
 macro_rules! group {
     ($field:ident, $symbol:literal, $allowed:literal, $min:expr, $max:expr, $open:literal, $shown:expr, $text:literal) => {
         Group {

@@ -141,6 +141,21 @@ pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Conve
     Ok(Convergence { spectrum: Spectrum { exponents, deviation, periods, settled, impacts, rests }, running })
 }
 
+/// The spectrum with its running values in units of ω10, i.e. per unit of the dimensionless time τ; the threshold too.
+///
+/// # Errors
+/// As [`spectrum`].
+pub fn dimensionless(simulator: &mut Simulator, options: &Options) -> Result<Convergence> {
+    let rate = simulator.parameters().box_frequency();
+    let options = Options { threshold: options.threshold * rate, ..*options };
+    let mut found = convergence(simulator, &options)?;
+    for exponents in found.running.iter_mut().chain([&mut found.spectrum.exponents]) {
+        *exponents = exponents.map(|e| e / rate);
+    }
+    found.spectrum.deviation /= rate;
+    Ok(found)
+}
+
 /// The variations on their way.
 struct Tangent {
     variation: Variation,

@@ -118,8 +118,8 @@ pub fn record(simulator: &mut Simulator, periods: u32, visit: &mut dyn FnMut(&Pe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::bifurcation::kicked;
     use crate::analysis::motion::settled;
+    use crate::analysis::section::kicked;
     use crate::steady::exact_orbit;
 
     /// The transient has died out to this part of L.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! settings (SI or groups, by name) → response, plane, compare (numbers) → figures (data of a picture) → draw → files
-//! simulator → walk (smooth pieces) → maxima, variation → bifurcation, lyapunov, basin → studies → report
+//! simulator → walk (smooth pieces) → maxima, variation → bifurcation, lyapunov, basin, isoperiodic → studies → report
 //! ```
 //!
 //! Every study is a function from [`Settings`] to plain data; printing and writing is the caller's.
@@ -13,6 +13,7 @@ pub mod bifurcation;
 mod error;
 pub mod figures;
 mod groups;
+pub mod isoperiodic;
 pub mod lyapunov;
 pub mod maxima;
 pub mod motion;
@@ -20,6 +21,7 @@ pub mod parts;
 pub mod plane;
 pub mod report;
 pub mod response;
+pub mod section;
 mod settings;
 pub mod studies;
 pub mod table;

@@ -37,6 +37,22 @@ impl std::str::FromStr for Shard {
     }
 }
 
+/// What one machine has to do of a long study.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    /// Where finished parts are kept.
+    pub parts: &'a Parts,
+    /// Which of them are made here.
+    pub shard: Shard,
+    /// Hears of each part, and whether it had been there.
+    pub done: &'a (dyn Fn(bool) + Sync),
+}
+
+impl Task<'static> {
+    /// Everything, kept nowhere and told to nobody.
+    pub const ALL: Self = Self { parts: &Parts { folder: None }, shard: Shard::ALL, done: &|_| () };
+}
+
 /// A folder of parts, or nothing at all where results need not outlive the program.
 #[derive(Debug)]
 pub struct Parts {
@@ -46,11 +62,6 @@ pub struct Parts {
 const MANIFEST: &str = "manifest.toml";
 
 impl Parts {
-    /// Keeps nothing.
-    pub fn none() -> Self {
-        Self { folder: None }
-    }
-
     /// Opens or makes a folder of parts for the work that `manifest` describes. Parts of other work are removed.
     ///
     /// # Errors
@@ -109,36 +120,6 @@ impl Parts {
         write_whole(&path, &postcard::to_stdvec(part).map_err(Error::output("a part"))?)
     }
 
-    /// Makes the parts 0 … `count` - 1 that are not there and belong to the shard, on all threads; `done` hears of each
-    /// part, and whether it had been there. All parts in order, or `None` where some belong to other shards and are not
-    /// there.
-    ///
-    /// # Errors
-    /// What `make` returns, [`Error::File`].
-    pub fn complete<T: Serialize + DeserializeOwned + Send>(
-        &self,
-        count: usize,
-        shard: Shard,
-        make: impl Fn(usize) -> Result<T> + Sync,
-        done: &(dyn Fn(bool) + Sync),
-    ) -> Result<Option<Vec<T>>> {
-        let one = |index: usize| -> Result<Option<T>> {
-            if let Some(part) = self.get(index) {
-                done(true);
-                return Ok(Some(part));
-            }
-            if index % shard.count != shard.index {
-                return Ok(None);
-            }
-            let part = make(index)?;
-            self.put(index, &part)?;
-            done(false);
-            Ok(Some(part))
-        };
-        let parts: Vec<Option<T>> = (0..count).into_par_iter().map(one).collect::<Result<_>>()?;
-        Ok(parts.into_iter().collect())
-    }
-
     /// The parts that are not there.
     pub fn missing(&self, count: usize) -> usize {
         (0..count).filter(|&i| !self.path(i).is_some_and(|p| p.exists())).count()
@@ -151,6 +132,36 @@ impl Parts {
     pub fn remove(self) -> Result<()> {
         let Some(folder) = self.folder else { return Ok(()) };
         std::fs::remove_dir_all(&folder).map_err(Error::file("writing", &folder))
+    }
+}
+
+impl Task<'_> {
+    /// Makes the parts 0 … `count` - 1 that are not there and belong to the shard, on all threads. All parts in order, or
+    /// `None` where some belong to other shards and are not there.
+    ///
+    /// # Errors
+    /// What `make` returns, [`Error::File`].
+    pub fn complete<T: Serialize + DeserializeOwned + Send>(
+        &self,
+        count: usize,
+        make: impl Fn(usize) -> Result<T> + Sync,
+    ) -> Result<Option<Vec<T>>> {
+        let Self { parts, shard, done } = self;
+        let one = |index: usize| -> Result<Option<T>> {
+            if let Some(part) = parts.get(index) {
+                done(true);
+                return Ok(Some(part));
+            }
+            if index % shard.count != shard.index {
+                return Ok(None);
+            }
+            let part = make(index)?;
+            parts.put(index, &part)?;
+            done(false);
+            Ok(Some(part))
+        };
+        let parts: Vec<Option<T>> = (0..count).into_par_iter().map(one).collect::<Result<_>>()?;
+        Ok(parts.into_iter().collect())
     }
 }
 
@@ -186,13 +197,13 @@ mod tests {
         let failing = |i: usize| {
             if i == 5 { Err(Error::Form { text: "5".into(), expected: "none" }) } else { square(i) }
         };
-        assert!(parts.complete(8, Shard::ALL, failing, &|_| ()).is_err());
+        assert!(Task { parts: &parts, ..Task::ALL }.complete(8, failing).is_err());
         std::fs::write(folder.join("00003.part"), [255; 3]).unwrap();
         let (made, found) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let count = |was: bool| {
             (if was { &found } else { &made }).fetch_add(1, Ordering::Relaxed);
         };
-        let all = parts.complete(8, Shard::ALL, square, &count).unwrap().unwrap();
+        let all = Task { parts: &parts, done: &count, ..Task::ALL }.complete(8, square).unwrap().unwrap();
         assert_eq!(all, (0..8).map(|i| square(i).unwrap()).collect::<Vec<_>>());
         assert!(found.load(Ordering::Relaxed) >= 1 && made.load(Ordering::Relaxed) >= 2);
         assert_eq!(found.into_inner() + made.into_inner(), 8);
@@ -207,7 +218,7 @@ mod tests {
         for (i, shard) in shards.into_iter().enumerate() {
             let folder = base.path().join(format!("shard{i}"));
             let parts = Parts::open(&folder, &manifest).unwrap();
-            assert_eq!(parts.complete(10, shard, square, &|_| ()).unwrap(), None);
+            assert_eq!(Task { parts: &parts, shard, ..Task::ALL }.complete(10, square).unwrap(), None);
             let missing = all.missing(10);
             assert!(missing > 0);
             all.take_over(&folder).unwrap();
@@ -215,7 +226,7 @@ mod tests {
         }
         assert_eq!(all.missing(10), 0);
         let nothing = |_| -> Result<Vec<f64>> { panic!("all parts are there") };
-        let whole = all.complete(10, Shard::ALL, nothing, &|_| ()).unwrap().unwrap();
+        let whole = Task { parts: &all, ..Task::ALL }.complete(10, nothing).unwrap().unwrap();
         assert_eq!(whole, (0..10).map(|i| square(i).unwrap()).collect::<Vec<_>>());
     }
 
@@ -225,7 +236,7 @@ mod tests {
         let folder = base.path().join("parts");
         let manifest = |name| -> std::collections::BTreeMap<_, _> { [("study", name)].into() };
         let parts = Parts::open(&folder, &manifest("one")).unwrap();
-        parts.complete(3, Shard::ALL, square, &|_| ()).unwrap();
+        Task { parts: &parts, ..Task::ALL }.complete(3, square).unwrap();
         assert_eq!(Parts::open(&folder, &manifest("one")).unwrap().missing(3), 0);
         assert_eq!(Parts::open(&folder, &manifest("two")).unwrap().missing(3), 3);
         for wrong in ["0/2", "3/2", "1", "a/b", ""] {

@@ -2,12 +2,14 @@
 
 use super::error::{Error, Result};
 use super::groups::{Group, check_together};
-use super::settings::Settings;
-use crate::parameters::Groups;
+use super::settings::{Settings, find_group};
+use crate::parameters::{Groups, Parameters};
+use crate::steady::Sheet;
+use crate::steady::exact_orbit::{ExactOrbit, OrbitFamily};
 use crate::steady::multiple_scales::MultipleScales;
 use crate::steady::strong_coupling::StrongCoupling;
-use crate::steady::{Sheet, exact_orbit::OrbitFamily};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Which theory of the steady state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +24,7 @@ pub enum Method {
 
 /// What a point of a plane is. A motion exists when its impacts lead into the stop (C > 0; p > 0) and the block
 /// passes neither stop in between.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Class {
     /// No symmetric motion with two impacts.
     None,
@@ -34,8 +36,10 @@ pub enum Class {
     Undefined,
 }
 
-/// One axis of a plane: `count` values from `from` to `to`, both included.
-#[derive(Clone, Copy, Debug)]
+/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the group's name, and checked
+/// when read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
 pub struct PlaneAxis {
     /// What varies.
     pub group: &'static Group,
@@ -45,6 +49,29 @@ pub struct PlaneAxis {
     pub to: f64,
     /// Number of values.
     pub count: usize,
+}
+
+/// An axis as a file has it.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    group: String,
+    from: f64,
+    to: f64,
+    count: usize,
+}
+
+impl From<PlaneAxis> for Written {
+    fn from(axis: PlaneAxis) -> Self {
+        Self { group: axis.group.name.into(), from: axis.from, to: axis.to, count: axis.count }
+    }
+}
+
+impl TryFrom<Written> for PlaneAxis {
+    type Error = Error;
+
+    fn try_from(axis: Written) -> Result<Self> {
+        Self::new(find_group(&axis.group)?, (axis.from, axis.to), axis.count)
+    }
 }
 
 /// A classified plane.
@@ -118,6 +145,12 @@ impl PlaneAxis {
         Ok(Self { group, from, to, count })
     }
 
+    /// Ends of the cells that are centred on the values.
+    pub fn edges(&self) -> (f64, f64) {
+        let half = 0.5 * (self.to - self.from) / (self.count - 1) as f64;
+        (self.from - half, self.to + half)
+    }
+
     /// The value of an index.
     pub fn value(&self, i: usize) -> f64 {
         let part = i as f64 / (self.count - 1) as f64;
@@ -139,27 +172,45 @@ pub fn classify(settings: &Settings, groups: &Groups, method: Method) -> Class {
             let roots = roots.into_iter().flat_map(|r| [r.upper, r.lower]);
             Class::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
         }),
-        Method::ExactOrbit => exact(settings, groups),
+        Method::ExactOrbit => settings.parameters_of(groups).and_then(|p| exact(&p)).map(|found| found.0),
     };
     class.unwrap_or(Class::Undefined)
 }
 
-fn exact(settings: &Settings, groups: &Groups) -> crate::Result<Class> {
-    let family = OrbitFamily::new(&settings.parameters_of(groups)?)?;
+/// The class by the exact orbit, and the stable orbit itself.
+///
+/// # Errors
+/// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
+pub fn exact(p: &Parameters) -> crate::Result<(Class, Option<ExactOrbit>)> {
+    let family = OrbitFamily::new(p)?;
     let mut motions = [(false, false); 2];
     for (motion, sheet) in motions.iter_mut().zip([Sheet::Upper, Sheet::Lower]) {
-        *motion = family.orbit(sheet)?.map_or((false, false), |o| (o.is_clear(), o.is_stable()));
-        if motion.1 {
-            break; // the other orbit does not change the class
+        let Some(orbit) = family.orbit(sheet)? else { continue };
+        if orbit.is_stable() {
+            return Ok((Class::Stable, Some(orbit))); // the other orbit does not change the class
         }
+        *motion = (orbit.is_clear(), false);
     }
-    Ok(Class::of(motions))
+    Ok((Class::of(motions), None))
+}
+
+/// Two axes of a plane.
+///
+/// # Errors
+/// [`Error::Form`] when both are the same or tied groups (α̂23 and β² are two names of one).
+pub fn check_pair(x: &PlaneAxis, y: &PlaneAxis) -> Result<()> {
+    let coupling = |g: &Group| ["alpha23", "beta2"].contains(&g.name);
+    if x.group == y.group || (coupling(x.group) && coupling(y.group)) {
+        let text = format!("{},{}", x.group.name, y.group.name);
+        return Err(Error::Form { text, expected: "two independent groups, e.g. sigma1,f10" });
+    }
+    Ok(())
 }
 
 /// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend on their number.
 ///
 /// # Errors
-/// [`Error::Form`] when both axes are the same or tied groups (α̂23 and β² are two names of one).
+/// As [`check_pair`].
 pub fn plane(
     settings: &Settings,
     x: PlaneAxis,
@@ -167,11 +218,7 @@ pub fn plane(
     method: Method,
     done: &(dyn Fn() + Sync),
 ) -> Result<Plane> {
-    let coupling = |g: &Group| ["alpha23", "beta2"].contains(&g.name);
-    if x.group.name == y.group.name || (coupling(x.group) && coupling(y.group)) {
-        let text = format!("{},{}", x.group.name, y.group.name);
-        return Err(Error::Form { text, expected: "two independent groups, e.g. sigma1,f10" });
-    }
+    check_pair(&x, &y)?;
     let rows: Vec<Vec<Class>> = (0..y.count)
         .into_par_iter()
         .map(|j| {

@@ -2,14 +2,16 @@
 
 mod analytical;
 mod page;
+mod statement;
 mod statements;
 
-pub use statements::{Statement, Verdict};
+pub use statement::{Statement, Verdict};
 
-use super::basin::Axis;
+use super::basin::{self, Axis};
+use super::bifurcation::Sweep;
 use super::error::Result;
 use super::lyapunov::Options;
-use super::parts::{Parts, Shard};
+use super::parts::{Parts, Task};
 use super::plane::{Method, PAIRS, PlaneAxis};
 use super::settings::{Settings, find_group};
 use super::studies::{self, Study};
@@ -60,11 +62,10 @@ impl Plan {
     pub fn new(settings: &Settings, quick: bool) -> Result<Self> {
         let (discard, keep, periods) = if quick { (200, 200, 300) } else { (400, 800, 1500) };
         let options = Options { periods, ..Options::default() };
-        let sweep = |name: &str, from, to, count| {
-            let at = Vec::new();
-            let exponents = Some(options);
-            let kind = Kind::Sweep { along: "f10".into(), from, to, count, discard, keep, exponents, at };
-            Work::new(name, kind, settings)
+        let sweep = |name: &str, range, count| -> Result<Work> {
+            let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+            let sweep = Sweep { axis, discard, keep, exponents: Some(options) };
+            Ok(Work::new(name, Kind::Sweep { sweep, at: Vec::new() }, settings))
         };
         let cells = if quick { 40 } else { 200 };
         let (x, y) = (Axis::parse("x1=-1:1", cells)?, Axis::parse("v2=-2:2", cells)?);
@@ -72,18 +73,15 @@ impl Plan {
         Ok(Self {
             settings: settings.clone(),
             quick,
-            coarse: sweep("figure-14", 0.5, 5.0, if quick { 91 } else { 451 }),
-            fine: sweep("figure-14-fine", 1.9, 4.0, if quick { 106 } else { 1051 }),
-            basin: Work::new("basin", Kind::Basin { x, y, discard }, &there),
+            coarse: sweep("figure-14", (0.5, 5.0), if quick { 91 } else { 451 })?,
+            fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
+            basin: Work::new("basin", Kind::Basin(basin::Request { x, y, discard }), &there),
         })
     }
 
     /// Steps of work, for a progress bar.
-    ///
-    /// # Errors
-    /// None for the ranges used.
-    pub fn steps(&self) -> Result<usize> {
-        Ok(self.coarse.count()? + self.fine.count()? + self.basin.count()? + SHORT)
+    pub fn steps(&self) -> usize {
+        self.coarse.count() + self.fine.count() + self.basin.count() + SHORT
     }
 
     /// Computes everything; finished parts go into folders in `home` and are taken from there.
@@ -116,7 +114,7 @@ impl Plan {
         let (thirteen, modulation) = studies::histories_of(s, force, MODULATED)?;
         all.extend(step(vec![thirteen]));
         // Always all parts: None is for shards only.
-        let found = |work: &Work| work.diagram(&open(work)?, Shard::ALL, done);
+        let found = |work: &Work| work.diagram(&Task { parts: &open(work)?, done, ..Task::ALL });
         let (Some((sweep, coarse)), Some((fine_sweep, fine))) = (found(&self.coarse)?, found(&self.fine)?)
         else {
             return Err(super::Error::Output { what: "the report", problem: "a part is missing".into() });
@@ -135,13 +133,17 @@ impl Plan {
             "exponents-running",
         )?);
         all.push(studies::portraits(s, force, &fine, &PORTRAITS)?);
-        all.push(studies::overlay(s, &sweep, &coarse, "figure-16")?);
+        let mut overlay = studies::overlay(s, &sweep, &coarse, "figure-16")?;
+        overlay.remarks.push("the maxima are those of figure-14.csv".into());
+        all.push(overlay);
         let errors = studies::accuracy(s, &EPSILONS)?;
         let errors_table = errors.tables.first().map(|t| t.1.clone()).unwrap_or_default();
         all.extend(step(vec![errors]));
         all.extend(step(vec![studies::strong_case(&Settings::strong()?)?]));
-        all.extend(self.basin.run(&open(&self.basin)?, Shard::ALL, done)?.into_iter().flatten());
-        let statements = statements::all(&statements::Found {
+        all.extend(
+            self.basin.run(&Task { parts: &open(&self.basin)?, done, ..Task::ALL })?.into_iter().flatten(),
+        );
+        let statements = statements::all(&statement::Found {
             settings: s,
             coarse: &coarse,
             fine: &fine,

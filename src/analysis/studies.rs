@@ -2,6 +2,7 @@
 
 mod basin;
 mod compare;
+mod isoperiodic;
 mod manifold;
 mod motions;
 mod plane;
@@ -14,6 +15,7 @@ mod theory;
 
 pub use basin::basins;
 pub use compare::{accuracy, force_overlay, histories};
+pub use isoperiodic::isoperiodic;
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
 pub use plane::planes;

@@ -1,12 +1,11 @@
 //! Long studies as plain data, so that a folder of parts says what it is part of, and machines agree on it.
 
-use super::basin::{self, Axis};
+use super::basin;
 use super::bifurcation::{self, Sweep};
 use super::error::Result;
-use super::lyapunov::Options;
-use super::parts::{Parts, Shard};
-use super::plane::PlaneAxis;
-use super::settings::{Settings, find_group};
+use super::isoperiodic;
+use super::parts::Task;
+use super::settings::Settings;
 use super::studies::{self, Study};
 use serde::{Deserialize, Serialize};
 
@@ -28,32 +27,15 @@ pub struct Work {
 pub enum Kind {
     /// Maxima, periods and, if asked for, exponents over a group.
     Sweep {
-        /// The group.
-        along: String,
-        /// Its first value.
-        from: f64,
-        /// Its last value.
-        to: f64,
-        /// Number of values.
-        count: usize,
-        /// Drive periods discarded.
-        discard: u32,
-        /// Drive periods kept.
-        keep: u32,
-        /// How exponents are computed.
-        exponents: Option<Options>,
+        /// The sweep.
+        sweep: Sweep,
         /// Values at which spectra are told and shown on their way.
         at: Vec<f64>,
     },
     /// Basins over two initial values.
-    Basin {
-        /// Horizontal axis.
-        x: Axis,
-        /// Vertical axis.
-        y: Axis,
-        /// Drive periods discarded.
-        discard: u32,
-    },
+    Basin(basin::Request),
+    /// Simulated motion over two groups.
+    Isoperiodic(isoperiodic::Request),
 }
 
 impl Work {
@@ -68,67 +50,49 @@ impl Work {
     }
 
     /// Number of parts.
-    ///
-    /// # Errors
-    /// A range that is not allowed.
-    pub fn count(&self) -> Result<usize> {
+    pub fn count(&self) -> usize {
         match &self.kind {
-            Kind::Sweep { .. } => Ok(bifurcation::count(&self.sweep()?)),
-            Kind::Basin { y, .. } => Ok(y.count),
+            Kind::Sweep { sweep, .. } => bifurcation::count(sweep),
+            Kind::Basin(request) => basin::count(request),
+            Kind::Isoperiodic(request) => isoperiodic::count(request),
         }
-    }
-
-    fn sweep(&self) -> Result<Sweep> {
-        let Kind::Sweep { along, from, to, count, discard, keep, exponents, .. } = &self.kind else {
-            unreachable!("asked of sweeps only")
-        };
-        let axis = PlaneAxis::new(find_group(along)?, (*from, *to), *count)?;
-        Ok(Sweep { axis, discard: *discard, keep: *keep, exponents: *exponents })
     }
 
     /// The diagram of a sweep; `None` for another kind, or where parts belong to other shards.
     ///
     /// # Errors
     /// As [`bifurcation::diagram`].
-    pub fn diagram(
-        &self,
-        parts: &Parts,
-        shard: Shard,
-        done: &(dyn Fn(bool) + Sync),
-    ) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
-        if !matches!(self.kind, Kind::Sweep { .. }) {
-            return Ok(None);
-        }
-        let sweep = self.sweep()?;
-        Ok(bifurcation::diagram(&self.settings, &sweep, parts, shard, done)?.map(|d| (sweep, d)))
+    pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
+        let Kind::Sweep { sweep, .. } = self.kind else { return Ok(None) };
+        Ok(bifurcation::diagram(&self.settings, &sweep, task)?.map(|d| (sweep, d)))
     }
 
     /// Computes what belongs to the shard, and the tables and pictures where all parts are there.
     ///
     /// # Errors
-    /// As [`bifurcation::diagram`] and [`basin::basin`].
-    pub fn run(
-        &self,
-        parts: &Parts,
-        shard: Shard,
-        done: &(dyn Fn(bool) + Sync),
-    ) -> Result<Option<Vec<Study>>> {
+    /// As [`bifurcation::diagram`], [`basin::basin`] and [`isoperiodic::isoperiodic`].
+    pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         match &self.kind {
-            Kind::Sweep { exponents, at, discard, .. } => {
-                let Some((sweep, diagram)) = self.diagram(parts, shard, done)? else { return Ok(None) };
+            Kind::Sweep { at, .. } => {
+                let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
                 let mut found = vec![studies::sweep(&self.settings, &sweep, &diagram, &self.name)?];
-                if let (Some(options), false) = (exponents, at.is_empty()) {
+                if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
                     let (group, stem) = (sweep.axis.group, &self.name);
                     found.push(studies::spectra(&sweep, &diagram, at, &format!("{stem}-spectra"))?.1);
                     let name = format!("{stem}-running");
-                    found.push(studies::running(&self.settings, group, at, *discard, options, &name)?);
+                    found.push(studies::running(&self.settings, group, at, sweep.discard, options, &name)?);
                 }
                 Ok(Some(found))
             }
-            Kind::Basin { x, y, discard } => {
-                let request = basin::Request { x: *x, y: *y, discard: *discard };
-                let found = basin::basin(self.settings.parameters(), &request, parts, shard, done)?;
-                let study = |b| studies::basins(&self.settings, &request, &b, &self.name).map(|s| vec![s]);
+            Kind::Basin(request) => {
+                let found = basin::basin(self.settings.parameters(), request, task)?;
+                let study = |b| studies::basins(&self.settings, request, &b, &self.name).map(|s| vec![s]);
+                found.map(study).transpose()
+            }
+            Kind::Isoperiodic(request) => {
+                let found = isoperiodic::isoperiodic(&self.settings, request, task)?;
+                let study =
+                    |p| studies::isoperiodic(&self.settings, request, &p, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
         }

@@ -5,6 +5,14 @@ use super::*;
 /// Roots of products are found to the conditioning of a simple root, a few units in the last place.
 const ROOT: f64 = 1e-14;
 
+/// Numbers between -1 and 1, always the same ones.
+fn random(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    }
+}
+
 fn product(roots: &[f64], lead: f64) -> [f64; 9] {
     let mut c = [0.0; 9];
     c[0] = lead;
@@ -92,11 +100,7 @@ fn closed_form_nothing_passes_zero_in_zero_or_noise() {
 
 #[test]
 fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
-    let mut seed = 1u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
+    let mut random = random(1);
     let mut found = 0;
     for _ in 0..20_000 {
         let mut c = [0.0; 9];
@@ -137,11 +141,7 @@ impl pulp::WithSimd for Flight<'_> {
 
 #[test]
 fn second_method_nearly_straight_passages() {
-    let mut seed = 11u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
+    let mut random = random(11);
     let mut found = 0;
     for _ in 0..20_000 {
         // From nearly straight to anything.

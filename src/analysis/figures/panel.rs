@@ -2,9 +2,9 @@
 
 use super::canvas::palette::BLACK;
 use super::chart::{Axis, Layer, Panel, Shape};
-use super::draw::{Area, Drawn, ENTRY, SMALL, failed, style, text};
 use super::scale::{Frame, Scale};
 use super::symbols::{entry, entry_width, mark, outline, stroke};
+use super::text::{Area, Drawn, ENTRY, SMALL, failed, style, text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 

@@ -2,8 +2,8 @@
 
 use super::canvas::palette::BLACK;
 use super::chart::{Colour, Dash, Layer, Mark, Shape};
-use super::draw::{Area, Drawn, ENTRY, SAMPLE, SMALL, failed, style, text};
 use super::scale::dashes;
+use super::text::{Area, Drawn, ENTRY, SAMPLE, SMALL, failed, style, text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 

@@ -1,7 +1,7 @@
 //! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's multipliers, two trajectories.
 
-use super::super::bifurcation::kicked;
 use super::super::motion::settled;
+use super::super::section::kicked;
 use super::super::variation::unit_frame;
 use super::*;
 use crate::parameters::{Groups, Parameters, Scales};

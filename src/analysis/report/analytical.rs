@@ -2,7 +2,7 @@
 
 use super::super::error::{Error, Result};
 use super::super::settings::{Settings, find_group};
-use super::statements::{Found, Statement, Verdict};
+use super::statement::{Found, Statement, Verdict};
 use crate::steady::multiple_scales::{FixedPoint, Manifold, fixed_points};
 
 pub(super) fn limits(found: &Found) -> Result<Vec<Statement>> {

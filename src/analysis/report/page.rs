@@ -5,7 +5,7 @@ use super::super::figures::canvas;
 use super::super::settings::{Settings, short};
 use super::super::studies::Study;
 use super::super::table::Table;
-use super::statements::{Statement, Verdict};
+use super::statement::{Statement, Verdict};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;

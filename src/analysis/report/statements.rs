@@ -5,9 +5,10 @@
 use super::super::attractor::{Class, ZERO_EXPONENT};
 use super::super::bifurcation::{Diagram, Point};
 use super::super::error::Result;
-use super::super::settings::{Settings, short};
-use super::super::studies::{Modulation, periodic_ranges};
+use super::super::settings::short;
+use super::super::studies::periodic_ranges;
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
+use super::statement::{Found, Statement, Verdict};
 
 /// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;
@@ -15,59 +16,6 @@ const END: f64 = 0.1;
 const MOSTLY: f64 = 0.85;
 /// A modulation is strong when the least amplitude is under this part of the largest.
 const STRONG: f64 = 0.6;
-
-/// How a statement compares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// It is found again.
-    Agrees,
-    /// Part of it is.
-    Partly,
-    /// It is not.
-    Differs,
-}
-
-impl Verdict {
-    /// In words.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Agrees => "agrees",
-            Self::Partly => "agrees in part",
-            Self::Differs => "does not agree",
-        }
-    }
-
-    pub(super) fn of(agrees: bool, partly: bool) -> Self {
-        match (agrees, partly) {
-            (true, _) => Self::Agrees,
-            (_, true) => Self::Partly,
-            _ => Self::Differs,
-        }
-    }
-}
-
-/// A statement and what was found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Statement {
-    /// Where the paper makes it.
-    pub place: &'static str,
-    /// What it says.
-    pub paper: &'static str,
-    /// What was found, in numbers.
-    pub found: String,
-    /// How the two compare.
-    pub verdict: Verdict,
-}
-
-/// What the statements are compared with.
-pub(super) struct Found<'a> {
-    pub(super) settings: &'a Settings,
-    pub(super) coarse: &'a Diagram,
-    pub(super) fine: &'a Diagram,
-    pub(super) modulation: Modulation,
-    /// The CSV of figure 17.
-    pub(super) errors: &'a [u8],
-}
 
 pub(super) fn all(found: &Found) -> Result<Vec<Statement>> {
     let mut list = limits(found)?;

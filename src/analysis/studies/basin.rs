@@ -1,10 +1,11 @@
 //! Pictures and tables of basins of attraction.
 
 use super::super::attractor::Class;
-use super::super::basin::{Axis as Start, Basin, COORDINATES, Goal, Request};
+use super::super::basin::{Axis as Start, Basin, Goal, Request};
 use super::super::error::{Error, Result};
 use super::super::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use super::super::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
+use super::super::section::COORDINATES;
 use super::super::settings::Settings;
 use super::super::table::{Table, exact};
 use super::Study;
@@ -49,7 +50,7 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
     for (number, attractor) in shown {
         colours.extend([Some(colour(number, false)), Some(colour(number, true))]);
         let [own, mirror] = basin.shares(number as u16);
-        let class = Class::of(attractor, None, 1.0).name();
+        let class = Class::of(attractor, None).name();
         let title = format!("{}: {class}", number + 1);
         if number < PAIRS.len() {
             layers.push(Layer::band(&title, colour(number, false), 1.0, Vec::new()));

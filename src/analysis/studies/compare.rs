@@ -5,12 +5,12 @@ use super::super::error::Result;
 use super::super::figures::canvas::palette::FAMILY;
 use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use super::super::motion::{amplitude, record, settled};
-use super::super::parts::{Parts, Shard};
+use super::super::parts::Task;
 use super::super::plane::PlaneAxis;
 use super::super::settings::{Settings, find_group, short};
 use super::super::table::{Table, exact};
 use super::steady::{comparison_panel, four_panels};
-use super::sweep::overlay;
+use super::sweep::{maxima_table, overlay};
 use super::theory::{Point, Theory, simulated};
 use super::{PANEL, Study};
 use crate::parameters::Parameters;
@@ -43,7 +43,7 @@ pub(super) fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 
 fn start(p: &Parameters, theory: &Theory) -> State {
     let at = theory.history(p, 1.0);
     let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));
-    let (length, speed) = (p.stop_gap, p.stop_gap * (p.box_stiffness / p.box_mass).sqrt());
+    let (length, speed) = (p.stop_gap, p.stop_gap * p.box_frequency());
     let [_, _, x1, x2, x3] = first.0.map(|x| x * length);
     let [_, _, v1, v2, v3] = first.1.map(|v| v * speed);
     let room = 0.999 * length;
@@ -116,10 +116,12 @@ pub fn force_overlay(
 ) -> Result<Study> {
     let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
     let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None };
-    let found = diagram(settings, &sweep, &Parts::none(), Shard::ALL, &|_| done())?;
+    let found = diagram(settings, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
-    overlay(settings, &sweep, &found, "compare-16")
+    let mut study = overlay(settings, &sweep, &found, "compare-16")?;
+    study.tables.push(("compare-16-maxima".into(), maxima_table(&axis, &found)?));
+    Ok(study)
 }
 
 /// One ε of figure 17: both motions over a period, both sets of amplitudes.

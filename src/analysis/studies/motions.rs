@@ -1,12 +1,13 @@
 //! Simulated motions as they are: time histories (figure 13), phase portraits (figure 15), exponents on their way.
 
-use super::super::bifurcation::{Diagram, Point, kicked};
+use super::super::bifurcation::{Diagram, Point};
 use super::super::error::Result;
 use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
 use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
 use super::super::groups::Group;
-use super::super::lyapunov::{Convergence, Options, convergence};
+use super::super::lyapunov::{Convergence, Options, dimensionless};
 use super::super::motion::{Flight, record, settled};
+use super::super::section::{Section, kicked, state};
 use super::super::settings::{Settings, short};
 use super::super::table::{Table, exact};
 use super::theory::{Point as Instant, simulated};
@@ -153,10 +154,9 @@ fn portrait(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], wi
     }
 }
 
-fn state(p: &Parameters, s: &[f64; 6]) -> State {
-    let speed = p.stop_gap * (p.box_stiffness / p.box_mass).sqrt();
-    let mut state = State { x: [0, 1, 2].map(|i| s[i] * p.stop_gap), v: [3, 4, 5].map(|i| s[i] * speed) };
-    // Rounding may have put the block past a stop by a digit.
+/// A state from its section; rounding may have put the block past a stop by a digit.
+fn inside(p: &Parameters, s: &Section) -> State {
+    let mut state = state(p, s);
     let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);
     state.x[1] = state.x[0] + w;
     state
@@ -178,7 +178,7 @@ pub fn portraits(
         let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
         let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
         let p = settings.parameters_of(&settings.vary(group, point.value))?;
-        let start = state(&p, &point.attractor.sections[0]);
+        let start = inside(&p, &point.attractor.sections[0]);
         let mut simulator = Simulator::new(&p, &start, 0.0)?.without_ledger();
         let periods = point.attractor.period.unwrap_or(WANDERING);
         let points = simulated(&record(&mut simulator, periods)?, &p);
@@ -236,27 +236,24 @@ pub fn running(
     options: &Options,
     name: &str,
 ) -> Result<Study> {
-    let run = |value: &f64| -> Result<(f64, f64, Convergence)> {
+    let run = |value: &f64| -> Result<(f64, Convergence)> {
         let p = settings.parameters_of(&settings.vary(group, *value))?;
         let mut simulator = settled(&p, &kicked(&p), f64::from(discard))?;
-        let rate = (p.box_stiffness / p.box_mass).sqrt();
-        let options = Options { threshold: options.threshold * rate, ..*options };
-        Ok((*value, rate, convergence(&mut simulator, &options)?))
+        Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
     let mut header = vec![group.name, "period"];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
     let mut table = Table::new(&header);
     let (mut panels, mut remarks) = (Vec::new(), Vec::new());
-    for (letter, (value, rate, found)) in ('a'..).zip(&runs) {
+    for (letter, (value, found)) in ('a'..).zip(&runs) {
         let mut paths = vec![Path::new(); 7];
         for (n, exponents) in (1..).zip(&found.running) {
-            let scaled = exponents.map(|e| e / rate);
-            for (path, e) in paths.iter_mut().zip(scaled) {
-                path.push((f64::from(n), e));
+            for (path, e) in paths.iter_mut().zip(exponents) {
+                path.push((f64::from(n), *e));
             }
             let mut row = vec![exact(*value), n.to_string()];
-            row.extend(scaled.map(exact));
+            row.extend(exponents.map(exact));
             table.rows.push(row);
         }
         let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
@@ -272,13 +269,13 @@ pub fn running(
             layers: layers.collect(),
         });
         let s = &found.spectrum;
-        let shown = s.exponents.map(|e| format!("{:.5}", e / rate + 0.0).replace('-', "−"));
+        let shown = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
         remarks.push(format!(
             "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",
             group.name,
             short(*value),
             shown.join(", "),
-            s.deviation / rate,
+            s.deviation,
             s.periods
         ));
     }

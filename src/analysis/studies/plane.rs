@@ -57,10 +57,7 @@ pub fn planes(
 
 fn panel(settings: &Settings, index: usize, plane: &Plane, count: usize) -> Panel {
     let (x, y) = (&plane.x, &plane.y);
-    // Cells are centred on their values.
-    let half = |a: &PlaneAxis| 0.5 * (a.to - a.from) / (a.count - 1) as f64;
-    let (hx, hy) = (half(x), half(y));
-    let (x_range, y_range) = ((x.from - hx, x.to + hx), (y.from - hy, y.to + hy));
+    let (x_range, y_range) = (x.edges(), y.edges());
     let cells = Shape::Cells {
         x: x_range,
         y: y_range,

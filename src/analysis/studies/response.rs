@@ -155,6 +155,47 @@ fn caption(settings: &Settings) -> Vec<String> {
     vec![exact.into(), settings.caption()]
 }
 
+/// What tells figures 10 and 11 apart.
+struct Words {
+    /// Stem of the files.
+    name: &'static str,
+    title: &'static str,
+    what: &'static str,
+    /// What the two families of curves are.
+    families: [&'static str; 2],
+}
+
+/// C and A3 of two families of curves.
+fn quartet(
+    settings: &Settings,
+    along: &'static Group,
+    range: (f64, f64),
+    families: &[Family; 2],
+    words: &Words,
+) -> Result<Study> {
+    let pairs = families.iter().zip(words.families).flat_map(|(f, w)| [(f, "C", w), (f, "A₃", w)]);
+    let panels = ('a'..).zip(pairs).map(|(letter, (family, symbol, words))| {
+        panel(format!("({letter}) {symbol} {words}"), along, range, family, symbol != "C")
+    });
+    let figure = Figure {
+        title: words.title.into(),
+        caption: caption(settings),
+        panels: panels.collect(),
+        columns: 2,
+        panel: PANEL,
+        shared_legend: false,
+    };
+    let [first, second] = families;
+    Ok(Study {
+        name: words.name.into(),
+        what: words.what.into(),
+        tables: vec![(words.name.into(), table(along, &[first, second]).csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks: Vec::new(),
+    })
+}
+
 /// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
 ///
 /// # Errors
@@ -163,27 +204,13 @@ pub fn frequency(settings: &Settings, range: (f64, f64), f10: &[f64], gamma1: &[
     let along = find_group("sigma1")?;
     let forces = family(settings, along, range, "f10", f10)?;
     let dampings = family(settings, along, range, "gamma1", gamma1)?;
-    let figure = Figure {
-        title: "Frequency response (cf. figure 10)".into(),
-        caption: caption(settings),
-        panels: vec![
-            panel("(a) C for some excitation amplitudes".into(), along, range, &forces, false),
-            panel("(b) A₃ for some excitation amplitudes".into(), along, range, &forces, true),
-            panel("(c) C for some dampings".into(), along, range, &dampings, false),
-            panel("(d) A₃ for some dampings".into(), along, range, &dampings, true),
-        ],
-        columns: 2,
-        panel: PANEL,
-        shared_legend: false,
+    let words = Words {
+        name: "response-frequency",
+        title: "Frequency response (cf. figure 10)",
+        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
+        families: ["for some excitation amplitudes", "for some dampings"],
     };
-    Ok(Study {
-        name: "response-frequency".into(),
-        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit".into(),
-        tables: vec![("response-frequency".into(), table(along, &[&forces, &dampings]).csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
+    quartet(settings, along, range, &[forces, dampings], &words)
 }
 
 /// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
@@ -194,25 +221,11 @@ pub fn force(settings: &Settings, range: (f64, f64), positive: &[f64], negative:
     let along = find_group("f10")?;
     let above = family(settings, along, range, "sigma1", positive)?;
     let below = family(settings, along, range, "sigma1", negative)?;
-    let figure = Figure {
-        title: "Force response (cf. figure 11)".into(),
-        caption: caption(settings),
-        panels: vec![
-            panel("(a) C above resonance".into(), along, range, &above, false),
-            panel("(b) A₃ above resonance".into(), along, range, &above, true),
-            panel("(c) C below resonance".into(), along, range, &below, false),
-            panel("(d) A₃ below resonance".into(), along, range, &below, true),
-        ],
-        columns: 2,
-        panel: PANEL,
-        shared_legend: false,
+    let words = Words {
+        name: "response-force",
+        title: "Force response (cf. figure 11)",
+        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
+        families: ["above resonance", "below resonance"],
     };
-    Ok(Study {
-        name: "response-force".into(),
-        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit".into(),
-        tables: vec![("response-force".into(), table(along, &[&above, &below]).csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
+    quartet(settings, along, range, &[above, below], &words)
 }

@@ -85,12 +85,6 @@ fn method(sweep: &Sweep) -> String {
     text
 }
 
-/// Edges of the cells: each is centred on its value.
-fn edges(axis: &PlaneAxis) -> (f64, f64) {
-    let half = 0.5 * (axis.to - axis.from) / (axis.count - 1) as f64;
-    (axis.from - half, axis.to + half)
-}
-
 /// Range of all maxima, with some air.
 fn reach(points: &[Option<Point>]) -> (f64, f64) {
     let all = points.iter().flatten().flat_map(|p| p.maxima.iter().map(|m| m.0));
@@ -124,13 +118,13 @@ fn cells(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: (f64
     };
     let mut colours = vec![None];
     colours.extend(SHADES.into_iter().chain(FALLING).map(Some));
-    let (x, cells) = (edges(axis), counts.into_iter().map(class).collect());
+    let (x, cells) = (axis.edges(), counts.into_iter().map(class).collect());
     Shape::Cells { x, y, columns: axis.count, cells, colours }
 }
 
 fn maxima_panel(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool]) -> Panel {
     let both: Vec<Option<Point>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
-    let (x, y) = (edges(axis), reach(&both));
+    let (x, y) = (axis.edges(), reach(&both));
     let mut layers = vec![Layer::new("", BLACK, cells(axis, keep, diagram, apart, y))];
     layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
     layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
@@ -143,7 +137,7 @@ fn maxima_panel(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool]) 
 }
 
 fn exponent_panel(axis: &PlaneAxis, points: &[Option<Point>]) -> Panel {
-    let x = edges(axis);
+    let x = axis.edges();
     let curve = |index: usize| -> Path {
         points
             .iter()
@@ -165,7 +159,7 @@ fn exponent_panel(axis: &PlaneAxis, points: &[Option<Point>]) -> Panel {
 }
 
 fn impact_panel(axis: &PlaneAxis, diagram: &Diagram) -> Panel {
-    let x = edges(axis);
+    let x = axis.edges();
     let curve = |points: &[Option<Point>]| -> Path {
         let all = points.iter().flatten();
         all.map(|p| (p.value, p.attractor.impacts[0] + p.attractor.impacts[1])).collect()
@@ -184,7 +178,10 @@ fn impact_panel(axis: &PlaneAxis, diagram: &Diagram) -> Panel {
 const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
 /// Every maximum with its count; written directly, since there are hundreds of thousands.
-fn maxima_table(axis: &PlaneAxis, diagram: &Diagram) -> Result<Vec<u8>> {
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn maxima_table(axis: &PlaneAxis, diagram: &Diagram) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut put = |row: [&str; 4]| writer.write_record(row).map_err(Error::output("a table"));
     put([axis.group.name, "direction", "X2_maximum", "count"])?;
@@ -285,7 +282,8 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
     Ok((table, study))
 }
 
-/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10.
+/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10, which are in the table of the
+/// sweep itself.
 ///
 /// # Errors
 /// What the theories refuse, [`Error::Output`].
@@ -329,7 +327,7 @@ pub fn overlay(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str
     Ok(Study {
         name: name.into(),
         what: "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16".into(),
-        tables: vec![(name.into(), table.csv()?), (format!("{name}-maxima"), maxima_table(axis, diagram)?)],
+        tables: vec![(name.into(), table.csv()?)],
         shown: None,
         figure: Some(figure),
         remarks: Vec::new(),

@@ -109,8 +109,7 @@ impl Theory {
 
     fn at(&self, parameters: &Parameters, phase: f64) -> Point {
         let p = parameters;
-        let omega10 = (p.box_stiffness / p.box_mass).sqrt();
-        let rate = p.drive_frequency / omega10;
+        let rate = p.drive_frequency / p.box_frequency();
         let motion = match self {
             Self::MultipleScales(m) => m.motion_at_drive(phase),
             Self::Strong(m) => m.motion_at_drive(phase),
@@ -136,7 +135,7 @@ fn best<T: Copy>(candidates: impl Iterator<Item = T>, stable: impl Fn(&T) -> boo
 
 fn point(p: &Parameters, time: f64, x: &[f64; 3], v: &[f64; 3]) -> Point {
     let (length, epsilon) = (p.stop_gap, p.block_mass / p.box_mass);
-    let speed = length * (p.box_stiffness / p.box_mass).sqrt();
+    let speed = length * p.box_frequency();
     let five = |a: &[f64; 3], unit: f64| {
         [a[0] + epsilon * a[1], a[1] - a[0], a[0], a[1], a[2]].map(|value| value / unit)
     };

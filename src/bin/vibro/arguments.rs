@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use vibro_impact::analysis::isoperiodic::Origin;
 use vibro_impact::analysis::parts::Shard;
 use vibro_impact::analysis::plane::Method;
 
@@ -23,6 +24,7 @@ EXAMPLES
   vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
   vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
   vibro lyapunov --range f10=1.9:4 --resolution 1051
+  vibro isoperiodic --pair sigma1,f10 --resolution 200
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
@@ -71,11 +73,17 @@ pub enum Command {
     /// Theory against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
     /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
+    ///
+    /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
+    /// divided: every shard repeats it, about a fifth of the work. Only what is learnt at the values is shared, so that more
+    /// than some four shards hardly help; `lyapunov` and the planes, where that is nearly all, gain from more.
     Bifurcation(Bifurcation),
     /// The same with all Lyapunov exponents (figure 14, table 2)
     Lyapunov(Lyapunov),
     /// Basins of attraction over two initial values
     Basin(Basin),
+    /// Simulated motion over planes of two groups: period, impacts, chaos, beside the exact orbit
+    Isoperiodic(Isoperiodic),
     /// Draws a study whose shards were computed apart
     Merge(Merge),
     /// All figures of the paper and a report that sets its statements beside what is found
@@ -147,6 +155,30 @@ pub struct Basin {
     pub share: Share,
 }
 
+/// Arguments of `isoperiodic`.
+#[derive(Args, Debug)]
+pub struct Isoperiodic {
+    /// The planes.
+    #[command(flatten)]
+    pub planes: Planes,
+    /// Values on each axis
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=3_000))]
+    pub resolution: u16,
+    /// Where every motion starts (x1 x2 x3 in L, v1 v2 v3 in L omega10, what is not named zero), or "orbit": on the exact
+    /// orbit where it is stable
+    #[arg(long, value_name = "NAME=VALUE,…", default_value_t = Origin::default(), allow_hyphen_values = true)]
+    pub start: Origin,
+    /// Drive periods discarded
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    pub discard: u32,
+    /// Drive periods over which exponents of motions with impacts and without a period are computed; 0: not at all
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    pub periods: u32,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+}
+
 /// Arguments of `merge`.
 #[derive(Args, Debug)]
 pub struct Merge {
@@ -212,15 +244,23 @@ pub struct Stability {
     pub figure: Vec<String>,
 }
 
-/// Arguments of `plane`.
+/// Planes of two groups.
 #[derive(Args, Debug)]
-pub struct Plane {
+pub struct Planes {
     /// Two groups, horizontal first, e.g. sigma1,f10; the six pairs of figure 12 unless given
     #[arg(long, value_name = "X,Y")]
     pub pair: Vec<String>,
     /// Range of a group on its axis
     #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
     pub range: Vec<String>,
+}
+
+/// Arguments of `plane`.
+#[derive(Args, Debug)]
+pub struct Plane {
+    /// The planes.
+    #[command(flatten)]
+    pub planes: Planes,
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,

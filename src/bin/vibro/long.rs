@@ -1,12 +1,15 @@
 //! Long studies: in parts on disk, as shards, merged, and all together.
 
-use crate::arguments::{Basin, Bifurcation, Common, Lyapunov, Merge, Reproduce};
+use crate::arguments::{Basin, Bifurcation, Common, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::output;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
-use vibro_impact::analysis::basin::Axis;
+use vibro_impact::analysis::basin::{self, Axis};
+use vibro_impact::analysis::bifurcation::Sweep;
+use vibro_impact::analysis::isoperiodic;
 use vibro_impact::analysis::lyapunov::Options;
-use vibro_impact::analysis::parts::{Parts, Shard};
+use vibro_impact::analysis::parts::{Parts, Shard, Task};
+use vibro_impact::analysis::plane::PlaneAxis;
 use vibro_impact::analysis::report;
 use vibro_impact::analysis::work::{Kind, Work};
 use vibro_impact::analysis::{Error, Result, Settings, words};
@@ -15,17 +18,10 @@ use vibro_impact::analysis::{Error, Result, Settings, words};
 const PARTS: &str = "parts";
 
 fn kind(a: &Bifurcation, exponents: Option<Options>, at: &[f64]) -> Result<Kind> {
-    let (group, (from, to)) = words::range(&a.range)?;
-    Ok(Kind::Sweep {
-        along: group.name.into(),
-        from,
-        to,
-        count: a.resolution.into(),
-        discard: a.discard,
-        keep: a.keep,
-        exponents,
-        at: at.to_vec(),
-    })
+    let (group, range) = words::range(&a.range)?;
+    let axis = PlaneAxis::new(group, range, a.resolution.into())?;
+    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents };
+    Ok(Kind::Sweep { sweep, at: at.to_vec() })
 }
 
 pub fn bifurcation(settings: &Settings, common: &Common, a: &Bifurcation) -> Result<()> {
@@ -45,8 +41,23 @@ pub fn lyapunov(settings: &Settings, common: &Common, a: &Lyapunov) -> Result<()
 pub fn basin(settings: &Settings, common: &Common, a: &Basin) -> Result<()> {
     let count = usize::from(a.resolution);
     let (x, y) = (Axis::parse(&a.x, count)?, Axis::parse(&a.y, count)?);
-    let kind = Kind::Basin { x, y, discard: a.discard };
+    let kind = Kind::Basin(basin::Request { x, y, discard: a.discard });
     perform(&Work::new("basin", kind, settings), common, a.share.shard)
+}
+
+pub fn isoperiodic(
+    settings: &Settings,
+    common: &Common,
+    a: &Isoperiodic,
+    planes: &[(PlaneAxis, PlaneAxis)],
+) -> Result<()> {
+    let exponents = (a.periods > 0).then(|| Options { periods: a.periods, ..Options::default() });
+    for &(x, y) in planes {
+        let request = isoperiodic::Request { x, y, start: a.start, discard: a.discard, exponents };
+        let name = format!("isoperiodic-{}-{}", x.group.name, y.group.name);
+        perform(&Work::new(&name, Kind::Isoperiodic(request), settings), common, a.share.shard)?;
+    }
+    Ok(())
 }
 
 fn folder(out: &Path, work: &Work) -> PathBuf {
@@ -55,10 +66,11 @@ fn folder(out: &Path, work: &Work) -> PathBuf {
 
 /// Computes a study or a share of it; draws it when all of it is there.
 fn perform(work: &Work, common: &Common, shard: Option<Shard>) -> Result<()> {
-    let (out, count) = (&common.out, work.count()?);
+    let (out, count) = (&common.out, work.count());
     let parts = Parts::open(&folder(out, work), work)?;
     let progress = Progress::new(count.div_ceil(shard.map_or(1, |s| s.count)), "parts");
-    let found = work.run(&parts, shard.unwrap_or(Shard::ALL), &|_| progress.step())?;
+    let found =
+        work.run(&Task { parts: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() })?;
     drop(progress);
     match found {
         Some(studies) => {
@@ -110,7 +122,7 @@ pub fn merge(common: &Common, a: &Merge) -> Result<()> {
     for (work, sources) in &works {
         let parts = Parts::open(&folder(&common.out, work), work)?;
         sources.iter().try_for_each(|source| parts.take_over(source))?;
-        let count = work.count()?;
+        let count = work.count();
         let missing = parts.missing(count);
         if missing > 0 {
             let problem = format!("{missing} of {count} parts are missing; run the other shards too");
@@ -123,7 +135,7 @@ pub fn merge(common: &Common, a: &Merge) -> Result<()> {
 
 pub fn reproduce(settings: &Settings, common: &Common, a: &Reproduce) -> Result<()> {
     let plan = report::Plan::new(settings, a.quick)?;
-    let progress = Progress::new(plan.steps()?, "steps");
+    let progress = Progress::new(plan.steps(), "steps");
     let home = common.out.join(format!("reproduce.{PARTS}"));
     let report = plan.run(&home, &|_| progress.step())?;
     drop(progress);

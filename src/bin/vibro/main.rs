@@ -44,6 +44,9 @@ fn run(arguments: &Arguments) -> Result<()> {
         Command::Bifurcation(a) => return long::bifurcation(&settings, common, a),
         Command::Lyapunov(a) => return long::lyapunov(&settings, common, a),
         Command::Basin(a) => return long::basin(&settings, common, a),
+        Command::Isoperiodic(a) => {
+            return long::isoperiodic(&settings, common, a, &axes(&a.planes, a.resolution)?);
+        }
         Command::Merge(a) => return long::merge(common, a),
         Command::Reproduce(a) => return long::reproduce(&settings, common, a),
     };
@@ -126,7 +129,8 @@ fn stability(settings: &Settings, a: &arguments::Stability) -> Result<Vec<Study>
     Ok(found)
 }
 
-fn plane(settings: &Settings, a: &arguments::Plane) -> Result<Study> {
+/// The axes of planes, horizontal first.
+fn axes(a: &arguments::Planes, resolution: u16) -> Result<Vec<(PlaneAxis, PlaneAxis)>> {
     let ranges = a.range.iter().map(|t| words::range(t)).collect::<Result<Vec<_>>>()?;
     let pairs = if a.pair.is_empty() {
         PAIRS.iter().map(|(x, y)| Ok((find_group(x)?, find_group(y)?))).collect::<Result<Vec<_>>>()?
@@ -135,13 +139,16 @@ fn plane(settings: &Settings, a: &arguments::Plane) -> Result<Study> {
     };
     let drawn: Vec<_> = pairs.iter().flat_map(|(x, y)| [x.name, y.name]).collect();
     only(ranges.iter().map(|r| r.0.name), &drawn, "a range of a group that is on an axis")?;
-    let count = usize::from(a.resolution);
     let axis = |group: &'static Group| {
         let shown = range_of(&ranges, group.name, group.shown);
-        PlaneAxis::new(group, shown, count)
+        PlaneAxis::new(group, shown, resolution.into())
     };
-    let axes = pairs.iter().map(|&(x, y)| Ok((axis(x)?, axis(y)?))).collect::<Result<Vec<_>>>()?;
-    let progress = Progress::new(axes.len() * count, "rows");
+    pairs.iter().map(|&(x, y)| Ok((axis(x)?, axis(y)?))).collect()
+}
+
+fn plane(settings: &Settings, a: &arguments::Plane) -> Result<Study> {
+    let axes = axes(&a.planes, a.resolution)?;
+    let progress = Progress::new(axes.len() * usize::from(a.resolution), "rows");
     studies::planes(settings, &axes, a.method.into(), &|| progress.step())
 }
 

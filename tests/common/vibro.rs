@@ -1,0 +1,38 @@
+//! Runs the real `vibro`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A fresh folder for one test.
+pub fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    // Absent on the first run.
+    let _ = std::fs::remove_dir_all(&path);
+    path
+}
+
+/// `vibro` with its output in a folder.
+pub fn command(out: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
+    command.args(arguments).arg("--out").arg(out);
+    command
+}
+
+/// Standard output of a run that must succeed, and say nothing else.
+pub fn drawn(out: &Path, arguments: &[&str]) -> String {
+    let output = command(out, arguments).output().expect("vibro runs");
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    // No progress bar where there is no terminal.
+    assert_eq!(text(&output.stderr), "", "{arguments:?}");
+    text(&output.stdout)
+}
+
+/// The pixels of a PNG file as (width, height, RGB bytes).
+pub fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
+    let file = std::fs::File::open(path).expect("a PNG file");
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG header");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let info = reader.next_frame(&mut pixels).expect("PNG data");
+    (info.width, info.height, pixels)
+}
