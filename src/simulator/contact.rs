@@ -11,7 +11,7 @@ const CHATTER: f64 = 0.5 * f64::EPSILON;
 /// without end; it is closed by the height of its bounces instead.
 const LEAST_LOSS: f64 = 1e-3;
 /// That height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
-const LEAST_BOUNCE: f64 = 1e-12;
+pub(super) const LEAST_BOUNCE: f64 = 1e-12;
 /// A run is closed only while the free acceleration changes by less than this part of itself until its end.
 const STEADY: f64 = 0.25;
 

@@ -8,12 +8,14 @@ mod batch;
 mod careful;
 mod contact;
 mod flight;
+mod lanes;
 mod limits;
 mod step;
 mod tables;
 mod types;
 
 pub use batch::advance_together;
+pub use lanes::ALONE;
 pub(crate) use step::Listener;
 pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, Work};
 

@@ -1,0 +1,149 @@
+//! Many independent motions at a time on one thread, each in a lane of the machine's vectors.
+//!
+//! Nearly all sub-steps of a motion are of one kind: free flight for a whole sub-step, to its end or to an impact that is
+//! easily proved to be the first. These are computed for all lanes at once. Whatever the lanes cannot prove, and all that
+//! is not free flight, each motion does by itself with the code of [`step`](super::step). Which of the two does a sub-step is
+//! decided by the motion's own state, so that its result does not depend on its neighbours.
+
+mod passage;
+mod rows;
+mod substep;
+
+use super::step::{Course, RENEW};
+use super::{Contact, Simulator, StopReason};
+use crate::error::Result;
+use crate::extended::Extended;
+use crate::vector;
+use crate::wide::ROW;
+use pulp::Simd;
+use rows::{Moving, Systems};
+use std::ops::ControlFlow;
+
+/// A motion under way.
+pub(super) struct Motion<'a> {
+    pub(super) simulator: &'a mut Simulator,
+    pub(super) course: Course,
+    pub(super) end: Extended,
+    pub(super) result: &'a mut Result<()>,
+}
+
+/// The work of one thread, to be compiled once for each instruction set.
+pub(super) struct Lanes<'a> {
+    /// Taken from the back.
+    pub(super) waiting: Vec<Motion<'a>>,
+}
+
+/// Vectors with fewer places than this gain nothing.
+const LEAST: usize = 4;
+
+/// Motions gone on with alone, for measuring.
+pub static ALONE: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+
+impl pulp::WithSimd for Lanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        if S::F64_LANES < LEAST {
+            while let Some(mut motion) = self.waiting.pop() {
+                while motion.alone(simd) {}
+            }
+            return;
+        }
+        let mut lanes: [Option<Motion<'_>>; ROW] = [const { None }; ROW];
+        let mut systems = Box::new(Systems::zero());
+        let mut moving = Box::new(Moving::zero());
+        let mut live = 0;
+        for (lane, place) in lanes.iter_mut().enumerate() {
+            *place = self.waiting.pop();
+            if let Some(motion) = place {
+                systems.admit(lane, motion.simulator, motion.end);
+                moving.take(lane, motion.simulator, &motion.course);
+                live |= 1 << lane;
+            }
+        }
+        while live != 0 {
+            for lane in places(moving.stale(simd, f64::from(RENEW)) & live) {
+                if let Some(motion) = &lanes[lane] {
+                    moving.renew(lane, motion.simulator);
+                }
+            }
+            for lane in places(substep::substep(simd, &systems, &mut moving, live)) {
+                let Some(motion) = &mut lanes[lane] else { continue };
+                moving.give(lane, motion.simulator, &mut motion.course);
+                ALONE.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                if !alone(simd, motion) {
+                    lanes[lane] = self.waiting.pop();
+                    match &lanes[lane] {
+                        Some(motion) => systems.admit(lane, motion.simulator, motion.end),
+                        None => live &= !(1 << lane),
+                    }
+                }
+                if let Some(motion) = &lanes[lane] {
+                    moving.take(lane, motion.simulator, &motion.course);
+                }
+            }
+        }
+    }
+}
+
+/// The places of motions in a row, as bits.
+type Places = u64;
+
+#[inline(always)]
+fn places(mut bits: Places) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (place < Places::BITS as usize).then_some(place)
+    })
+}
+
+/// [`Motion::alone`] out of the lanes' way.
+#[inline(never)]
+fn alone<S: Simd>(simd: S, motion: &mut Motion<'_>) -> bool {
+    struct Alone<'m, 'a>(&'m mut Motion<'a>);
+    impl pulp::WithSimd for Alone<'_, '_> {
+        type Output = bool;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> bool {
+            self.0.alone(simd)
+        }
+    }
+    simd.vectorize(Alone(motion))
+}
+
+impl Motion<'_> {
+    /// Goes on by its own code until the next sub-step looks like one for the lanes; false at the end of the advance.
+    #[inline(always)]
+    fn alone<S: Simd>(&mut self, simd: S) -> bool {
+        let Self { simulator, course, end, result } = self;
+        loop {
+            if let ControlFlow::Break(reason) =
+                simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None)
+            {
+                **result = reason.map(|_: StopReason| ());
+                return false;
+            }
+            if simulator.plain::<S>(course, *end) {
+                return true;
+            }
+        }
+    }
+}
+
+impl Simulator {
+    /// Whether the next sub-step looks like one of free flight that lies whole before `end` and has no impact in its first
+    /// interval.
+    #[inline(always)]
+    fn plain<S: Simd>(&self, course: &Course, end: Extended) -> bool {
+        let interval = self.interval();
+        let bound = vector::weigh::<S>(&course.z, &self.flight.core.bound);
+        let limit = self.model.gap - bound * interval * interval * 0.125;
+        self.motion.contact == Contact::Flight
+            && end.minus(self.motion.time).value() >= self.substep
+            && self.leaves(&course.z, bound, limit)
+            && !self.wild(&course.z, bound)
+    }
+}

@@ -1,0 +1,164 @@
+//! Free flights about the centre of an interval, one in each lane: their series, the stop's passage and the state there.
+
+use super::rows::Systems;
+use crate::flow::CENTRED;
+use crate::model::GAP;
+use crate::wide::{Mask, Row, Wide};
+use pulp::Simd;
+
+/// 1/k!
+const FACTORIALS: [f64; CENTRED] = {
+    let mut r = [1.0; CENTRED];
+    let mut k = 2;
+    while k < CENTRED {
+        r[k] = r[k - 1] / k as f64;
+        k += 1;
+    }
+    r
+};
+/// A root is found when the proof leaves less than this of an interval's half: the rounding of 1.
+const RESOLUTION: f64 = 0.5 * f64::EPSILON;
+
+/// The derivatives at the centre in the time unit of half an interval.
+pub(super) struct Flights<S: Simd> {
+    /// x1, w, x3.
+    place: [Wide<S>; 3],
+    /// Of their rates, `[order][coordinate]`; those of the places are the same one order on.
+    rates: [[Wide<S>; 3]; CENTRED],
+    cos: Wide<S>,
+    sin: Wide<S>,
+}
+
+impl<S: Simd> Flights<S> {
+    /// By the equations of motion, order after order; the accelerations are those of [`crate::model::Model::acceleration`].
+    #[inline(always)]
+    pub(super) fn expand(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Self {
+        let of = |row: &Row| Wide::of(simd, row, v);
+        let (k1, c1, k2, k3, c3, k32) = (
+            of(&systems.k1),
+            of(&systems.c1),
+            of(&systems.k2),
+            of(&systems.k3),
+            of(&systems.c3),
+            of(&systems.k32),
+        );
+        let (drive, turn, radius) = (of(&systems.drive), of(&systems.turn), of(&systems.radius));
+        let place = [z[0], z[1], z[2]];
+        let mut rates = [[z[3] * radius, z[4] * radius, z[5] * radius]; CENTRED];
+        // The drive's derivatives: each second one is the first times -turn².
+        let square = -(turn * turn);
+        let mut push = [drive * z[7], drive * turn * z[6]];
+        let mut x = place;
+        for k in 0..CENTRED - 1 {
+            let v = rates[k];
+            let stretch = (x[0] - x[2]) + x[1];
+            let back = k1.mul_add(x[0], c1.mul_add(v[0], -push[k % 2])); // -x1''
+            rates[k + 1] =
+                [-back, k2.neg_mul_add(stretch, back), k32.mul_add(stretch, -k3.mul_add(x[2], c3 * v[2]))];
+            push[k % 2] = push[k % 2] * square;
+            x = v;
+        }
+        Self { place, rates, cos: z[6], sin: z[7] }
+    }
+
+    /// Where the gap passes the stop `side` upwards inside (-1, 1): the place, where it is proved, and the iterations. As
+    /// [`crate::events::flight_crossing`], and like it sure of a gap that rises and is nearly straight only.
+    #[inline(always)]
+    pub(super) fn crossing(&self, side: Wide<S>, gap: Wide<S>) -> (Wide<S>, Mask<S>, Wide<S>) {
+        let one = side.all(1.0);
+        // The coefficients of gap and slope.
+        let mut c = [side.all(0.0); CENTRED];
+        let mut d = [side.all(0.0); CENTRED - 1];
+        c[0] = side * self.place[1] - gap;
+        for k in 1..CENTRED {
+            let derivative = side * self.rates[k - 1][1];
+            c[k] = derivative * side.all(FACTORIALS[k]);
+            d[k - 1] = derivative * side.all(FACTORIALS[k - 1]);
+        }
+        let mut sums = [d[1].abs(), d[2].abs()];
+        let mut curvatures = [d[1].abs(), d[2].abs() * side.all(2.0)];
+        for k in 3..CENTRED - 1 {
+            let (size, chain) = (d[k].abs(), (k - 1) % 2);
+            sums[chain] = sums[chain] + size;
+            curvatures[chain] = size.mul_add(side.all(k as f64), curvatures[chain]);
+        }
+        let (sum, curvature) = (sums[0] + sums[1], curvatures[0] + curvatures[1]);
+        let spare = c[1] - sum;
+        let half = side.all(0.5);
+        let straight = side.all(0.0).less(spare) & curvature.less(half * spare);
+        let squares = half * curvature / spare;
+
+        let scale = one / c[1];
+        let linear = -(c[0] * scale);
+        let (bend, twist) = (c[2] * scale, c[3] * scale);
+        let inner = (bend + bend).mul_add(bend, -twist);
+        let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
+        // |p''| times the way to the root is all by which the slope at the start is wrong there: each further step by it
+        // takes the error down by `wrong`.
+        let inverse = one / polynomial(&d, start);
+        let step = polynomial(&c, start) * inverse;
+        let moved = step.abs();
+        let resolution = side.all(RESOLUTION);
+        let first = side.all(4.0) * squares * moved * moved;
+        let wrong = (squares + squares) * (moved + first);
+        let second = wrong * first;
+        let u = start - step;
+        let enough = first.at_most(resolution);
+        let again = u - polynomial(&c, u) * inverse;
+        let u = enough.select(u, again);
+        let found =
+            straight & start.abs().less(one) & (enough | second.at_most(resolution)) & u.abs().less(one);
+        (u, found, enough.select(one, side.all(2.0)))
+    }
+
+    /// The state at u, but for the gap, which is at the stop.
+    #[inline(always)]
+    pub(super) fn at(&self, systems: &Systems, simd: S, v: usize, u: Wide<S>) -> [Wide<S>; 8] {
+        let zero = u.all(0.0);
+        let mut rate = self.rates[CENTRED - 1];
+        let mut path = self.rates[CENTRED - 2];
+        for k in (1..CENTRED).rev() {
+            let part = u * u.all(1.0 / k as f64);
+            for j in 0..3 {
+                rate[j] = rate[j].mul_add(part, self.rates[k - 1][j]);
+            }
+            if k < CENTRED - 1 {
+                // Order k + 1 of the path has the factor u/(k + 1).
+                let part = u * u.all(1.0 / (k + 1) as f64);
+                for j in 0..3 {
+                    path[j] = path[j].mul_add(part, self.rates[k - 1][j]);
+                }
+            }
+        }
+        let per = u.all(1.0) / Wide::of(simd, &systems.radius, v);
+        let mut z = [zero; 8];
+        for j in 0..3 {
+            z[j] = path[j].mul_add(u, self.place[j]);
+            z[j + 3] = rate[j] * per;
+        }
+        let angle = u * Wide::of(simd, &systems.turn, v);
+        let square = angle * angle;
+        let (mut cos, mut sin) = (zero, zero);
+        for k in (0..CENTRED / 2).rev() {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            cos = cos.mul_add(square, u.all(sign * FACTORIALS[2 * k]));
+            sin = sin.mul_add(square, u.all(sign * FACTORIALS[2 * k + 1]));
+        }
+        let sin = sin * angle;
+        z[6] = sin.neg_mul_add(self.sin, cos * self.cos);
+        z[7] = sin.mul_add(self.cos, cos * self.sin);
+        z[GAP] = zero;
+        z
+    }
+}
+
+/// Σ_k c_k u^k by pairs of neighbouring orders, so that nothing waits long for anything.
+#[inline(always)]
+fn polynomial<S: Simd, const N: usize>(c: &[Wide<S>; N], u: Wide<S>) -> Wide<S> {
+    let square = u * u;
+    let fourth = square * square;
+    let pair = |k: usize| if k + 1 < N { c[k + 1].mul_add(u, c[k]) } else { c[k] };
+    let low = pair(2).mul_add(square, pair(0));
+    let middle = pair(6).mul_add(square, pair(4));
+    pair(8).mul_add(fourth * fourth, middle.mul_add(fourth, low))
+}

@@ -1,0 +1,218 @@
+//! A sub-step of all motions under way at once.
+
+use super::passage::Flights;
+use super::rows::{Moving, Systems};
+use super::{Places, places};
+use crate::flow::INTERVALS;
+use crate::model::{GAP, GAP_RATE};
+use crate::simulator::contact::LEAST_BOUNCE;
+use crate::vector::product;
+use crate::wide::{Mask, Row, Wide, WideExtended};
+use pulp::Simd;
+
+/// Takes each of the motions at `live` a sub-step on, to its end or through its first impact. Returns the motions that stay
+/// where they are, for their own code to take on: those for which the proof of the common case fails.
+#[inline(always)]
+pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, live: Places) -> Places {
+    let lanes = S::F64_LANES;
+    let (mut first, mut side) = (Row::ZERO, Row::ZERO);
+    let (mut ready, mut near) = (0, 0);
+    for v in 0..Row::vectors::<S>() {
+        let (fit, at) = look(simd, systems, moving, v, &mut first, &mut side);
+        ready |= fit.bits() << (v * lanes);
+        near |= at.bits() << (v * lanes);
+    }
+    ready &= live;
+    let aiming = near & ready;
+    let passing = ready & !near;
+    let mut centre = [Row::ZERO; 8];
+    for lane in places(aiming) {
+        let Some(tables) = &systems.tables[lane] else { continue };
+        let mut z = [0.0; 8];
+        for (z, row) in z.iter_mut().zip(&moving.z) {
+            *z = row.0[lane];
+        }
+        let there = product(simd, &tables.core.centre[first.0[lane] as usize % INTERVALS], &z);
+        for (row, there) in centre.iter_mut().zip(there) {
+            row.0[lane] = there;
+        }
+    }
+    let mut arrived = 0;
+    for v in 0..Row::vectors::<S>() {
+        let part = (1 << lanes) - 1;
+        if passing >> (v * lanes) & part != 0 {
+            pass(simd, systems, moving, v, passing >> (v * lanes) & part);
+        }
+        if aiming >> (v * lanes) & part != 0 {
+            let aim = Aim { first: &first, side: &side, centre: &centre };
+            let through = impact(simd, systems, moving, v, &aim, aiming >> (v * lanes) & part);
+            arrived |= through << (v * lanes);
+        }
+    }
+    live & !(passing | arrived)
+}
+
+/// Where the gap comes near a stop first.
+struct Aim<'a> {
+    first: &'a Row,
+    side: &'a Row,
+    centre: &'a [Row; 8],
+}
+
+/// As `Simulator::look`: which motions are in plain flight with a whole sub-step to go and clear of the stops in the first
+/// interval, and which of these come near a stop; the first interval with a near end, and the side.
+#[inline(always)]
+fn look<S: Simd>(
+    simd: S,
+    systems: &Systems,
+    moving: &Moving,
+    v: usize,
+    first: &mut Row,
+    side: &mut Row,
+) -> (Mask<S>, Mask<S>) {
+    let of = |row: &Row| Wide::of(simd, row, v);
+    let splat = |x| Wide::splat(simd, x);
+    let zero = splat(0.0);
+    let mut z = [zero; 8];
+    for j in 0..8 {
+        z[j] = of(&moving.z[j]);
+    }
+    let bound = bound(simd, systems, v, &z);
+    let interval = of(&systems.interval);
+    let turned = splat(0.5) * bound * interval;
+    let limit = (turned * interval).neg_mul_add(splat(0.25), of(&systems.gap));
+    let departing = of(&moving.departing);
+    let (from_inside, from_stop) = (departing.at_most(zero), departing.at_most(splat(1.0)));
+    let speed = z[GAP_RATE].abs();
+    let leaves = (from_inside & z[GAP].abs().less(limit)) | (!from_inside & from_stop & turned.less(speed));
+    let tame = (speed * interval + turned * interval).at_most(of(&systems.reach));
+    let remaining = (of(&systems.end[0]) - of(&moving.time[0])) + (of(&systems.end[1]) - of(&moving.time[1]));
+    let whole = of(&systems.substep).at_most(remaining);
+
+    let mut index = splat(INTERVALS as f64);
+    let mut gap = zero;
+    for i in (0..INTERVALS).rev() {
+        let mut g = of(&systems.sample[i][0]) * z[0];
+        for j in 1..8 {
+            g = of(&systems.sample[i][j]).mul_add(z[j], g);
+        }
+        let near = limit.at_most(g.abs());
+        index = near.select(splat(i as f64), index);
+        gap = near.select(g, gap);
+    }
+    index.put(first, v);
+    zero.less(gap).select(splat(1.0), splat(-1.0)).put(side, v);
+    let clear = splat(0.5).less(index); // the first sample is not near
+    (leaves & tame & whole & clear, index.less(splat(INTERVALS as f64)))
+}
+
+/// The bound on |w''| over a sub-step.
+#[inline(always)]
+fn bound<S: Simd>(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Wide<S> {
+    let mut bound = z[0].abs() * Wide::of(simd, &systems.bound[0], v);
+    for j in 1..8 {
+        bound = z[j].abs().mul_add(Wide::of(simd, &systems.bound[j], v), bound);
+    }
+    bound
+}
+
+/// `bits` as a mask.
+#[inline(always)]
+fn mask<S: Simd>(simd: S, bits: Places) -> Mask<S> {
+    let mut row = Row::ZERO;
+    for lane in 0..S::F64_LANES {
+        row.0[lane] = (bits >> lane & 1) as f64;
+    }
+    Wide::splat(simd, 0.5).less(Wide::of(simd, &row, 0))
+}
+
+/// The motions among `bits` pass over a whole sub-step.
+#[inline(always)]
+fn pass<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, bits: Places) {
+    let of = |row: &Row| Wide::of(simd, row, v);
+    let chosen = mask(simd, bits);
+    let mut z = [Wide::splat(simd, 0.0); 8];
+    for j in 0..8 {
+        z[j] = of(&moving.z[j]);
+    }
+    for i in 0..8 {
+        let mut sum = of(&systems.full[i][0]) * z[0];
+        for j in 1..8 {
+            sum = of(&systems.full[i][j]).mul_add(z[j], sum);
+        }
+        chosen.select(sum, z[i]).put(&mut moving.z[i], v);
+    }
+    let time = WideExtended { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
+    let later = time.plus(of(&systems.substep));
+    chosen.select(later.hi, time.hi).put(&mut moving.time[0], v);
+    chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
+    let zero = Wide::splat(simd, 0.0);
+    chosen.select(zero, of(&moving.departing)).put(&mut moving.departing, v);
+    begun(simd, moving, v, chosen);
+}
+
+/// Counts a sub-step.
+#[inline(always)]
+fn begun<S: Simd>(simd: S, moving: &mut Moving, v: usize, chosen: Mask<S>) {
+    let one = chosen.select(Wide::splat(simd, 1.0), Wide::splat(simd, 0.0));
+    (Wide::of(simd, &moving.since, v) + one).put(&mut moving.since, v);
+    (Wide::of(simd, &moving.substeps, v) + one).put(&mut moving.substeps, v);
+}
+
+/// The motions among `bits` go through their impact, if it is proved; returns those that do.
+#[inline(always)]
+fn impact<S: Simd>(
+    simd: S,
+    systems: &Systems,
+    moving: &mut Moving,
+    v: usize,
+    aim: &Aim<'_>,
+    bits: Places,
+) -> Places {
+    let of = |row: &Row| Wide::of(simd, row, v);
+    let splat = |x| Wide::splat(simd, x);
+    let (zero, half) = (splat(0.0), splat(0.5));
+    let mut centre = [zero; 8];
+    for j in 0..8 {
+        centre[j] = of(&aim.centre[j]);
+    }
+    let (side, gap) = (of(aim.side), of(&systems.gap));
+    let flights = Flights::expand(simd, systems, v, &centre);
+    let (u, found, iterations) = flights.crossing(side, gap);
+    let mut z = flights.at(systems, simd, v, u);
+    // The law of `Model::impact`; a root whose speed round-off has turned negative is a touch.
+    let speed = (side * z[GAP_RATE]).max(zero);
+    let rebound = of(&systems.restitution) * speed;
+    z[3] = (side * of(&systems.kick)).mul_add(speed, z[3]);
+    z[GAP_RATE] = -(side * rebound);
+    z[GAP] = side * gap;
+    // Rest, and chatter that may be at its end, are left to `Simulator::handle`.
+    let slow = splat(2.0 * LEAST_BOUNCE) * gap * bound(simd, systems, v, &z);
+    let chosen = mask(simd, bits) & found & slow.less(rebound * rebound);
+
+    for j in 0..8 {
+        chosen.select(z[j], of(&moving.z[j])).put(&mut moving.z[j], v);
+    }
+    let interval = of(&systems.interval);
+    let time = WideExtended { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
+    let later = time.plus((of(aim.first) + half) * interval).plus(u * (half * interval));
+    chosen.select(later.hi, time.hi).put(&mut moving.time[0], v);
+    chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
+    let lost = WideExtended { hi: of(&moving.lost[0]), lo: of(&moving.lost[1]) };
+    let more = lost.plus(of(&systems.loss) * speed * speed);
+    chosen.select(more.hi, lost.hi).put(&mut moving.lost[0], v);
+    chosen.select(more.lo, lost.lo).put(&mut moving.lost[1], v);
+    let impulse = of(&systems.impulse) * speed;
+    let one = splat(1.0);
+    chosen.select(one, of(&moving.departing)).put(&mut moving.departing, v);
+    chosen.select(later.hi + later.lo, of(&moving.last_time)).put(&mut moving.last_time, v);
+    chosen.select(speed, of(&moving.last_speed)).put(&mut moving.last_speed, v);
+    chosen.select(impulse, of(&moving.last_impulse)).put(&mut moving.last_impulse, v);
+    (of(&moving.total_impulse) + chosen.select(impulse, zero)).put(&mut moving.total_impulse, v);
+    let above = zero.less(side);
+    (of(&moving.upper) + (chosen & above).select(one, zero)).put(&mut moving.upper, v);
+    (of(&moving.lower) + (chosen & !above).select(one, zero)).put(&mut moving.lower, v);
+    (of(&moving.iterations) + chosen.select(iterations, zero)).put(&mut moving.iterations, v);
+    begun(simd, moving, v, chosen);
+    chosen.bits()
+}
