@@ -142,7 +142,7 @@ impl Simulator {
         let bound = vector::weigh::<S>(&course.z, &self.flight.core.bound);
         let limit = self.model.gap - bound * interval * interval * 0.125;
         self.motion.contact == Contact::Flight
-            && end.minus(self.motion.time).value() >= self.substep
+            && end.minus(self.motion.time).value() >= self.substep + interval
             && self.leaves(&course.z, bound, limit)
             && !self.wild(&course.z, bound)
     }

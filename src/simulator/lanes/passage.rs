@@ -16,6 +16,18 @@ const FACTORIALS: [f64; CENTRED] = {
     }
     r
 };
+/// How far about the centre the series serves: a third of an interval beyond the end it still has all but 3e-17 of the
+/// largest coordinate, and a gap that is only just short of the stop at the end is followed into the next interval.
+const REACH: f64 = 4.0 / 3.0;
+const POWERS: [f64; CENTRED] = {
+    let mut r = [1.0; CENTRED];
+    let mut k = 1;
+    while k < CENTRED {
+        r[k] = r[k - 1] * REACH;
+        k += 1;
+    }
+    r
+};
 /// A root is found when the proof leaves less than this of an interval's half: the rounding of 1.
 const RESOLUTION: f64 = 0.5 * f64::EPSILON;
 
@@ -61,31 +73,29 @@ impl<S: Simd> Flights<S> {
         Self { place, rates, cos: z[6], sin: z[7] }
     }
 
-    /// Where the gap passes the stop `side` upwards inside (-1, 1): the place, where it is proved, and the iterations. As
+    /// Where the gap passes the stop `side` upwards in (-1, [`REACH`]): the place, where it is proved, and the iterations. As
     /// [`crate::events::flight_crossing`], and like it sure of a gap that rises and is nearly straight only.
     #[inline(always)]
     pub(super) fn crossing(&self, side: Wide<S>, gap: Wide<S>) -> (Wide<S>, Mask<S>, Wide<S>) {
-        let one = side.all(1.0);
+        let (zero, half, one) = (side.all(0.0), side.all(0.5), side.all(1.0));
         // The coefficients of gap and slope.
-        let mut c = [side.all(0.0); CENTRED];
-        let mut d = [side.all(0.0); CENTRED - 1];
+        let mut c = [zero; CENTRED];
+        let mut d = [zero; CENTRED - 1];
         c[0] = side * self.place[1] - gap;
         for k in 1..CENTRED {
             let derivative = side * self.rates[k - 1][1];
             c[k] = derivative * side.all(FACTORIALS[k]);
             d[k - 1] = derivative * side.all(FACTORIALS[k - 1]);
         }
-        let mut sums = [d[1].abs(), d[2].abs()];
-        let mut curvatures = [d[1].abs(), d[2].abs() * side.all(2.0)];
-        for k in 3..CENTRED - 1 {
-            let (size, chain) = (d[k].abs(), (k - 1) % 2);
-            sums[chain] = sums[chain] + size;
-            curvatures[chain] = size.mul_add(side.all(k as f64), curvatures[chain]);
+        let (mut sums, mut curvatures) = ([zero; 2], [zero; 2]);
+        for k in 1..CENTRED - 1 {
+            let (size, chain) = (d[k].abs(), k % 2);
+            sums[chain] = size.mul_add(side.all(POWERS[k]), sums[chain]);
+            curvatures[chain] = size.mul_add(side.all(k as f64 * POWERS[k - 1]), curvatures[chain]);
         }
         let (sum, curvature) = (sums[0] + sums[1], curvatures[0] + curvatures[1]);
         let spare = c[1] - sum;
-        let half = side.all(0.5);
-        let straight = side.all(0.0).less(spare) & curvature.less(half * spare);
+        let straight = zero.less(spare) & curvature.less(half * spare);
         let squares = half * curvature / spare;
 
         let scale = one / c[1];
@@ -93,22 +103,23 @@ impl<S: Simd> Flights<S> {
         let (bend, twist) = (c[2] * scale, c[3] * scale);
         let inner = (bend + bend).mul_add(bend, -twist);
         let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
-        // |p''| times the way to the root is all by which the slope at the start is wrong there: each further step by it
-        // takes the error down by `wrong`.
-        let inverse = one / polynomial(&d, start);
-        let step = polynomial(&c, start) * inverse;
-        let moved = step.abs();
+        // Newton's method squares the error: after the first step it is at most this.
+        let step = polynomial(&c, start) / polynomial(&d, start);
+        let error = side.all(4.0) * squares * step * step;
+        let once = start - step;
+        let inverse = one / polynomial(&d, once);
+        let twice = once - polynomial(&c, once) * inverse;
+        let rest = squares * error * error;
+        // A third step with the slope of the second: |p''| times the way to there is all by which that slope is wrong.
+        let thrice = twice - polynomial(&c, twice) * inverse;
+        let last = (squares + squares) * (error + rest) * rest;
         let resolution = side.all(RESOLUTION);
-        let first = side.all(4.0) * squares * moved * moved;
-        let wrong = (squares + squares) * (moved + first);
-        let second = wrong * first;
-        let u = start - step;
-        let enough = first.at_most(resolution);
-        let again = u - polynomial(&c, u) * inverse;
-        let u = enough.select(u, again);
+        let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));
+        let u = soon.select(once, enough.select(twice, thrice));
+        let reach = side.all(REACH);
         let found =
-            straight & start.abs().less(one) & (enough | second.at_most(resolution)) & u.abs().less(one);
-        (u, found, enough.select(one, side.all(2.0)))
+            straight & start.abs().less(reach) & last.at_most(resolution) & (-one).less(u) & u.less(reach);
+        (u, found, soon.select(one, enough.select(side.all(2.0), side.all(3.0))))
     }
 
     /// The state at u, but for the gap, which is at the stop.

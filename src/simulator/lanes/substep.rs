@@ -87,7 +87,8 @@ fn look<S: Simd>(
     let leaves = (from_inside & z[GAP].abs().less(limit)) | (!from_inside & from_stop & turned.less(speed));
     let tame = (speed * interval + turned * interval).at_most(of(&systems.reach));
     let remaining = (of(&systems.end[0]) - of(&moving.time[0])) + (of(&systems.end[1]) - of(&moving.time[1]));
-    let whole = of(&systems.substep).at_most(remaining);
+    // With an interval to spare: a passage may lie that far behind the sub-step.
+    let whole = (of(&systems.substep) + interval).at_most(remaining);
 
     let mut index = splat(INTERVALS as f64);
     let mut gap = zero;
@@ -102,7 +103,8 @@ fn look<S: Simd>(
     }
     index.put(first, v);
     zero.less(gap).select(splat(1.0), splat(-1.0)).put(side, v);
-    let clear = splat(0.5).less(index); // the first sample is not near
+    // From inside the first interval is one like the others.
+    let clear = from_inside | splat(0.5).less(index);
     (leaves & tame & whole & clear, index.less(splat(INTERVALS as f64)))
 }
 
