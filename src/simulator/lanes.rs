@@ -13,7 +13,7 @@ use super::step::{Course, RENEW};
 use super::{Contact, Simulator, StopReason};
 use crate::error::Result;
 use crate::extended::Extended;
-use crate::vector;
+use crate::model::{Augmented, GAP};
 use crate::wide::ROW;
 use pulp::Simd;
 use rows::{Moving, Systems};
@@ -126,7 +126,7 @@ impl Motion<'_> {
                 **result = reason.map(|_: StopReason| ());
                 return false;
             }
-            if simulator.plain::<S>(course, *end) {
+            if simulator.plain(&course.z, *end) {
                 return true;
             }
         }
@@ -134,16 +134,12 @@ impl Motion<'_> {
 }
 
 impl Simulator {
-    /// Whether the next sub-step looks like one of free flight that lies whole before `end` and has no impact in its first
-    /// interval.
+    /// Whether the next sub-step looks like one of free flight that lies whole before `end`, from inside or just off a stop.
     #[inline(always)]
-    fn plain<S: Simd>(&self, course: &Course, end: Extended) -> bool {
-        let interval = self.interval();
-        let bound = vector::weigh::<S>(&course.z, &self.flight.core.bound);
-        let limit = self.model.gap - bound * interval * interval * 0.125;
+    fn plain(&self, z: &Augmented, end: Extended) -> bool {
         self.motion.contact == Contact::Flight
-            && end.minus(self.motion.time).value() >= self.substep + interval
-            && self.leaves(&course.z, bound, limit)
-            && !self.wild(&course.z, bound)
+            && self.motion.departing <= 1
+            && (self.motion.departing == 1 || z[GAP].abs() < self.model.gap)
+            && end.minus(self.motion.time).value() >= self.substep + self.interval()
     }
 }

@@ -73,53 +73,18 @@ impl<S: Simd> Flights<S> {
         Self { place, rates, cos: z[6], sin: z[7] }
     }
 
-    /// Where the gap passes the stop `side` upwards in (-1, [`REACH`]): the place, where it is proved, and the iterations. As
-    /// [`crate::events::flight_crossing`], and like it sure of a gap that rises and is nearly straight only.
+    /// The gap over the stops `side`, negative while the block is inside.
     #[inline(always)]
-    pub(super) fn crossing(&self, side: Wide<S>, gap: Wide<S>) -> (Wide<S>, Mask<S>, Wide<S>) {
-        let (zero, half, one) = (side.all(0.0), side.all(0.5), side.all(1.0));
-        // The coefficients of gap and slope.
-        let mut c = [zero; CENTRED];
-        let mut d = [zero; CENTRED - 1];
-        c[0] = side * self.place[1] - gap;
+    pub(super) fn paths(&self, side: Wide<S>, gap: Wide<S>) -> Paths<S> {
+        let zero = side.all(0.0);
+        let mut paths = Paths { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
+        paths.c[0] = side * self.place[1] - gap;
         for k in 1..CENTRED {
             let derivative = side * self.rates[k - 1][1];
-            c[k] = derivative * side.all(FACTORIALS[k]);
-            d[k - 1] = derivative * side.all(FACTORIALS[k - 1]);
+            paths.c[k] = derivative * side.all(FACTORIALS[k]);
+            paths.d[k - 1] = derivative * side.all(FACTORIALS[k - 1]);
         }
-        let (mut sums, mut curvatures) = ([zero; 2], [zero; 2]);
-        for k in 1..CENTRED - 1 {
-            let (size, chain) = (d[k].abs(), k % 2);
-            sums[chain] = size.mul_add(side.all(POWERS[k]), sums[chain]);
-            curvatures[chain] = size.mul_add(side.all(k as f64 * POWERS[k - 1]), curvatures[chain]);
-        }
-        let (sum, curvature) = (sums[0] + sums[1], curvatures[0] + curvatures[1]);
-        let spare = c[1] - sum;
-        let straight = zero.less(spare) & curvature.less(half * spare);
-        let squares = half * curvature / spare;
-
-        let scale = one / c[1];
-        let linear = -(c[0] * scale);
-        let (bend, twist) = (c[2] * scale, c[3] * scale);
-        let inner = (bend + bend).mul_add(bend, -twist);
-        let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
-        // Newton's method squares the error: after the first step it is at most this.
-        let step = polynomial(&c, start) / polynomial(&d, start);
-        let error = side.all(4.0) * squares * step * step;
-        let once = start - step;
-        let inverse = one / polynomial(&d, once);
-        let twice = once - polynomial(&c, once) * inverse;
-        let rest = squares * error * error;
-        // A third step with the slope of the second: |p''| times the way to there is all by which that slope is wrong.
-        let thrice = twice - polynomial(&c, twice) * inverse;
-        let last = (squares + squares) * (error + rest) * rest;
-        let resolution = side.all(RESOLUTION);
-        let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));
-        let u = soon.select(once, enough.select(twice, thrice));
-        let reach = side.all(REACH);
-        let found =
-            straight & start.abs().less(reach) & last.at_most(resolution) & (-one).less(u) & u.less(reach);
-        (u, found, soon.select(one, enough.select(side.all(2.0), side.all(3.0))))
+        paths
     }
 
     /// The state at u, but for the gap, which is at the stop.
@@ -160,6 +125,85 @@ impl<S: Simd> Flights<S> {
         z[7] = sin.mul_add(self.cos, cos * self.sin);
         z[GAP] = zero;
         z
+    }
+}
+
+/// Polynomials with their slopes' coefficients.
+pub(super) struct Paths<S: Simd> {
+    c: [Wide<S>; CENTRED],
+    d: [Wide<S>; CENTRED - 1],
+}
+
+/// Where they pass zero.
+pub(super) struct Crossing<S: Simd> {
+    pub(super) u: Wide<S>,
+    /// Where the proof holds.
+    pub(super) found: Mask<S>,
+    pub(super) iterations: Wide<S>,
+}
+
+impl<S: Simd> Paths<S> {
+    /// Divides the `chosen` by u: the root at zero, at which they start, is no return.
+    #[inline(always)]
+    pub(super) fn divide(&mut self, chosen: Mask<S>) {
+        let zero = self.c[0].all(0.0);
+        for k in 0..CENTRED {
+            let next = if k + 1 < CENTRED { self.c[k + 1] } else { zero };
+            self.c[k] = chosen.select(next, self.c[k]);
+            if k > 0 {
+                let slope = self.c[k] * zero.all(k as f64);
+                self.d[k - 1] = chosen.select(slope, self.d[k - 1]);
+            }
+        }
+    }
+
+    /// The passage upwards in (`from`, [`REACH`]). As [`crate::events::flight_crossing`], and like it sure of a path that rises
+    /// and is nearly straight only.
+    #[inline(always)]
+    pub(super) fn crossing(&self, from: Wide<S>, gap: Wide<S>) -> Crossing<S> {
+        let Self { c, d } = self;
+        let of = |x| from.all(x);
+        let (zero, half, one) = (of(0.0), of(0.5), of(1.0));
+        let (mut sums, mut curvatures) = ([zero; 2], [zero; 2]);
+        for k in 1..CENTRED - 1 {
+            let (size, chain) = (d[k].abs(), k % 2);
+            sums[chain] = size.mul_add(of(POWERS[k]), sums[chain]);
+            curvatures[chain] = size.mul_add(of(k as f64 * POWERS[k - 1]), curvatures[chain]);
+        }
+        let (sum, curvature) = (sums[0] + sums[1], curvatures[0] + curvatures[1]);
+        let spare = d[0] - sum;
+        let straight = zero.less(spare) & curvature.less(half * spare);
+        let squares = half * curvature / spare;
+
+        let scale = one / c[1];
+        let linear = -(c[0] * scale);
+        let (bend, twist) = (c[2] * scale, c[3] * scale);
+        let inner = (bend + bend).mul_add(bend, -twist);
+        let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
+        // Newton's method squares the error: after the first step it is at most this.
+        let step = polynomial(c, start) / polynomial(d, start);
+        let error = of(4.0) * squares * step * step;
+        let once = start - step;
+        let inverse = one / polynomial(d, once);
+        let twice = once - polynomial(c, once) * inverse;
+        let rest = squares * error * error;
+        // A third step with the slope of the second: |p''| times the way to there is all by which that slope is wrong.
+        let thrice = twice - polynomial(c, twice) * inverse;
+        let last = (squares + squares) * (error + rest) * rest;
+        // The last bounces of a run take as many digits as the first.
+        let centred = from.at_most(-one);
+        let resolution = of(RESOLUTION) * centred.select(one, once.abs());
+        let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));
+        let u = soon.select(once, enough.select(twice, thrice));
+        let reach = of(REACH);
+        let inside = start.abs().less(reach) & from.less(u) & u.less(reach);
+        // What rises from c[0] to zero keeps to it in between: the path of a return is at most REACH times that long.
+        let alone = centred | (-c[0]).less(gap);
+        Crossing {
+            u,
+            found: straight & last.at_most(resolution) & inside & alone,
+            iterations: soon.select(one, enough.select(of(2.0), of(3.0))),
+        }
     }
 }
 

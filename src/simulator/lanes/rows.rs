@@ -4,6 +4,7 @@ use super::Places;
 use crate::extended::Extended;
 use crate::flow::INTERVALS;
 use crate::model::Model;
+use crate::simulator::contact::{CHATTER, LEAST_BOUNCE, LEAST_LOSS};
 use crate::simulator::step::{Course, MAX_REACH};
 use crate::simulator::tables::ModeTables;
 use crate::simulator::{Contact, Simulator};
@@ -27,6 +28,8 @@ pub(super) struct Systems {
     pub(super) gap: Row,
     /// The path that `Simulator::wild` allows in an interval.
     pub(super) reach: Row,
+    /// A run of impacts is not closed while the rebound's square is over this times a bound on the acceleration.
+    pub(super) closing: Row,
     /// κ, and what the approach speed is multiplied by for the box's change of speed, the impulse and (its square) the loss.
     pub(super) restitution: Row,
     pub(super) kick: Row,
@@ -57,6 +60,7 @@ impl Systems {
             interval: row,
             gap: row,
             reach: row,
+            closing: row,
             restitution: row,
             kick: row,
             impulse: row,
@@ -94,11 +98,15 @@ impl Systems {
         let r = 0.5 * interval;
         let Model { restitution, reduced_mass, gap, .. } = simulator.model;
         let m = &simulator.model;
+        // As `Simulator::closes`.
+        let loss = 1.0 - restitution;
+        let closing = if loss < LEAST_LOSS { 2.0 * LEAST_BOUNCE } else { 0.5 * loss * CHATTER };
         for (row, value) in [
             (&mut self.substep, simulator.substep),
             (&mut self.interval, interval),
             (&mut self.gap, gap),
             (&mut self.reach, MAX_REACH * gap),
+            (&mut self.closing, closing * gap),
             (&mut self.restitution, restitution),
             (&mut self.kick, (1.0 + restitution) * m.block_share),
             (&mut self.impulse, (1.0 + restitution) * reduced_mass),
@@ -125,6 +133,9 @@ pub(super) struct Moving {
     pub(super) departing: Row,
     /// Sub-steps since cos θ and sin θ were taken anew.
     pub(super) since: Row,
+    /// Sub-steps since the time `burst_from`.
+    pub(super) burst: Row,
+    pub(super) burst_from: Row,
     /// Energy lost at impacts.
     pub(super) lost: [Row; 2],
     pub(super) upper: Row,
@@ -146,6 +157,8 @@ impl Moving {
             time: [row; 2],
             departing: row,
             since: row,
+            burst: row,
+            burst_from: row,
             lost: [row; 2],
             upper: row,
             lower: row,
@@ -171,6 +184,8 @@ impl Moving {
             _ => GROUNDED,
         };
         self.since.0[lane] = f64::from(course.since_renewal);
+        self.burst.0[lane] = f64::from(course.burst);
+        self.burst_from.0[lane] = course.burst_from.hi;
         (self.lost[0].0[lane], self.lost[1].0[lane]) = (motion.sums.impact.hi, motion.sums.impact.lo);
         self.last_time.0[lane] = motion.record.last_time;
         self.last_speed.0[lane] = motion.record.last_speed;
@@ -190,6 +205,8 @@ impl Moving {
         }
         motion.time = Extended { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
         course.since_renewal = self.since.0[lane] as u32;
+        course.burst = self.burst.0[lane] as u32;
+        course.burst_from = Extended::new(self.burst_from.0[lane]);
         let departing = self.departing.0[lane];
         if departing < GROUNDED {
             motion.departing = departing as u8;

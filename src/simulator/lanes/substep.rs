@@ -5,7 +5,7 @@ use super::rows::{Moving, Systems};
 use super::{Places, places};
 use crate::flow::INTERVALS;
 use crate::model::{GAP, GAP_RATE};
-use crate::simulator::contact::LEAST_BOUNCE;
+use crate::simulator::step::MAX_BURST;
 use crate::vector::product;
 use crate::wide::{Mask, Row, Wide, WideExtended};
 use pulp::Simd;
@@ -15,25 +15,25 @@ use pulp::Simd;
 #[inline(always)]
 pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, live: Places) -> Places {
     let lanes = S::F64_LANES;
-    let (mut first, mut side) = (Row::ZERO, Row::ZERO);
-    let (mut ready, mut near) = (0, 0);
+    let mut aim = Aim { first: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
+    let (mut ready, mut near, mut returning) = (0, 0, 0);
     for v in 0..Row::vectors::<S>() {
-        let (fit, at) = look(simd, systems, moving, v, &mut first, &mut side);
-        ready |= fit.bits() << (v * lanes);
-        near |= at.bits() << (v * lanes);
+        let seen = look(simd, systems, moving, v, &mut aim);
+        ready |= seen.ready.bits() << (v * lanes);
+        near |= seen.near.bits() << (v * lanes);
+        returning |= seen.returning.bits() << (v * lanes);
     }
     ready &= live;
     let aiming = near & ready;
     let passing = ready & !near;
-    let mut centre = [Row::ZERO; 8];
-    for lane in places(aiming) {
+    for lane in places(aiming & !returning) {
         let Some(tables) = &systems.tables[lane] else { continue };
         let mut z = [0.0; 8];
         for (z, row) in z.iter_mut().zip(&moving.z) {
             *z = row.0[lane];
         }
-        let there = product(simd, &tables.core.centre[first.0[lane] as usize % INTERVALS], &z);
-        for (row, there) in centre.iter_mut().zip(there) {
+        let there = product(simd, &tables.core.centre[aim.first.0[lane] as usize % INTERVALS], &z);
+        for (row, there) in aim.centre.iter_mut().zip(there) {
             row.0[lane] = there;
         }
     }
@@ -44,8 +44,8 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
             pass(simd, systems, moving, v, passing >> (v * lanes) & part);
         }
         if aiming >> (v * lanes) & part != 0 {
-            let aim = Aim { first: &first, side: &side, centre: &centre };
-            let through = impact(simd, systems, moving, v, &aim, aiming >> (v * lanes) & part);
+            let (bits, returning) = (aiming >> (v * lanes) & part, returning >> (v * lanes) & part);
+            let through = impact(simd, systems, moving, v, &aim, bits, returning);
             arrived |= through << (v * lanes);
         }
     }
@@ -53,23 +53,26 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
 }
 
 /// Where the gap comes near a stop first.
-struct Aim<'a> {
-    first: &'a Row,
-    side: &'a Row,
-    centre: &'a [Row; 8],
+struct Aim {
+    /// The interval.
+    first: Row,
+    side: Row,
+    /// The state at its centre.
+    centre: [Row; 8],
 }
 
-/// As `Simulator::look`: which motions are in plain flight with a whole sub-step to go and clear of the stops in the first
-/// interval, and which of these come near a stop; the first interval with a near end, and the side.
+/// What the samples of a sub-step tell.
+struct Outlook<S: Simd> {
+    /// Plain flight with a whole sub-step to go, clear of the stops until the first interval with a near end, if there is one.
+    ready: Mask<S>,
+    near: Mask<S>,
+    /// Just off a stop and perhaps back at it within the first interval.
+    returning: Mask<S>,
+}
+
+/// As `Simulator::look`.
 #[inline(always)]
-fn look<S: Simd>(
-    simd: S,
-    systems: &Systems,
-    moving: &Moving,
-    v: usize,
-    first: &mut Row,
-    side: &mut Row,
-) -> (Mask<S>, Mask<S>) {
+fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mut Aim) -> Outlook<S> {
     let of = |row: &Row| Wide::of(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
@@ -82,9 +85,9 @@ fn look<S: Simd>(
     let turned = splat(0.5) * bound * interval;
     let limit = (turned * interval).neg_mul_add(splat(0.25), of(&systems.gap));
     let departing = of(&moving.departing);
-    let (from_inside, from_stop) = (departing.at_most(zero), departing.at_most(splat(1.0)));
+    let inside = departing.at_most(zero);
     let speed = z[GAP_RATE].abs();
-    let leaves = (from_inside & z[GAP].abs().less(limit)) | (!from_inside & from_stop & turned.less(speed));
+    let leaving = !inside & departing.at_most(splat(1.0));
     let tame = (speed * interval + turned * interval).at_most(of(&systems.reach));
     let remaining = (of(&systems.end[0]) - of(&moving.time[0])) + (of(&systems.end[1]) - of(&moving.time[1]));
     // With an interval to spare: a passage may lie that far behind the sub-step.
@@ -101,11 +104,18 @@ fn look<S: Simd>(
         index = near.select(splat(i as f64), index);
         gap = near.select(g, gap);
     }
-    index.put(first, v);
-    zero.less(gap).select(splat(1.0), splat(-1.0)).put(side, v);
-    // From inside the first interval is one like the others.
-    let clear = from_inside | splat(0.5).less(index);
-    (leaves & tame & whole & clear, index.less(splat(INTERVALS as f64)))
+    index.put(&mut aim.first, v);
+    // Off a stop it may be too slow to be sure of leaving the first interval, or of leaving its end far behind.
+    let returning = leaving & (speed.at_most(turned) | index.at_most(zero));
+    let at = returning.select(z[GAP], gap);
+    zero.less(at).select(splat(1.0), splat(-1.0)).put(&mut aim.side, v);
+    let starts = leaving | (inside & z[GAP].abs().less(limit));
+    let patient = of(&moving.burst).less(splat(f64::from(MAX_BURST - 1)));
+    Outlook {
+        ready: starts & tame & whole & patient,
+        near: returning | index.less(splat(INTERVALS as f64)),
+        returning,
+    }
 }
 
 /// The bound on |w''| over a sub-step.
@@ -150,15 +160,21 @@ fn pass<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, bits
     chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
     let zero = Wide::splat(simd, 0.0);
     chosen.select(zero, of(&moving.departing)).put(&mut moving.departing, v);
-    begun(simd, moving, v, chosen);
+    count(simd, systems, moving, v, chosen, later.hi);
 }
 
-/// Counts a sub-step.
+/// Counts a sub-step that ended at `time`.
 #[inline(always)]
-fn begun<S: Simd>(simd: S, moving: &mut Moving, v: usize, chosen: Mask<S>) {
-    let one = chosen.select(Wide::splat(simd, 1.0), Wide::splat(simd, 0.0));
-    (Wide::of(simd, &moving.since, v) + one).put(&mut moving.since, v);
-    (Wide::of(simd, &moving.substeps, v) + one).put(&mut moving.substeps, v);
+fn count<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, chosen: Mask<S>, time: Wide<S>) {
+    let of = |row: &Row| Wide::of(simd, row, v);
+    let zero = Wide::splat(simd, 0.0);
+    let one = chosen.select(Wide::splat(simd, 1.0), zero);
+    (of(&moving.since) + one).put(&mut moving.since, v);
+    (of(&moving.substeps) + one).put(&mut moving.substeps, v);
+    let (burst, from) = (of(&moving.burst) + one, of(&moving.burst_from));
+    let gets_on = chosen & of(&systems.substep).less(time - from);
+    gets_on.select(zero, burst).put(&mut moving.burst, v);
+    gets_on.select(time, from).put(&mut moving.burst_from, v);
 }
 
 /// The motions among `bits` go through their impact, if it is proved; returns those that do.
@@ -168,19 +184,26 @@ fn impact<S: Simd>(
     systems: &Systems,
     moving: &mut Moving,
     v: usize,
-    aim: &Aim<'_>,
+    aim: &Aim,
     bits: Places,
+    returning: Places,
 ) -> Places {
     let of = |row: &Row| Wide::of(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let (zero, half) = (splat(0.0), splat(0.5));
     let mut centre = [zero; 8];
+    let back = mask(simd, returning);
     for j in 0..8 {
-        centre[j] = of(&aim.centre[j]);
+        centre[j] = back.select(of(&moving.z[j]), of(&aim.centre[j]));
     }
-    let (side, gap) = (of(aim.side), of(&systems.gap));
+    let (side, gap) = (of(&aim.side), of(&systems.gap));
     let flights = Flights::expand(simd, systems, v, &centre);
-    let (u, found, iterations) = flights.crossing(side, gap);
+    let mut paths = flights.paths(side, gap);
+    if returning != 0 {
+        paths.divide(back);
+    }
+    let crossing = paths.crossing(back.select(zero, splat(-1.0)), gap);
+    let (u, found) = (crossing.u, crossing.found);
     let mut z = flights.at(systems, simd, v, u);
     // The law of `Model::impact`; a root whose speed round-off has turned negative is a touch.
     let speed = (side * z[GAP_RATE]).max(zero);
@@ -189,7 +212,7 @@ fn impact<S: Simd>(
     z[GAP_RATE] = -(side * rebound);
     z[GAP] = side * gap;
     // Rest, and chatter that may be at its end, are left to `Simulator::handle`.
-    let slow = splat(2.0 * LEAST_BOUNCE) * gap * bound(simd, systems, v, &z);
+    let slow = of(&systems.closing) * bound(simd, systems, v, &z);
     let chosen = mask(simd, bits) & found & slow.less(rebound * rebound);
 
     for j in 0..8 {
@@ -197,7 +220,8 @@ fn impact<S: Simd>(
     }
     let interval = of(&systems.interval);
     let time = WideExtended { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
-    let later = time.plus((of(aim.first) + half) * interval).plus(u * (half * interval));
+    let base = back.select(zero, (of(&aim.first) + half) * interval);
+    let later = time.plus(base).plus(u * (half * interval));
     chosen.select(later.hi, time.hi).put(&mut moving.time[0], v);
     chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
     let lost = WideExtended { hi: of(&moving.lost[0]), lo: of(&moving.lost[1]) };
@@ -214,7 +238,7 @@ fn impact<S: Simd>(
     let above = zero.less(side);
     (of(&moving.upper) + (chosen & above).select(one, zero)).put(&mut moving.upper, v);
     (of(&moving.lower) + (chosen & !above).select(one, zero)).put(&mut moving.lower, v);
-    (of(&moving.iterations) + chosen.select(iterations, zero)).put(&mut moving.iterations, v);
-    begun(simd, moving, v, chosen);
+    (of(&moving.iterations) + chosen.select(crossing.iterations, zero)).put(&mut moving.iterations, v);
+    count(simd, systems, moving, v, chosen, later.hi);
     chosen.bits()
 }
