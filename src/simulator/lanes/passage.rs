@@ -2,7 +2,6 @@
 
 use super::rows::Systems;
 use crate::flow::CENTRED;
-use crate::model::GAP;
 use crate::wide::{Mask, Row, Wide};
 use pulp::Simd;
 
@@ -18,7 +17,7 @@ const FACTORIALS: [f64; CENTRED] = {
 };
 /// How far about the centre the series serves: a third of an interval beyond the end it still has all but 3e-17 of the
 /// largest coordinate, and a gap that is only just short of the stop at the end is followed into the next interval.
-const REACH: f64 = 4.0 / 3.0;
+pub(super) const REACH: f64 = 4.0 / 3.0;
 const POWERS: [f64; CENTRED] = {
     let mut r = [1.0; CENTRED];
     let mut k = 1;
@@ -87,7 +86,7 @@ impl<S: Simd> Flights<S> {
         paths
     }
 
-    /// The state at u, but for the gap, which is at the stop.
+    /// The state at u.
     #[inline(always)]
     pub(super) fn at(&self, systems: &Systems, simd: S, v: usize, u: Wide<S>) -> [Wide<S>; 8] {
         let zero = u.all(0.0);
@@ -123,7 +122,6 @@ impl<S: Simd> Flights<S> {
         let sin = sin * angle;
         z[6] = sin.neg_mul_add(self.sin, cos * self.cos);
         z[7] = sin.mul_add(self.cos, cos * self.sin);
-        z[GAP] = zero;
         z
     }
 }
@@ -155,6 +153,31 @@ impl<S: Simd> Paths<S> {
                 self.d[k - 1] = chosen.select(slope, self.d[k - 1]);
             }
         }
+    }
+
+    /// Where there is proof that they stay below zero, and above -2 `gap`, from `from` to [`REACH`].
+    #[inline(always)]
+    pub(super) fn stay(&self, from: Wide<S>, gap: Wide<S>) -> Mask<S> {
+        let c = &self.c;
+        let of = |x| from.all(x);
+        let (zero, reach) = (of(0.0), of(REACH));
+        let (mut rest, mut rise) = (zero, zero);
+        for k in (3..CENTRED).rev() {
+            rest = c[k].abs().mul_add(of(POWERS[k]), rest);
+            rise = c[k].max(zero).mul_add(of(POWERS[k]), rise);
+        }
+        // A parabola and what the rest can add.
+        let parabola = |u: Wide<S>| u.mul_add(u.mul_add(c[2], c[1]), c[0]);
+        let ends = parabola(from).max(parabola(reach));
+        let top = -(c[1] / (c[2] + c[2]));
+        let inside = c[2].less(zero) & from.less(top) & top.less(reach);
+        let most = inside.select(ends.max(parabola(top)), ends);
+        let low = (most + rest).less(zero);
+        // From zero on a sum of convex functions is greatest at an end.
+        let end = c[1].mul_add(reach, c[2].max(zero).mul_add(of(POWERS[2]), rise));
+        let convex = zero.at_most(from) & c[0].less(zero) & (c[0] + end).less(zero);
+        let path = c[0].abs() + c[1].abs().mul_add(reach, c[2].abs().mul_add(of(POWERS[2]), rest));
+        (low | convex) & path.less(gap)
     }
 
     /// The passage upwards in (`from`, [`REACH`]). As [`crate::events::flight_crossing`], and like it sure of a path that rises

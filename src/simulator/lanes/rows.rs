@@ -146,6 +146,7 @@ pub(super) struct Moving {
     pub(super) total_impulse: Row,
     /// Work.
     pub(super) substeps: Row,
+    pub(super) expansions: Row,
     pub(super) iterations: Row,
 }
 
@@ -167,6 +168,7 @@ impl Moving {
             last_impulse: row,
             total_impulse: row,
             substeps: row,
+            expansions: row,
             iterations: row,
         }
     }
@@ -191,7 +193,14 @@ impl Moving {
         self.last_speed.0[lane] = motion.record.last_speed;
         self.last_impulse.0[lane] = motion.record.last_impulse;
         self.total_impulse.0[lane] = motion.record.total_impulse;
-        for row in [&mut self.upper, &mut self.lower, &mut self.substeps, &mut self.iterations] {
+        let counts = [
+            &mut self.upper,
+            &mut self.lower,
+            &mut self.substeps,
+            &mut self.expansions,
+            &mut self.iterations,
+        ];
+        for row in counts {
             row.0[lane] = 0.0;
         }
     }
@@ -221,7 +230,7 @@ impl Moving {
         motion.record.lower += lower;
         simulator.work.substeps += self.substeps.0[lane] as u64;
         simulator.work.iterations += self.iterations.0[lane] as u64;
-        simulator.work.expansions += upper + lower;
+        simulator.work.expansions += self.expansions.0[lane] as u64;
         simulator.work.events += upper + lower;
     }
 

@@ -1,6 +1,6 @@
 //! A sub-step of all motions under way at once.
 
-use super::passage::Flights;
+use super::passage::{Flights, REACH};
 use super::rows::{Moving, Systems};
 use super::{Places, places};
 use crate::flow::INTERVALS;
@@ -16,17 +16,17 @@ use pulp::Simd;
 pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, live: Places) -> Places {
     let lanes = S::F64_LANES;
     let mut aim = Aim { first: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
-    let (mut ready, mut near, mut returning) = (0, 0, 0);
+    let (mut ready, mut near, mut close) = (0, 0, 0);
     for v in 0..Row::vectors::<S>() {
         let seen = look(simd, systems, moving, v, &mut aim);
         ready |= seen.ready.bits() << (v * lanes);
         near |= seen.near.bits() << (v * lanes);
-        returning |= seen.returning.bits() << (v * lanes);
+        close |= seen.close.bits() << (v * lanes);
     }
     ready &= live;
     let aiming = near & ready;
     let passing = ready & !near;
-    for lane in places(aiming & !returning) {
+    for lane in places(aiming & !close) {
         let Some(tables) = &systems.tables[lane] else { continue };
         let mut z = [0.0; 8];
         for (z, row) in z.iter_mut().zip(&moving.z) {
@@ -44,8 +44,8 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
             pass(simd, systems, moving, v, passing >> (v * lanes) & part);
         }
         if aiming >> (v * lanes) & part != 0 {
-            let (bits, returning) = (aiming >> (v * lanes) & part, returning >> (v * lanes) & part);
-            let through = impact(simd, systems, moving, v, &aim, bits, returning);
+            let (bits, close) = (aiming >> (v * lanes) & part, close >> (v * lanes) & part);
+            let through = impact(simd, systems, moving, v, &aim, bits, close);
             arrived |= through << (v * lanes);
         }
     }
@@ -63,11 +63,12 @@ struct Aim {
 
 /// What the samples of a sub-step tell.
 struct Outlook<S: Simd> {
-    /// Plain flight with a whole sub-step to go, clear of the stops until the first interval with a near end, if there is one.
+    /// Flight from inside or just off a stop, with a whole sub-step to go.
     ready: Mask<S>,
+    /// There is an interval with a near end.
     near: Mask<S>,
-    /// Just off a stop and perhaps back at it within the first interval.
-    returning: Mask<S>,
+    /// The start is such an end.
+    close: Mask<S>,
 }
 
 /// As `Simulator::look`.
@@ -106,15 +107,15 @@ fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mu
     }
     index.put(&mut aim.first, v);
     // Off a stop it may be too slow to be sure of leaving the first interval, or of leaving its end far behind.
-    let returning = leaving & (speed.at_most(turned) | index.at_most(zero));
-    let at = returning.select(z[GAP], gap);
+    let close =
+        (leaving & (speed.at_most(turned) | index.at_most(zero))) | (inside & limit.at_most(z[GAP].abs()));
+    let at = close.select(z[GAP], gap);
     zero.less(at).select(splat(1.0), splat(-1.0)).put(&mut aim.side, v);
-    let starts = leaving | (inside & z[GAP].abs().less(limit));
     let patient = of(&moving.burst).less(splat(f64::from(MAX_BURST - 1)));
     Outlook {
-        ready: starts & tame & whole & patient,
-        near: returning | index.less(splat(INTERVALS as f64)),
-        returning,
+        ready: (leaving | inside) & tame & whole & patient,
+        near: close | index.less(splat(INTERVALS as f64)),
+        close,
     }
 }
 
@@ -166,18 +167,23 @@ fn pass<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, bits
 /// Counts a sub-step that ended at `time`.
 #[inline(always)]
 fn count<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, chosen: Mask<S>, time: Wide<S>) {
-    let of = |row: &Row| Wide::of(simd, row, v);
     let zero = Wide::splat(simd, 0.0);
     let one = chosen.select(Wide::splat(simd, 1.0), zero);
-    (of(&moving.since) + one).put(&mut moving.since, v);
-    (of(&moving.substeps) + one).put(&mut moving.substeps, v);
+    add(simd, &mut moving.since, v, one);
+    add(simd, &mut moving.substeps, v, one);
+    let of = |row: &Row| Wide::of(simd, row, v);
     let (burst, from) = (of(&moving.burst) + one, of(&moving.burst_from));
     let gets_on = chosen & of(&systems.substep).less(time - from);
     gets_on.select(zero, burst).put(&mut moving.burst, v);
     gets_on.select(time, from).put(&mut moving.burst_from, v);
 }
 
-/// The motions among `bits` go through their impact, if it is proved; returns those that do.
+#[inline(always)]
+fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
+    (Wide::of(simd, row, v) + more).put(row, v);
+}
+
+/// The motions among `bits` go through their impact, if it is proved, or past the stop, if that is; returns those that do.
 #[inline(always)]
 fn impact<S: Simd>(
     simd: S,
@@ -186,25 +192,36 @@ fn impact<S: Simd>(
     v: usize,
     aim: &Aim,
     bits: Places,
-    returning: Places,
+    close: Places,
 ) -> Places {
     let of = |row: &Row| Wide::of(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let (zero, half) = (splat(0.0), splat(0.5));
     let mut centre = [zero; 8];
-    let back = mask(simd, returning);
+    // From a start close to a stop the first part of the flight is expanded about the start itself; off the stop, the root
+    // there is divided out.
+    let start = mask(simd, close);
+    let mut departing = of(&moving.departing);
     for j in 0..8 {
-        centre[j] = back.select(of(&moving.z[j]), of(&aim.centre[j]));
+        centre[j] = start.select(of(&moving.z[j]), of(&aim.centre[j]));
     }
     let (side, gap) = (of(&aim.side), of(&systems.gap));
     let flights = Flights::expand(simd, systems, v, &centre);
     let mut paths = flights.paths(side, gap);
-    if returning != 0 {
-        paths.divide(back);
+    if close != 0 {
+        paths.divide(start & zero.less(departing));
     }
-    let crossing = paths.crossing(back.select(zero, splat(-1.0)), gap);
-    let (u, found) = (crossing.u, crossing.found);
+    let from = start.select(zero, splat(-1.0));
+    let crossing = paths.crossing(from, gap);
+    // Where there is none the flight goes on to the end of what is known of it.
+    let mut stays = 0;
+    if bits & !crossing.found.bits() != 0 {
+        stays = bits & !crossing.found.bits() & paths.stay(from, gap).bits();
+    }
+    let (u, stays) = (crossing.u, mask(simd, stays));
+    let u = stays.select(splat(REACH), u);
     let mut z = flights.at(systems, simd, v, u);
+    let before = z;
     // The law of `Model::impact`; a root whose speed round-off has turned negative is a touch.
     let speed = (side * z[GAP_RATE]).max(zero);
     let rebound = of(&systems.restitution) * speed;
@@ -213,32 +230,39 @@ fn impact<S: Simd>(
     z[GAP] = side * gap;
     // Rest, and chatter that may be at its end, are left to `Simulator::handle`.
     let slow = of(&systems.closing) * bound(simd, systems, v, &z);
-    let chosen = mask(simd, bits) & found & slow.less(rebound * rebound);
+    let through = mask(simd, bits) & crossing.found & slow.less(rebound * rebound);
+    let chosen = through | stays;
+    for j in 0..8 {
+        z[j] = stays.select(before[j], z[j]);
+    }
 
     for j in 0..8 {
         chosen.select(z[j], of(&moving.z[j])).put(&mut moving.z[j], v);
     }
     let interval = of(&systems.interval);
     let time = WideExtended { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
-    let base = back.select(zero, (of(&aim.first) + half) * interval);
+    let base = start.select(zero, (of(&aim.first) + half) * interval);
     let later = time.plus(base).plus(u * (half * interval));
     chosen.select(later.hi, time.hi).put(&mut moving.time[0], v);
     chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
+    let one = splat(1.0);
+    departing = stays.select(zero, through.select(one, departing));
+    departing.put(&mut moving.departing, v);
+    count(simd, systems, moving, v, chosen, later.hi);
+    add(simd, &mut moving.expansions, v, chosen.select(one, zero));
+    add(simd, &mut moving.iterations, v, through.select(crossing.iterations, zero));
+
     let lost = WideExtended { hi: of(&moving.lost[0]), lo: of(&moving.lost[1]) };
     let more = lost.plus(of(&systems.loss) * speed * speed);
-    chosen.select(more.hi, lost.hi).put(&mut moving.lost[0], v);
-    chosen.select(more.lo, lost.lo).put(&mut moving.lost[1], v);
+    through.select(more.hi, lost.hi).put(&mut moving.lost[0], v);
+    through.select(more.lo, lost.lo).put(&mut moving.lost[1], v);
     let impulse = of(&systems.impulse) * speed;
-    let one = splat(1.0);
-    chosen.select(one, of(&moving.departing)).put(&mut moving.departing, v);
-    chosen.select(later.hi + later.lo, of(&moving.last_time)).put(&mut moving.last_time, v);
-    chosen.select(speed, of(&moving.last_speed)).put(&mut moving.last_speed, v);
-    chosen.select(impulse, of(&moving.last_impulse)).put(&mut moving.last_impulse, v);
-    (of(&moving.total_impulse) + chosen.select(impulse, zero)).put(&mut moving.total_impulse, v);
+    through.select(later.hi + later.lo, of(&moving.last_time)).put(&mut moving.last_time, v);
+    through.select(speed, of(&moving.last_speed)).put(&mut moving.last_speed, v);
+    through.select(impulse, of(&moving.last_impulse)).put(&mut moving.last_impulse, v);
+    add(simd, &mut moving.total_impulse, v, through.select(impulse, zero));
     let above = zero.less(side);
-    (of(&moving.upper) + (chosen & above).select(one, zero)).put(&mut moving.upper, v);
-    (of(&moving.lower) + (chosen & !above).select(one, zero)).put(&mut moving.lower, v);
-    (of(&moving.iterations) + chosen.select(crossing.iterations, zero)).put(&mut moving.iterations, v);
-    count(simd, systems, moving, v, chosen, later.hi);
+    add(simd, &mut moving.upper, v, (through & above).select(one, zero));
+    add(simd, &mut moving.lower, v, (through & !above).select(one, zero));
     chosen.bits()
 }
