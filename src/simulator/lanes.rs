@@ -33,6 +33,9 @@ pub(super) struct Lanes<'a> {
     pub(super) waiting: Vec<Motion<'a>>,
 }
 
+/// cos θ and sin θ are taken anew after this many sub-steps of a lane, in which they collect no more round-off than the other
+/// coordinates, which are never taken anew.
+const RENEWAL: u32 = 64;
 /// Vectors with fewer places than this gain nothing.
 const LEAST: usize = 4;
 
@@ -63,7 +66,7 @@ impl pulp::WithSimd for Lanes<'_> {
             }
         }
         while live != 0 {
-            for lane in places(moving.stale(simd, f64::from(RENEW)) & live) {
+            for lane in places(moving.stale(simd, f64::from(RENEWAL)) & live) {
                 if let Some(motion) = &lanes[lane] {
                     moving.renew(lane, motion.simulator);
                 }
@@ -119,6 +122,7 @@ impl Motion<'_> {
     #[inline(always)]
     fn alone<S: Simd>(&mut self, simd: S) -> bool {
         let Self { simulator, course, end, result } = self;
+        course.since_renewal = course.since_renewal.min(RENEW);
         loop {
             if let ControlFlow::Break(reason) =
                 simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None)

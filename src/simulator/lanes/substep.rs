@@ -17,7 +17,11 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
     let lanes = S::F64_LANES;
     let mut aim = Aim { first: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
     let (mut ready, mut near, mut close) = (0, 0, 0);
+    let part = (1 << lanes) - 1;
     for v in 0..Row::vectors::<S>() {
+        if live >> (v * lanes) & part == 0 {
+            continue;
+        }
         let seen = look(simd, systems, moving, v, &mut aim);
         ready |= seen.ready.bits() << (v * lanes);
         near |= seen.near.bits() << (v * lanes);
@@ -39,7 +43,6 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
     }
     let mut arrived = 0;
     for v in 0..Row::vectors::<S>() {
-        let part = (1 << lanes) - 1;
         if passing >> (v * lanes) & part != 0 {
             pass(simd, systems, moving, v, passing >> (v * lanes) & part);
         }
