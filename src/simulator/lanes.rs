@@ -49,7 +49,7 @@ impl pulp::WithSimd for Lanes<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) {
         if S::F64_LANES < LEAST {
             while let Some(mut motion) = self.waiting.pop() {
-                while motion.alone(simd) {}
+                while motion.alone(simd, None) {}
             }
             return;
         }
@@ -71,11 +71,13 @@ impl pulp::WithSimd for Lanes<'_> {
                     moving.renew(lane, motion.simulator);
                 }
             }
-            for lane in places(substep::substep(simd, &systems, &mut moving, live)) {
+            let left = substep::substep(simd, &systems, &mut moving, live);
+            for lane in places(left.behind | left.touching) {
                 let Some(motion) = &mut lanes[lane] else { continue };
                 moving.give(lane, motion.simulator, &mut motion.course);
                 ALONE.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                if !alone(simd, motion) {
+                let side = (left.touching >> lane & 1 != 0).then_some(left.side.0[lane]);
+                if !alone(simd, motion, side) {
                     lanes[lane] = self.waiting.pop();
                     match &lanes[lane] {
                         Some(motion) => systems.admit(lane, motion.simulator, motion.end),
@@ -104,35 +106,39 @@ fn places(mut bits: Places) -> impl Iterator<Item = usize> {
 
 /// [`Motion::alone`] out of the lanes' way.
 #[inline(never)]
-fn alone<S: Simd>(simd: S, motion: &mut Motion<'_>) -> bool {
-    struct Alone<'m, 'a>(&'m mut Motion<'a>);
+fn alone<S: Simd>(simd: S, motion: &mut Motion<'_>, touched: Option<f64>) -> bool {
+    struct Alone<'m, 'a>(&'m mut Motion<'a>, Option<f64>);
     impl pulp::WithSimd for Alone<'_, '_> {
         type Output = bool;
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> bool {
-            self.0.alone(simd)
+            self.0.alone(simd, self.1)
         }
     }
-    simd.vectorize(Alone(motion))
+    simd.vectorize(Alone(motion, touched))
 }
 
 impl Motion<'_> {
-    /// Goes on by its own code until the next sub-step looks like one for the lanes; false at the end of the advance.
+    /// Goes on by its own code until the next sub-step looks like one for the lanes; false at the end of the advance. It
+    /// begins with the impact at a stop just `touched`, if there is one.
     #[inline(always)]
-    fn alone<S: Simd>(&mut self, simd: S) -> bool {
+    fn alone<S: Simd>(&mut self, simd: S, touched: Option<f64>) -> bool {
         let Self { simulator, course, end, result } = self;
         course.since_renewal = course.since_renewal.min(RENEW);
+        let mut going = match touched {
+            Some(_) => simulator.conclude::<0>(course, touched, false, &mut None),
+            None => simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None),
+        };
         loop {
-            if let ControlFlow::Break(reason) =
-                simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None)
-            {
+            if let ControlFlow::Break(reason) = going {
                 **result = reason.map(|_: StopReason| ());
                 return false;
             }
             if simulator.plain(&course.z, *end) {
                 return true;
             }
+            going = simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None);
         }
     }
 }

@@ -10,10 +10,19 @@ use crate::vector::product;
 use crate::wide::{Mask, Row, Wide, WideExtended};
 use pulp::Simd;
 
-/// Takes each of the motions at `live` a sub-step on, to its end or through its first impact. Returns the motions that stay
-/// where they are, for their own code to take on: those for which the proof of the common case fails.
+/// What a sub-step leaves to the motions' own code.
+pub(super) struct Left {
+    /// They stay where they are: the proof of the common case fails.
+    pub(super) behind: Places,
+    /// They stand before an impact that ends in rest, or may.
+    pub(super) touching: Places,
+    /// The stop that they touch.
+    pub(super) side: Row,
+}
+
+/// Takes each of the motions at `live` a sub-step on, to its end or through its first impact.
 #[inline(always)]
-pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, live: Places) -> Places {
+pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, live: Places) -> Left {
     let lanes = S::F64_LANES;
     let mut aim = Aim { first: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
     let (mut ready, mut near, mut close) = (0, 0, 0);
@@ -41,18 +50,19 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
             row.0[lane] = there;
         }
     }
-    let mut arrived = 0;
+    let (mut arrived, mut touching) = (0, 0);
     for v in 0..Row::vectors::<S>() {
         if passing >> (v * lanes) & part != 0 {
             pass(simd, systems, moving, v, passing >> (v * lanes) & part);
         }
         if aiming >> (v * lanes) & part != 0 {
             let (bits, close) = (aiming >> (v * lanes) & part, close >> (v * lanes) & part);
-            let through = impact(simd, systems, moving, v, &aim, bits, close);
-            arrived |= through << (v * lanes);
+            let (there, touch) = impact(simd, systems, moving, v, &aim, bits, close);
+            arrived |= there << (v * lanes);
+            touching |= touch << (v * lanes);
         }
     }
-    live & !(passing | arrived)
+    Left { behind: live & !(passing | arrived), touching, side: aim.side }
 }
 
 /// Where the gap comes near a stop first.
@@ -186,7 +196,8 @@ fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
     (Wide::of(simd, row, v) + more).put(row, v);
 }
 
-/// The motions among `bits` go through their impact, if it is proved, or past the stop, if that is; returns those that do.
+/// The motions among `bits` go through their impact, if it is proved, or past the stop, if that is. Returns
+/// those that are there, and those of them that have the law of the impact yet before them.
 #[inline(always)]
 fn impact<S: Simd>(
     simd: S,
@@ -196,7 +207,7 @@ fn impact<S: Simd>(
     aim: &Aim,
     bits: Places,
     close: Places,
-) -> Places {
+) -> (Places, Places) {
     let of = |row: &Row| Wide::of(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let (zero, half) = (splat(0.0), splat(0.5));
@@ -233,14 +244,12 @@ fn impact<S: Simd>(
     z[GAP] = side * gap;
     // Rest, and chatter that may be at its end, are left to `Simulator::handle`.
     let slow = of(&systems.closing) * bound(simd, systems, v, &z);
-    let through = mask(simd, bits) & crossing.found & slow.less(rebound * rebound);
-    let chosen = through | stays;
+    let found = mask(simd, bits) & crossing.found;
+    let through = found & slow.less(rebound * rebound);
+    let chosen = found | stays;
     for j in 0..8 {
-        z[j] = stays.select(before[j], z[j]);
-    }
-
-    for j in 0..8 {
-        chosen.select(z[j], of(&moving.z[j])).put(&mut moving.z[j], v);
+        let there = through.select(z[j], before[j]);
+        chosen.select(there, of(&moving.z[j])).put(&mut moving.z[j], v);
     }
     let interval = of(&systems.interval);
     let time = WideExtended { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
@@ -249,11 +258,11 @@ fn impact<S: Simd>(
     chosen.select(later.hi, time.hi).put(&mut moving.time[0], v);
     chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
     let one = splat(1.0);
-    departing = stays.select(zero, through.select(one, departing));
+    departing = chosen.select(through.select(one, zero), departing);
     departing.put(&mut moving.departing, v);
     count(simd, systems, moving, v, chosen, later.hi);
     add(simd, &mut moving.expansions, v, chosen.select(one, zero));
-    add(simd, &mut moving.iterations, v, through.select(crossing.iterations, zero));
+    add(simd, &mut moving.iterations, v, found.select(crossing.iterations, zero));
 
     let lost = WideExtended { hi: of(&moving.lost[0]), lo: of(&moving.lost[1]) };
     let more = lost.plus(of(&systems.loss) * speed * speed);
@@ -267,5 +276,5 @@ fn impact<S: Simd>(
     let above = zero.less(side);
     add(simd, &mut moving.upper, v, (through & above).select(one, zero));
     add(simd, &mut moving.lower, v, (through & !above).select(one, zero));
-    chosen.bits()
+    (chosen.bits(), (found & !through).bits())
 }
