@@ -121,6 +121,14 @@ impl<S: Simd> Neg for Wide<S> {
 }
 
 impl<S: Simd> Mask<S> {
+    /// The first place is the lowest bit's.
+    #[inline(always)]
+    pub(crate) fn of(simd: S, bits: u64) -> Self {
+        const PLACES: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+        let places = S::as_simd_u64s(&PLACES).0[0];
+        Self { simd, m: simd.equal_u64s(simd.and_u64s(simd.splat_u64s(bits), places), places) }
+    }
+
     #[inline(always)]
     pub(crate) fn select(self, yes: Wide<S>, no: Wide<S>) -> Wide<S> {
         Wide { simd: self.simd, x: self.simd.select_f64s(self.m, yes.x, no.x) }
@@ -140,11 +148,6 @@ impl<S: Simd> Mask<S> {
             bits |= (ones >> 63) << place;
         }
         bits
-    }
-
-    #[inline(always)]
-    pub(crate) fn any(self) -> bool {
-        self.bits() != 0
     }
 }
 

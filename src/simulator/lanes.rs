@@ -39,9 +39,6 @@ const RENEWAL: u32 = 64;
 /// Vectors with fewer places than this gain nothing.
 const LEAST: usize = 4;
 
-/// Motions gone on with alone, for measuring.
-pub static ALONE: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
-
 impl pulp::WithSimd for Lanes<'_> {
     type Output = ();
 
@@ -75,7 +72,6 @@ impl pulp::WithSimd for Lanes<'_> {
             for lane in places(left.behind | left.touching) {
                 let Some(motion) = &mut lanes[lane] else { continue };
                 moving.give(lane, motion.simulator, &mut motion.course);
-                ALONE.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 let side = (left.touching >> lane & 1 != 0).then_some(left.side.0[lane]);
                 if !alone(simd, motion, side) {
                     lanes[lane] = self.waiting.pop();

@@ -15,7 +15,6 @@ mod tables;
 mod types;
 
 pub use batch::advance_together;
-pub use lanes::ALONE;
 pub(crate) use step::Listener;
 pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, Work};
 

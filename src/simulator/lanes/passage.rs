@@ -240,3 +240,6 @@ fn polynomial<S: Simd, const N: usize>(c: &[Wide<S>; N], u: Wide<S>) -> Wide<S> 
     let middle = pair(6).mul_add(square, pair(4));
     pair(8).mul_add(fourth * fourth, middle.mul_add(fourth, low))
 }
+
+#[cfg(test)]
+mod tests;

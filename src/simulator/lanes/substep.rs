@@ -142,21 +142,11 @@ fn bound<S: Simd>(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Wid
     bound
 }
 
-/// `bits` as a mask.
-#[inline(always)]
-fn mask<S: Simd>(simd: S, bits: Places) -> Mask<S> {
-    let mut row = Row::ZERO;
-    for lane in 0..S::F64_LANES {
-        row.0[lane] = (bits >> lane & 1) as f64;
-    }
-    Wide::splat(simd, 0.5).less(Wide::of(simd, &row, 0))
-}
-
 /// The motions among `bits` pass over a whole sub-step.
 #[inline(always)]
 fn pass<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, bits: Places) {
     let of = |row: &Row| Wide::of(simd, row, v);
-    let chosen = mask(simd, bits);
+    let chosen = Mask::of(simd, bits);
     let mut z = [Wide::splat(simd, 0.0); 8];
     for j in 0..8 {
         z[j] = of(&moving.z[j]);
@@ -214,7 +204,7 @@ fn impact<S: Simd>(
     let mut centre = [zero; 8];
     // From a start close to a stop the first part of the flight is expanded about the start itself; off the stop, the root
     // there is divided out.
-    let start = mask(simd, close);
+    let start = Mask::of(simd, close);
     let mut departing = of(&moving.departing);
     for j in 0..8 {
         centre[j] = start.select(of(&moving.z[j]), of(&aim.centre[j]));
@@ -232,7 +222,7 @@ fn impact<S: Simd>(
     if bits & !crossing.found.bits() != 0 {
         stays = bits & !crossing.found.bits() & paths.stay(from, gap).bits();
     }
-    let (u, stays) = (crossing.u, mask(simd, stays));
+    let (u, stays) = (crossing.u, Mask::of(simd, stays));
     let u = stays.select(splat(REACH), u);
     let mut z = flights.at(systems, simd, v, u);
     let before = z;
@@ -244,7 +234,7 @@ fn impact<S: Simd>(
     z[GAP] = side * gap;
     // Rest, and chatter that may be at its end, are left to `Simulator::handle`.
     let slow = of(&systems.closing) * bound(simd, systems, v, &z);
-    let found = mask(simd, bits) & crossing.found;
+    let found = Mask::of(simd, bits) & crossing.found;
     let through = found & slow.less(rebound * rebound);
     let chosen = found | stays;
     for j in 0..8 {
