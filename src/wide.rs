@@ -48,6 +48,26 @@ impl<S: Simd> Wide<S> {
         Self { simd, x: S::as_simd_f64s(&row.0).0[v] }
     }
 
+    /// Vector `v` of each row.
+    #[inline(always)]
+    pub(crate) fn of_each<const N: usize>(simd: S, rows: &[Row; N], v: usize) -> [Self; N] {
+        let mut all = [Self::splat(simd, 0.0); N];
+        for (one, row) in all.iter_mut().zip(rows) {
+            *one = Self::of(simd, row, v);
+        }
+        all
+    }
+
+    /// Σ_j rows[j] x_j.
+    #[inline(always)]
+    pub(crate) fn dot<const N: usize>(simd: S, rows: &[Row; N], v: usize, x: &[Self; N]) -> Self {
+        let mut sum = Self::of(simd, &rows[0], v) * x[0];
+        for (row, x) in rows.iter().zip(x).skip(1) {
+            sum = Self::of(simd, row, v).mul_add(*x, sum);
+        }
+        sum
+    }
+
     /// Becomes vector `v` of a row.
     #[inline(always)]
     pub(crate) fn put(self, row: &mut Row, v: usize) {

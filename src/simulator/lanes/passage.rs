@@ -94,14 +94,14 @@ impl<S: Simd> Flights<S> {
         let mut path = self.rates[CENTRED - 2];
         for k in (1..CENTRED).rev() {
             let part = u * u.all(1.0 / k as f64);
-            for j in 0..3 {
-                rate[j] = rate[j].mul_add(part, self.rates[k - 1][j]);
+            for (rate, order) in rate.iter_mut().zip(self.rates[k - 1]) {
+                *rate = rate.mul_add(part, order);
             }
             if k < CENTRED - 1 {
                 // Order k + 1 of the path has the factor u/(k + 1).
                 let part = u * u.all(1.0 / (k + 1) as f64);
-                for j in 0..3 {
-                    path[j] = path[j].mul_add(part, self.rates[k - 1][j]);
+                for (path, order) in path.iter_mut().zip(self.rates[k - 1]) {
+                    *path = path.mul_add(part, order);
                 }
             }
         }

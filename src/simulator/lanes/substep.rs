@@ -90,10 +90,7 @@ fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mu
     let of = |row: &Row| Wide::of(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
-    let mut z = [zero; 8];
-    for j in 0..8 {
-        z[j] = of(&moving.z[j]);
-    }
+    let z = Wide::of_each(simd, &moving.z, v);
     let bound = bound(simd, systems, v, &z);
     let interval = of(&systems.interval);
     let turned = splat(0.5) * bound * interval;
@@ -110,10 +107,7 @@ fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mu
     let mut index = splat(INTERVALS as f64);
     let mut gap = zero;
     for i in (0..INTERVALS).rev() {
-        let mut g = of(&systems.sample[i][0]) * z[0];
-        for j in 1..8 {
-            g = of(&systems.sample[i][j]).mul_add(z[j], g);
-        }
+        let g = Wide::dot(simd, &systems.sample[i], v, &z);
         let near = limit.at_most(g.abs());
         index = near.select(splat(i as f64), index);
         gap = near.select(g, gap);
@@ -135,11 +129,11 @@ fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mu
 /// The bound on |w''| over a sub-step.
 #[inline(always)]
 fn bound<S: Simd>(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Wide<S> {
-    let mut bound = z[0].abs() * Wide::of(simd, &systems.bound[0], v);
-    for j in 1..8 {
-        bound = z[j].abs().mul_add(Wide::of(simd, &systems.bound[j], v), bound);
+    let mut sizes = *z;
+    for size in &mut sizes {
+        *size = size.abs();
     }
-    bound
+    Wide::dot(simd, &systems.bound, v, &sizes)
 }
 
 /// The motions among `bits` pass over a whole sub-step.
@@ -147,16 +141,9 @@ fn bound<S: Simd>(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Wid
 fn pass<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, bits: Places) {
     let of = |row: &Row| Wide::of(simd, row, v);
     let chosen = Mask::of(simd, bits);
-    let mut z = [Wide::splat(simd, 0.0); 8];
-    for j in 0..8 {
-        z[j] = of(&moving.z[j]);
-    }
-    for i in 0..8 {
-        let mut sum = of(&systems.full[i][0]) * z[0];
-        for j in 1..8 {
-            sum = of(&systems.full[i][j]).mul_add(z[j], sum);
-        }
-        chosen.select(sum, z[i]).put(&mut moving.z[i], v);
+    let z = Wide::of_each(simd, &moving.z, v);
+    for ((row, before), full) in moving.z.iter_mut().zip(z).zip(&systems.full) {
+        chosen.select(Wide::dot(simd, full, v, &z), before).put(row, v);
     }
     let time = WideExtended { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
     let later = time.plus(of(&systems.substep));
@@ -201,13 +188,14 @@ fn impact<S: Simd>(
     let of = |row: &Row| Wide::of(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let (zero, half) = (splat(0.0), splat(0.5));
-    let mut centre = [zero; 8];
     // From a start close to a stop the first part of the flight is expanded about the start itself; off the stop, the root
     // there is divided out.
     let start = Mask::of(simd, close);
     let mut departing = of(&moving.departing);
-    for j in 0..8 {
-        centre[j] = start.select(of(&moving.z[j]), of(&aim.centre[j]));
+    let now = Wide::of_each(simd, &moving.z, v);
+    let mut centre = Wide::of_each(simd, &aim.centre, v);
+    for (centre, now) in centre.iter_mut().zip(now) {
+        *centre = start.select(now, *centre);
     }
     let (side, gap) = (of(&aim.side), of(&systems.gap));
     let flights = Flights::expand(simd, systems, v, &centre);
@@ -237,9 +225,8 @@ fn impact<S: Simd>(
     let found = Mask::of(simd, bits) & crossing.found;
     let through = found & slow.less(rebound * rebound);
     let chosen = found | stays;
-    for j in 0..8 {
-        let there = through.select(z[j], before[j]);
-        chosen.select(there, of(&moving.z[j])).put(&mut moving.z[j], v);
+    for (j, row) in moving.z.iter_mut().enumerate() {
+        chosen.select(through.select(z[j], before[j]), now[j]).put(row, v);
     }
     let interval = of(&systems.interval);
     let time = WideExtended { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
