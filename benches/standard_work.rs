@@ -40,6 +40,11 @@ struct Way<'a> {
     run: Box<dyn Fn() -> Run<'a> + 'a>,
 }
 
+/// One way with one motion.
+fn single<'a>(name: &str, periods: f64, run: Box<dyn Fn() -> Run<'a> + 'a>) -> Way<'a> {
+    Way { name: name.into(), motions: 1, periods, run }
+}
+
 fn weak(kappa: f64, drive: f64) -> Parameters {
     Groups::weak(0.1, kappa, drive, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
 }
@@ -148,7 +153,6 @@ fn main() {
             })
         }
     };
-    let single = |name: &str, periods: f64, run| Way { name: name.into(), motions: 1, periods, run };
     let sweep = |what: &str, motions: &Vec<Simulator>, together: bool| {
         let count = motions.len();
         let how = if together { "together on one thread" } else { "one by one" };
@@ -160,11 +164,7 @@ fn main() {
         }
     };
     let ways = [
-        single(
-            "reference method (RKF45 + bisection), 1e-12",
-            REFERENCE_PERIODS,
-            Box::new(reference(1e-12)) as Box<dyn Fn() -> Run<'_>>,
-        ),
+        single("reference method (RKF45 + bisection), 1e-12", REFERENCE_PERIODS, Box::new(reference(1e-12))),
         single("reference method, 1e-9", REFERENCE_PERIODS, Box::new(reference(1e-9))),
         single("library, energy accounts off", PERIODS, Box::new(native(false))),
         single("library, energy accounts on", PERIODS, Box::new(native(true))),
