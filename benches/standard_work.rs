@@ -211,7 +211,7 @@ fn main() {
         "# Benches\n\nWritten by `cargo bench --bench standard_work`: least times of {ROUNDS} rounds in which every way runs once.\nThe work: {PERIODS} drive periods of the dimensionless standard case ({REFERENCE_PERIODS} for the reference \
          method), from the start on,\nwithout setting up; the error is the largest one of any coordinate against a 60-digit \
          solution\n(`tests/data/standard_double_periods.csv`), of several motions that of the first. The systems of the sweep have \
-         up to ten impacts\na period.\n\n{table}\nA simulator for new parameters, tables included: {tables:.0} µs.\n\n\
+         some three impacts\na period.\n\n{table}\nA simulator for new parameters, tables included: {tables:.0} µs.\n\n\
          `cargo bench --bench steady` times the closed forms.\n"
     );
     print!("{text}");

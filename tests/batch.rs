@@ -247,6 +247,29 @@ fn invariant_a_motion_depends_on_nothing_but_itself() {
 }
 
 #[test]
+fn second_method_impacts_without_end_are_reported() {
+    // A constant force of a hundred gaps times the fastest rate squared presses the box against an elastic block, whose
+    // bounces are just too high to be closed.
+    let p = Parameters {
+        stop_restitution: 1.0,
+        box_stiffness: 0.0,
+        coupling_stiffness: 0.0,
+        drive_frequency: 0.0,
+        drive_phase: std::f64::consts::FRAC_PI_2,
+        drive_amplitude: -100.0,
+        ..Parameters::default()
+    };
+    let pressed = State { x: [0.0, 1.0, 0.0], v: [0.0, -3e-5, 0.0] };
+    let mut alone = Simulator::new(&p, &pressed, 0.0).expect("valid").without_ledger();
+    let mut together = [alone.clone(), motion(&weak(0.75, 1.5), 0.9, 0.0)];
+    let results = advance_together(&mut together, |_| 30.0);
+    assert!(matches!(alone.advance_to(30.0), Err(Error::ImpactRate { .. })));
+    assert!(matches!(results[0], Err(Error::ImpactRate { .. })), "{results:?}");
+    assert!(together[0].impacts().upper.abs_diff(alone.impacts().upper) <= 2 && together[0].gap().0 <= 1.0);
+    assert_eq!((&results[1], together[1].time()), (&Ok(()), 30.0));
+}
+
+#[test]
 fn one_that_fails_leaves_the_others_alone() {
     let mut late = Simulator::new(&weak(0.75, 1.5), &start(0.9), 50.0).expect("valid");
     let before = late.snapshot();

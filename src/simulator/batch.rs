@@ -5,9 +5,14 @@ use super::lanes::{Lanes, Motion};
 use crate::error::{Error, Result};
 use crate::extended::Extended;
 
-/// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does and with the same bits; several motions are
-/// under way at a time, so that all together take less time than one after another. Those that keep their energy accounts
-/// or are under loads go one by one. Results in the simulators' order.
+/// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does; on machines with AVX2 or AVX-512 the motions
+/// lie side by side in the vectors, so that from some three motions on all together take less time than one after another:
+/// with eight or more less than half. Those that keep their energy accounts or are under loads go one by one. Results in the
+/// simulators' order.
+///
+/// A motion ends as accurately as one by one, impacts proved in the same way, but not on the same bits: the arithmetic is
+/// ordered otherwise, and the last digits that differ grow as all do in a motion with impacts. It does not depend on the other
+/// motions, their order or their number.
 pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -> f64) -> Vec<Result<()>> {
     let mut results: Vec<Result<()>> = simulators.iter().map(|s| s.check_end(end(s))).collect();
     let mut waiting = Vec::new();
