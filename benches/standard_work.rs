@@ -23,8 +23,10 @@ const ROUNDS: usize = 15;
 const PERIODS: f64 = 2000.0;
 const REFERENCE_PERIODS: f64 = 100.0;
 
-/// Motions of a sweep, each from its own start, and the periods that each runs when timed.
-const MOTIONS: usize = 16;
+/// Motions of a sweep, and the periods that each runs when timed: one system from several starts, or systems of as many
+/// drives and four restitutions, each from the same start; the standard work is the first of either.
+const STARTS: usize = 16;
+const SYSTEMS: usize = 64;
 const SWEPT_PERIODS: f64 = 200.0;
 
 /// A run of n periods that returns the end state, set up already.
@@ -33,14 +35,22 @@ type Run<'a> = Box<dyn FnOnce(f64) -> State + 'a>;
 /// One way to do the work: its name, the periods it runs when timed, and what sets up a run, untimed.
 struct Way<'a> {
     name: String,
+    motions: usize,
     periods: f64,
     run: Box<dyn Fn() -> Run<'a> + 'a>,
 }
 
+/// One way with one motion.
+fn single<'a>(name: &str, periods: f64, run: Box<dyn Fn() -> Run<'a> + 'a>) -> Way<'a> {
+    Way { name: name.into(), motions: 1, periods, run }
+}
+
+fn weak(kappa: f64, drive: f64) -> Parameters {
+    Groups::weak(0.1, kappa, drive, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
+}
+
 fn standard() -> (Parameters, State) {
-    let p = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4)
-        .to_parameters(Scales::default())
-        .expect("valid");
+    let p = weak(0.75, 1.5);
     (p, State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] })
 }
 
@@ -88,17 +98,26 @@ fn main() {
             })
         }
     };
-    let swept = |together: bool| {
+    let starts: Vec<Simulator> = (0..STARTS)
+        .map(|i| {
+            let x = [0.0, start.x[1] - 0.01 * i as f64, 0.0];
+            Simulator::new(&p, &State { x, ..start }, 0.0).expect("valid").without_ledger()
+        })
+        .collect();
+    let systems: Vec<Simulator> = (0..SYSTEMS)
+        .map(|i| {
+            let (kappa, drive) = ([0.75, 0.6, 0.7, 0.9][i % 4], 0.5 + 4.5 * i as f64 / (SYSTEMS - 1) as f64);
+            let drive = if i == 0 { 1.5 } else { drive };
+            let p = weak(kappa, drive);
+            Simulator::new(&p, &start, 0.0).expect("valid").without_ledger()
+        })
+        .collect();
+    let swept = |motions: &Vec<Simulator>, together: bool| {
+        let motions = motions.clone();
         move || -> Run<'_> {
-            let first = Simulator::new(&p, &start, 0.0).expect("valid").without_ledger();
-            let mut all: Vec<Simulator> = (0..MOTIONS)
-                .map(|i| {
-                    let x = [0.0, start.x[1] - 0.01 * i as f64, 0.0];
-                    first.another(&State { x, ..start }, 0.0).expect("valid")
-                })
-                .collect();
+            let mut all = motions.clone();
             Box::new(move |n| {
-                let end = n / MOTIONS as f64 * period;
+                let end = n / all.len() as f64 * period;
                 if together {
                     for result in advance_together(&mut all, |_| end) {
                         result.expect("it arrives");
@@ -134,44 +153,28 @@ fn main() {
             })
         }
     };
+    let sweep = |what: &str, motions: &Vec<Simulator>, together: bool| {
+        let count = motions.len();
+        let how = if together { "together on one thread" } else { "one by one" };
+        Way {
+            name: format!("library, {count} {what}, {how}"),
+            motions: count,
+            periods: SWEPT_PERIODS * count as f64,
+            run: Box::new(swept(motions, together)),
+        }
+    };
     let ways = [
-        Way {
-            name: "reference method (RKF45 + bisection), 1e-12".into(),
-            periods: REFERENCE_PERIODS,
-            run: Box::new(reference(1e-12)),
-        },
-        Way {
-            name: "reference method, 1e-9".into(),
-            periods: REFERENCE_PERIODS,
-            run: Box::new(reference(1e-9)),
-        },
-        Way { name: "library, energy accounts off".into(), periods: PERIODS, run: Box::new(native(false)) },
-        Way { name: "library, energy accounts on".into(), periods: PERIODS, run: Box::new(native(true)) },
-        Way {
-            name: format!("library, {MOTIONS} motions of a sweep, one by one"),
-            periods: SWEPT_PERIODS * MOTIONS as f64,
-            run: Box::new(swept(false)),
-        },
-        Way {
-            name: format!("library, {MOTIONS} motions of a sweep, together on one thread"),
-            periods: SWEPT_PERIODS * MOTIONS as f64,
-            run: Box::new(swept(true)),
-        },
-        Way {
-            name: "packaged FMU, one `fmi2DoStep` for the whole run".into(),
-            periods: PERIODS,
-            run: Box::new(packaged(0.0)),
-        },
-        Way {
-            name: "packaged FMU, a step per period".into(),
-            periods: PERIODS,
-            run: Box::new(packaged(1.0)),
-        },
-        Way {
-            name: "packaged FMU, 100 steps per period".into(),
-            periods: PERIODS,
-            run: Box::new(packaged(100.0)),
-        },
+        single("reference method (RKF45 + bisection), 1e-12", REFERENCE_PERIODS, Box::new(reference(1e-12))),
+        single("reference method, 1e-9", REFERENCE_PERIODS, Box::new(reference(1e-9))),
+        single("library, energy accounts off", PERIODS, Box::new(native(false))),
+        single("library, energy accounts on", PERIODS, Box::new(native(true))),
+        sweep("starts of one system", &starts, false),
+        sweep("starts of one system", &starts, true),
+        sweep("systems of a sweep over drive and restitution", &systems, false),
+        sweep("systems of a sweep over drive and restitution", &systems, true),
+        single("packaged FMU, one `fmi2DoStep` for the whole run", PERIODS, Box::new(packaged(0.0))),
+        single("packaged FMU, a step per period", PERIODS, Box::new(packaged(1.0))),
+        single("packaged FMU, 100 steps per period", PERIODS, Box::new(packaged(100.0))),
     ];
 
     let mut times = vec![Vec::with_capacity(ROUNDS); ways.len()];
@@ -191,8 +194,7 @@ fn main() {
     );
     let base = least(&times[0]);
     for (way, times) in ways.iter().zip(&times) {
-        let motions = if way.name.contains("sweep") { MOTIONS as f64 } else { 1.0 };
-        let error = golden::distance(&(way.run)()(20.0 * motions), &truth, 1.0, 1.0);
+        let error = golden::distance(&(way.run)()(20.0 * way.motions as f64), &truth, 1.0, 1.0);
         let ns = least(times);
         let ratio = base / ns;
         writeln!(table, "| {} | {ns:.0} | {ratio:.1} | {error:.1e} |", way.name).expect("memory");
@@ -208,7 +210,8 @@ fn main() {
     let text = format!(
         "# Benches\n\nWritten by `cargo bench --bench standard_work`: least times of {ROUNDS} rounds in which every way runs once.\nThe work: {PERIODS} drive periods of the dimensionless standard case ({REFERENCE_PERIODS} for the reference \
          method), from the start on,\nwithout setting up; the error is the largest one of any coordinate against a 60-digit \
-         solution\n(`tests/data/standard_double_periods.csv`).\n\n{table}\nA simulator for new parameters, tables included: {tables:.0} µs.\n\n\
+         solution\n(`tests/data/standard_double_periods.csv`), of several motions that of the first. The systems of the sweep have \
+         some three impacts\na period.\n\n{table}\nA simulator for new parameters, tables included: {tables:.0} µs.\n\n\
          `cargo bench --bench steady` times the closed forms.\n"
     );
     print!("{text}");

@@ -22,6 +22,7 @@ pub mod reference;
 pub mod simulator;
 pub mod steady;
 mod vector;
+mod wide;
 
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use vibro_impact::reference::{Reference, Tolerance};
-use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads};
+use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads, advance_together};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 /// A number over several decades.
@@ -219,6 +219,46 @@ proptest! {
         let count = |i: &ImpactRecord| (i.upper, i.lower);
         if flies {
             prop_assert_eq!(count(simulator.impacts()), count(reference.impacts()));
+        }
+    }
+
+    #[test]
+    fn second_method_together_as_one_by_one(
+        systems in prop::collection::vec(system(), 1..12),
+        end in 0.5..12.0f64,
+    ) {
+        /// Round-off of some hundred sub-steps, times the growth over up to 100 impacts.
+        const BOUND: f64 = 1e-8;
+        let first: Vec<Simulator> =
+            systems.iter().map(|(p, start)| Simulator::new(p, start, 0.0).unwrap().without_ledger()).collect();
+        let mut together = first.clone();
+        let results = advance_together(&mut together, |_| end);
+        for (i, (p, start)) in systems.iter().enumerate() {
+            // In other company the same bits.
+            let mut single = [first[i].clone()];
+            prop_assert_eq!(&advance_together(&mut single, |_| end)[0], &results[i]);
+            prop_assert_eq!(single[0].snapshot(), together[i].snapshot());
+            let (mut alone, mut least, mut impacts) = (first[i].clone(), f64::INFINITY, 0);
+            let outcome = alone.advance(0.0, end, false, &mut |e| if let Event::Impact { speed, .. } = e {
+                least = least.min(*speed);
+                impacts += 1;
+            });
+            let together = &together[i];
+            prop_assert_eq!(outcome.is_ok(), results[i].is_ok());
+            let (w, _) = together.gap();
+            prop_assert!(w.abs() <= p.stop_gap * (1.0 + 1e-12));
+            // A slow impact or a long run of them multiplies round-off: there the two may part in earnest.
+            if outcome.is_err() || least < 1e-2 || impacts > 100
+                || growth(p, start, &Loads::default(), end) >= MAX_GROWTH {
+                continue;
+            }
+            let (a, b) = (alone.state(), together.state());
+            let scale = a.x.iter().chain(&a.v).fold(1.0f64, |m, x| m.max(x.abs()));
+            for (x, y) in a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)) {
+                prop_assert!((x - y).abs() <= BOUND * scale, "{a:?} {b:?}");
+            }
+            let count = |s: &Simulator| (s.impacts().upper, s.impacts().lower, s.contact());
+            prop_assert_eq!(count(&alone), count(together));
         }
     }
 

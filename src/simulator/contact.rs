@@ -6,12 +6,12 @@ use crate::flow::Series;
 use crate::model::{Augmented, GAP, GAP_RATE, Mode};
 
 /// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
-const CHATTER: f64 = 0.5 * f64::EPSILON;
+pub(super) const CHATTER: f64 = 0.5 * f64::EPSILON;
 /// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
 /// without end; it is closed by the height of its bounces instead.
-const LEAST_LOSS: f64 = 1e-3;
+pub(super) const LEAST_LOSS: f64 = 1e-3;
 /// That height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
-const LEAST_BOUNCE: f64 = 1e-12;
+pub(super) const LEAST_BOUNCE: f64 = 1e-12;
 /// A run is closed only while the free acceleration changes by less than this part of itself until its end.
 const STEADY: f64 = 0.25;
 

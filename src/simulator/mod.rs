@@ -8,6 +8,7 @@ mod batch;
 mod careful;
 mod contact;
 mod flight;
+mod lanes;
 mod limits;
 mod step;
 mod tables;

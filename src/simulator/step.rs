@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 /// rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
 /// More events, or shortened steps, than this within one sub-step's time are reported instead of followed.
-const MAX_BURST: u32 = 1_000_000;
+pub(super) const MAX_BURST: u32 = 1_000_000;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened so that the root's resolution keeps to the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
@@ -26,8 +26,8 @@ pub(super) struct Course {
     /// Where the flight began whose drive work is kept as a difference (see [`Simulator::open_account`]).
     pub(super) flown_from: Extended,
     /// Sub-steps and events since `burst_from`.
-    burst: u32,
-    burst_from: Extended,
+    pub(super) burst: u32,
+    pub(super) burst_from: Extended,
 }
 
 /// An advance, to be compiled once for each instruction set.
