@@ -5,8 +5,7 @@
 //! coefficients the polynomial is monotone, convex or concave and its sign pattern is known; where none does, the
 //! interval is bounded and halved. Nothing is sampled.
 
-use crate::flow::PADDED;
-use crate::vector::{multiply_add, weighted};
+use crate::vector::{PADDED, multiply_add, value, weighted};
 use pulp::Simd;
 
 /// A bracket is halved at most this often: then its width is under the resolution of a double.
@@ -28,18 +27,6 @@ const fn orders(less: usize) -> [f64; PADDED] {
         i += 1;
     }
     k
-}
-
-/// p(u), even and odd orders apart so that two chains run side by side.
-#[inline(always)]
-pub(crate) fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
-    let square = u * u;
-    let (mut even, mut odd) = (0.0, 0.0);
-    for k in (0..N).rev() {
-        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
-        *sum = *sum * square + c[k];
-    }
-    even + u * odd
 }
 
 /// p(u) and p'(u).

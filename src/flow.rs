@@ -6,7 +6,7 @@
 //! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
 
 use crate::model::{Augmented, Forces, GAP, LANES, Mode, Model};
-use crate::vector::{Rows, product, row};
+use crate::vector::{PADDED, Rows, product, row, value};
 
 /// Intervals of a sub-step.
 pub(crate) const INTERVALS: usize = 16;
@@ -153,9 +153,6 @@ pub(crate) struct Local {
     gap: [[[f64; PADDED]; CORE]; INTERVALS],
 }
 
-/// Orders of a gap polynomial, filled up to whole vectors.
-pub(crate) const PADDED: usize = 16;
-
 impl Local {
     pub(crate) fn zero() -> Self {
         Self { lanes: [[[0.0; LANES]; CORE]; CENTRED], gap: [[[0.0; PADDED]; CORE]; INTERVALS] }
@@ -264,8 +261,8 @@ impl<const C: usize> Table<C> {
                 self.peak[c] = self.peak[c].max(second.abs());
                 self.centre[i][c] = centre.z;
                 let node = match mode {
-                    Mode::Flight => crate::events::value(&series.lanes.map(|l| l[GAP]), end),
-                    Mode::Rest => crate::events::value(&series.free, end),
+                    Mode::Flight => value(&series.lanes.map(|l| l[GAP]), end),
+                    Mode::Rest => value(&series.free, end),
                 };
                 self.sample[c][i] = node;
             }

@@ -6,6 +6,21 @@ use pulp::Simd;
 /// Lanes of the widest products.
 const WIDE: usize = 16;
 
+/// Orders of a gap polynomial, filled up to whole vectors.
+pub(crate) const PADDED: usize = 16;
+
+/// p(u), even and odd orders apart so that two chains run side by side.
+#[inline(always)]
+pub(crate) fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
+    let square = u * u;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for k in (0..N).rev() {
+        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+        *sum = *sum * square + c[k];
+    }
+    even + u * odd
+}
+
 /// a b + c, with one rounding where the machine has the instruction.
 #[inline(always)]
 pub(crate) fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {

@@ -6,11 +6,12 @@
 
 use super::walk::{Break, Piece, TERMS, along, augmented, walk};
 use crate::error::Result;
-use crate::events::{first_crossing, value};
+use crate::events::first_crossing;
 use crate::flow::Series;
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
+use crate::vector::value;
 use serde::{Deserialize, Serialize};
 
 /// v2 changes sign at most this often in a series' piece; each change costs at least one of its twenty degrees.

@@ -1,7 +1,7 @@
 //! Many independent motions in one call.
 
-use super::Simulator;
 use super::lanes::{Lanes, Motion};
+use super::{Simulator, check_time};
 use crate::error::{Error, Result};
 use crate::extended::Extended;
 
@@ -35,7 +35,7 @@ impl Simulator {
     /// As an advance to `end` checks it.
     fn check_end(&self, end: f64) -> Result<()> {
         if end.is_finite() && end >= self.time() {
-            return Ok(());
+            return check_time(self.model.rate, end);
         }
         Err(Error::Step { time: self.time(), end })
     }

@@ -1,12 +1,13 @@
 //! What the lanes prove against the scalar proofs (second method), on random paths.
 
 use super::*;
-use crate::events::{first_crossing, value};
+use crate::events::first_crossing;
 use crate::extended::Extended;
 use crate::flow::Series;
 use crate::model::{Mode, Model};
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
+use crate::vector::value;
 use proptest::prelude::*;
 
 /// Coefficients of a path, from straight ones to wild ones; the start, close below zero or far.
