@@ -229,6 +229,8 @@ proptest! {
     ) {
         /// Round-off of some hundred sub-steps, times the growth over up to 100 impacts.
         const BOUND: f64 = 1e-8;
+        /// Impacts of a run that is near the limit.
+        const MANY: u64 = 900_000;
         let first: Vec<Simulator> =
             systems.iter().map(|(p, start)| Simulator::new(p, start, 0.0).unwrap().without_ledger()).collect();
         let mut together = first.clone();
@@ -238,17 +240,21 @@ proptest! {
             let mut single = [first[i].clone()];
             prop_assert_eq!(&advance_together(&mut single, |_| end)[0], &results[i]);
             prop_assert_eq!(single[0].snapshot(), together[i].snapshot());
-            let (mut alone, mut least, mut impacts) = (first[i].clone(), f64::INFINITY, 0);
+            let (mut alone, mut least, mut impacts) = (first[i].clone(), f64::INFINITY, 0u64);
             let outcome = alone.advance(0.0, end, false, &mut |e| if let Event::Impact { speed, .. } = e {
                 least = least.min(*speed);
                 impacts += 1;
             });
             let together = &together[i];
-            prop_assert_eq!(outcome.is_ok(), results[i].is_ok());
+            // The limit of impacts without end is on sub-steps, of which the two ways take not quite the same number.
+            prop_assert!(outcome.is_ok() == results[i].is_ok() || impacts > MANY);
+            if let Err(error) = &results[i] {
+                prop_assert!(allowed(error), "{error}");
+            }
             let (w, _) = together.gap();
             prop_assert!(w.abs() <= p.stop_gap * (1.0 + 1e-12));
             // A slow impact or a long run of them multiplies round-off: there the two may part in earnest.
-            if outcome.is_err() || least < 1e-2 || impacts > 100
+            if outcome.is_err() || results[i].is_err() || least < 1e-2 || impacts > 100
                 || growth(p, start, &Loads::default(), end) >= MAX_GROWTH {
                 continue;
             }

@@ -6,9 +6,9 @@ use crate::error::{Error, Result};
 use crate::extended::Extended;
 
 /// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does; on machines with AVX2 or AVX-512 the motions
-/// lie side by side in the vectors, so that from some three motions on all together take less time than one after another:
-/// with eight or more less than half. Those that keep their energy accounts or are under loads go one by one. Results in the
-/// simulators' order.
+/// lie side by side in the vectors: one or two take longer than by `advance_to`, from some three on all together take less
+/// time than one after another, and eight or more less than half, unless rest takes up much of the motions. Those that keep
+/// their energy accounts or are under loads go one by one. Results in the simulators' order.
 ///
 /// A motion ends as accurately as one by one, impacts proved in the same way, but not on the same bits: the arithmetic is
 /// ordered otherwise, and the last digits that differ grow as all do in a motion with impacts. It does not depend on the other

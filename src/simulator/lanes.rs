@@ -123,7 +123,10 @@ impl Motion<'_> {
         let Self { simulator, course, end, result } = self;
         course.since_renewal = course.since_renewal.min(RENEW);
         let mut going = match touched {
-            Some(_) => simulator.conclude::<0>(course, touched, false, &mut None),
+            Some(_) => {
+                course.burst = course.burst.saturating_sub(1); // the lanes have counted the sub-step
+                simulator.conclude::<0>(course, touched, false, &mut None)
+            }
             None => simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None),
         };
         loop {
