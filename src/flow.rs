@@ -128,8 +128,10 @@ pub(crate) fn shifted(forces: &Forces, dt: f64) -> Forces {
     })
 }
 
-/// Sub-step tables for C columns of the augmented state or of the load coefficients.
+/// Sub-step tables for C columns of the augmented state or of the load coefficients. In this order, so that no vector of a
+/// column lies across two cache lines.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct Table<const C: usize> {
     /// The event functional at the interval ends, `[column][interval]`.
     pub(crate) sample: [[f64; INTERVALS]; C],
@@ -145,6 +147,7 @@ pub(crate) struct Table<const C: usize> {
 
 /// The free flight about any point as polynomials in the state there: the coefficients of a [`Series`] without loads.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct Local {
     /// The augmented state's coefficients, `[order][column][lane]`.
     lanes: [[Augmented; CORE]; CENTRED],

@@ -75,14 +75,33 @@ pub(crate) struct Sums {
     pub(crate) impact: Extended,
 }
 
+/// Accounts of flights on their way to the [`Sums`], kept in doubles for some sub-steps; nothing between two advances.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(crate) struct Pending {
+    /// In parts whose sum counts.
+    pub(crate) damped: [f64; LANES],
+    pub(crate) input: f64,
+}
+
+impl Sums {
+    /// Takes up what is pending.
+    pub(crate) fn settle(&mut self, pending: &mut Pending) {
+        self.damped = self.damped.plus(pending.damped.iter().sum());
+        self.input = self.input.plus(pending.input);
+        *pending = Pending::default();
+    }
+}
+
 /// Gramians of input and damped power from a sub-step's start to the centre of each interval and to its end.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct Gramians {
     input: [Form; PREFIXES],
     damped: [Form; PREFIXES],
-    powers: Powers,
     /// The damping coefficients in the lanes of x1' and x3'.
     weights: Augmented,
+    powers: Powers,
     /// In flight, the drive's work in closed form; none in rest and near an undamped resonance.
     work: Option<DriveWork>,
 }
@@ -170,7 +189,8 @@ impl Gramians {
     }
 
     /// Damped from the start `z` of a free flight to the centre of interval `index`, if it passes one, and on along the `rows`
-    /// from 0 to `u`; `radius` in s.
+    /// from 0 to u, where they have the values `end`; `radius` in s. Added to `total` in parts of which the sum counts. Over 0.075/rate the rule's error is under 7e-13 of the power
+    /// over the rate, which is 3e-13 of a flight's energy.
     #[inline(always)]
     pub(crate) fn damped_along<S: Simd>(
         &self,
@@ -178,13 +198,11 @@ impl Gramians {
         index: Option<usize>,
         z: &Augmented,
         rows: &Rows<S, CENTRED>,
-        (u, radius): (f64, f64),
-    ) -> f64 {
-        let length = u * radius;
-        let ([n0, n1, n2], [w0, w1, w2]) = (THREE.nodes, THREE.weights);
-        let (at, shares) = ([u * n0, u * n1, u * n2], [length * w0, length * w1, length * w2]);
+        (u, end, radius): (f64, &Augmented, f64),
+        total: &mut Augmented,
+    ) {
         let before = index.map(|index| (&self.damped[index], z));
-        form_and_squares(simd, before, rows, (&at, &shares), &self.weights)
+        form_and_squares(simd, before, rows, (u, end), u * radius, &self.weights, total);
     }
 
     /// Input likewise, along the rows only.

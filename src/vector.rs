@@ -121,38 +121,43 @@ pub(crate) fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f
     simd.reduce_sum_f64s(sum)
 }
 
-/// A form, if there is one, and beside it `Σ_i shares[i] Σ_lane weights · p(at[i])²` of the polynomials p in `rows`; one sum
-/// over lanes for both.
+/// Adds, lane by lane, the parts of a form, if there is one, and of the integral of `Σ_lane weights · p²` for the polynomials p
+/// in `rows` from 0 to u by the Lobatto rule of four nodes, where `end` is p(u); `length` is that of the way there.
 #[inline(always)]
-pub(crate) fn form_and_squares<S: Simd, const N: usize, const R: usize>(
+pub(crate) fn form_and_squares<S: Simd, const N: usize>(
     simd: S,
     form: Option<(&[[f64; 8]; 8], &[f64; 8])>,
     rows: &Rows<S, N>,
-    (at, shares): (&[f64; R], &[f64; R]),
+    (u, end): (f64, &[f64; 8]),
+    length: f64,
     weights: &[f64; 8],
-) -> f64 {
-    let (weights, _) = S::as_simd_f64s(weights);
-    let mut squares = [simd.splat_f64s(0.0); 8];
-    for i in 0..R {
-        let values = evaluate(simd, rows, at[i]);
-        let share = simd.splat_f64s(shares[i]);
-        for v in 0..weights.len() {
-            let scaled = simd.mul_f64s(values[v], share);
-            squares[v] = simd.mul_add_e_f64s(values[v], scaled, squares[v]);
-        }
-    }
-    let mut sum = simd.splat_f64s(0.0);
-    for v in 0..weights.len() {
-        sum = simd.mul_add_e_f64s(squares[v], weights[v], sum);
-    }
+    total: &mut [f64; 8],
+) {
+    /// (1 - 1/√5)/2 of the way, and the rule's weights at the ends and inside.
+    const NODE: f64 = 0.276_393_202_250_021;
+    const ENDS: f64 = 1.0 / 12.0;
+    const INSIDE: f64 = 5.0 / 12.0;
+    // The form first: it waits for nothing.
+    let mut before = [simd.splat_f64s(0.0); 8];
     if let Some((columns, x)) = form {
         let sums = combine::<S, 8, 8>(simd, columns, x);
         let (x, _) = S::as_simd_f64s(x);
         for v in 0..x.len() {
-            sum = simd.mul_add_e_f64s(sums[v], x[v], sum);
+            before[v] = simd.mul_f64s(sums[v], x[v]);
         }
     }
-    simd.reduce_sum_f64s(sum)
+    let near = evaluate(simd, rows, u * NODE);
+    let far = evaluate(simd, rows, u * (1.0 - NODE));
+    let ((weights, _), (end, _)) = (S::as_simd_f64s(weights), S::as_simd_f64s(end));
+    let (at_ends, inside) = (simd.splat_f64s(ENDS * length), simd.splat_f64s(INSIDE * length));
+    let (total, _) = S::as_mut_simd_f64s(total);
+    for v in 0..weights.len() {
+        let start = rows[0][v];
+        let ends = simd.mul_add_e_f64s(end[v], end[v], simd.mul_f64s(start, start));
+        let middle = simd.mul_add_e_f64s(near[v], near[v], simd.mul_f64s(far[v], far[v]));
+        let squares = simd.mul_add_e_f64s(middle, inside, simd.mul_f64s(ends, at_ends));
+        total[v] = simd.add_f64s(total[v], simd.mul_add_e_f64s(squares, weights[v], before[v]));
+    }
 }
 
 /// A bit for each lane with |x| ≥ limit.

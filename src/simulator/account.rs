@@ -39,8 +39,7 @@ impl Simulator {
             return;
         }
         if let Some(work) = self.flight.energy.work() {
-            let jump = work.jump(&course.z, course.z[3] - speed);
-            self.motion.sums.input = self.motion.sums.input.plus(-jump);
+            self.pending.input -= work.jump(&course.z, course.z[3] - speed);
         }
         if self.motion.contact != Contact::Flight {
             self.close_account(course);
@@ -48,7 +47,7 @@ impl Simulator {
     }
 
     /// A flight's last piece: from the sub-step's start to the centre of interval `index`, if it passes one, and on along the
-    /// `rows` up to `u`.
+    /// `rows` up to u, where they have the values `end`.
     #[inline(always)]
     pub(super) fn account_flight<S: Simd>(
         &mut self,
@@ -56,18 +55,17 @@ impl Simulator {
         z: &Augmented,
         index: Option<usize>,
         rows: &Rows<S, CENTRED>,
-        u: f64,
+        (u, end): (f64, &Augmented),
     ) {
         self.prepare_gramians();
-        let to = (u, 0.5 * self.interval());
+        let radius = 0.5 * self.interval();
         let energy = &self.flight.energy;
-        let damped = energy.damped_along(simd, index, z, rows, to);
+        energy.damped_along(simd, index, z, rows, (u, end, radius), &mut self.pending.damped);
         if energy.work().is_none() {
             let before = index.map_or(0.0, |index| energy.input_up_to(simd, index, z));
-            let input = before + energy.input_along(simd, rows, to);
-            self.motion.sums.input = self.motion.sums.input.plus(input);
+            let input = before + energy.input_along(simd, rows, (u, radius));
+            self.pending.input += input;
         }
-        self.motion.sums.damped = self.motion.sums.damped.plus(damped);
     }
 
     #[inline(always)]

@@ -75,8 +75,31 @@ impl Simulator {
 
     /// A step within one interval, at both ends of which the block is clear of the stops by more than its acceleration could
     /// bend its path in between. False, and nothing done, where it is not: then the interval is to be searched.
-    #[inline(always)]
+    /// Out of the way of the long sub-steps, which have no registers to spare.
+    #[inline(never)]
     pub(super) fn stroll<S: Simd, const LEDGER: bool>(
+        &mut self,
+        simd: S,
+        z: &mut Augmented,
+        bound: f64,
+        remaining: f64,
+        end: Extended,
+    ) -> bool {
+        struct Stroll<'a, const LEDGER: bool>(&'a mut Simulator, &'a mut Augmented, f64, f64, Extended);
+        impl<const LEDGER: bool> pulp::WithSimd for Stroll<'_, LEDGER> {
+            type Output = bool;
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, simd: S) -> bool {
+                let Self(simulator, z, bound, remaining, end) = self;
+                simulator.stroll_as::<S, LEDGER>(simd, z, bound, remaining, end)
+            }
+        }
+        simd.vectorize(Stroll::<LEDGER>(self, z, bound, remaining, end))
+    }
+
+    #[inline(always)]
+    fn stroll_as<S: Simd, const LEDGER: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
@@ -100,7 +123,7 @@ impl Simulator {
             return false;
         }
         if LEDGER {
-            self.account_flight(simd, z, centred.then_some(0), &rows, u);
+            self.account_flight(simd, z, centred.then_some(0), &rows, (u, &arrived));
         }
         *z = arrived;
         self.motion.time = end;
@@ -187,7 +210,7 @@ impl Simulator {
         // First what the motion waits for, then the accounts.
         let arrived = polynomial(simd, &rows, u);
         if LEDGER {
-            self.account_flight(simd, z, Some(index), &rows, u);
+            self.account_flight(simd, z, Some(index), &rows, (u, &arrived));
         }
         self.motion.departing = 0;
         arrived

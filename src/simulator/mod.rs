@@ -21,7 +21,7 @@ pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, 
 use crate::error::{Error, Result};
 use crate::extended::{Extended, Phase};
 use crate::flow::{self, Series};
-use crate::ledger::{self, Sums};
+use crate::ledger::{self, Pending, Sums};
 use crate::model::{Augmented, Forces, LANES, Mode, Model};
 use crate::parameters::Parameters;
 pub(crate) use limits::check_time;
@@ -79,6 +79,7 @@ pub struct Simulator {
     flight: Arc<ModeTables>,
     rest: Arc<ModeTables>,
     motion: Motion,
+    pending: Pending,
     work: Work,
     keeps_ledger: bool,
 }
@@ -107,6 +108,7 @@ impl Simulator {
             flight: Arc::new(ModeTables::zero()),
             rest: Arc::new(ModeTables::zero()),
             motion,
+            pending: Pending::default(),
             work: Work::default(),
             keeps_ledger: true,
         };

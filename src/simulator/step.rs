@@ -18,7 +18,8 @@ pub(super) const MAX_BURST: u32 = 1_000_000;
 /// steps are shortened so that the root's resolution keeps to the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
 
-/// What an advance carries from sub-step to sub-step.
+/// What an advance carries from sub-step to sub-step; the state in one cache line.
+#[repr(C, align(64))]
 pub(super) struct Course {
     pub(super) z: Augmented,
     /// Sub-steps since cos θ and sin θ were taken anew.
@@ -95,8 +96,11 @@ impl Simulator {
         loop {
             let going = self.go_on::<S, LOADS, LEDGER>(simd, &mut course, end, stop_at_impact, &mut on_event);
             if let ControlFlow::Break(reason) = going {
-                if by_difference && self.motion.contact == Contact::Flight {
-                    self.close_account(&course);
+                if by_difference {
+                    if self.motion.contact == Contact::Flight {
+                        self.close_account(&course);
+                    }
+                    self.motion.sums.settle(&mut self.pending);
                 }
                 return reason;
             }
@@ -140,14 +144,22 @@ impl Simulator {
         going
     }
 
-    /// Takes cos θ and sin θ anew when it is time.
+    /// Takes cos θ and sin θ anew, and up what is pending, when it is time.
     #[inline(always)]
-    pub(super) fn renew(&self, course: &mut Course) {
+    pub(super) fn renew(&mut self, course: &mut Course) {
         if course.since_renewal == RENEW {
-            (course.z[7], course.z[6]) = self.drive_phase().sin_cos();
+            (course.z[7], course.z[6]) = self.sine_and_cosine();
             course.since_renewal = 0;
+            self.motion.sums.settle(&mut self.pending);
         }
         course.since_renewal += 1;
+    }
+
+    /// sin θ and cos θ from the extended phase; rare, and kept out of the way of what is not.
+    #[cold]
+    #[inline(never)]
+    fn sine_and_cosine(&self) -> (f64, f64) {
+        self.drive_phase().sin_cos()
     }
 
     /// The end of a sub-step: its event, if it reached one, and the watch over motions that do not get on.
