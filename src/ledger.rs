@@ -48,24 +48,10 @@ const FOUR: Rule<4> = Rule {
     ],
 };
 
-/// Over a length of 0.075/rate the error is under 5e-13 of the power over the rate, which is 2e-13 of a flight's energy.
-const THREE: Rule<3> = Rule {
-    nodes: [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7],
-    weights: [0.277_777_777_777_777_8, 0.444_444_444_444_444_4, 0.277_777_777_777_777_8],
-};
-
 /// Pieces into which the Gramians' own quadrature divides an interval's half.
 const PREFIXES: usize = INTERVALS + 1;
 /// An 8 × 8 quadratic form of the augmented state.
 type Form = [[f64; LANES]; LANES];
-
-/// What the powers are made of: F10, c1, c3 in SI units.
-#[derive(Clone, Copy, Debug, Default)]
-struct Powers {
-    drive: f64,
-    c1: f64,
-    c3: f64,
-}
 
 /// Running sums in J, in extended precision so that 10⁶ periods lose nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -99,9 +85,10 @@ impl Sums {
 pub(crate) struct Gramians {
     input: [Form; PREFIXES],
     damped: [Form; PREFIXES],
-    /// The damping coefficients in the lanes of x1' and x3'.
+    /// The damping coefficients c1 and c3 in the lanes of x1' and x3'.
     weights: Augmented,
-    powers: Powers,
+    /// F10.
+    drive: f64,
     /// In flight, the drive's work in closed form; none in rest and near an undamped resonance.
     work: Option<DriveWork>,
 }
@@ -111,20 +98,26 @@ impl Gramians {
         Self {
             input: [[[0.0; LANES]; LANES]; PREFIXES],
             damped: [[[0.0; LANES]; LANES]; PREFIXES],
-            powers: Powers::default(),
             weights: [0.0; LANES],
+            drive: 0.0,
             work: None,
         }
     }
 
     /// Sets the powers; to be called before anything else when parameters change.
     pub(crate) fn set_powers(&mut self, p: &Parameters, model: &Model, mode: Mode) {
-        self.powers = Powers { drive: p.drive_amplitude, c1: p.box_damping, c3: p.secondary_damping };
+        self.drive = p.drive_amplitude;
         self.weights = [0.0, 0.0, 0.0, p.box_damping, 0.0, p.secondary_damping, 0.0, 0.0];
         self.work = match mode {
             Mode::Flight => DriveWork::new(p.drive_amplitude, model),
             Mode::Rest => None,
         };
+    }
+
+    /// F10, c1, c3.
+    #[inline(always)]
+    fn coefficients(&self) -> (f64, f64, f64) {
+        (self.drive, self.weights[3], self.weights[5])
     }
 
     /// The drive's work in closed form, where it may be used.
@@ -157,7 +150,7 @@ impl Gramians {
 
     /// The forms [input, damped] between an interval's centre and its `end`, in the state at the centre.
     fn over_half(&self, columns: &[Series<CENTRED>; LANES], end: f64, radius: f64) -> [Form; 2] {
-        let Powers { drive, c1, c3 } = self.powers;
+        let (drive, c1, c3) = self.coefficients();
         let (mut input, mut damped): (Form, Form) = ([[0.0; LANES]; LANES], [[0.0; LANES]; LANES]);
         for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
             let weight = weight * radius;
@@ -189,8 +182,8 @@ impl Gramians {
     }
 
     /// Damped from the start `z` of a free flight to the centre of interval `index`, if it passes one, and on along the `rows`
-    /// from 0 to u, where they have the values `end`; `radius` in s. Added to `total` in parts of which the sum counts. Over 0.075/rate the rule's error is under 7e-13 of the power
-    /// over the rate, which is 3e-13 of a flight's energy.
+    /// from 0 to u, where they have the values `end`; `radius` in s. Added to `total` in parts of which the sum counts. Over
+    /// 0.075/rate the rule's error is under 7e-13 of the power over the rate, which is 3e-13 of a flight's energy.
     #[inline(always)]
     pub(crate) fn damped_along<S: Simd>(
         &self,
@@ -214,11 +207,11 @@ impl Gramians {
         (u, radius): (f64, f64),
     ) -> f64 {
         let mut input = 0.0;
-        for (node, weight) in THREE.nodes.iter().zip(&THREE.weights) {
+        for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
             let at = crate::vector::polynomial(simd, rows, u * node);
             input += weight * at[3] * at[7];
         }
-        self.powers.drive * u * radius * input
+        self.drive * u * radius * input
     }
 
     /// (input, damped) along a series from u0 to u1; `radius` in s. Loads included where given (at u = 0).
@@ -246,7 +239,7 @@ impl Gramians {
         (u0, u1): (f64, f64),
         radius: f64,
     ) -> (f64, f64) {
-        let Powers { drive, c1, c3 } = self.powers;
+        let (drive, c1, c3) = self.coefficients();
         // Of the augmented state the powers need the rates and sin θ only.
         let rates: [[f64; 4]; N] = series.lanes.map(|z| [z[3], z[4], z[5], z[7]]);
         let (mut input, mut damped) = (0.0, 0.0);

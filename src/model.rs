@@ -140,11 +140,22 @@ impl Model {
     #[inline(always)]
     pub(crate) fn impact(&self, z: &mut Augmented, side: f64) -> (f64, f64, f64) {
         let speed = side * z[GAP_RATE];
-        let kappa = self.restitution;
-        let impulse = (1.0 + kappa) * self.reduced_mass * speed;
-        z[3] += side * (1.0 + kappa) * self.block_share * speed;
-        z[GAP_RATE] *= -kappa;
-        (speed, impulse, 0.5 * (1.0 - kappa * kappa) * self.reduced_mass * speed * speed)
+        let [kick, impulse, loss] = self.impact_factors();
+        z[3] += side * kick * speed;
+        z[GAP_RATE] *= -self.restitution;
+        (speed, impulse * speed, loss * speed * speed)
+    }
+
+    /// By what the approach speed is multiplied for the box's change of velocity towards the stop and for the impulse, and its
+    /// square for the energy lost.
+    #[inline(always)]
+    pub(crate) fn impact_factors(&self) -> [f64; 3] {
+        let Self { restitution: kappa, reduced_mass, .. } = *self;
+        [
+            (1.0 + kappa) * self.block_share,
+            (1.0 + kappa) * reduced_mass,
+            0.5 * (1.0 - kappa * kappa) * reduced_mass,
+        ]
     }
 
     /// The inelastic merge into resting contact (momentum conserved): returns the energy lost.

@@ -6,12 +6,12 @@ use crate::flow::Series;
 use crate::model::{Augmented, GAP, GAP_RATE, Mode};
 
 /// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
-pub(super) const CHATTER: f64 = 0.5 * f64::EPSILON;
+const CHATTER: f64 = 0.5 * f64::EPSILON;
 /// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
 /// without end; it is closed by the height of its bounces instead.
-pub(super) const LEAST_LOSS: f64 = 1e-3;
+const LEAST_LOSS: f64 = 1e-3;
 /// That height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
-pub(super) const LEAST_BOUNCE: f64 = 1e-12;
+const LEAST_BOUNCE: f64 = 1e-12;
 /// A run is closed only while the free acceleration changes by less than this part of itself until its end.
 const STEADY: f64 = 0.25;
 
@@ -72,16 +72,11 @@ impl Simulator {
         let forces = [(); LOADS].map(|()| self.forces_now());
         let now = forces.first().map(|f| f.map(|d| d[0]));
         let a = side * self.model.acceleration(Mode::Flight, z, now).1;
-        let (gap, loss) = (self.model.gap, 1.0 - self.model.restitution);
-        let elastic = loss < LEAST_LOSS;
-        let under = if elastic {
-            u * u <= 2.0 * a * LEAST_BOUNCE * gap
-        } else {
-            2.0 * u * u <= a * loss * CHATTER * gap
-        };
-        if a <= 0.0 || !under {
+        if a <= 0.0 || u * u > self.closing() * a {
             return None;
         }
+        let loss = 1.0 - self.model.restitution;
+        let elastic = loss < LEAST_LOSS;
         // The acceleration must not change until the end of the run, or of the bounce.
         let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
         let series = Series::<4>::expand(&self.model, Mode::Flight, z, forces.first(), span);
@@ -89,6 +84,14 @@ impl Simulator {
         let (second, third) = (series.lanes[2][GAP], series.lanes[3][GAP]);
         let steady = (3.0 * third).abs() <= STEADY * second.abs();
         steady.then_some(if elastic { 0.0 } else { span })
+    }
+
+    /// The largest square of a rebound speed over the acceleration with which a run is closed, m.
+    #[inline(always)]
+    pub(super) fn closing(&self) -> f64 {
+        let loss = 1.0 - self.model.restitution;
+        let part = if loss < LEAST_LOSS { 2.0 * LEAST_BOUNCE } else { 0.5 * loss * CHATTER };
+        part * self.model.gap
     }
 
     /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap

@@ -3,8 +3,6 @@
 use super::Places;
 use crate::extended::Extended;
 use crate::flow::INTERVALS;
-use crate::model::Model;
-use crate::simulator::contact::{CHATTER, LEAST_BOUNCE, LEAST_LOSS};
 use crate::simulator::step::{Course, MAX_REACH};
 use crate::simulator::tables::ModeTables;
 use crate::simulator::{Contact, Simulator};
@@ -96,21 +94,18 @@ impl Systems {
         }
         let interval = simulator.interval();
         let r = 0.5 * interval;
-        let Model { restitution, reduced_mass, gap, .. } = simulator.model;
         let m = &simulator.model;
-        // As `Simulator::closes`.
-        let loss = 1.0 - restitution;
-        let closing = if loss < LEAST_LOSS { 2.0 * LEAST_BOUNCE } else { 0.5 * loss * CHATTER };
+        let [kick, impulse, loss] = m.impact_factors();
         for (row, value) in [
             (&mut self.substep, simulator.substep),
             (&mut self.interval, interval),
-            (&mut self.gap, gap),
-            (&mut self.reach, MAX_REACH * gap),
-            (&mut self.closing, closing * gap),
-            (&mut self.restitution, restitution),
-            (&mut self.kick, (1.0 + restitution) * m.block_share),
-            (&mut self.impulse, (1.0 + restitution) * reduced_mass),
-            (&mut self.loss, 0.5 * (1.0 - restitution * restitution) * reduced_mass),
+            (&mut self.gap, m.gap),
+            (&mut self.reach, MAX_REACH * m.gap),
+            (&mut self.closing, simulator.closing()),
+            (&mut self.restitution, m.restitution),
+            (&mut self.kick, kick),
+            (&mut self.impulse, impulse),
+            (&mut self.loss, loss),
             (&mut self.radius, r),
             (&mut self.k1, r * r * m.k1),
             (&mut self.c1, r * m.c1),
