@@ -1,5 +1,6 @@
 //! What several tests share.
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
+pub mod bits;
 pub mod golden;
 pub mod python;

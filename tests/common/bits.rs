@@ -1,0 +1,74 @@
+//! Digests of state bits and their golden files, one for each instruction set on which the arithmetic differs.
+
+use std::fmt::Write;
+use std::{env, fs};
+
+/// FNV-1a over the bits of what was recorded: any bit that differs gives another digest, but for one chance in 2⁶⁴.
+#[derive(Clone, Copy, Debug)]
+pub struct Digest(u64);
+
+impl Digest {
+    pub fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    pub fn number(&mut self, number: u64) {
+        for byte in number.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+
+    pub fn reals(&mut self, values: &[f64]) {
+        for value in values {
+            self.number(value.to_bits());
+        }
+    }
+
+    pub fn text(&mut self, text: &str) {
+        for byte in text.bytes() {
+            self.number(u64::from(byte));
+        }
+    }
+
+    pub fn finish(self) -> String {
+        format!("{:016x}", self.0)
+    }
+}
+
+/// The instruction set the library chooses here; on each the arithmetic is ordered otherwise.
+fn instruction_set() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            return "x86-64-v4";
+        }
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            return "x86-64-v3";
+        }
+        "x86-64"
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    env::consts::ARCH
+}
+
+/// Compares with the golden file of this machine's instruction set. `UPDATE=1` in the environment writes it instead. On an
+/// instruction set without a file the comparison cannot be made: that is printed.
+pub fn compare(name: &str, found: &[(String, String)]) {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+    let path = format!("{folder}/{name}.{}.txt", instruction_set());
+    let mut text = String::new();
+    for (motion, digest) in found {
+        writeln!(text, "{digest}  {motion}").expect("a String takes all");
+    }
+    if env::var_os("UPDATE").is_some() {
+        fs::write(&path, &text).unwrap_or_else(|e| panic!("{path}: {e}"));
+        return;
+    }
+    let Ok(golden) = fs::read_to_string(&path) else {
+        println!("not compared: there is no {path}; UPDATE=1 writes it from code that is known to be right");
+        return;
+    };
+    let differing: Vec<_> = golden.lines().zip(text.lines()).filter(|(a, b)| a != b).collect();
+    assert!(differing.is_empty(), "{} motions differ: {differing:#?}", differing.len());
+    assert_eq!(golden.lines().count(), found.len(), "another number of motions");
+}
