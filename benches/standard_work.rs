@@ -6,8 +6,8 @@ use fmu_build::compile::{PLATFORM, SHARED_LIBRARY};
 use fmu_build::host::Binary;
 use std::fmt::Write as _;
 use std::time::Instant;
-use vibro_impact::fmi2::description::{self, MODEL_IDENTIFIER};
-use vibro_impact::fmi2::variables;
+use vibro_fmi::fmi2::description::{self, MODEL_IDENTIFIER};
+use vibro_fmi::fmi2::variables;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::simulator::advance_together;
@@ -86,11 +86,11 @@ fn main() {
             })
         }
     };
-    let native = |ledger: bool| {
+    let native = |energy: bool| {
         move || -> Run<'_> {
             let mut s = Simulator::new(&p, &start, 0.0).expect("valid");
-            if !ledger {
-                s = s.without_ledger();
+            if !energy {
+                s = s.without_energy_accounts();
             }
             Box::new(move |n| {
                 s.advance_to(n * period).expect("it arrives");
@@ -101,7 +101,7 @@ fn main() {
     let starts: Vec<Simulator> = (0..STARTS)
         .map(|i| {
             let x = [0.0, start.x[1] - 0.01 * i as f64, 0.0];
-            Simulator::new(&p, &State { x, ..start }, 0.0).expect("valid").without_ledger()
+            Simulator::new(&p, &State { x, ..start }, 0.0).expect("valid").without_energy_accounts()
         })
         .collect();
     let systems: Vec<Simulator> = (0..SYSTEMS)
@@ -109,7 +109,7 @@ fn main() {
             let (kappa, drive) = ([0.75, 0.6, 0.7, 0.9][i % 4], 0.5 + 4.5 * i as f64 / (SYSTEMS - 1) as f64);
             let drive = if i == 0 { 1.5 } else { drive };
             let p = weak(kappa, drive);
-            Simulator::new(&p, &start, 0.0).expect("valid").without_ledger()
+            Simulator::new(&p, &start, 0.0).expect("valid").without_energy_accounts()
         })
         .collect();
     let swept = |motions: &Vec<Simulator>, together: bool| {
@@ -215,7 +215,7 @@ fn main() {
          `cargo bench --bench steady` times the closed forms.\n"
     );
     print!("{text}");
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/README.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
     // What other benches say stands below its first heading and stays.
     let old = std::fs::read_to_string(path).unwrap_or_default();
     let text = text + old.find("\n## ").map_or("", |place| &old[place..]);

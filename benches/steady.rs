@@ -3,8 +3,8 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use vibro_impact::analysis::plane::{Method, PlaneAxis, plane};
-use vibro_impact::analysis::{Settings, find_group};
+use vibro_analysis::plane::{Method, PlaneAxis, plane};
+use vibro_analysis::{Settings, find_group};
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 use vibro_impact::{Groups, Parameters};
 

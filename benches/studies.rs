@@ -7,14 +7,14 @@
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
-use vibro_impact::analysis::attractor::OBSERVED;
-use vibro_impact::analysis::bifurcation::{Sweep, diagram};
-use vibro_impact::analysis::isoperiodic::{Origin, Request, isoperiodic};
-use vibro_impact::analysis::parts::Task;
-use vibro_impact::analysis::plane::PlaneAxis;
-use vibro_impact::analysis::section::kicked;
-use vibro_impact::analysis::trajectories::{Start, lead};
-use vibro_impact::analysis::{Settings, find_group, lyapunov};
+use vibro_analysis::attractor::OBSERVED;
+use vibro_analysis::bifurcation::{Sweep, diagram};
+use vibro_analysis::isoperiodic::{Origin, Request, isoperiodic};
+use vibro_analysis::parts::Task;
+use vibro_analysis::plane::PlaneAxis;
+use vibro_analysis::section::kicked;
+use vibro_analysis::trajectories::{Start, lead};
+use vibro_analysis::{Settings, find_group, lyapunov};
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::{Parameters, Simulator};
 
@@ -105,7 +105,7 @@ fn main() {
     }
     for f10 in [1.5, 2.45, 3.6] {
         let p = at(f10);
-        let mut settled = Simulator::new(&p, &kicked(&p), 0.0).expect("valid").without_ledger();
+        let mut settled = Simulator::new(&p, &kicked(&p), 0.0).expect("valid").without_energy_accounts();
         settled.advance_to(400.0 * p.period()).expect("it arrives");
         let options = lyapunov::Options { align: 0, ..lyapunov::Options::default() };
         let time = timed(|| {
@@ -141,6 +141,6 @@ fn main() {
         1e6 * base
     );
     print!("{text}");
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/STUDIES.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/STUDIES.md");
     std::fs::write(path, text).unwrap_or_else(|e| panic!("{path}: {e}"));
 }

@@ -5,7 +5,7 @@
 //! coefficients the polynomial is monotone, convex or concave and its sign pattern is known; where none does, the
 //! interval is bounded and halved. Nothing is sampled.
 
-use crate::vector::{PADDED, multiply_add, value, weighted};
+use crate::numerics::simd::{PADDED, multiply_add, value, weighted};
 use pulp::Simd;
 
 /// A bracket is halved at most this often: then its width is under the resolution of a double.
@@ -179,7 +179,7 @@ fn crossing_of_shape<const N: usize>(
 /// [`first_crossing`] for the gap of a free flight, whose orders from ten on are zero. Nearly always the gap rises
 /// and is nearly straight: then Newton's method from the inverse series proves its own end, and a root inside is the only one.
 #[inline(always)]
-pub(crate) fn flight_crossing<S: Simd>(
+pub fn flight_crossing<S: Simd>(
     simd: S,
     c: &[f64; PADDED],
     lo: f64,
@@ -270,12 +270,7 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
 /// The first u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0; `lo` itself where p(lo) ≥ 0 and rises.
 /// `None` is a proof that there is no passage. A touch from below without passing is none.
 #[inline(always)]
-pub(crate) fn first_crossing<const N: usize>(
-    c: &[f64; N],
-    lo: f64,
-    hi: f64,
-    iterations: &mut u64,
-) -> Option<f64> {
+pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
     match shape(c) {
         (Shape::Unknown, _) => subdivide(c, lo, hi, 0, &mut { MAX_PIECES }, iterations),
         known => crossing_of_shape(c, known, lo, hi, iterations),

@@ -5,23 +5,23 @@
 //! free relative acceleration in rest) at the 16 interval ends, the transition matrices to the 16 interval centres and to
 //! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
 
-use crate::model::{Augmented, Forces, GAP, LANES, Mode, Model};
-use crate::vector::{PADDED, Rows, product, row, value};
+use crate::model::{Augmented, Forces, GAP, LANES, Model, SmoothMode};
+use crate::numerics::simd::{PADDED, Rows, product, row, value};
 
 /// Intervals of a sub-step.
-pub(crate) const INTERVALS: usize = 16;
+pub const INTERVALS: usize = 16;
 /// Sub-step times rate, so that most flights between two impacts of a period take one or two sub-steps; the series about
 /// an interval's centre then has radius 0.075/rate.
 const SUBSTEP_TIMES_RATE: f64 = 2.4;
 /// Coefficients of a series about an interval's centre: the rest is 0.075¹⁰/10! < 2e-18 of the largest coordinate.
-pub(crate) const CENTRED: usize = 10;
+pub const CENTRED: usize = 10;
 /// Coefficients of a series about the start, of radius 0.15/rate: the rest is 0.15¹²/12! < 3e-19.
-pub(crate) const ANCHORED: usize = 12;
+pub const ANCHORED: usize = 12;
 /// Coefficients of a series over a whole sub-step, for the tables: the rest is 2.4³⁰/30! < 1e-20.
-pub(crate) const WHOLE: usize = 30;
+pub const WHOLE: usize = 30;
 /// Columns of the drive-and-state part and of the loads (3 forces × value and 3 derivatives).
-pub(crate) const CORE: usize = LANES;
-pub(crate) const LOAD: usize = 12;
+pub const CORE: usize = LANES;
+pub const LOAD: usize = 12;
 /// Covers the rounding of the bound and of the samples themselves.
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
@@ -39,17 +39,17 @@ const RECIPROCALS: [f64; WHOLE] = {
 /// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k lanes[k] u^k`; `free` likewise is the
 /// free relative acceleration.
 #[derive(Clone, Copy)]
-pub(crate) struct Series<const N: usize> {
-    pub(crate) lanes: [Augmented; N],
-    pub(crate) free: [f64; N],
+pub struct Series<const N: usize> {
+    pub lanes: [Augmented; N],
+    pub free: [f64; N],
 }
 
 impl<const N: usize> Series<N> {
     /// The recurrence of model.md section 1: each order follows from the one before through the equations of motion.
     #[inline(always)]
-    pub(crate) fn expand(
+    pub fn expand(
         model: &Model,
-        mode: Mode,
+        mode: SmoothMode,
         z: &Augmented,
         forces: Option<&Forces>,
         radius: f64,
@@ -76,13 +76,13 @@ impl<const N: usize> Series<N> {
 
     /// The augmented state at u.
     #[inline(always)]
-    pub(crate) fn at(&self, u: f64) -> Augmented {
+    pub fn at(&self, u: f64) -> Augmented {
         polynomial(&self.lanes, u)
     }
 
     /// The coefficients of `side · w - gap`, negative while the block is inside.
     #[inline(always)]
-    pub(crate) fn gap_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
+    pub fn gap_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
         let mut p = [0.0; N];
         for (pk, lane) in p.iter_mut().zip(&self.lanes) {
             *pk = side * lane[GAP];
@@ -93,17 +93,17 @@ impl<const N: usize> Series<N> {
 
     /// The coefficients of the event functional: the gap in flight, the free relative acceleration in rest.
     #[inline(always)]
-    pub(crate) fn functional(&self, mode: Mode) -> [f64; N] {
+    pub fn functional(&self, mode: SmoothMode) -> [f64; N] {
         match mode {
-            Mode::Flight => self.lanes.map(|lane| lane[GAP]),
-            Mode::Rest => self.free,
+            SmoothMode::Flight => self.lanes.map(|lane| lane[GAP]),
+            SmoothMode::Rest => self.free,
         }
     }
 }
 
 /// Σ_k coefficients[k] u^k lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
-pub(crate) fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
+pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
     let square = u * u;
     let (mut even, mut odd) = ([0.0; W], [0.0; W]);
     for k in (0..N).rev() {
@@ -117,7 +117,7 @@ pub(crate) fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W
 
 /// Forces a time `dt` later: the polynomials shifted.
 #[inline(always)]
-pub(crate) fn shifted(forces: &Forces, dt: f64) -> Forces {
+pub fn shifted(forces: &Forces, dt: f64) -> Forces {
     forces.map(|d| {
         [
             d[0] + dt * (d[1] + dt * (0.5 * d[2] + dt * d[3] / 6.0)),
@@ -132,15 +132,15 @@ pub(crate) fn shifted(forces: &Forces, dt: f64) -> Forces {
 /// column lies across two cache lines.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct Table<const C: usize> {
+pub struct Table<const C: usize> {
     /// The event functional at the interval ends, `[column][interval]`.
-    pub(crate) sample: [[f64; INTERVALS]; C],
+    pub sample: [[f64; INTERVALS]; C],
     /// The augmented state at the sub-step's end, `[column][lane]`.
-    pub(crate) full: [Augmented; C],
+    pub full: [Augmented; C],
     /// The augmented state at the interval centres.
-    pub(crate) centre: [[Augmented; C]; INTERVALS],
+    pub centre: [[Augmented; C]; INTERVALS],
     /// |functional''| ≤ Σ_j bound_j |column_j| throughout the sub-step.
-    pub(crate) bound: [f64; C],
+    pub bound: [f64; C],
     /// The largest |functional''| at the centres, column by column.
     peak: [f64; C],
 }
@@ -148,7 +148,7 @@ pub(crate) struct Table<const C: usize> {
 /// The free flight about any point as polynomials in the state there: the coefficients of a [`Series`] without loads.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct Local {
+pub struct Local {
     /// The augmented state's coefficients, `[order][column][lane]`.
     lanes: [[Augmented; CORE]; CENTRED],
     /// The gap's about the interval centres, from the state at the sub-step's start, `[interval][column][order]`; the
@@ -157,16 +157,17 @@ pub(crate) struct Local {
 }
 
 impl Local {
-    pub(crate) fn zero() -> Self {
+    pub fn zero() -> Self {
         Self { lanes: [[[0.0; LANES]; CORE]; CENTRED], gap: [[[0.0; PADDED]; CORE]; INTERVALS] }
     }
 
     /// Fills it beside the `core` of flight over a sub-step `h`.
-    pub(crate) fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
+    pub fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let mut gap = [[0.0; PADDED]; CORE];
         for (c, gap) in gap.iter_mut().enumerate() {
-            let series = Series::<CENTRED>::expand(model, Mode::Flight, &Column::unit(c).z, None, radius);
+            let series =
+                Series::<CENTRED>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, radius);
             for (k, lane) in series.lanes.iter().enumerate() {
                 self.lanes[k][c] = *lane;
                 gap[k] = lane[GAP];
@@ -181,13 +182,13 @@ impl Local {
 
     /// The gap's coefficients about an interval's centre, with `z` at the sub-step's start.
     #[inline(always)]
-    pub(crate) fn gap<S: pulp::Simd>(&self, simd: S, interval: usize, z: &Augmented) -> [f64; PADDED] {
+    pub fn gap<S: pulp::Simd>(&self, simd: S, interval: usize, z: &Augmented) -> [f64; PADDED] {
         product(simd, &self.gap[interval], z)
     }
 
     /// All coefficients about `z`.
     #[inline(always)]
-    pub(crate) fn lanes<S: pulp::Simd>(&self, simd: S, z: &Augmented) -> Rows<S, CENTRED> {
+    pub fn lanes<S: pulp::Simd>(&self, simd: S, z: &Augmented) -> Rows<S, CENTRED> {
         let [a, b, c, d, e, f, g, h, i, j] = &self.lanes;
         let of = |columns| row(simd, columns, z);
         [of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h), of(i), of(j)]
@@ -196,13 +197,13 @@ impl Local {
 
 /// One column of the whole system: a unit augmented coordinate or a unit load coefficient.
 #[derive(Clone, Copy)]
-pub(crate) struct Column {
-    pub(crate) z: Augmented,
+pub struct Column {
+    pub z: Augmented,
     forces: Forces,
 }
 
 impl Column {
-    pub(crate) fn unit(index: usize) -> Self {
+    pub fn unit(index: usize) -> Self {
         let mut column = Self { z: [0.0; LANES], forces: [[0.0; 4]; 3] };
         if index < LANES {
             column.z[index] = 1.0;
@@ -217,7 +218,7 @@ impl Column {
     }
 
     /// The time derivative.
-    fn rate(&self, model: &Model, mode: Mode) -> Self {
+    fn rate(&self, model: &Model, mode: SmoothMode) -> Self {
         let (a, _) = model.acceleration(mode, &self.z, Some(self.values()));
         let z = &self.z;
         Self {
@@ -227,10 +228,10 @@ impl Column {
     }
 
     /// The event functional: w in flight, the free relative acceleration in rest.
-    fn functional(&self, model: &Model, mode: Mode) -> f64 {
+    fn functional(&self, model: &Model, mode: SmoothMode) -> f64 {
         match mode {
-            Mode::Flight => self.z[GAP],
-            Mode::Rest => model.acceleration(mode, &self.z, Some(self.values())).1,
+            SmoothMode::Flight => self.z[GAP],
+            SmoothMode::Rest => model.acceleration(mode, &self.z, Some(self.values())).1,
         }
     }
 
@@ -240,7 +241,7 @@ impl Column {
 }
 
 impl<const C: usize> Table<C> {
-    pub(crate) fn zero() -> Self {
+    pub fn zero() -> Self {
         Self {
             sample: [[0.0; INTERVALS]; C],
             full: [[0.0; LANES]; C],
@@ -251,7 +252,7 @@ impl<const C: usize> Table<C> {
     }
 
     /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the loads).
-    fn propagate(&mut self, model: &Model, mode: Mode, first: usize, h: f64) {
+    fn propagate(&mut self, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
         for c in 0..C {
             let start = Column::unit(first + c);
@@ -264,8 +265,8 @@ impl<const C: usize> Table<C> {
                 self.peak[c] = self.peak[c].max(second.abs());
                 self.centre[i][c] = centre.z;
                 let node = match mode {
-                    Mode::Flight => value(&series.lanes.map(|l| l[GAP]), end),
-                    Mode::Rest => value(&series.free, end),
+                    SmoothMode::Flight => value(&series.lanes.map(|l| l[GAP]), end),
+                    SmoothMode::Rest => value(&series.free, end),
                 };
                 self.sample[c][i] = node;
             }
@@ -275,7 +276,7 @@ impl<const C: usize> Table<C> {
 
     /// `full · columns`, added to `z`.
     #[inline(always)]
-    pub(crate) fn transit(table: &[Augmented; C], columns: &[f64; C], z: &mut Augmented) {
+    pub fn transit(table: &[Augmented; C], columns: &[f64; C], z: &mut Augmented) {
         for (column, &x) in table.iter().zip(columns) {
             for (zj, cj) in z.iter_mut().zip(column) {
                 *zj += cj * x;
@@ -285,7 +286,7 @@ impl<const C: usize> Table<C> {
 
     /// The functional at the interval ends, added to `g`.
     #[inline(always)]
-    pub(crate) fn samples(&self, columns: &[f64; C], g: &mut [f64; INTERVALS]) {
+    pub fn samples(&self, columns: &[f64; C], g: &mut [f64; INTERVALS]) {
         for (column, &x) in self.sample.iter().zip(columns) {
             for (gj, cj) in g.iter_mut().zip(column) {
                 *gj += cj * x;
@@ -295,7 +296,7 @@ impl<const C: usize> Table<C> {
 
     /// The bound on |functional''| over the sub-step.
     #[inline(always)]
-    pub(crate) fn curvature(&self, columns: &[f64; C]) -> f64 {
+    pub fn curvature(&self, columns: &[f64; C]) -> f64 {
         let mut sum = 0.0;
         for (b, x) in self.bound.iter().zip(columns) {
             sum += b * x.abs();
@@ -306,7 +307,7 @@ impl<const C: usize> Table<C> {
 
 impl Table<CORE> {
     /// The table of state and drive for `mode` over a sub-step `h`.
-    pub(crate) fn fill(&mut self, model: &Model, mode: Mode, h: f64) {
+    pub fn fill(&mut self, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(model, mode, 0, h);
         self.bound = spread(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
     }
@@ -314,7 +315,7 @@ impl Table<CORE> {
 
 impl Table<LOAD> {
     /// The table of the load coefficients, beside the `core` of the same mode and sub-step.
-    pub(crate) fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: Mode, h: f64) {
+    pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(model, mode, CORE, h);
         let mut peak = [0.0; CORE + LOAD];
         peak[..CORE].copy_from_slice(&core.peak);
@@ -326,7 +327,7 @@ impl Table<LOAD> {
 
 /// Turns the largest functional'' at the centres into a bound between them: a row r at a centre is r·exp(Mδ) at a distance
 /// δ ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
-fn spread<const N: usize>(model: &Model, mode: Mode, row: [f64; N], half: f64) -> [f64; N] {
+fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: f64) -> [f64; N] {
     let rates: [Column; N] = std::array::from_fn(|c| Column::unit(c).rate(model, mode));
     let (mut sum, mut term) = (row, row);
     for k in 1..12 {
@@ -346,6 +347,6 @@ fn spread<const N: usize>(model: &Model, mode: Mode, row: [f64; N], half: f64) -
 }
 
 /// The length of a sub-step for a model, s.
-pub(crate) fn substep(model: &Model) -> f64 {
+pub fn substep(model: &Model) -> f64 {
     SUBSTEP_TIMES_RATE / model.rate
 }

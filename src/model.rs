@@ -7,19 +7,19 @@ use crate::error::{Error, Result};
 use crate::parameters::Parameters;
 
 /// Lanes of the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]`.
-pub(crate) const LANES: usize = 8;
+pub const LANES: usize = 8;
 /// Lane of the gap coordinate w.
-pub(crate) const GAP: usize = 1;
+pub const GAP: usize = 1;
 /// Lane of w'.
-pub(crate) const GAP_RATE: usize = 4;
+pub const GAP_RATE: usize = 4;
 /// The augmented state: one autonomous linear system per mode.
-pub(crate) type Augmented = [f64; LANES];
+pub type Augmented = [f64; LANES];
 /// Forces f1, f2, f3 as value and time derivatives 1…3.
-pub(crate) type Forces = [[f64; 4]; 3];
+pub type Forces = [[f64; 4]; 3];
 
 /// Which linear system holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mode {
+pub enum SmoothMode {
     /// The block is free.
     Flight,
     /// Box and block move as one body.
@@ -28,31 +28,31 @@ pub(crate) enum Mode {
 
 /// The equations of motion divided by the masses; time unit s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Model {
+pub struct Model {
     /// k1/m1, c1/m1, F10/m1.
-    pub(crate) k1: f64,
-    pub(crate) c1: f64,
-    pub(crate) drive: f64,
+    pub k1: f64,
+    pub c1: f64,
+    pub drive: f64,
     /// k23/m2.
-    pub(crate) k2: f64,
+    pub k2: f64,
     /// k3/m3, c3/m3, k23/m3.
-    pub(crate) k3: f64,
-    pub(crate) c3: f64,
-    pub(crate) k32: f64,
+    pub k3: f64,
+    pub c3: f64,
+    pub k32: f64,
     /// 1/m1, 1/m2, 1/m3.
-    pub(crate) inverse_mass: [f64; 3],
+    pub inverse_mass: [f64; 3],
     /// m2/(m1+m2): the block's share of the joint body.
-    pub(crate) block_share: f64,
+    pub block_share: f64,
     /// μ = m1 m2/(m1+m2).
-    pub(crate) reduced_mass: f64,
+    pub reduced_mass: f64,
     /// ω1.
-    pub(crate) omega: f64,
+    pub omega: f64,
     /// L.
-    pub(crate) gap: f64,
+    pub gap: f64,
     /// κ.
-    pub(crate) restitution: f64,
+    pub restitution: f64,
     /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the system's matrix.
-    pub(crate) rate: f64,
+    pub rate: f64,
 }
 
 /// More sub-steps than this in a drive period would cost digits (each adds a rounding error) and never seem to end.
@@ -63,7 +63,7 @@ const MIN_RATE: f64 = 1e-3;
 const MAX_RATE: f64 = 1e100;
 
 impl Model {
-    pub(crate) fn new(p: &Parameters) -> Result<Self> {
+    pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
         let mut model = Self {
@@ -119,7 +119,7 @@ impl Model {
     /// x1'', w'', x3'' in `mode` and the free relative acceleration (x2'' - x1'')_free, linear in its arguments.
     /// `f` are the three forces, if any act.
     #[inline(always)]
-    pub(crate) fn acceleration(&self, mode: Mode, z: &Augmented, f: Option<[f64; 3]>) -> ([f64; 3], f64) {
+    pub fn acceleration(&self, mode: SmoothMode, z: &Augmented, f: Option<[f64; 3]>) -> ([f64; 3], f64) {
         let stretch = (z[0] - z[2]) + z[1]; // x2 - x3
         let mut a1 = (self.drive * z[7] - self.k1 * z[0]) - self.c1 * z[3];
         let mut a2 = -(self.k2 * stretch);
@@ -131,14 +131,14 @@ impl Model {
         }
         let free = a2 - a1;
         match mode {
-            Mode::Flight => ([a1, free, a3], free),
-            Mode::Rest => ([a1 + self.block_share * free, 0.0, a3], free),
+            SmoothMode::Flight => ([a1, free, a3], free),
+            SmoothMode::Rest => ([a1 + self.block_share * free, 0.0, a3], free),
         }
     }
 
     /// The impact law at stop `side`: returns (speed |w'⁻|, impulse p, energy lost) and changes the velocities.
     #[inline(always)]
-    pub(crate) fn impact(&self, z: &mut Augmented, side: f64) -> (f64, f64, f64) {
+    pub fn impact(&self, z: &mut Augmented, side: f64) -> (f64, f64, f64) {
         let speed = side * z[GAP_RATE];
         let [kick, impulse, loss] = self.impact_factors();
         z[3] += side * kick * speed;
@@ -149,7 +149,7 @@ impl Model {
     /// By what the approach speed is multiplied for the box's change of velocity towards the stop and for the impulse, and its
     /// square for the energy lost.
     #[inline(always)]
-    pub(crate) fn impact_factors(&self) -> [f64; 3] {
+    pub fn impact_factors(&self) -> [f64; 3] {
         let Self { restitution: kappa, reduced_mass, .. } = *self;
         [
             (1.0 + kappa) * self.block_share,
@@ -160,7 +160,7 @@ impl Model {
 
     /// The inelastic merge into resting contact (momentum conserved): returns the energy lost.
     #[inline(always)]
-    pub(crate) fn merge(&self, z: &mut Augmented) -> f64 {
+    pub fn merge(&self, z: &mut Augmented) -> f64 {
         let slip = z[GAP_RATE];
         z[3] += self.block_share * slip;
         z[GAP_RATE] = 0.0;

@@ -17,7 +17,7 @@ fn start(place: f64) -> State {
 }
 
 fn motion(p: &Parameters, place: f64, time: f64) -> Simulator {
-    Simulator::new(p, &start(place), time).expect("valid").without_ledger()
+    Simulator::new(p, &start(place), time).expect("valid").without_energy_accounts()
 }
 
 /// Motions of all kinds: impacts, rest, chatter, no impacts at all; elastic and plastic stops; without coupling, without
@@ -30,7 +30,7 @@ fn motions() -> Vec<Simulator> {
         let p = weak(kappa, drive);
         for place in [0.9, -0.4, 1.0] {
             let s = Simulator::new(&p, &start(place), 0.1 * i as f64).expect("valid");
-            all.push(if i == 2 && place == 0.9 { s } else { s.without_ledger() });
+            all.push(if i == 2 && place == 0.9 { s } else { s.without_energy_accounts() });
         }
         for p in [
             Parameters { coupling_stiffness: 0.0, ..p },
@@ -59,7 +59,7 @@ fn growth(simulator: &Simulator, end: f64) -> f64 {
     for (v, sign) in v.iter_mut().zip([1.0, -1.0, 1.0]) {
         *v += sign * CHANGE;
     }
-    let mut changed = simulator.another(&State { x, v }, simulator.time()).expect("valid");
+    let mut changed = simulator.with_state(&State { x, v }, simulator.time()).expect("valid");
     let mut same = simulator.clone();
     let _ = changed.set_loads(&same.loads());
     for s in [&mut same, &mut changed] {
@@ -93,7 +93,7 @@ fn second_method_together_as_one_by_one() {
                 assert_eq!(alone.contact(), together.contact(), "motion {i} at {end}");
                 let (a, t) = (alone.impacts(), together.impacts());
                 let d = (a.total_impulse - t.total_impulse).abs().max((a.last_time - t.last_time).abs());
-                let lost = (alone.ledger().impact - together.ledger().impact).abs();
+                let lost = (alone.energy_accounts().impact - together.energy_accounts().impact).abs();
                 assert!(
                     d.max(lost) < ROUNDING * 1e2 * growth.max(1.0),
                     "motion {i} at {end}: {d:e} {lost:e}"
@@ -160,7 +160,7 @@ fn golden_rows(name: &str) -> Vec<(String, Simulator, f64)> {
     let rows = table(name);
     let start = |row: &common::golden::Row| {
         let p = row.parameters();
-        let s = Simulator::new(&p, &row.state(""), row.get("t0")).expect("valid").without_ledger();
+        let s = Simulator::new(&p, &row.state(""), row.get("t0")).expect("valid").without_energy_accounts();
         let fastest = [
             p.drive_frequency.powi(2),
             (p.box_stiffness + p.coupling_stiffness) / p.box_mass,
@@ -239,7 +239,7 @@ fn invariant_a_motion_depends_on_nothing_but_itself() {
         }
     }
     // Tables of its own or shared ones.
-    let shared = first[0].another(&first[1].state(), first[1].time()).expect("valid");
+    let shared = first[0].with_state(&first[1].state(), first[1].time()).expect("valid");
     assert_eq!(shared.parameters(), first[1].parameters());
     let mut pair = [shared, first[40].clone()];
     advance_together(&mut pair, end);
@@ -260,7 +260,7 @@ fn second_method_impacts_without_end_are_reported() {
         ..Parameters::default()
     };
     let pressed = State { x: [0.0, 1.0, 0.0], v: [0.0, -3e-5, 0.0] };
-    let mut alone = Simulator::new(&p, &pressed, 0.0).expect("valid").without_ledger();
+    let mut alone = Simulator::new(&p, &pressed, 0.0).expect("valid").without_energy_accounts();
     let mut together = [alone.clone(), motion(&weak(0.75, 1.5), 0.9, 0.0)];
     let results = advance_together(&mut together, |_| 30.0);
     assert!(matches!(alone.advance_to(30.0), Err(Error::ImpactRate { .. })));
@@ -273,7 +273,7 @@ fn second_method_impacts_without_end_are_reported() {
 fn one_that_fails_leaves_the_others_alone() {
     let mut late = Simulator::new(&weak(0.75, 1.5), &start(0.9), 50.0).expect("valid");
     let before = late.snapshot();
-    let mut all = vec![late.clone().without_ledger(), motions().remove(0)];
+    let mut all = vec![late.clone().without_energy_accounts(), motions().remove(0)];
     let results = advance_together(&mut all, |_| 20.0);
     assert_eq!(results[0], Err(Error::Step { time: 50.0, end: 20.0 }));
     assert_eq!(results[1], Ok(()));
@@ -293,13 +293,13 @@ fn second_method_another_of_the_same_system_is_a_new_one() {
     let mut first = Simulator::new(&p, &start(0.9), 0.0).expect("valid");
     first.advance_to(30.0).expect("it arrives");
     first.set_loads(&Loads { derivatives: [[0.1; 4]; 3] }).expect("valid");
-    let mut other = first.another(&start(-0.2), 3.0).expect("valid");
+    let mut other = first.with_state(&start(-0.2), 3.0).expect("valid");
     let mut new = Simulator::new(&p, &start(-0.2), 3.0).expect("valid");
     assert_eq!(other.snapshot(), new.snapshot());
     other.advance_to(60.0).expect("it arrives");
     new.advance_to(60.0).expect("it arrives");
     assert_eq!(other.snapshot(), new.snapshot());
-    assert_eq!(*other.work(), *new.work());
+    assert_eq!(*other.work_counters(), *new.work_counters());
     // What the other does to its tables is its own affair.
     let before = first.clone();
     other.set_parameters(&weak(0.5, 2.0)).expect("valid");
@@ -307,6 +307,9 @@ fn second_method_another_of_the_same_system_is_a_new_one() {
     let mut again = before;
     again.advance_to(60.0).expect("it arrives");
     assert_eq!(first.snapshot(), again.snapshot());
-    assert!(matches!(first.another(&start(1.5), 0.0), Err(Error::Penetration { .. })));
-    assert!(matches!(first.another(&start(0.5), f64::INFINITY), Err(Error::OutOfRange { name: "time", .. })));
+    assert!(matches!(first.with_state(&start(1.5), 0.0), Err(Error::Penetration { .. })));
+    assert!(matches!(
+        first.with_state(&start(0.5), f64::INFINITY),
+        Err(Error::OutOfRange { name: "time", .. })
+    ));
 }

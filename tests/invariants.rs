@@ -86,9 +86,9 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
     for (f10, kappa) in [(1.5, 0.75), (0.6, 0.75), (3.6, 0.75), (1.5, 0.0), (1.5, 1.0)] {
         let p = basic(f10, kappa);
         let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
-        let first = simulator.ledger();
+        let first = simulator.energy_accounts();
         simulator.advance_to(1e4 * p.period()).unwrap();
-        let l = simulator.ledger();
+        let l = simulator.energy_accounts();
         let error = l.mechanical - first.mechanical - l.input + l.damped + l.impact;
         assert!(error.abs() < BOUND * l.damped, "f {f10} κ {kappa}: {error:e} of {}", l.damped);
         assert!(l.damped > 1.0 && l.input > l.damped);
@@ -111,10 +111,10 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
             let mut rule = Simulator::new(&p, &form.state(), form.time()).unwrap();
             rule.set_loads(&Loads { derivatives: [[f64::MIN_POSITIVE, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]] })
                 .unwrap();
-            let before = form.ledger();
+            let before = form.energy_accounts();
             form.advance_to(f64::from(n) * p.period()).unwrap();
             rule.advance_to(f64::from(n) * p.period()).unwrap();
-            let (a, b) = (form.ledger(), rule.ledger());
+            let (a, b) = (form.energy_accounts(), rule.energy_accounts());
             let size = a.mechanical + b.input.abs() + before.input.abs();
             assert!(
                 (a.input - before.input - b.input).abs() < ROUNDING * size,
@@ -125,8 +125,8 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
                 "{n}: {a:?} {before:?} {b:?}"
             );
         }
-        let l = form.ledger();
-        let first = Simulator::new(&p, &start(), 0.0).unwrap().ledger().mechanical;
+        let l = form.energy_accounts();
+        let first = Simulator::new(&p, &start(), 0.0).unwrap().energy_accounts().mechanical;
         let error = l.mechanical - first - l.input + l.damped + l.impact;
         assert!(error.abs() < ROUNDING * l.input.abs().max(l.mechanical), "{error:e} of {l:?}");
     }
@@ -138,7 +138,7 @@ fn invariant_energy_balance_under_loads_in_all_modes() {
     const BOUND: f64 = 1e-12;
     let p = basic(3.0, 0.1);
     let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
-    let first = simulator.ledger().mechanical;
+    let first = simulator.energy_accounts().mechanical;
     let mut rests = 0;
     for n in 0..3000 {
         let t = 0.31 * f64::from(n);
@@ -151,7 +151,7 @@ fn invariant_energy_balance_under_loads_in_all_modes() {
             .advance(t, 0.31, false, &mut |e| rests += u32::from(matches!(e, Event::Rest { .. })))
             .unwrap();
     }
-    let l = simulator.ledger();
+    let l = simulator.energy_accounts();
     let error = l.mechanical - first - l.input + l.damped + l.impact;
     assert!(rests > 10, "the case is meant to reach rest: {rests}");
     assert!(error.abs() < BOUND * l.damped, "{error:e} of {}", l.damped);
@@ -196,7 +196,7 @@ fn invariant_phase_and_state_after_a_million_periods_equal_a_restart() {
     /// Both take the same time as a double, so only the rounding of angle and state remains.
     const BOUND: f64 = 1e-11;
     let p = Parameters::default();
-    let mut long = Simulator::new(&p, &start(), 0.0).unwrap().without_ledger();
+    let mut long = Simulator::new(&p, &start(), 0.0).unwrap().without_energy_accounts();
     let period = p.period();
     long.advance_to(1e6 * period).unwrap();
     let mut restart = Simulator::new(&p, &long.state(), long.time()).unwrap();

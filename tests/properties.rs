@@ -107,7 +107,7 @@ proptest! {
         /// Rounding of a state that may have grown to thousands of gaps under loads.
         const BALANCE: f64 = 1e-9;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
-        let first = simulator.ledger().mechanical;
+        let first = simulator.energy_accounts().mechanical;
         let (mut passed, mut t) = (first, 0.0);
         for (step, load) in script {
             prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
@@ -139,7 +139,7 @@ proptest! {
             if simulator.contact() != Contact::Flight {
                 prop_assert!(rate == 0.0 && simulator.contact_force() >= 0.0);
             }
-            let l = simulator.ledger();
+            let l = simulator.energy_accounts();
             prop_assert!(l.damped >= 0.0 && l.impact >= 0.0);
             passed = passed.max(l.mechanical).max(l.damped).max(l.input.abs()).max(l.impact);
             let error = l.mechanical - first - l.input + l.damped + l.impact;
@@ -147,7 +147,7 @@ proptest! {
         }
         /// Sub-steps beside one an event and one an interval of wild motion: bounded by rate, reach and events.
         const PER_TIME: f64 = 20_000.0;
-        let work = simulator.work();
+        let work = simulator.work_counters();
         prop_assert!((work.substeps as f64) < 100.0 + 8.0 * work.events as f64 + PER_TIME * t, "{work:?} in {t}");
     }
 
@@ -232,7 +232,7 @@ proptest! {
         /// Impacts of a run that is near the limit.
         const MANY: u64 = 900_000;
         let first: Vec<Simulator> =
-            systems.iter().map(|(p, start)| Simulator::new(p, start, 0.0).unwrap().without_ledger()).collect();
+            systems.iter().map(|(p, start)| Simulator::new(p, start, 0.0).unwrap().without_energy_accounts()).collect();
         let mut together = first.clone();
         let results = advance_together(&mut together, |_| end);
         for (i, (p, start)) in systems.iter().enumerate() {

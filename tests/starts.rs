@@ -167,7 +167,7 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
             let p = Parameters { stop_restitution: kappa, ..p };
             let start = State { x: [0.0, 0.9 * p.stop_gap, 0.0], v: [0.0, 0.5, 0.0] };
             let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
-            let first = simulator.ledger().mechanical;
+            let first = simulator.energy_accounts().mechanical;
             let mut passed = first;
             for n in 1..=500 {
                 simulator
@@ -175,10 +175,10 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
                     .unwrap_or_else(|e| panic!("{name}, κ = {kappa}: {e}"));
                 let (w, _) = simulator.gap();
                 assert!(w.abs() <= p.stop_gap, "{name}, κ = {kappa}: {w}");
-                let l = simulator.ledger();
+                let l = simulator.energy_accounts();
                 passed = passed.max(l.mechanical).max(l.damped).max(l.input.abs());
             }
-            let l = simulator.ledger();
+            let l = simulator.energy_accounts();
             let error = l.mechanical - first - l.input + l.damped + l.impact;
             assert!(error.abs() < BOUND * passed, "{name}, κ = {kappa}: {error:e} of {passed:e}");
             assert!(simulator.impacts().upper > 0, "{name}, κ = {kappa}");
@@ -207,7 +207,7 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
         let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0).unwrap();
         simulator.advance_to(30.0).unwrap();
         assert!(simulator.gap().0.abs() <= 1.0);
-        assert!(simulator.work().substeps < 100_000, "{speed:e}: {:?}", simulator.work());
+        assert!(simulator.work_counters().substeps < 100_000, "{speed:e}: {:?}", simulator.work_counters());
     }
     let p = Parameters::default();
     let refused = |p: &Parameters, v: f64| {

@@ -23,7 +23,7 @@ fn moving(parameters: &Parameters) -> Simulator {
 }
 
 fn record(digest: &mut Digest, s: &Simulator) {
-    let (state, (w, rate), record, energy) = (s.state(), s.gap(), s.impacts(), s.ledger());
+    let (state, (w, rate), record, energy) = (s.state(), s.gap(), s.impacts(), s.energy_accounts());
     digest.reals(&state.x);
     digest.reals(&state.v);
     digest.reals(&[s.time(), w, rate, s.contact_force(), s.drive_phase()]);
@@ -124,7 +124,7 @@ fn motions(out: &mut Vec<(String, String)>) {
         out.push((format!("weak kappa {kappa} f10 {f10}, a hundredth"), plain(s.clone(), 0.01)));
         out.push((
             format!("weak kappa {kappa} f10 {f10}, without energy, a seventh"),
-            plain(s.without_ledger(), 1.0 / 7.3),
+            plain(s.without_energy_accounts(), 1.0 / 7.3),
         ));
     }
     for seed in 1..=16 {
@@ -220,8 +220,9 @@ fn disturbed(out: &mut Vec<(String, String)>) {
 fn together(out: &mut Vec<(String, String)>) {
     const MANY: u64 = 20;
     let mut simulators: Vec<Simulator> =
-        (1..=MANY).map(|seed| moving(&random_system(seed)).without_ledger()).collect();
-    simulators.extend([0.0, 0.2, 0.5, 0.75, 1.0].map(|kappa| moving(&weak(kappa, 1.5)).without_ledger()));
+        (1..=MANY).map(|seed| moving(&random_system(seed)).without_energy_accounts()).collect();
+    simulators
+        .extend([0.0, 0.2, 0.5, 0.75, 1.0].map(|kappa| moving(&weak(kappa, 1.5)).without_energy_accounts()));
     let mut digests: Vec<Digest> = simulators.iter().map(|_| Digest::new()).collect();
     for i in 1..=POINTS / 20 {
         let end = |s: &Simulator| 0.37 * f64::from(i) * s.parameters().period();

@@ -7,7 +7,7 @@ fn work(p: &Parameters, periods: f64) -> String {
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
     let mut simulator = Simulator::new(p, &start, 0.0).unwrap();
     simulator.advance_to(periods * p.period()).unwrap();
-    format!("{:?}", simulator.work())
+    format!("{:?}", simulator.work_counters())
 }
 
 fn weak(kappa: f64, f10: f64) -> Parameters {
@@ -40,7 +40,7 @@ fn invariant_the_sweep_of_the_paper_ends_everywhere() {
         let p = weak(0.75, 0.5 + 0.01 * f64::from(i));
         let mut simulator = Simulator::new(&p, &State { x: [0.0; 3], v: [0.1, 0.0, 0.0] }, 0.0).unwrap();
         simulator.advance_to(PERIODS as f64 * p.period()).unwrap();
-        let work = simulator.work();
+        let work = simulator.work_counters();
         let total = work.substeps + work.expansions + work.events;
         assert!(total < MANY * PERIODS, "f10 = {}: {work:?}", 0.5 + 0.01 * f64::from(i));
     }

@@ -78,7 +78,7 @@ impl Compiler {
         if let Some(folder) = self.static_unwinder()? {
             cargo.args(["--", "-C"]).arg(format!("link-arg=-L{}", folder.display()));
         }
-        made(&mut cargo, "vibro_impact")
+        made(&mut cargo, LIBRARY_NAME)
     }
 
     /// Compiles the library for another target, linked by zig, and returns its path.
@@ -92,13 +92,13 @@ impl Compiler {
         if target.contains("windows") {
             zigbuild.args(["--", "-C"]).arg(format!("link-arg={}", self.definitions()?.display()));
         }
-        made(&mut zigbuild, "vibro_impact")
+        made(&mut zigbuild, LIBRARY_NAME)
     }
 
     /// Everything after the name of the program.
     fn arguments(&self, cargo: &mut Command, what: &[&str]) {
         cargo.current_dir(&self.workspace).args(what);
-        cargo.args(["--package", "vibro-impact", "--no-default-features", "--profile", "fmu", "--locked"]);
+        cargo.args(["--package", "vibro-fmi", "--profile", "fmu", "--locked"]);
         cargo.args(["--message-format", "json-render-diagnostics", "--target-dir"]);
         cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
         // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
@@ -147,6 +147,9 @@ impl Compiler {
         Ok(Some(folder))
     }
 }
+
+/// Name of the library's crate.
+const LIBRARY_NAME: &str = "vibro_fmi";
 
 /// `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
 const LIBRARY: [&str; 4] = ["rustc", "--lib", "--crate-type", "cdylib"];

@@ -3,9 +3,9 @@
 use crate::error::{Error, Result};
 use crate::schema::*;
 use serde::Serialize;
-use vibro_impact::fmi2::structure::{self, DependencyKind};
-use vibro_impact::fmi2::variables::{Causality, Initial, Kind, VARIABLES, Variability, Variable, find};
-use vibro_impact::fmi2::{description, units};
+use vibro_fmi::fmi2::structure::{self, DependencyKind};
+use vibro_fmi::fmi2::variables::{Causality, Initial, Kind, VARIABLES, Variability, Variable, find};
+use vibro_fmi::fmi2::{description, units};
 
 /// The model description, made from the table.
 pub fn model_description() -> ModelDescription {

@@ -81,7 +81,7 @@ pub enum Error {
     },
     /// A picture could not be drawn.
     #[error(transparent)]
-    Picture(#[from] vibro_impact::analysis::Error),
+    Picture(#[from] vibro_analysis::Error),
     /// An option of the command line makes no sense.
     #[error("{name} = {value}: allowed is {allowed}")]
     Option {

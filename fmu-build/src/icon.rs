@@ -2,8 +2,8 @@
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use vibro_impact::analysis::figures::canvas::Drawing;
-use vibro_impact::analysis::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
+use vibro::figures::canvas::Drawing;
+use vibro::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
 
 const PEN: u32 = 22;
 

@@ -1,7 +1,7 @@
 //! Packs the vibro-impact library into `VibroImpact3DOF.fmu`, runs it and draws what happened.
 //!
 //! ```text
-//! table (vibro_impact::fmi2) ─▶ describe ─▶ check ─┐
+//! table (vibro_fmi::fmi2) ─▶ describe ─▶ check ─┐
 //!                       page, icon, sketch ────────┼─▶ package ─▶ archive ─▶ .fmu
 //!                    platforms (compile), licences ─┘                          │
 //!                 table ◀─ run (host: the packaged binary; native library) ◀──┘

@@ -80,14 +80,7 @@ fn text(value: &Value) -> &str {
 /// sorted by name.
 fn linked() -> Result<Vec<Value>> {
     let mut tree = cargo();
-    tree.args([
-        "tree",
-        "--package",
-        "vibro-impact",
-        "--no-default-features",
-        "--edges",
-        "normal,no-proc-macro",
-    ]);
+    tree.args(["tree", "--package", "vibro-fmi", "--edges", "normal,no-proc-macro"]);
     tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);
     tree.args(PLATFORMS.iter().flat_map(|p| p.targets).flat_map(|target| ["--target", target]));
     // A line reads `name vVERSION` and perhaps `(…)`.
@@ -109,7 +102,7 @@ fn linked() -> Result<Vec<Value>> {
         .into_iter()
         .flatten()
         .filter(|p| names.contains(&(text(&p["name"]).to_owned(), text(&p["version"]).to_owned())))
-        .filter(|p| text(&p["name"]) != "vibro-impact")
+        .filter(|p| !p["source"].is_null()) // our own have no source but this workspace
         .cloned()
         .collect();
     packages.sort_by_key(|p| (text(&p["name"]).to_owned(), text(&p["version"]).to_owned()));

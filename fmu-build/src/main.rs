@@ -6,8 +6,9 @@ use fmu_build::table::Table;
 use fmu_build::{archive, compile, package, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use vibro_impact::analysis::figures::canvas;
-use vibro_impact::analysis::{Settings, studies};
+use vibro::figures::canvas;
+use vibro::studies;
+use vibro_analysis::Settings;
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Builds VibroImpact3DOF.fmu, runs it beside the native library and draws what happened.

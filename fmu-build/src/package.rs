@@ -7,8 +7,8 @@ use crate::platforms::{self, Binaries, LeftOut};
 use crate::sketch::Sketch;
 use crate::{check, describe, icon, licences, page};
 use std::path::{Path, PathBuf};
-use vibro_impact::analysis::figures::canvas;
-use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
+use vibro::figures::canvas;
+use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
 /// Where the archive goes when nobody says otherwise.
 pub fn default_output() -> PathBuf {

@@ -3,9 +3,9 @@
 use crate::run::{Run, STEPS_PER_PERIOD};
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use vibro::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
+use vibro::figures::canvas::{Drawing, FONT};
 use vibro_impact::State;
-use vibro_impact::analysis::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
-use vibro_impact::analysis::figures::canvas::{Drawing, FONT};
 
 /// Periods of the first time history: the transient.
 const TRANSIENT: u32 = 12;

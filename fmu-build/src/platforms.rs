@@ -7,7 +7,7 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
+use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
 /// A platform of the archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use crate::host::Binary;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use vibro_impact::fmi2::description::MODEL_IDENTIFIER;
-use vibro_impact::fmi2::variables;
+use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
+use vibro_fmi::fmi2::variables;
 use vibro_impact::simulator::{Event, StopReason};
 use vibro_impact::{Parameters, Simulator, State};
 

@@ -4,8 +4,8 @@ use crate::icon::spring;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use vibro_impact::analysis::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
-use vibro_impact::analysis::figures::canvas::{Drawing, FONT};
+use vibro::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
+use vibro::figures::canvas::{Drawing, FONT};
 
 const PEN: u32 = 7;
 const LABEL: u32 = 60;

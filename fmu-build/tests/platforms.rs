@@ -9,7 +9,7 @@ use fmu_build::{archive, package};
 use object::{Architecture, BinaryFormat, Object};
 use std::path::Path;
 use std::process::Command;
-use vibro_impact::fmi2::{description, variables};
+use vibro_fmi::fmi2::{description, variables};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// The oldest glibc that is promised: that of CentOS 7.

@@ -5,17 +5,21 @@ use std::fs;
 use std::path::Path;
 
 /// What the library is compiled from, and what cargo wants to see beside it.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 14] = [
     "Cargo.toml",
     "Cargo.lock",
     "src",
+    "analysis",
     "assets",
     "benches",
     "examples",
+    "fmi",
     "tests",
     "modelDescription",
     "fmu-build/Cargo.toml",
     "fmu-build/src",
+    "vibro/Cargo.toml",
+    "vibro/src",
 ];
 
 /// Copies what differs, so that a second run of this test finds everything compiled.

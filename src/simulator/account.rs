@@ -1,11 +1,11 @@
-//! Energy accounts along the sub-steps (see [`crate::ledger`]).
+//! Energy accounts along the sub-steps (see [`crate::energy`]).
 
 use super::careful::{Arrival, Start};
 use super::step::Course;
 use super::{Contact, Simulator};
 use crate::flow::{CENTRED, INTERVALS};
-use crate::model::{Augmented, Mode};
-use crate::vector::Rows;
+use crate::model::{Augmented, SmoothMode};
+use crate::numerics::simd::Rows;
 use pulp::Simd;
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn open_account(&mut self, course: &mut Course) {
         if self.motion.contact == Contact::Flight
-            && let Some(work) = self.flight.energy.work()
+            && let Some(work) = self.flight.energy.drive_work()
         {
             self.motion.sums.input = self.motion.sums.input.plus(-work.value(&course.z));
             course.flown_from = self.motion.time;
@@ -24,7 +24,7 @@ impl Simulator {
     /// Where such a flight is left its value here is added.
     #[inline(always)]
     pub(super) fn close_account(&mut self, course: &Course) {
-        if let Some(work) = self.flight.energy.work() {
+        if let Some(work) = self.flight.energy.drive_work() {
             let flown = self.motion.time.minus(course.flown_from).value();
             let input = self.motion.sums.input.plus(work.value(&course.z));
             self.motion.sums.input = input.plus(work.mean() * flown);
@@ -38,7 +38,7 @@ impl Simulator {
             self.open_account(course);
             return;
         }
-        if let Some(work) = self.flight.energy.work() {
+        if let Some(work) = self.flight.energy.drive_work() {
             self.pending.input -= work.jump(&course.z, course.z[3] - speed);
         }
         if self.motion.contact != Contact::Flight {
@@ -61,7 +61,7 @@ impl Simulator {
         let radius = 0.5 * self.interval();
         let energy = &self.flight.energy;
         energy.damped_along(simd, index, z, rows, (u, end, radius), &mut self.pending.damped);
-        if energy.work().is_none() {
+        if energy.drive_work().is_none() {
             let before = index.map_or(0.0, |index| energy.input_up_to(simd, index, z));
             let input = before + energy.input_along(simd, rows, (u, radius));
             self.pending.input += input;
@@ -92,7 +92,7 @@ impl Simulator {
     /// Adds to the accounts; the drive's work only where it is not found by differences.
     #[inline(always)]
     fn add<const LOADS: usize>(&mut self, input: f64, damped: f64) {
-        if LOADS > 0 || self.tables().energy.work().is_none() {
+        if LOADS > 0 || self.tables().energy.drive_work().is_none() {
             self.motion.sums.input = self.motion.sums.input.plus(input);
         }
         self.motion.sums.damped = self.motion.sums.damped.plus(damped);
@@ -114,7 +114,7 @@ impl Simulator {
         self.prepare_gramians();
         let energy = &self.tables().energy;
         let damped = energy.damped_up_to(simd, index, z);
-        if energy.work().is_none() {
+        if energy.drive_work().is_none() {
             let input = energy.input_up_to(simd, index, z);
             self.motion.sums.input = self.motion.sums.input.plus(input);
         }
@@ -138,7 +138,7 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn prepare_gramians(&mut self) {
         let mode = self.mode();
-        let tables = if mode == Mode::Flight { &mut self.flight } else { &mut self.rest };
+        let tables = if mode == SmoothMode::Flight { &mut self.flight } else { &mut self.rest };
         if !tables.energy_ready {
             let tables = Arc::make_mut(tables);
             tables.energy.fill(&tables.core, &self.model, mode, self.substep);

@@ -4,9 +4,9 @@
 use super::step::MAX_REACH;
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
-use crate::extended::Extended;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
-use crate::model::{Augmented, Forces, GAP, GAP_RATE, Mode};
+use crate::model::{Augmented, Forces, GAP, GAP_RATE, SmoothMode};
+use crate::numerics::double_double::DoubleDouble;
 use std::sync::Arc;
 
 /// A point on a series at which an event or the step's end lies.
@@ -47,15 +47,15 @@ impl<const LOADS: usize> Start<LOADS> {
 impl Simulator {
     /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all machines.
     #[inline(never)]
-    pub(super) fn careful<const LOADS: usize, const LEDGER: bool>(
+    pub(super) fn careful<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         mut z: Augmented,
         remaining: f64,
-        end: Extended,
+        end: DoubleDouble,
     ) -> (Augmented, Option<f64>) {
         if self.motion.contact != Contact::Flight && !self.rest.core_ready {
             let rest = Arc::make_mut(&mut self.rest);
-            rest.core.fill(&self.model, Mode::Rest, self.substep);
+            rest.core.fill(&self.model, SmoothMode::Rest, self.substep);
             rest.core_ready = true;
         }
         let mut bound = self.tables().core.curvature(&z);
@@ -68,22 +68,22 @@ impl Simulator {
         let interval = self.interval();
         let wild = self.motion.contact == Contact::Flight && self.wild(&z, start.bound);
         let side = if remaining <= interval || wild {
-            self.short::<LOADS, LEDGER>(&mut z, &start, remaining.min(interval), remaining, end)
+            self.short::<LOADS, ACCOUNTS>(&mut z, &start, remaining.min(interval), remaining, end)
         } else {
-            self.long::<LOADS, LEDGER>(&mut z, &start, remaining, end)
+            self.long::<LOADS, ACCOUNTS>(&mut z, &start, remaining, end)
         };
         (z, side)
     }
 
     /// A step within one interval, on a series anchored at its start.
     #[inline(always)]
-    fn short<const LOADS: usize, const LEDGER: bool>(
+    fn short<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
         start: &Start<LOADS>,
         mut span: f64,
         remaining: f64,
-        end: Extended,
+        end: DoubleDouble,
     ) -> Option<f64> {
         let gap = self.model.gap;
         let mut near = [true; 2];
@@ -107,7 +107,7 @@ impl Simulator {
         let passage = self.anchored_passage(&series, start, near, span);
         let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-        self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+        self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
         if side.is_none() && span >= remaining {
             self.motion.time = end;
         }
@@ -116,12 +116,12 @@ impl Simulator {
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
     #[inline(always)]
-    fn long<const LOADS: usize, const LEDGER: bool>(
+    fn long<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
         start: &Start<LOADS>,
         remaining: f64,
-        end: Extended,
+        end: DoubleDouble,
     ) -> Option<f64> {
         let interval = self.interval();
         let (flight, gap) = (self.motion.contact == Contact::Flight, self.model.gap);
@@ -142,21 +142,21 @@ impl Simulator {
         } else {
             let side = self.motion.contact.side();
             let f = start.forces().map(|f| f.map(|d| d[0]));
-            let now = side * self.model.acceleration(Mode::Rest, z, f).1;
+            let now = side * self.model.acceleration(SmoothMode::Rest, z, f).1;
             let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
             (now > margin, now > margin && least > margin)
         };
-        if !clear && let Some(side) = self.scan::<LOADS, LEDGER>(z, start, &g, margin, first, remaining) {
+        if !clear && let Some(side) = self.scan::<LOADS, ACCOUNTS>(z, start, &g, margin, first, remaining) {
             return Some(side);
         }
         if whole {
-            self.pass::<LOADS, LEDGER>(z, start);
+            self.pass::<LOADS, ACCOUNTS>(z, start);
         } else {
             let index = ((remaining / interval) as usize).min(INTERVALS - 1);
             let (series, base) = self.centred(start, index);
             let u = (remaining - base) / (0.5 * interval);
             let arrival = Arrival { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
-            self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+            self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
             self.motion.time = end;
         }
         None
@@ -164,7 +164,7 @@ impl Simulator {
 
     /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
     #[inline(always)]
-    fn scan<const LOADS: usize, const LEDGER: bool>(
+    fn scan<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
         start: &Start<LOADS>,
@@ -184,7 +184,7 @@ impl Simulator {
             let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
             if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
                 let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+                self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
                 return Some(side);
             }
         }
@@ -201,7 +201,7 @@ impl Simulator {
             let near = [g[i - 1].max(g[i]) >= limit, g[i - 1].min(g[i]) <= -limit];
             if let Some((u, side)) = self.passage(&series.functional(self.mode()), -1.0, hi, near) {
                 let arrival = Arrival { series: &series, base, radius, u, interval: Some(i) };
-                self.arrive::<LOADS, LEDGER, _>(z, start, &arrival);
+                self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
                 return Some(side);
             }
         }
@@ -295,13 +295,13 @@ impl Simulator {
 
     /// Moves to a point of a series: state, time and energy accounts.
     #[inline(always)]
-    pub(super) fn arrive<const LOADS: usize, const LEDGER: bool, const N: usize>(
+    pub(super) fn arrive<const LOADS: usize, const ACCOUNTS: bool, const N: usize>(
         &mut self,
         z: &mut Augmented,
         start: &Start<LOADS>,
         to: &Arrival<N>,
     ) {
-        if LEDGER {
+        if ACCOUNTS {
             self.account(start, to);
         }
         *z = to.series.at(to.u);
@@ -314,12 +314,12 @@ impl Simulator {
 
     /// Passes over a whole sub-step without event.
     #[inline(always)]
-    pub(super) fn pass<const LOADS: usize, const LEDGER: bool>(
+    pub(super) fn pass<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
         start: &Start<LOADS>,
     ) {
-        if LEDGER {
+        if ACCOUNTS {
             self.account_whole(start);
         }
         let tables = self.tables();

@@ -3,7 +3,7 @@
 use super::step::Listener;
 use super::{Contact, Event, Simulator};
 use crate::flow::Series;
-use crate::model::{Augmented, GAP, GAP_RATE, Mode};
+use crate::model::{Augmented, GAP, GAP_RATE, SmoothMode};
 
 /// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
@@ -71,7 +71,7 @@ impl Simulator {
     fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
         let now = forces.first().map(|f| f.map(|d| d[0]));
-        let a = side * self.model.acceleration(Mode::Flight, z, now).1;
+        let a = side * self.model.acceleration(SmoothMode::Flight, z, now).1;
         if a <= 0.0 || u * u > self.closing() * a {
             return None;
         }
@@ -79,7 +79,7 @@ impl Simulator {
         let elastic = loss < LEAST_LOSS;
         // The acceleration must not change until the end of the run, or of the bounce.
         let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
-        let series = Series::<4>::expand(&self.model, Mode::Flight, z, forces.first(), span);
+        let series = Series::<4>::expand(&self.model, SmoothMode::Flight, z, forces.first(), span);
         // Half the second and a sixth of the third derivative, in units of the span.
         let (second, third) = (series.lanes[2][GAP], series.lanes[3][GAP]);
         let steady = (3.0 * third).abs() <= STEADY * second.abs();
@@ -118,7 +118,7 @@ impl Simulator {
     fn settle(&mut self, z: Augmented, side: f64) {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
-        let series = Series::<9>::expand(&self.model, Mode::Flight, &z, Some(&forces), radius);
+        let series = Series::<9>::expand(&self.model, SmoothMode::Flight, &z, Some(&forces), radius);
         let gap = series.gap_polynomial(side, self.model.gap);
         let first = (2..9).find(|&k| gap[k] != 0.0);
         match first {

@@ -3,10 +3,10 @@
 use super::Simulator;
 use super::careful::{Arrival, Start};
 use crate::events::flight_crossing;
-use crate::extended::Extended;
 use crate::flow::{ANCHORED, INTERVALS, Series};
-use crate::model::{Augmented, GAP, Mode};
-use crate::vector::{at_least, gap_over, polynomial, product};
+use crate::model::{Augmented, GAP, SmoothMode};
+use crate::numerics::double_double::DoubleDouble;
+use crate::numerics::simd::{at_least, gap_over, polynomial, product};
 use pulp::Simd;
 
 /// What the samples of a sub-step tell.
@@ -32,18 +32,18 @@ impl Simulator {
     /// A sub-step of free flight: 16 samples of the gap and the `bound` on its second derivative tell which intervals the
     /// block may reach a stop in; only these are searched. Returns the stop of the first impact.
     #[inline(always)]
-    pub(super) fn cruise<S: Simd, const LEDGER: bool>(
+    pub(super) fn cruise<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
         bound: f64,
         remaining: f64,
-        end: Extended,
+        end: DoubleDouble,
     ) -> Option<f64> {
         let interval = self.interval();
         let outlook = self.look(simd, z, bound);
         if outlook.first {
-            let found = self.first_interval::<LEDGER>(*z, bound, interval.min(remaining));
+            let found = self.first_interval::<ACCOUNTS>(*z, bound, interval.min(remaining));
             if let Some((arrived, side)) = found {
                 *z = arrived;
                 return Some(side);
@@ -58,16 +58,16 @@ impl Simulator {
                 break;
             }
             if let Some(aim) = self.aim(simd, z, &outlook, index, remaining) {
-                *z = self.reach::<S, LEDGER>(simd, z, &aim);
+                *z = self.reach::<S, ACCOUNTS>(simd, z, &aim);
                 return Some(aim.side);
             }
         }
         if whole {
-            self.pass::<0, LEDGER>(z, &Start { z: *z, forces: [], bound });
+            self.pass::<0, ACCOUNTS>(z, &Start { z: *z, forces: [], bound });
         } else {
             let index = ((remaining / interval) as usize).min(INTERVALS - 1);
             let u = (remaining - (index as f64 + 0.5) * interval) / (0.5 * interval);
-            *z = self.land::<S, LEDGER>(simd, z, index, u);
+            *z = self.land::<S, ACCOUNTS>(simd, z, index, u);
             self.motion.time = end;
         }
         None
@@ -77,35 +77,35 @@ impl Simulator {
     /// bend its path in between. False, and nothing done, where it is not: then the interval is to be searched.
     /// Out of the way of the long sub-steps, which have no registers to spare.
     #[inline(never)]
-    pub(super) fn stroll<S: Simd, const LEDGER: bool>(
+    pub(super) fn stroll<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
         bound: f64,
         remaining: f64,
-        end: Extended,
+        end: DoubleDouble,
     ) -> bool {
-        struct Stroll<'a, const LEDGER: bool>(&'a mut Simulator, &'a mut Augmented, f64, f64, Extended);
-        impl<const LEDGER: bool> pulp::WithSimd for Stroll<'_, LEDGER> {
+        struct Stroll<'a, const ACCOUNTS: bool>(&'a mut Simulator, &'a mut Augmented, f64, f64, DoubleDouble);
+        impl<const ACCOUNTS: bool> pulp::WithSimd for Stroll<'_, ACCOUNTS> {
             type Output = bool;
 
             #[inline(always)]
             fn with_simd<S: Simd>(self, simd: S) -> bool {
                 let Self(simulator, z, bound, remaining, end) = self;
-                simulator.stroll_as::<S, LEDGER>(simd, z, bound, remaining, end)
+                simulator.stroll_as::<S, ACCOUNTS>(simd, z, bound, remaining, end)
             }
         }
-        simd.vectorize(Stroll::<LEDGER>(self, z, bound, remaining, end))
+        simd.vectorize(Stroll::<ACCOUNTS>(self, z, bound, remaining, end))
     }
 
     #[inline(always)]
-    fn stroll_as<S: Simd, const LEDGER: bool>(
+    fn stroll_as<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
         bound: f64,
         remaining: f64,
-        end: Extended,
+        end: DoubleDouble,
     ) -> bool {
         let limit = self.model.gap - bound * remaining * remaining * 0.125;
         if !self.leaves(z, bound, limit) {
@@ -122,7 +122,7 @@ impl Simulator {
         if arrived[GAP].abs() >= limit {
             return false;
         }
-        if LEDGER {
+        if ACCOUNTS {
             self.account_flight(simd, z, centred.then_some(0), &rows, (u, &arrived));
         }
         *z = arrived;
@@ -183,7 +183,7 @@ impl Simulator {
 
     /// Goes to the impact that was found: state, energy accounts and time.
     #[inline(always)]
-    pub(super) fn reach<S: Simd, const LEDGER: bool>(
+    pub(super) fn reach<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &Augmented,
@@ -191,14 +191,14 @@ impl Simulator {
     ) -> Augmented {
         let interval = self.interval();
         let base = (aim.index as f64 + 0.5) * interval;
-        let arrived = self.land::<S, LEDGER>(simd, z, aim.index, aim.u);
+        let arrived = self.land::<S, ACCOUNTS>(simd, z, aim.index, aim.u);
         self.motion.time = self.motion.time.plus(base).plus(aim.u * (0.5 * interval));
         arrived
     }
 
     /// The state at `u` of interval `index`, with the energy accounts up to there; the time is the caller's.
     #[inline(always)]
-    fn land<S: Simd, const LEDGER: bool>(
+    fn land<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &Augmented,
@@ -209,7 +209,7 @@ impl Simulator {
         let rows = self.flight.local.lanes(simd, &centre);
         // First what the motion waits for, then the accounts.
         let arrived = polynomial(simd, &rows, u);
-        if LEDGER {
+        if ACCOUNTS {
             self.account_flight(simd, z, Some(index), &rows, (u, &arrived));
         }
         self.motion.departing = 0;
@@ -218,7 +218,7 @@ impl Simulator {
 
     /// The first interval, where the block may just be leaving a stop.
     #[cold]
-    fn first_interval<const LEDGER: bool>(
+    fn first_interval<const ACCOUNTS: bool>(
         &mut self,
         mut z: Augmented,
         bound: f64,
@@ -226,10 +226,10 @@ impl Simulator {
     ) -> Option<(Augmented, f64)> {
         self.work.expansions += 1;
         let start = Start::<0> { z, forces: [], bound };
-        let series = Series::<ANCHORED>::expand(&self.model, Mode::Flight, &z, None, span);
+        let series = Series::<ANCHORED>::expand(&self.model, SmoothMode::Flight, &z, None, span);
         let (u, side) = self.anchored_passage(&series, &start, [true; 2], span)?;
         let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-        self.arrive::<0, LEDGER, _>(&mut z, &start, &arrival);
+        self.arrive::<0, ACCOUNTS, _>(&mut z, &start, &arrival);
         Some((z, side))
     }
 }

@@ -18,7 +18,7 @@ const MAX_TIME: f64 = 1e15;
 
 /// A time against what a double resolves at the fastest `rate` (1/s).
 #[inline]
-pub(crate) fn check_time(rate: f64, time: f64) -> Result<()> {
+pub fn check_time(rate: f64, time: f64) -> Result<()> {
     let value = (rate * time).abs();
     if value <= MAX_TIME {
         return Ok(());

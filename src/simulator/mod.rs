@@ -8,23 +8,23 @@ mod batch;
 mod careful;
 mod contact;
 mod flight;
-mod lanes;
 mod limits;
 mod step;
 mod tables;
 mod types;
 
 pub use batch::advance_together;
-pub(crate) use step::Listener;
-pub use types::{Contact, Event, ImpactRecord, Ledger, Loads, State, StopReason, Work};
+pub use step::Listener;
+pub use types::{Contact, EnergyAccounts, Event, ImpactRecord, Loads, StopReason, WorkCounters};
 
+use crate::energy::{self, Pending, Sums};
 use crate::error::{Error, Result};
-use crate::extended::{Extended, Phase};
 use crate::flow::{self, Series};
-use crate::ledger::{self, Pending, Sums};
-use crate::model::{Augmented, Forces, LANES, Mode, Model};
+use crate::model::{Augmented, Forces, LANES, Model, SmoothMode};
+use crate::numerics::double_double::{DoubleDouble, DrivePhase};
 use crate::parameters::Parameters;
-pub(crate) use limits::check_time;
+pub use crate::state::State;
+pub use limits::check_time;
 use limits::{check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -33,15 +33,15 @@ use tables::ModeTables;
 /// Everything that changes as the simulator advances.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Motion {
-    time: Extended,
+    time: DoubleDouble,
     /// x1, w, x3 and their rates.
     y: [f64; 6],
     contact: Contact,
     /// In flight from a stop: the order of the first derivative of the gap that leads away from it; else 0.
     departing: u8,
-    phase: Phase,
+    phase: DrivePhase,
     loads: Forces,
-    loads_from: Extended,
+    loads_from: DoubleDouble,
     record: ImpactRecord,
     sums: Sums,
 }
@@ -56,13 +56,13 @@ impl Motion {
         let y = coordinates(parameters, state)?;
         check_speeds(model, state)?;
         Ok(Self {
-            time: Extended::new(time),
+            time: DoubleDouble::new(time),
             y,
             contact: Contact::Flight,
             departing: 0,
-            phase: Phase::new(parameters.drive_phase),
+            phase: DrivePhase::new(parameters.drive_phase),
             loads: [[0.0; 4]; 3],
-            loads_from: Extended::new(time),
+            loads_from: DoubleDouble::new(time),
             record: ImpactRecord::default(),
             sums: Sums::default(),
         })
@@ -80,8 +80,8 @@ pub struct Simulator {
     rest: Arc<ModeTables>,
     motion: Motion,
     pending: Pending,
-    work: Work,
-    keeps_ledger: bool,
+    work: WorkCounters,
+    keeps_energy_accounts: bool,
 }
 
 /// Everything that changes as the simulator advances, with its parameters, as plain data: restore then continue is
@@ -109,8 +109,8 @@ impl Simulator {
             rest: Arc::new(ModeTables::zero()),
             motion,
             pending: Pending::default(),
-            work: Work::default(),
-            keeps_ledger: true,
+            work: WorkCounters::default(),
+            keeps_energy_accounts: true,
         };
         simulator.renew_tables();
         simulator.classify();
@@ -122,17 +122,17 @@ impl Simulator {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn another(&self, state: &State, time: f64) -> Result<Self> {
+    pub fn with_state(&self, state: &State, time: f64) -> Result<Self> {
         let motion = Motion::new(&self.parameters, &self.model, state, time)?;
-        let mut simulator = Self { motion, work: Work::default(), ..self.clone() };
+        let mut simulator = Self { motion, work: WorkCounters::default(), ..self.clone() };
         simulator.classify();
         Ok(simulator)
     }
 
     /// The same without the accounts of input and damped energy, for sweeps that do not ask for them.
     #[must_use]
-    pub fn without_ledger(mut self) -> Self {
-        self.keeps_ledger = false;
+    pub fn without_energy_accounts(mut self) -> Self {
+        self.keeps_energy_accounts = false;
         self
     }
 
@@ -155,13 +155,13 @@ impl Simulator {
         check_speeds(&model, &self.state())?;
         let gap_changed = parameters.stop_gap != self.parameters.stop_gap;
         let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.motion.y };
-        let before = ledger::mechanical(&self.parameters, &self.motion.y);
+        let before = energy::mechanical(&self.parameters, &self.motion.y);
         let (time, phases) = (self.motion.time, (self.parameters.drive_phase, parameters.drive_phase));
         if parameters.drive_frequency != self.parameters.drive_frequency || phases.0 != phases.1 {
             self.motion.phase.rebase(self.parameters.drive_frequency, time, phases);
         }
         self.motion.y = y;
-        let gained = ledger::mechanical(parameters, &y) - before;
+        let gained = energy::mechanical(parameters, &y) - before;
         self.motion.sums.input = self.motion.sums.input.plus(gained);
         self.parameters = *parameters;
         self.substep = flow::substep(&model);
@@ -267,11 +267,11 @@ impl Simulator {
         Loads { derivatives: self.forces_now() }
     }
 
-    /// Energy accounts (zero for input and damped [`without_ledger`](Self::without_ledger)).
-    pub fn ledger(&self) -> Ledger {
+    /// Energy accounts (zero for input and damped [`without_energy_accounts`](Self::without_energy_accounts)).
+    pub fn energy_accounts(&self) -> EnergyAccounts {
         let Sums { input, damped, impact } = self.motion.sums;
-        Ledger {
-            mechanical: ledger::mechanical(&self.parameters, &self.motion.y),
+        EnergyAccounts {
+            mechanical: energy::mechanical(&self.parameters, &self.motion.y),
             input: input.value(),
             damped: damped.value(),
             impact: impact.value(),
@@ -283,8 +283,8 @@ impl Simulator {
         &self.motion.record
     }
 
-    /// Work done so far by this simulator; not part of a snapshot.
-    pub fn work(&self) -> &Work {
+    /// WorkCounters done so far by this simulator; not part of a snapshot.
+    pub fn work_counters(&self) -> &WorkCounters {
         &self.work
     }
 
@@ -313,14 +313,14 @@ impl Simulator {
     }
 
     /// [`advance`](Self::advance), which nobody need listen to.
-    pub(crate) fn proceed(
+    pub fn proceed(
         &mut self,
         begin: f64,
         step: f64,
         stop_at_impact: bool,
         on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        let end = Extended::sum(begin, step);
+        let end = DoubleDouble::sum(begin, step);
         let span = end.minus(self.motion.time).value();
         // The present as a double may lie before the present in extended precision: no time is left to advance.
         if span < 0.0 && span >= -f64::EPSILON * self.time().abs() {
@@ -344,7 +344,7 @@ impl Simulator {
     /// As [`new`](Self::new) when the snapshot's parameters or state are no valid ones (a foreign or damaged snapshot).
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let motion = snapshot.motion;
-        let finite = |e: &Extended| e.hi.is_finite() && e.lo.is_finite();
+        let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();
         let plain = motion.y.iter().chain(motion.loads.iter().flatten()).all(|x| x.is_finite());
         if !(plain && finite(&motion.time) && finite(&motion.loads_from) && motion.phase.is_finite()) {
             return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
@@ -370,10 +370,10 @@ impl Simulator {
     }
 
     #[inline(always)]
-    fn mode(&self) -> Mode {
+    fn mode(&self) -> SmoothMode {
         match self.motion.contact {
-            Contact::Flight => Mode::Flight,
-            _ => Mode::Rest,
+            Contact::Flight => SmoothMode::Flight,
+            _ => SmoothMode::Rest,
         }
     }
 

@@ -2,10 +2,10 @@
 
 use super::{Contact, Event, ModeTables, Simulator, StopReason};
 use crate::error::{Error, Result};
-use crate::extended::Extended;
 use crate::flow::INTERVALS;
 use crate::model::{Augmented, GAP, GAP_RATE};
-use crate::vector;
+use crate::numerics::double_double::DoubleDouble;
+use crate::numerics::simd;
 use pulp::Simd;
 use std::ops::ControlFlow;
 
@@ -25,30 +25,30 @@ pub(super) struct Course {
     /// Sub-steps since cos θ and sin θ were taken anew.
     pub(super) since_renewal: u32,
     /// Where the flight began whose drive work is kept as a difference (see [`Simulator::open_account`]).
-    pub(super) flown_from: Extended,
+    pub(super) flown_from: DoubleDouble,
     /// Sub-steps and events since `burst_from`.
     pub(super) burst: u32,
-    pub(super) burst_from: Extended,
+    pub(super) burst_from: DoubleDouble,
 }
 
 /// An advance, to be compiled once for each instruction set.
-struct Run<'a, 'b, const LEDGER: bool> {
+struct Run<'a, 'b, const ACCOUNTS: bool> {
     simulator: &'a mut Simulator,
-    end: Extended,
+    end: DoubleDouble,
     stop_at_impact: bool,
     on_event: Listener<'a, 'b>,
 }
 
 /// Who hears of events, if anyone.
-pub(crate) type Listener<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
+pub type Listener<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
 
-impl<const LEDGER: bool> pulp::WithSimd for Run<'_, '_, LEDGER> {
+impl<const ACCOUNTS: bool> pulp::WithSimd for Run<'_, '_, ACCOUNTS> {
     type Output = Result<StopReason>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { simulator, end, stop_at_impact, on_event } = self;
-        simulator.run_as::<S, 0, LEDGER>(simd, end, stop_at_impact, on_event)
+        simulator.run_as::<S, 0, ACCOUNTS>(simd, end, stop_at_impact, on_event)
     }
 }
 
@@ -56,11 +56,11 @@ impl Simulator {
     /// Advances to `end`; see [`Simulator::advance`].
     pub(super) fn run(
         &mut self,
-        end: Extended,
+        end: DoubleDouble,
         stop_at_impact: bool,
         on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        match (self.loaded(), self.keeps_ledger) {
+        match (self.loaded(), self.keeps_energy_accounts) {
             (false, false) => self.dispatch::<false>(end, stop_at_impact, on_event),
             (false, true) => self.dispatch::<true>(end, stop_at_impact, on_event),
             (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, stop_at_impact, on_event),
@@ -70,31 +70,32 @@ impl Simulator {
 
     /// Runs the code compiled for the best instruction set at hand.
     #[inline(never)]
-    fn dispatch<const LEDGER: bool>(
+    fn dispatch<const ACCOUNTS: bool>(
         &mut self,
-        end: Extended,
+        end: DoubleDouble,
         stop_at_impact: bool,
         on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        pulp::Arch::new().dispatch(Run::<LEDGER> { simulator: self, end, stop_at_impact, on_event })
+        pulp::Arch::new().dispatch(Run::<ACCOUNTS> { simulator: self, end, stop_at_impact, on_event })
     }
 
     #[inline(always)]
-    fn run_as<S: Simd, const LOADS: usize, const LEDGER: bool>(
+    fn run_as<S: Simd, const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
-        end: Extended,
+        end: DoubleDouble,
         stop_at_impact: bool,
         mut on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
         let mut course = self.depart();
         // The drive's work in a flight without loads is kept as a difference of values.
-        let by_difference = LEDGER && LOADS == 0;
+        let by_difference = ACCOUNTS && LOADS == 0;
         if by_difference {
             self.open_account(&mut course);
         }
         loop {
-            let going = self.go_on::<S, LOADS, LEDGER>(simd, &mut course, end, stop_at_impact, &mut on_event);
+            let going =
+                self.go_on::<S, LOADS, ACCOUNTS>(simd, &mut course, end, stop_at_impact, &mut on_event);
             if let ControlFlow::Break(reason) = going {
                 if by_difference {
                     if self.motion.contact == Contact::Flight {
@@ -116,11 +117,11 @@ impl Simulator {
 
     /// One sub-step of an advance with the event at its end; breaks at the end of the advance.
     #[inline(always)]
-    pub(super) fn go_on<S: Simd, const LOADS: usize, const LEDGER: bool>(
+    pub(super) fn go_on<S: Simd, const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         course: &mut Course,
-        end: Extended,
+        end: DoubleDouble,
         stop_at_impact: bool,
         on_event: &mut Listener<'_, '_>,
     ) -> ControlFlow<Result<StopReason>> {
@@ -135,10 +136,10 @@ impl Simulator {
             return ControlFlow::Break(Ok(StopReason::End));
         }
         self.renew(course);
-        let passage = self.substep::<S, LOADS, LEDGER>(simd, &mut course.z, remaining, end);
+        let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut course.z, remaining, end);
         let (contact, speed) = (self.motion.contact, course.z[3]);
         let going = self.conclude::<LOADS>(course, passage, stop_at_impact, on_event);
-        if LEDGER && LOADS == 0 && passage.is_some() {
+        if ACCOUNTS && LOADS == 0 && passage.is_some() {
             self.account_event(course, contact, speed);
         }
         going
@@ -213,27 +214,27 @@ impl Simulator {
 
     /// One sub-step of at most `remaining` s; returns the stop at which an event was reached.
     #[inline(always)]
-    fn substep<S: Simd, const LOADS: usize, const LEDGER: bool>(
+    fn substep<S: Simd, const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
         remaining: f64,
-        end: Extended,
+        end: DoubleDouble,
     ) -> Option<f64> {
         self.work.substeps += 1;
         if LOADS == 0 && self.motion.contact == Contact::Flight {
             let interval = self.interval();
-            let bound = vector::weigh::<S>(z, &self.flight.core.bound);
+            let bound = simd::weigh::<S>(z, &self.flight.core.bound);
             if !self.wild(z, bound) {
                 if remaining > interval {
-                    return self.cruise::<S, LEDGER>(simd, z, bound, remaining, end);
+                    return self.cruise::<S, ACCOUNTS>(simd, z, bound, remaining, end);
                 }
-                if self.stroll::<S, LEDGER>(simd, z, bound, remaining, end) {
+                if self.stroll::<S, ACCOUNTS>(simd, z, bound, remaining, end) {
                     return None;
                 }
             }
         }
-        let (arrived, side) = self.careful::<LOADS, LEDGER>(*z, remaining, end);
+        let (arrived, side) = self.careful::<LOADS, ACCOUNTS>(*z, remaining, end);
         *z = arrived;
         side
     }

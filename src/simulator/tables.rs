@@ -1,9 +1,9 @@
 //! The precomputed tables of a simulator: filled when parameters change, each part when it is first needed.
 
 use super::Simulator;
+use crate::energy::Gramians;
 use crate::flow::{CORE, LOAD, Local, Table};
-use crate::ledger::Gramians;
-use crate::model::Mode;
+use crate::model::SmoothMode;
 use std::sync::Arc;
 
 /// Tables of one mode; the load part is filled when loads first appear.
@@ -36,12 +36,12 @@ impl ModeTables {
 impl Simulator {
     /// Marks all tables stale and fills those that flight needs at once.
     pub(super) fn renew_tables(&mut self) {
-        for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+        for (tables, mode) in [(&mut self.flight, SmoothMode::Flight), (&mut self.rest, SmoothMode::Rest)] {
             let tables = Arc::make_mut(tables);
             tables.energy.set_powers(&self.parameters, &self.model, mode);
             tables.load_ready = false;
             tables.energy_ready = false;
-            tables.core_ready = mode == Mode::Flight;
+            tables.core_ready = mode == SmoothMode::Flight;
             if tables.core_ready {
                 tables.core.fill(&self.model, mode, self.substep);
                 tables.local.fill(&tables.core, &self.model, self.substep);
@@ -53,7 +53,8 @@ impl Simulator {
     /// Fills the load tables when loads act and they are stale.
     pub(super) fn prepare_load_tables(&mut self) {
         if self.loaded() {
-            for (tables, mode) in [(&mut self.flight, Mode::Flight), (&mut self.rest, Mode::Rest)] {
+            for (tables, mode) in [(&mut self.flight, SmoothMode::Flight), (&mut self.rest, SmoothMode::Rest)]
+            {
                 if tables.core_ready && tables.load_ready {
                     continue;
                 }

@@ -2,15 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Displacements (m) and velocities (m/s) of box, block and secondary oscillator.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// x1, x2, x3 in m.
-    pub x: [f64; 3],
-    /// x1', x2', x3' in m/s.
-    pub v: [f64; 3],
-}
-
 /// Which smooth mode the motion is in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Contact {
@@ -61,7 +52,7 @@ pub enum Event {
     },
 }
 
-/// Counts and last values of the impacts since the start (energy accounts in [`Ledger`]).
+/// Counts and last values of the impacts since the start (energy accounts in [`EnergyAccounts`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImpactRecord {
     /// Impacts at w = +L.
@@ -80,10 +71,10 @@ pub struct ImpactRecord {
 
 /// Energy accounts in J since the start: mechanical = initial + input - damped - impact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Ledger {
+pub struct EnergyAccounts {
     /// Kinetic and elastic energy now.
     pub mechanical: f64,
-    /// Work of drive and loads.
+    /// WorkCounters of drive and loads.
     pub input: f64,
     /// Dissipated in c1 and c3.
     pub damped: f64,
@@ -102,7 +93,7 @@ pub enum StopReason {
 
 /// Counters of work done, for snapshots that catch lost efficiency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Work {
+pub struct WorkCounters {
     /// Sub-steps begun.
     pub substeps: u64,
     /// Taylor expansions.
@@ -115,7 +106,7 @@ pub struct Work {
 
 impl Contact {
     /// +1 at the upper stop, -1 at the lower, 0 in flight.
-    pub(crate) fn side(self) -> f64 {
+    pub fn side(self) -> f64 {
         match self {
             Self::Flight => 0.0,
             Self::RestUpper => 1.0,
@@ -127,7 +118,7 @@ impl Contact {
 impl ImpactRecord {
     /// Counts an impact at stop `side`.
     #[inline(always)]
-    pub(crate) fn count(&mut self, side: f64, time: f64, speed: f64, impulse: f64) {
+    pub fn count(&mut self, side: f64, time: f64, speed: f64, impulse: f64) {
         // Without a branch: in chaos the stops alternate beyond prediction.
         self.upper += u64::from(side > 0.0);
         self.lower += u64::from(side <= 0.0);

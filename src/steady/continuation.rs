@@ -49,6 +49,22 @@ pub enum Special {
     RangeEnd,
 }
 
+impl std::fmt::Display for Special {
+    /// The point's name, for tables and messages.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Fold => "fold",
+            Self::Bifurcation(Bifurcation::SaddleNode) => "saddle-node",
+            Self::Bifurcation(Bifurcation::SymmetryBreaking) => "symmetry breaking",
+            Self::Bifurcation(Bifurcation::PeriodDoubling) => "period doubling",
+            Self::Bifurcation(Bifurcation::NeimarkSacker) => "Neimark-Sacker",
+            Self::Grazing => "grazing",
+            Self::Vanishing => "vanishing",
+            Self::RangeEnd => "end of range",
+        })
+    }
+}
+
 /// One point of a branch.
 #[derive(Clone, Copy, Debug)]
 pub struct BranchPoint<P> {

@@ -19,19 +19,21 @@
 //! # Ok::<(), vibro_impact::Error>(())
 //! ```
 
-mod bernstein;
 pub mod continuation;
 pub mod exact_orbit;
 pub mod multiple_scales;
-mod roots;
+mod quadratic;
 pub mod strong_coupling;
 
 #[cfg(test)]
 mod tests;
 
+pub use quadratic::{Roots, Sheet};
+
 use crate::error::{Error, Result};
 use crate::parameters::Groups;
 use nalgebra::Complex;
+use quadratic::circle_roots;
 
 /// Half-width of the angle around ±π/2 within which a complex pair on the unit circle is called a period
 /// doubling, rad. Such a crossing has codimension two, so only a pair this near is told from its neighbours.
@@ -82,39 +84,6 @@ impl Bifurcation {
             Self::NeimarkSacker
         }
     }
-}
-
-/// The two roots of the quadratic behind every steady state of this module.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Roots<T> {
-    /// The smaller root.
-    pub lower: T,
-    /// The larger root.
-    pub upper: T,
-}
-
-impl<T> Roots<T> {
-    /// The root of the given sheet.
-    pub fn get(self, sheet: Sheet) -> T {
-        match sheet {
-            Sheet::Lower => self.lower,
-            Sheet::Upper => self.upper,
-        }
-    }
-
-    /// Both roots with their sheets' names, lower first.
-    pub fn each(self) -> [(Sheet, T); 2] {
-        [(Sheet::Lower, self.lower), (Sheet::Upper, self.upper)]
-    }
-}
-
-/// Which root of the quadratic: the two sheets of a branch, joined where the discriminant is zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sheet {
-    /// The smaller root.
-    Lower,
-    /// The larger root.
-    Upper,
 }
 
 /// An approximate motion at one phase: dimensionless displacements (unit L) and their derivatives with

@@ -13,11 +13,11 @@
 //! - periodic motion: the half-cycle map of the block between the given U and X3 has determinant κ² and trace
 //!   2κ cos πβ̂ - (1+κ)(X2'' - U'')/W'⁻ · sin(πβ̂)/β̂, at the impact.
 
-use super::bernstein::{DEGREE, Polynomial, RATE_STEP, add_sine, raise_to_maximum, stays_within};
+use super::circle_roots;
 use super::multiple_scales::{sawtooth, sawtooth_slope};
-use super::roots::circle_roots;
 use super::{Admissibility, Bifurcation, Motion, Roots, check_groups, eigenvalue_pair};
 use crate::error::{Error, Result};
+use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, add_sine, raise_to_maximum, stays_within};
 use crate::parameters::Groups;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use std::f64::consts::{FRAC_PI_2, PI};

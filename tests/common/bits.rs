@@ -3,6 +3,9 @@
 use std::fmt::Write;
 use std::{env, fs};
 
+/// Folder of the golden files: the tests of two packages come here.
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+
 /// FNV-1a over the bits of what was recorded: any bit that differs gives another digest, but for one chance in 2⁶⁴.
 #[derive(Clone, Copy, Debug)]
 pub struct Digest(u64);
@@ -54,7 +57,7 @@ fn instruction_set() -> &'static str {
 /// Compares with the golden file of this machine's instruction set. `UPDATE=1` in the environment writes it instead. On an
 /// instruction set without a file the comparison cannot be made: that is printed.
 pub fn compare(name: &str, found: &[(String, String)]) {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+    let folder = DATA;
     let path = format!("{folder}/{name}.{}.txt", instruction_set());
     let mut text = String::new();
     for (motion, digest) in found {

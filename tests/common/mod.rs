@@ -3,4 +3,3 @@
 
 pub mod bits;
 pub mod golden;
-pub mod python;

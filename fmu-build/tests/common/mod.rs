@@ -1,6 +1,8 @@
 //! What a shared library exports and needs, of any platform.
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
+pub mod python;
+
 use object::read::elf::{FileHeader, SectionHeader};
 use object::{BinaryFormat, Endianness, FileKind, Object, ObjectSymbol, SymbolScope, elf};
 use std::collections::BTreeSet;

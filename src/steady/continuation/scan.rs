@@ -1,9 +1,9 @@
 //! The scan along the parameter: intervals of solutions, nodes, special points, and the joining of sheets.
 
 use super::super::Sheet;
-use super::super::roots::brent;
 use super::{BranchPoint, Curve, Family, LOCATION, Special};
 use crate::error::Result;
+use crate::numerics::roots::brent;
 use std::cell::Cell;
 
 /// Golden-section steps that find a hidden extremum of the discriminant between three nodes.

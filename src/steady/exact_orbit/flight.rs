@@ -1,7 +1,7 @@
 //! The flight between impacts in units of L and of the drive's phase: matrices, Taylor pieces, exact.
 
-use super::super::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
 use crate::error::{Error, Result};
+use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
 use crate::parameters::Parameters;
 use nalgebra::{Complex, Matrix2, Matrix4, SMatrix, Vector2, Vector4};
 use std::f64::consts::PI;

@@ -8,9 +8,9 @@
 mod flight;
 mod orbit;
 
-pub use orbit::{ExactOrbit, OrbitState};
+pub use orbit::ExactOrbit;
 
-use super::roots::circle_roots;
+use super::circle_roots;
 use super::{Roots, Sheet};
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;

@@ -1,11 +1,12 @@
 //! One exact orbit: its states, its clearance from the stops, its amplitudes and its multipliers.
 
-use super::super::bernstein::{Polynomial, raise_to_maximum, stays_within};
 use super::super::{Bifurcation, Sheet};
 use super::flight::{Flight, Vector6};
 use super::{OrbitFamily, no_eigenvalues};
 use crate::error::Result;
+use crate::numerics::bernstein::{Polynomial, raise_to_maximum, stays_within};
 use crate::parameters::Parameters;
+use crate::state::State;
 use nalgebra::{Complex, SMatrix};
 use std::f64::consts::{PI, TAU};
 
@@ -20,15 +21,6 @@ const EIGENVALUE_SWEEPS: usize = 300;
 
 /// Deflation threshold of the QR sweeps.
 const EIGENVALUE_PRECISION: f64 = f64::EPSILON;
-
-/// Displacements (m) and velocities (m/s) of box, block and secondary oscillator.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrbitState {
-    /// x1, x2, x3 in m.
-    pub x: [f64; 3],
-    /// x1', x2', x3' in m/s.
-    pub v: [f64; 3],
-}
 
 /// One symmetric orbit with two impacts per period.
 #[derive(Clone, Copy, Debug)]
@@ -107,18 +99,18 @@ impl ExactOrbit {
     }
 
     /// The state just before the impact at the upper stop.
-    pub fn before_impact(&self) -> OrbitState {
+    pub fn before_impact(&self) -> State {
         self.si(&self.before)
     }
 
     /// The state just after the impact at the upper stop.
-    pub fn after_impact(&self) -> OrbitState {
+    pub fn after_impact(&self) -> State {
         self.si(&self.after)
     }
 
     /// The state at phase θ (rad) of the drive F10 sin θ; just after the impact at an impact. On the orbit,
     /// θ = ω1 t + [`Parameters::drive_phase`].
-    pub fn state(&self, theta: f64) -> OrbitState {
+    pub fn state(&self, theta: f64) -> State {
         // A phase that is an impact's but for rounding counts as the impact's.
         let rounding = PHASE_ROUNDING * (theta.abs() + TAU);
         let since = (theta - self.phase + rounding).rem_euclid(TAU);
@@ -132,14 +124,14 @@ impl ExactOrbit {
     }
 
     /// The state at time 0, where the phase of the drive is [`Parameters::drive_phase`].
-    pub fn initial_state(&self) -> OrbitState {
+    pub fn initial_state(&self) -> State {
         self.state(self.parameters.drive_phase)
     }
 
-    fn si(&self, s: &Vector6) -> OrbitState {
+    fn si(&self, s: &Vector6) -> State {
         let length = self.parameters.stop_gap;
         let speed = length * self.parameters.drive_frequency;
-        OrbitState { x: [0, 1, 2].map(|i| length * s[i]), v: [3, 4, 5].map(|i| speed * s[i]) }
+        State { x: [0, 1, 2].map(|i| length * s[i]), v: [3, 4, 5].map(|i| speed * s[i]) }
     }
 
     /// Whether |w| ≤ L between the impacts, to 1e-12 L: proved by Bernstein bounds of the Taylor pieces over half a

@@ -1,7 +1,7 @@
 //! The slow invariant manifold: which U and W of the sawtooth form meet the impact law at all.
 
-use super::super::roots::brent;
 use crate::error::{Error, Result};
+use crate::numerics::roots::brent;
 use std::f64::consts::{PI, TAU};
 
 /// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.235.

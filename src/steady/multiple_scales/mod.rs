@@ -15,7 +15,7 @@ mod slow_flow;
 pub use manifold::{Branch, Manifold, sawtooth, sawtooth_slope};
 pub use slow_flow::SlowState;
 
-use super::roots::circle_roots;
+use super::circle_roots;
 use super::{Admissibility, Bifurcation, Roots, check_groups, eigenvalue_pair};
 use crate::error::{Error, Result};
 use crate::parameters::Groups;

@@ -1,3 +1,4 @@
+use crate::State;
 use crate::error::Error;
 use crate::parameters::{Groups, Parameters, Scales};
 use crate::steady::exact_orbit::*;
@@ -61,7 +62,7 @@ fn orbits() -> Vec<ExactOrbit> {
 }
 
 /// Accelerations of the model, straight from model.md section 1.
-fn acceleration(p: &Parameters, theta: f64, s: &OrbitState) -> [f64; 3] {
+fn acceleration(p: &Parameters, theta: f64, s: &State) -> [f64; 3] {
     let ([x1, x2, x3], [v1, _, v3]) = (s.x, s.v);
     [
         (p.drive_amplitude * theta.sin() - p.box_damping * v1 - p.box_stiffness * x1) / p.box_mass,
@@ -72,11 +73,11 @@ fn acceleration(p: &Parameters, theta: f64, s: &OrbitState) -> [f64; 3] {
 }
 
 /// The classical Runge-Kutta method from phase `theta` over `turn` rad.
-fn integrate(p: &Parameters, mut theta: f64, mut s: OrbitState, turn: f64, steps: u32) -> OrbitState {
+fn integrate(p: &Parameters, mut theta: f64, mut s: State, turn: f64, steps: u32) -> State {
     let (turn_step, h) = (turn / f64::from(steps), turn / f64::from(steps) / p.drive_frequency);
     for _ in 0..steps {
-        let rate = |s: &OrbitState, theta| (s.v, acceleration(p, theta, s));
-        let moved = |k: &([f64; 3], [f64; 3]), by: f64| OrbitState {
+        let rate = |s: &State, theta| (s.v, acceleration(p, theta, s));
+        let moved = |k: &([f64; 3], [f64; 3]), by: f64| State {
             x: std::array::from_fn(|i| s.x[i] + by * k.0[i]),
             v: std::array::from_fn(|i| s.v[i] + by * k.1[i]),
         };
@@ -94,7 +95,7 @@ fn integrate(p: &Parameters, mut theta: f64, mut s: OrbitState, turn: f64, steps
 }
 
 /// Largest difference of two states in units of L and ω1 L.
-fn distance(p: &Parameters, a: &OrbitState, b: &OrbitState, sign: f64) -> f64 {
+fn distance(p: &Parameters, a: &State, b: &State, sign: f64) -> f64 {
     let far = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - sign * b[i]).abs()).fold(0.0, f64::max);
     far(a.x, b.x).max(far(a.v, b.v) / p.drive_frequency) / p.stop_gap
 }

@@ -11,10 +11,10 @@ use libfuzzer_sys::fuzz_target;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::LazyLock;
-use vibro_impact::fmi2::abi::*;
-use vibro_impact::fmi2::description;
-use vibro_impact::fmi2::types::FmiEventInfo;
-use vibro_impact::fmi2::variables::{VARIABLES, reference};
+use vibro_fmi::fmi2::abi::*;
+use vibro_fmi::fmi2::description;
+use vibro_fmi::fmi2::types::FmiEventInfo;
+use vibro_fmi::fmi2::variables::{VARIABLES, reference};
 
 const FATAL: c_int = 4;
 /// Elements of every buffer: the largest count that is not refused.

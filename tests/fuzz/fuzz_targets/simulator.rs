@@ -87,7 +87,7 @@ fn run(input: &Input) -> Option<()> {
     let plain = |x: f64| x.abs() < 1e4;
     let mut comparable = state.x.iter().chain(&state.v).all(|&x| plain(x))
         && FIELDS.iter().all(|f| plain((f.get)(&p))) && p.block_mass > 1e-4 && p.box_mass > 1e-4 && p.secondary_mass > 1e-4;
-    let first = simulator.ledger().mechanical;
+    let first = simulator.energy_accounts().mechanical;
     let mut passed = first;
     let mut saved = simulator.snapshot();
     for action in input.actions.iter().take(12) {
@@ -133,7 +133,7 @@ fn run(input: &Input) -> Option<()> {
         if simulator.contact() != Contact::Flight {
             assert_eq!(speed, 0.0);
         }
-        let l = simulator.ledger();
+        let l = simulator.energy_accounts();
         passed = passed.max(l.mechanical).max(l.input.abs()).max(l.damped).max(l.impact);
         let error = l.mechanical - first - l.input + l.damped + l.impact;
         if comparable && passed < 1e12 {

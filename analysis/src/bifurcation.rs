@@ -1,0 +1,193 @@
+//! Bifurcation diagrams: the local maxima of X2 over one group, upwards and downwards, with period, class and exponents.
+//!
+//! As in the paper (model.md section 7): at each value so many drive periods are discarded and so many kept, and the last
+//! state is the start of the next value. The motion from value to value is one chain and cannot be divided; what is
+//! learnt at each value is independent of the other values, so that threads and machines share it.
+
+use super::attractor::{Attractor, Class, Relation, observe};
+use super::error::{Error, Result};
+use super::groups::check_together;
+use super::lyapunov::{self, Spectrum};
+use super::maxima::record;
+use super::motion::settled;
+use super::parts::Task;
+use super::plane::PlaneAxis;
+use super::section::kicked;
+use super::settings::Settings;
+use serde::{Deserialize, Serialize};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Simulator, State};
+
+/// Values in a part.
+const BLOCK: usize = 8;
+/// Maxima are told apart by this, units of L: six digits after the point are kept.
+const RESOLUTION: f64 = 1e-6;
+
+/// What to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sweep {
+    /// The group and its values.
+    pub axis: PlaneAxis,
+    /// Drive periods discarded at each value.
+    pub discard: u32,
+    /// Drive periods kept.
+    pub keep: u32,
+    /// How the exponents are computed, if they are.
+    pub exponents: Option<lyapunov::Options>,
+}
+
+/// The motion at one value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// The group's value.
+    pub value: f64,
+    /// Local maxima of X2 (units of L, to six digits after the point), ascending, with the times each was met.
+    pub maxima: Vec<(f64, u32)>,
+    /// What the motion has settled on.
+    pub attractor: Attractor,
+    /// Its class.
+    pub class: Class,
+    /// Its exponents in units of ω10, i.e. per unit of the dimensionless time τ.
+    pub spectrum: Option<Spectrum>,
+}
+
+/// Both directions; `None` where the simulator refused a value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagram {
+    /// With the value rising.
+    pub up: Vec<Option<Point>>,
+    /// With the value falling, in the order of rising values.
+    pub down: Vec<Option<Point>>,
+}
+
+/// The start of what is kept at one value: parameters and the state after the transient.
+#[derive(Clone, Copy, Debug)]
+struct Station {
+    value: f64,
+    parameters: Parameters,
+    state: Option<State>,
+}
+
+/// The chain of states from value to value. Where the simulator refuses, the next value starts anew.
+fn chain(settings: &Settings, sweep: &Sweep, upward: bool) -> Result<Vec<Station>> {
+    let count = sweep.axis.count;
+    let mut state = kicked(settings.parameters());
+    let mut stations = Vec::with_capacity(count);
+    for i in 0..count {
+        let value = sweep.axis.value(if upward { i } else { count - 1 - i });
+        let groups = settings.vary(sweep.axis.group, value);
+        check_together(&groups)?;
+        let p = settings.parameters_of(&groups)?;
+        let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
+        let run = || -> vibro_impact::Result<(State, State)> {
+            let mut simulator = settled(&p, &state, discard)?;
+            let before = simulator.state();
+            simulator.advance_to(all * p.period())?;
+            Ok((before, simulator.state()))
+        };
+        let run = run();
+        stations.push(Station { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) });
+        state = run.map_or_else(|_| kicked(&p), |r| r.1);
+    }
+    if !upward {
+        stations.reverse();
+    }
+    Ok(stations)
+}
+
+/// What is learnt at one value; nothing where the simulator refuses to go on.
+fn learnt(station: &Station, sweep: &Sweep) -> Result<Option<Point>> {
+    let Some(state) = &station.state else { return Ok(None) };
+    match point(station, state, sweep) {
+        Err(Error::Model(_)) => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+fn point(station: &Station, state: &State, sweep: &Sweep) -> Result<Point> {
+    let p = &station.parameters;
+    let mut simulator = Simulator::new(p, state, 0.0)?.without_energy_accounts();
+    let mut tops: Vec<i64> = Vec::new();
+    record(&mut simulator, sweep.keep, &mut |period| {
+        tops.extend(period.maxima.iter().map(|m| (m.value / p.stop_gap / RESOLUTION).round() as i64));
+    })?;
+    tops.sort_unstable();
+    let met = tops.chunk_by(|a, b| a == b);
+    let maxima = met.map(|same| (same[0] as f64 * RESOLUTION, same.len() as u32)).collect();
+    let attractor = observe(&mut simulator)?;
+    let exponents = |options| Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum);
+    let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
+    let class = Class::of(&attractor, spectrum.as_ref());
+    Ok(Point { value: station.value, maxima, attractor, class, spectrum })
+}
+
+/// Number of parts of a sweep.
+pub fn count(sweep: &Sweep) -> usize {
+    2 * sweep.axis.count.div_ceil(BLOCK)
+}
+
+/// The diagram, on all threads, in [`count`] parts: `None` where parts belong to other shards. The result depends neither
+/// on threads nor on shards.
+///
+/// # Errors
+/// Ranges that are not allowed; what the parts' folder refuses.
+pub fn diagram(settings: &Settings, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
+    // A sweep that is all there needs no chain.
+    let stations = std::sync::OnceLock::new();
+    let chains = || -> Result<[Vec<Station>; 2]> {
+        let (up, down) = rayon::join(|| chain(settings, sweep, true), || chain(settings, sweep, false));
+        Ok([up?, down?])
+    };
+    if task.parts.missing(count(sweep)) > 0 {
+        // Set once, here.
+        let _ = stations.set(chains()?);
+    }
+    let blocks = sweep.axis.count.div_ceil(BLOCK);
+    let make = |index: usize| -> Result<Vec<Option<Point>>> {
+        let fresh;
+        let both = match stations.get() {
+            Some(both) => both,
+            // A part that is there but cannot be read.
+            None => {
+                fresh = chains()?;
+                &fresh
+            }
+        };
+        let stations = &both[index / blocks];
+        let from = index % blocks * BLOCK;
+        let until = (from + BLOCK).min(stations.len());
+        stations[from..until].iter().map(|s| learnt(s, sweep)).collect()
+    };
+    let Some(mut all) = task.complete(count(sweep), make)? else { return Ok(None) };
+    let down = all.split_off(blocks).concat();
+    Ok(Some(Diagram { up: all.concat(), down }))
+}
+
+impl Diagram {
+    /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two that never
+    /// return are taken for one: what is observed is too short to tell chaos from chaos.
+    pub fn hysteresis(&self) -> Vec<bool> {
+        let both = self.up.iter().zip(&self.down);
+        both.map(|pair| match pair {
+            (Some(a), Some(b)) => {
+                let wanders = |p: &Point| matches!(p.class, Class::Chaotic | Class::Aperiodic);
+                let both = wanders(a) && wanders(b);
+                !both && a.attractor.relation(&b.attractor) == Relation::Different
+            }
+            _ => false,
+        })
+        .collect()
+    }
+
+    /// Ranges of values with the same class, rising: from, to, class.
+    pub fn windows(points: &[Option<Point>]) -> Vec<(f64, f64, Class)> {
+        let mut found: Vec<(f64, f64, Class)> = Vec::new();
+        for point in points.iter().flatten() {
+            match found.last_mut().filter(|w| w.2 == point.class) {
+                Some(window) => window.1 = point.value,
+                None => found.push((point.value, point.value, point.class)),
+            }
+        }
+        found
+    }
+}

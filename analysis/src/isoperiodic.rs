@@ -1,0 +1,242 @@
+//! Simulated motion over a plane of two groups: its period, impacts and class (an isoperiodic diagram), beside the exact
+//! orbit with two symmetric impacts a period, which needs no simulation.
+//!
+//! Every point is a motion of its own from the same start, so that all of them go through [`lead`].
+
+use super::attractor::{Class, observe};
+use super::error::{Error, Result};
+use super::groups::check_together;
+use super::lyapunov::{self, Options};
+use super::parts::Task;
+use super::plane::{self, PlaneAxis, check_pair};
+use super::section::{COORDINATES, KICK, Section, section, state};
+use super::settings::Settings;
+use super::trajectories::{Start, lead};
+use serde::{Deserialize, Serialize};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Simulator, State};
+
+/// Where the motions of a plane start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Origin {
+    /// In one state.
+    State(Section),
+    /// On the exact orbit where it is stable, elsewhere in the bifurcation study's [start](KICK).
+    Orbit,
+}
+
+impl Default for Origin {
+    /// The bifurcation study's start.
+    fn default() -> Self {
+        Self::State(KICK)
+    }
+}
+
+impl std::str::FromStr for Origin {
+    type Err = Error;
+
+    /// Reads `orbit`, or `name=value,…`, what is not named being zero.
+    fn from_str(text: &str) -> Result<Self> {
+        if text.trim() == "orbit" {
+            return Ok(Self::Orbit);
+        }
+        let expected = "name=value,… with names of x1 x2 x3 (units of L) v1 v2 v3 (L omega10), e.g. x1=0.2,v2=1, or orbit";
+        let form = || Error::Form { text: text.into(), expected };
+        let mut start = [0.0; 6];
+        for assignment in text.split(',') {
+            let (name, value) = assignment.split_once('=').ok_or_else(form)?;
+            let index = COORDINATES.iter().position(|c| *c == name.trim()).ok_or_else(form)?;
+            start[index] = value.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(form)?;
+        }
+        Ok(Self::State(start))
+    }
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self::State(start) = self else { return f.write_str("orbit") };
+        let named = COORDINATES.iter().zip(start).filter(|(_, value)| **value != 0.0);
+        let named: Vec<String> = named.map(|(name, value)| format!("{name}={value}")).collect();
+        f.write_str(if named.is_empty() { "x1=0" } else { "" })?;
+        f.write_str(&named.join(","))
+    }
+}
+
+/// What to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Horizontal.
+    pub x: PlaneAxis,
+    /// Vertical.
+    pub y: PlaneAxis,
+    /// Where each motion starts.
+    pub start: Origin,
+    /// Drive periods discarded before a motion is observed.
+    pub discard: u32,
+    /// How exponents of motions with impacts and without a period are computed, if they are.
+    pub exponents: Option<Options>,
+}
+
+/// What a start has settled on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Its class.
+    pub class: Class,
+    /// Impacts per drive period at the upper and at the lower stop.
+    pub impacts: [f64; 2],
+    /// Whether the block rests at a stop in the course of it.
+    pub rests: bool,
+    /// Whether it is its own mirror image; false for motions without a period.
+    pub symmetric: bool,
+    /// The largest exponent per unit of τ, where exponents were asked for and there are impacts and no period.
+    pub exponent: Option<f64>,
+    /// Whether it is the stable exact orbit, and not one that has just broken away from it.
+    pub on_orbit: bool,
+}
+
+impl Motion {
+    /// Whether it is of the exact orbit's kind: symmetric, with one impact at each stop in each drive period, and no rest.
+    pub fn is_two_impact(&self) -> bool {
+        self.class == Class::Periodic(1) && self.symmetric && self.impacts == [1.0; 2] && !self.rests
+    }
+}
+
+/// One point of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// What the exact orbit is there.
+    pub theory: plane::Class,
+    /// The motion; `None` where the simulator refuses.
+    pub motion: Option<Motion>,
+}
+
+/// A plane of motions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Isoperiodic {
+    /// Rows of constant y, from the first.
+    pub points: Vec<Point>,
+}
+
+/// How far theory and simulation agree, in numbers of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Agreement {
+    /// Where the exact orbit is stable.
+    pub stable: usize,
+    /// Of these, where the simulated motion is this orbit. What is missing starts in the basin of another motion.
+    pub reached: usize,
+    /// Where the simulated motion is of the exact orbit's [kind](Motion::is_two_impact).
+    pub two_impact: usize,
+    /// Of these, where it is the exact orbit, and that is stable. What is missing contradicts the theory.
+    pub foretold: usize,
+}
+
+impl Isoperiodic {
+    /// How far theory and simulation agree.
+    pub fn agreement(&self) -> Agreement {
+        let count = |holds: &dyn Fn(&Point) -> bool| self.points.iter().filter(|p| holds(p)).count();
+        let stable = |p: &Point| p.theory == plane::Class::Stable;
+        let orbit = |p: &Point| p.motion.is_some_and(|m| m.on_orbit);
+        let kind = |p: &Point| p.motion.is_some_and(|m| m.is_two_impact());
+        Agreement {
+            stable: count(&stable),
+            reached: count(&|p| stable(p) && orbit(p)),
+            two_impact: count(&kind),
+            foretold: count(&|p| kind(p) && orbit(p)),
+        }
+    }
+}
+
+/// Number of parts: the rows.
+pub fn count(request: &Request) -> usize {
+    request.y.count
+}
+
+/// The plane, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on
+/// shards.
+///
+/// # Errors
+/// [`Error::Form`] as [`check_pair`]; a start that the simulator refuses; what the parts' folder refuses.
+pub fn isoperiodic(settings: &Settings, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
+    check_pair(&request.x, &request.y)?;
+    if let Origin::State(start) = &request.start {
+        let p = settings.parameters();
+        Simulator::new(p, &state(p, start), 0.0)?;
+    }
+    let rows = task.complete(count(request), |j| Ok(row(settings, request, j)))?;
+    Ok(rows.map(|rows| Isoperiodic { points: rows.concat() }))
+}
+
+/// One system of a row.
+struct Site {
+    theory: plane::Class,
+    /// The stable exact orbit's state at time 0.
+    orbit: Option<State>,
+    /// `None` where the groups make no system.
+    start: Option<Start>,
+}
+
+fn site(settings: &Settings, request: &Request, column: usize, row: usize) -> Site {
+    let none = Site { theory: plane::Class::Undefined, orbit: None, start: None };
+    let groups =
+        settings.varied(request.y.group, request.y.value(row)).vary(request.x.group, request.x.value(column));
+    if check_together(&groups).is_err() {
+        return none;
+    }
+    let Ok(parameters) = settings.parameters_of(&groups) else { return none };
+    let (theory, orbit) = plane::exact(&parameters).unwrap_or((plane::Class::Undefined, None));
+    let orbit = orbit.map(|o| o.initial_state()).map(|o| State { x: o.x, v: o.v });
+    let state = match (&request.start, orbit) {
+        (Origin::State(start), _) => state(&parameters, start),
+        (Origin::Orbit, Some(orbit)) => orbit,
+        (Origin::Orbit, None) => state(&parameters, &KICK),
+    };
+    Site { theory, orbit, start: Some(Start { parameters, state }) }
+}
+
+fn row(settings: &Settings, request: &Request, j: usize) -> Vec<Point> {
+    let sites: Vec<Site> = (0..request.x.count).map(|i| site(settings, request, i, j)).collect();
+    let starts: Vec<Start> = sites.iter().filter_map(|s| s.start).collect();
+    let mut ends = lead(&starts, request.discard, &|| ()).into_iter();
+    let point = |Site { theory, orbit, start }| {
+        // There is an end for each start.
+        let end = start.and_then(|s| Some((s.parameters, ends.next()?.ok()?)));
+        let motion =
+            end.and_then(|(p, end)| motion(&p, &end, orbit.as_ref(), request.exponents.as_ref()).ok());
+        Point { theory, motion }
+    };
+    sites.into_iter().map(point).collect()
+}
+
+fn motion(p: &Parameters, end: &State, orbit: Option<&State>, exponents: Option<&Options>) -> Result<Motion> {
+    let mut simulator = Simulator::new(p, end, 0.0)?.without_energy_accounts();
+    let found = observe(&mut simulator)?;
+    let asked = exponents.filter(|_| found.period.is_none() && !found.is_free());
+    let spectrum = asked.map(|options| lyapunov::dimensionless(&mut simulator, options)).transpose()?;
+    let spectrum = spectrum.map(|found| found.spectrum);
+    let dies_out = found.is_free() && found.approaching;
+    let symmetric = found.period.is_some() && found.is_symmetric();
+    Ok(Motion {
+        class: if dies_out { Class::Settling } else { Class::of(&found, spectrum.as_ref()) },
+        impacts: found.impacts,
+        rests: found.rests,
+        symmetric,
+        exponent: spectrum.map(|s| s.exponents[0]),
+        on_orbit: found.period == Some(1) && symmetric && orbit.is_some_and(|o| found.passes(&section(p, o))),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_become_starts_and_starts_words() {
+        for text in ["orbit", "v2=1", "x1=-0.25,v3=2", "x1=0"] {
+            assert_eq!(text.parse::<Origin>().unwrap().to_string(), text);
+        }
+        assert_eq!("v2=1".parse::<Origin>().unwrap(), Origin::default());
+        for wrong in ["", "x4=1", "v2", "v2=fast", "v2=inf"] {
+            assert!(wrong.parse::<Origin>().unwrap_err().to_string().contains("x1=0.2,v2=1"), "{wrong}");
+        }
+    }
+}

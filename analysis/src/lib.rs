@@ -1,0 +1,30 @@
+//! What the command line shows: studies of the steady states, their tables and their pictures.
+//!
+//! ```text
+//! settings (SI or groups, by name) → response, plane, compare (numbers) → figures (data of a picture) → draw → files
+//! simulator → walk (smooth pieces) → maxima, variation → bifurcation, lyapunov, basin, isoperiodic → studies → report
+//! ```
+//!
+//! Every study is a function from [`Settings`] to plain data; printing and writing is the caller's.
+
+pub mod attractor;
+pub mod basin;
+pub mod bifurcation;
+mod error;
+mod groups;
+pub mod isoperiodic;
+pub mod lyapunov;
+pub mod maxima;
+pub mod motion;
+pub mod parts;
+pub mod plane;
+pub mod response;
+pub mod section;
+mod settings;
+pub mod trajectories;
+mod variation;
+mod walk;
+
+pub use error::{Error, Result};
+pub use groups::{GROUPS, Group, check_together};
+pub use settings::{Name, Settings, find_group, number, short};

@@ -1,0 +1,197 @@
+//! The seven Lyapunov exponents: six coordinates and the phase of the drive, whose exponent is exactly zero.
+//!
+//! Between events the variations are led by exact transition matrices, at impacts by Müller's jump; they are made
+//! orthonormal once a drive period (paper section 4; model.md section 7). Where the block comes to rest, the relative
+//! motion is forgotten: two directions are lost for good, and their exponents are -∞. An impact with κ = 0 loses one.
+//!
+//! ```
+//! use vibro_analysis::lyapunov::{Options, spectrum};
+//! use vibro_impact::{Parameters, Simulator, State};
+//!
+//! let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
+//! let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0)?.without_energy_accounts();
+//! simulator.advance_to(400.0 * Parameters::default().period())?; // onto the stable two-impact motion
+//! let found = spectrum(&mut simulator, &Options::default())?;
+//! assert!(found.exponents[0].abs() < 1e-9 && found.exponents[1] < 0.0);
+//! # Ok::<(), vibro_analysis::Error>(())
+//! ```
+
+use super::error::Result;
+use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
+use super::walk::{Break, augmented, walk};
+use serde::{Deserialize, Serialize};
+use vibro_impact::error::Error;
+use vibro_impact::model::Model;
+use vibro_impact::simulator::Simulator;
+
+/// Between two looks at the running deviation, in drive periods.
+const LOOK: u32 = 10;
+
+/// How a spectrum is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Options {
+    /// Periods in which the variations turn into their directions before anything is counted.
+    pub align: u32,
+    /// Most periods counted (1500 in the paper).
+    pub periods: u32,
+    /// The computation ends when the standard deviation of every running exponent over this many last periods …
+    pub window: u32,
+    /// … is under this, 1/s. Zero: never before all periods are done.
+    pub threshold: f64,
+}
+
+impl Default for Options {
+    /// 1500 periods after 50, all of them.
+    fn default() -> Self {
+        Self { align: 50, periods: 1500, window: 200, threshold: 0.0 }
+    }
+}
+
+/// A Lyapunov spectrum.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spectrum {
+    /// The exponents, largest first, 1/s; -∞ for directions lost in rest.
+    pub exponents: [f64; DIMENSION],
+    /// Largest standard deviation of the running exponents over the last window, 1/s (those at -∞ left out).
+    pub deviation: f64,
+    /// Periods counted.
+    pub periods: u32,
+    /// Whether the deviation ended the computation.
+    pub settled: bool,
+    /// Impacts in these periods.
+    pub impacts: u64,
+    /// Whether the block rested.
+    pub rests: bool,
+}
+
+/// A spectrum and the way to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convergence {
+    /// The outcome.
+    pub spectrum: Spectrum,
+    /// The running exponents after each period counted, in the order of the directions, 1/s.
+    pub running: Vec<[f64; DIMENSION]>,
+}
+
+/// The spectrum of the motion from the present on; the transient is the caller's to discard.
+///
+/// # Errors
+/// As [`Simulator::advance`]; [`Error::Undefined`] without a drive, which sets the period.
+pub fn spectrum(simulator: &mut Simulator, options: &Options) -> Result<Spectrum> {
+    Ok(convergence(simulator, options)?.spectrum)
+}
+
+/// The spectrum with its running values.
+///
+/// # Errors
+/// As [`spectrum`].
+pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Convergence> {
+    let p = *simulator.parameters();
+    if p.drive_frequency == 0.0 {
+        return Err(Error::Undefined {
+            name: "drive.frequency",
+            value: 0.0,
+            needed_by: "Lyapunov spectrum, which goes period by period,",
+            allowed: "drive.frequency > 0",
+        }
+        .into());
+    }
+    let model = Model::new(&p)?;
+    let mut tangent = Tangent {
+        variation: Variation::new(&model),
+        frame: generic_frame(&augmented(simulator)),
+        rank: DIMENSION,
+        logs: [0.0; DIMENSION],
+    };
+    let (begin, length) = (simulator.time(), p.period());
+    let (mut impacts, mut rests) = (0, false);
+    let mut running = Vec::with_capacity(options.periods as usize);
+    let mut settled = false;
+    for i in 1..=options.align + options.periods {
+        walk(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
+            impacts += u64::from(matches!(piece.end, Break::Impact { .. }));
+            rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
+            let rank = tangent.variation.lead(&mut tangent.frame, piece);
+            if let Rank::Limited(most) = rank {
+                tangent.rank = tangent.rank.min(most);
+                tangent.renew();
+            }
+        })?;
+        let (sine, cosine) = simulator.drive_phase().sin_cos();
+        on_circle(&mut tangent.frame, (cosine, sine));
+        tangent.renew();
+        if i <= options.align {
+            // What is lost stays lost.
+            tangent.logs = tangent.logs.map(|l| if l == f64::NEG_INFINITY { l } else { 0.0 });
+            (impacts, rests) = (0, false);
+            continue;
+        }
+        let counted = i - options.align;
+        running.push(tangent.logs.map(|l| l / (f64::from(counted) * length)));
+        let look = options.threshold > 0.0 && counted >= options.window && counted.is_multiple_of(LOOK);
+        if look && deviation(&running, options.window) < options.threshold {
+            settled = true;
+            break;
+        }
+    }
+    let mut exponents = running.last().copied().unwrap_or([0.0; DIMENSION]);
+    exponents.sort_by(|a, b| b.total_cmp(a));
+    let deviation = deviation(&running, options.window);
+    let periods = running.len() as u32;
+    Ok(Convergence { spectrum: Spectrum { exponents, deviation, periods, settled, impacts, rests }, running })
+}
+
+/// The spectrum with its running values in units of ω10, i.e. per unit of the dimensionless time τ; the threshold too.
+///
+/// # Errors
+/// As [`spectrum`].
+pub fn dimensionless(simulator: &mut Simulator, options: &Options) -> Result<Convergence> {
+    let rate = simulator.parameters().box_frequency();
+    let options = Options { threshold: options.threshold * rate, ..*options };
+    let mut found = convergence(simulator, &options)?;
+    for exponents in found.running.iter_mut().chain([&mut found.spectrum.exponents]) {
+        *exponents = exponents.map(|e| e / rate);
+    }
+    found.spectrum.deviation /= rate;
+    Ok(found)
+}
+
+/// The variations on their way.
+struct Tangent {
+    variation: Variation,
+    frame: Frame,
+    /// Directions not lost.
+    rank: usize,
+    /// Logarithms of the growth so far.
+    logs: [f64; DIMENSION],
+}
+
+impl Tangent {
+    fn renew(&mut self) {
+        let (frame, rank) = (&mut self.frame, self.rank);
+        let lengths = pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || orthonormalize(frame, rank),
+        );
+        for (sum, length) in self.logs.iter_mut().zip(lengths) {
+            *sum += length.ln(); // -∞ for a direction that is lost
+        }
+    }
+}
+
+/// The largest standard deviation over the last `window` values.
+fn deviation(running: &[[f64; DIMENSION]], window: u32) -> f64 {
+    let last = &running[running.len().saturating_sub(window as usize)..];
+    let count = last.len().max(1) as f64;
+    (0..DIMENSION)
+        .filter(|&j| last.iter().all(|r| r[j].is_finite()))
+        .map(|j| {
+            let mean = last.iter().map(|r| r[j]).sum::<f64>() / count;
+            (last.iter().map(|r| (r[j] - mean) * (r[j] - mean)).sum::<f64>() / count).sqrt()
+        })
+        .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+#[path = "lyapunov/tests.rs"]
+mod tests;

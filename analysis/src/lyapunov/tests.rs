@@ -1,0 +1,233 @@
+//! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's multipliers, two trajectories.
+
+use super::super::motion::settled;
+use super::super::section::kicked;
+use super::super::variation::unit_frame;
+use super::*;
+use vibro_impact::parameters::{Groups, Parameters, Scales};
+use vibro_impact::simulator::State;
+use vibro_impact::steady::exact_orbit;
+
+/// An average over n periods differs from the limit by O(1/n) where a pair turns; sums over the pair do not.
+const PAIR: f64 = 1e-6;
+/// The identity holds period by period, to the rounding of some thousand products.
+const IDENTITY: f64 = 1e-8;
+
+fn groups(f10: f64, kappa: f64) -> Parameters {
+    Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
+}
+
+#[test]
+fn closed_form_of_the_linear_damped_system() {
+    // Block free of springs and never at a stop: the box's exponents are the real parts of r² + c1 r + k1, twice
+    // overdamped here, the secondary's likewise underdamped; block and phase have zero.
+    let mut p = groups(0.0, 0.75);
+    p.coupling_stiffness = 0.0;
+    p.box_damping = 2.5;
+    p.secondary_damping = 0.03;
+    let start = State { x: [1e-3, 0.0, 1e-3], v: [0.0; 3] };
+    let mut simulator = Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts();
+    let found = spectrum(&mut simulator, &Options::default()).unwrap();
+    assert_eq!(found.impacts, 0);
+    let root = (2.5f64 * 2.5 - 4.0).sqrt();
+    let expected = [0.0, 0.0, 0.0, -0.15, -0.15, 0.5 * (-2.5 + root), 0.5 * (-2.5 - root)];
+    // A displacement of the block grows out of its speed like t, whose exponent comes as ln t/t and with the opposite sign.
+    let time = 1550.0 * p.period();
+    let slow = time.ln() / (1500.0 * p.period());
+    for (i, (got, want)) in found.exponents.iter().zip(expected).enumerate() {
+        let near = match i {
+            0..3 => slow,
+            // The turning pair's members differ by O(1/n), their sum does not.
+            3 | 4 => 1e-3,
+            _ => PAIR,
+        };
+        assert!((got - want).abs() < near, "{i}: {got} {want}");
+    }
+    assert!((found.exponents[3] + found.exponents[4] + 0.3).abs() < PAIR);
+    assert!((found.exponents[0] + found.exponents[1] + found.exponents[2]).abs() < PAIR);
+}
+
+#[test]
+fn invariant_sum_is_divergence_and_determinants() {
+    for (f10, kappa) in
+        [(0.6, 0.75), (1.5, 0.75), (2.7, 0.75), (3.6, 0.75), (4.5, 0.75), (3.0, 0.9), (1.5, 0.5)]
+    {
+        let p = groups(f10, kappa);
+        let mut simulator = settled(&p, &kicked(&p), 200.0).unwrap();
+        let options = Options { align: 0, periods: 300, ..Options::default() };
+        let found = spectrum(&mut simulator, &options).unwrap();
+        assert!(!found.rests, "f10 = {f10}");
+        let time = f64::from(found.periods) * p.period();
+        let expected = -(p.box_damping / p.box_mass + p.secondary_damping / p.secondary_mass)
+            + 2.0 * kappa.ln() * found.impacts as f64 / time;
+        let sum: f64 = found.exponents.iter().sum();
+        assert!((sum - expected).abs() < IDENTITY, "f10 = {f10}: {sum} {expected}");
+        let zero = found.exponents.iter().map(|e| e.abs()).fold(f64::INFINITY, f64::min);
+        assert!(zero < 2e-3, "the phase's exponent: {:?}", found.exponents);
+    }
+}
+
+#[test]
+fn second_method_multipliers_of_the_exact_orbit() {
+    let other =
+        Groups::weak(0.1, 0.75, 1.5, 0.5, 0.4, 0.1, 0.5, 0.2).to_parameters(Scales::default()).unwrap();
+    for p in [groups(1.5, 0.75), groups(1.1, 0.75), groups(1.9, 0.75), groups(1.2, 0.5), other] {
+        let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
+        assert!(orbit.is_stable());
+        let start = orbit.initial_state();
+        let start = State { x: start.x, v: start.v };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts();
+        simulator.advance_to(200.0 * p.period()).unwrap();
+        let options = Options { align: 500, ..Options::default() };
+        let found = spectrum(&mut simulator, &options).unwrap();
+        let mut expected: Vec<f64> =
+            orbit.multipliers().iter().map(|m| m.norm().ln() * 2.0 / p.period()).collect();
+        expected.push(0.0);
+        expected.sort_by(|a, b| b.total_cmp(a));
+        // Equal moduli (a complex pair) are compared by their mean.
+        let mut i = 0;
+        while i < DIMENSION {
+            let alike = expected[i..].iter().take_while(|e| (*e - expected[i]).abs() < 1e-9).count();
+            let mean = found.exponents[i..i + alike].iter().sum::<f64>() / alike as f64;
+            assert!((mean - expected[i]).abs() < PAIR, "{i}: {:?} {expected:?}", found.exponents);
+            i += alike;
+        }
+    }
+}
+
+#[test]
+fn second_method_two_trajectories_in_chaos() {
+    const APART: f64 = 1e-8;
+    const PERIODS: u32 = 6000;
+    /// Both estimates fluctuate as chaos does; by how much, the growths over blocks of periods tell. Of two estimates that
+    /// differ by chance one pair in 10⁴ lies further apart than this many of their standard errors.
+    const ERRORS: f64 = 4.0;
+    const BLOCK: u32 = 100;
+    /// So that the comparison says something at all.
+    const WIDEST: f64 = 0.2;
+    for f10 in [3.6, 4.5] {
+        let p = groups(f10, 0.75);
+        let mut one = settled(&p, &kicked(&p), 200.0).unwrap();
+        let options = Options { periods: PERIODS, ..Options::default() };
+        let found = spectrum(&mut one.clone(), &options).unwrap();
+        assert!(found.exponents[0] > 0.01, "f10 = {f10}: {:?}", found.exponents);
+        let (mut blocks, mut other) = ([0.0; (PERIODS / BLOCK) as usize], one.state());
+        other.x[2] += APART;
+        for i in 1..=PERIODS {
+            // Whole periods: both may start anew at time 0.
+            let mut neighbour = Simulator::new(&p, &other, 0.0).unwrap().without_energy_accounts();
+            one = Simulator::new(&p, &one.state(), 0.0).unwrap().without_energy_accounts();
+            one.advance_to(p.period()).unwrap();
+            neighbour.advance_to(p.period()).unwrap();
+            let (a, b) = (one.state(), neighbour.state());
+            let flat = |s: &State| [s.x[0], s.x[1], s.x[2], s.v[0], s.v[1], s.v[2]];
+            let (a6, b6) = (flat(&a), flat(&b));
+            let gap = a6.iter().zip(&b6).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+            blocks[((i - 1) / BLOCK) as usize] += (gap / APART).ln() / (f64::from(BLOCK) * p.period());
+            let part = APART / gap;
+            let c: [f64; 6] = std::array::from_fn(|k| a6[k] + part * (b6[k] - a6[k]));
+            other = State { x: [c[0], c[1], c[2]], v: [c[3], c[4], c[5]] };
+            let w = other.x[1] - other.x[0];
+            other.x[1] = other.x[0] + w.clamp(-p.stop_gap, p.stop_gap);
+            assert!(i > 1 || gap > 0.0);
+        }
+        let count = blocks.len() as f64;
+        let estimate = blocks.iter().sum::<f64>() / count;
+        let variance = blocks.iter().map(|b| (b - estimate).powi(2)).sum::<f64>() / (count - 1.0);
+        let bound = ERRORS * (2.0 * variance / count).sqrt();
+        assert!(bound < WIDEST * estimate, "f10 = {f10}: {bound} of {estimate}");
+        assert!(
+            (estimate - found.exponents[0]).abs() < bound,
+            "f10 = {f10}: {estimate} {:?}",
+            found.exponents
+        );
+    }
+}
+
+#[test]
+fn closed_form_rest_and_dead_impacts_lose_directions() {
+    // κ = 0 with rest: two directions are lost; the rest of the spectrum stays finite and holds the phase's zero.
+    let p = groups(3.0, 0.0);
+    let found = spectrum(&mut settled(&p, &kicked(&p), 200.0).unwrap(), &Options::default()).unwrap();
+    let lost = found.exponents.iter().filter(|e| **e == f64::NEG_INFINITY).count();
+    assert_eq!((found.rests, lost), (true, 2), "{found:?}");
+    assert!(found.exponents[..5].iter().all(|e| e.is_finite()), "{found:?}");
+    assert!(found.exponents[..5].iter().any(|e| e.abs() < 1e-3), "{found:?}");
+    assert!(found.deviation.is_finite());
+}
+
+#[test]
+fn closed_form_variations_through_rest() {
+    // Through chatter into rest and out of it: the frame's image against differences of whole motions.
+    // Two widths, so that the differences' own error of second order drops out (Richardson).
+    const NARROW: f64 = 1e-6;
+    const WIDE: f64 = 3e-6;
+    /// A chatter run is closed at bounces some 1e-8 fast, one bounce earlier or later for neighbours; of NARROW, that is
+    /// this at most.
+    const DIFFERENCE: f64 = 1e-3;
+    for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
+        let p = groups(f10, kappa);
+        let mut simulator = settled(&p, &kicked(&p), f64::from(periods)).unwrap();
+        let model = Model::new(&p).unwrap();
+        // Go on until a rest has been passed through.
+        let start = simulator.snapshot();
+        let from = simulator.time();
+        let mut passed = None;
+        walk(&mut simulator, &model, from + 20.0 * p.period(), &mut |piece| {
+            if matches!(piece.end, Break::Release) && passed.is_none() {
+                passed = Some(piece.time + piece.span + 0.05);
+            }
+        })
+        .unwrap();
+        let Some(end) = passed else { panic!("no rest at f10 = {f10}, kappa = {kappa}") };
+        simulator.restore(&start).unwrap();
+        let mut variation = Variation::new(&model);
+        let mut frame = unit_frame(&augmented(&simulator));
+        walk(&mut simulator, &model, end, &mut |piece| {
+            variation.lead(&mut frame, piece);
+        })
+        .unwrap();
+        // The third coordinate's displacement and rate, in units of L and of the model's rate.
+        for (direction, unit) in [(2, p.stop_gap), (5, p.stop_gap * model.rate)] {
+            let share = model.block_share;
+            let end_of = |change: f64| {
+                let mut s = Simulator::new(&p, &State::default(), 0.0).unwrap();
+                s.restore(&start).unwrap();
+                let mut state = s.state();
+                let of = if direction == 2 { &mut state.x[2] } else { &mut state.v[2] };
+                *of += change * unit;
+                let mut s = Simulator::new(&p, &state, from).unwrap().without_energy_accounts();
+                s.advance_to(end).unwrap();
+                let z = augmented(&s);
+                [z[0] + share * z[1], z[2], (z[3] + share * z[4]) / model.rate, z[5] / model.rate]
+            };
+            let [near, far] = [NARROW, WIDE].map(|apart| {
+                let (a, b) = (end_of(apart), end_of(-apart));
+                [0, 1, 2, 3].map(|k| (a[k] - b[k]) / (2.0 * apart * p.stop_gap))
+            });
+            let led = [frame[direction][0], frame[direction][2], frame[direction][3], frame[direction][5]];
+            for k in 0..4 {
+                let difference = (9.0 * near[k] - far[k]) / 8.0;
+                let allowed = DIFFERENCE * (1.0 + led[k].abs());
+                let words = format!("f10 = {f10}, {direction} {k}: {difference} {}", led[k]);
+                assert!((difference - led[k]).abs() < allowed, "{words}");
+            }
+        }
+    }
+}
+
+#[test]
+fn closed_form_early_stop_by_the_deviation() {
+    let p = Parameters::default();
+    let all = convergence(
+        &mut settled(&p, &kicked(&p), 400.0).unwrap(),
+        &Options { align: 0, ..Options::default() },
+    )
+    .unwrap();
+    let options = Options { align: 0, threshold: 1e-4, ..Options::default() };
+    let early = convergence(&mut settled(&p, &kicked(&p), 400.0).unwrap(), &options).unwrap();
+    let count = early.running.len();
+    assert!(early.spectrum.settled && (200..1500).contains(&count), "{count}");
+    assert_eq!(early.running[..], all.running[..count], "the same way, only shorter");
+    assert!(early.spectrum.deviation < 1e-4 && !all.spectrum.settled);
+}

@@ -1,0 +1,233 @@
+//! Existence and stability of the two-impact motion over a plane of two groups (figure 12).
+
+use super::error::{Error, Result};
+use super::groups::{Group, check_together};
+use super::settings::{Settings, find_group};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use vibro_impact::parameters::{Groups, Parameters};
+use vibro_impact::steady::Sheet;
+use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
+use vibro_impact::steady::multiple_scales::MultipleScales;
+use vibro_impact::steady::strong_coupling::StrongCoupling;
+
+/// Which theory of the steady state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Paper section 3.
+    MultipleScales,
+    /// Paper section 5.
+    StrongCoupling,
+    /// Past the paper: no small parameter.
+    ExactOrbit,
+}
+
+/// What a point of a plane is. A motion exists when its impacts lead into the stop (C > 0; p > 0) and the block
+/// passes neither stop in between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Class {
+    /// No symmetric motion with two impacts.
+    None,
+    /// There is one, or two, but unstable.
+    Unstable,
+    /// One is stable.
+    Stable,
+    /// The theory has no answer here: a resonance without damping, an excitation without frequency.
+    Undefined,
+}
+
+/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the group's name, and checked
+/// when read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
+pub struct PlaneAxis {
+    /// What varies.
+    pub group: &'static Group,
+    /// First value.
+    pub from: f64,
+    /// Last value.
+    pub to: f64,
+    /// Number of values.
+    pub count: usize,
+}
+
+/// An axis as a file has it.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    group: String,
+    from: f64,
+    to: f64,
+    count: usize,
+}
+
+impl From<PlaneAxis> for Written {
+    fn from(axis: PlaneAxis) -> Self {
+        Self { group: axis.group.name.into(), from: axis.from, to: axis.to, count: axis.count }
+    }
+}
+
+impl TryFrom<Written> for PlaneAxis {
+    type Error = Error;
+
+    fn try_from(axis: Written) -> Result<Self> {
+        Self::new(find_group(&axis.group)?, (axis.from, axis.to), axis.count)
+    }
+}
+
+/// A classified plane.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    /// Horizontal axis.
+    pub x: PlaneAxis,
+    /// Vertical axis.
+    pub y: PlaneAxis,
+    /// The theory.
+    pub method: Method,
+    /// Classes by rows of constant y, from the first.
+    pub classes: Vec<Class>,
+}
+
+/// The pairs of figure 12: the six pairs among σ̂1, f̂10, γ̂1 and κ, horizontal first.
+pub const PAIRS: [(&str, &str); 6] = [
+    ("sigma1", "f10"),
+    ("gamma1", "f10"),
+    ("kappa", "f10"),
+    ("sigma1", "gamma1"),
+    ("sigma1", "kappa"),
+    ("kappa", "gamma1"),
+];
+
+impl Method {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MultipleScales => "multiple scales",
+            Self::StrongCoupling => "strong coupling",
+            Self::ExactOrbit => "exact orbit",
+        }
+    }
+}
+
+impl Class {
+    /// In a word, for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Unstable => "unstable",
+            Self::Stable => "stable",
+            Self::Undefined => "undefined",
+        }
+    }
+
+    fn of(motions: impl IntoIterator<Item = (bool, bool)>) -> Self {
+        motions.into_iter().fold(Self::None, |class, (exists, stable)| match class {
+            Self::Stable => class,
+            _ if exists && stable => Self::Stable,
+            _ if exists => Self::Unstable,
+            _ => class,
+        })
+    }
+}
+
+impl PlaneAxis {
+    /// An axis, checked.
+    ///
+    /// # Errors
+    /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the group's own range.
+    pub fn new(group: &'static Group, (from, to): (f64, f64), count: usize) -> Result<Self> {
+        if !(from < to && (to - from).is_finite() && count >= 2) {
+            let text = format!("{}={from}:{to} in {count} values", group.name);
+            return Err(Error::Form { text, expected: "from < to, both finite, and at least 2 values" });
+        }
+        // ε = 0 and the like are left out where they end the range that pictures show.
+        group.check(from)?;
+        group.check(to)?;
+        Ok(Self { group, from, to, count })
+    }
+
+    /// Ends of the cells that are centred on the values.
+    pub fn edges(&self) -> (f64, f64) {
+        let half = 0.5 * (self.to - self.from) / (self.count - 1) as f64;
+        (self.from - half, self.to + half)
+    }
+
+    /// The value of an index.
+    pub fn value(&self, i: usize) -> f64 {
+        let part = i as f64 / (self.count - 1) as f64;
+        self.from * (1.0 - part) + self.to * part
+    }
+}
+
+/// The class of one set of groups.
+pub fn classify(settings: &Settings, groups: &Groups, method: Method) -> Class {
+    if check_together(groups).is_err() {
+        return Class::Undefined;
+    }
+    let class = match method {
+        Method::MultipleScales => MultipleScales::new(groups).map(|m| {
+            let roots = m.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
+            Class::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
+        }),
+        Method::StrongCoupling => StrongCoupling::new(groups).and_then(|s| s.solutions()).map(|roots| {
+            let roots = roots.into_iter().flat_map(|r| [r.upper, r.lower]);
+            Class::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
+        }),
+        Method::ExactOrbit => settings.parameters_of(groups).and_then(|p| exact(&p)).map(|found| found.0),
+    };
+    class.unwrap_or(Class::Undefined)
+}
+
+/// The class by the exact orbit, and the stable orbit itself.
+///
+/// # Errors
+/// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
+pub fn exact(p: &Parameters) -> vibro_impact::Result<(Class, Option<ExactOrbit>)> {
+    let family = OrbitFamily::new(p)?;
+    let mut motions = [(false, false); 2];
+    for (motion, sheet) in motions.iter_mut().zip([Sheet::Upper, Sheet::Lower]) {
+        let Some(orbit) = family.orbit(sheet)? else { continue };
+        if orbit.is_stable() {
+            return Ok((Class::Stable, Some(orbit))); // the other orbit does not change the class
+        }
+        *motion = (orbit.is_clear(), false);
+    }
+    Ok((Class::of(motions), None))
+}
+
+/// Two axes of a plane.
+///
+/// # Errors
+/// [`Error::Form`] when both are the same or tied groups (α̂23 and β² are two names of one).
+pub fn check_pair(x: &PlaneAxis, y: &PlaneAxis) -> Result<()> {
+    let coupling = |g: &Group| ["alpha23", "beta2"].contains(&g.name);
+    if x.group == y.group || (coupling(x.group) && coupling(y.group)) {
+        let text = format!("{},{}", x.group.name, y.group.name);
+        return Err(Error::Form { text, expected: "two independent groups, e.g. sigma1,f10" });
+    }
+    Ok(())
+}
+
+/// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend on their number.
+///
+/// # Errors
+/// As [`check_pair`].
+pub fn plane(
+    settings: &Settings,
+    x: PlaneAxis,
+    y: PlaneAxis,
+    method: Method,
+    done: &(dyn Fn() + Sync),
+) -> Result<Plane> {
+    check_pair(&x, &y)?;
+    let rows: Vec<Vec<Class>> = (0..y.count)
+        .into_par_iter()
+        .map(|j| {
+            let row = settings.varied(y.group, y.value(j));
+            let class = |i| classify(settings, &row.vary(x.group, x.value(i)), method);
+            let classes = (0..x.count).map(class).collect();
+            done();
+            classes
+        })
+        .collect();
+    Ok(Plane { x, y, method, classes: rows.concat() })
+}

@@ -1,0 +1,118 @@
+//! Response curves: steady states along one group, with their stability (figures 10, 11).
+
+use super::error::Result;
+use super::groups::{Group, check_together};
+use super::plane::Method;
+use super::settings::Settings;
+use vibro_impact::parameters::Groups;
+use vibro_impact::steady::Sheet;
+use vibro_impact::steady::continuation::{self, Branch, Special};
+
+/// One point of a response curve. Amplitudes in units of L.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResponsePoint {
+    /// The group that varies.
+    pub value: f64,
+    /// Which root.
+    pub sheet: Sheet,
+    /// C; for the exact orbit what multiple scales would call so, A2/(1-ε+ε²).
+    pub c: f64,
+    /// Amplitude of U.
+    pub b: f64,
+    /// Amplitudes of X1, X2, X3.
+    pub a: [f64; 3],
+    /// Whether the curve from here to the next point is stable and admissible.
+    pub stable: bool,
+    /// Whether the block keeps clear of the stops between its impacts.
+    pub clear: bool,
+    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin.
+    pub right: bool,
+    /// What is special here.
+    pub special: Option<Special>,
+}
+
+/// Connected curves of one theory.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// The theory.
+    pub method: Method,
+    /// The curves, points in order; a closed curve ends where it begins.
+    pub curves: Vec<Vec<ResponsePoint>>,
+}
+
+/// The response of a theory along a group over a range, with `nodes` points per sheet.
+///
+/// # Errors
+/// The range of the group, and what the theory refuses.
+pub fn response(
+    settings: &Settings,
+    along: &'static Group,
+    range: (f64, f64),
+    method: Method,
+    nodes: usize,
+) -> Result<Response> {
+    for value in [range.0, range.1] {
+        along.check(value)?;
+        check_together(&settings.vary(along, value))?;
+    }
+    let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(settings.vary(along, value)) };
+    let curves = match method {
+        Method::MultipleScales => {
+            let branch = continuation::multiple_scales(groups, range, nodes)?;
+            let point = |value: f64, p: &vibro_impact::steady::multiple_scales::FixedPoint| {
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, settings.vary(along, value))
+            };
+            collect(&branch, point)
+        }
+        Method::StrongCoupling => {
+            let branch = continuation::strong_coupling(groups, range, nodes)?;
+            let point = |value: f64, p: &vibro_impact::steady::strong_coupling::StrongPoint| {
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, settings.vary(along, value))
+            };
+            collect(&branch, point)
+        }
+        Method::ExactOrbit => {
+            let path = |value| settings.parameters_of(&groups(value)?);
+            let branch = continuation::exact_orbit(path, range, nodes)?;
+            let point = |value: f64, o: &vibro_impact::steady::exact_orbit::ExactOrbit| {
+                let g = settings.vary(along, value);
+                let gap = o.parameters().stop_gap;
+                let a = o.amplitudes().map(|a| a / gap);
+                let b = o.amplitude_of([1.0, g.epsilon, 0.0]) / gap;
+                ((a[1] / (1.0 - g.epsilon + g.epsilon * g.epsilon), b, a), o.is_clear(), g)
+            };
+            collect(&branch, point)
+        }
+    };
+    Ok(Response { method, curves })
+}
+
+fn collect<P>(
+    branch: &Branch<P>,
+    point: impl Fn(f64, &P) -> ((f64, f64, [f64; 3]), bool, Groups),
+) -> Vec<Vec<ResponsePoint>> {
+    let convert = |p: &continuation::BranchPoint<P>| {
+        let ((c, b, a), clear, g) = point(p.value, &p.state);
+        let rho = std::f64::consts::FRAC_2_PI * (1.0 - g.kappa) / (1.0 + g.kappa);
+        let right = c * (1.0 + rho * rho) >= 1.0;
+        ResponsePoint {
+            value: p.value,
+            sheet: p.sheet,
+            c,
+            b,
+            a,
+            stable: p.stable,
+            clear,
+            right,
+            special: p.special,
+        }
+    };
+    let curve = |curve: &continuation::Curve<P>| {
+        let mut points: Vec<_> = curve.points.iter().map(convert).collect();
+        if curve.closed {
+            points.extend(points.first().copied());
+        }
+        points
+    };
+    branch.curves.iter().map(curve).collect()
+}

@@ -1,0 +1,274 @@
+//! How a motion varies with its start: exact transition matrices between events, the jump at each event.
+//!
+//! A variation is carried in `centre of mass, w, x3` and their rates, lengths in L and times in 1/rate, with
+//! (δcos θ, δsin θ) = δθ (-sin θ, cos θ) for the phase of the drive. In these coordinates an impact changes w, w' and,
+//! by the damper's force alone, the centre's rate, so that a merge into rest is a projection without cancellation.
+
+use super::walk::{Break, Piece};
+use vibro_impact::flow::{Series, WHOLE};
+use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
+
+/// Exponents of the system: six coordinates and the phase of the drive.
+pub(crate) const DIMENSION: usize = 7;
+/// Columns by lanes, or columns of variations by lanes.
+type Matrix = [Augmented; LANES];
+/// Orthonormal columns, most expanding first.
+pub(crate) type Frame = [Augmented; DIMENSION];
+
+/// Times rate of a node of the grid; between nodes half of it either way.
+const GRID_TIMES_RATE: f64 = 0.16;
+/// Nodes, for flights of up to 10/rate in one product.
+const NODES: usize = 64;
+/// Coefficients between nodes: the rest is 0.08⁹/9! < 4e-16.
+const TERMS: usize = 9;
+
+const fn identity() -> Matrix {
+    let mut m = [[0.0; LANES]; LANES];
+    let mut i = 0;
+    while i < LANES {
+        m[i][i] = 1.0;
+        i += 1;
+    }
+    m
+}
+
+/// `a b`: columns of `b` led through `a`.
+#[inline(always)]
+fn product<const N: usize>(a: &Matrix, b: &[Augmented; N]) -> [Augmented; N] {
+    let mut c = [[0.0; LANES]; N];
+    for (cj, bj) in c.iter_mut().zip(b) {
+        for (ak, &x) in a.iter().zip(bj) {
+            for (ci, &ai) in cj.iter_mut().zip(ak) {
+                *ci += ai * x;
+            }
+        }
+    }
+    c
+}
+
+/// The transition matrices of one mode over any time.
+#[derive(Clone, Debug)]
+pub(crate) struct Transition {
+    /// Generator's powers over factorials, times the node distance to the same power.
+    terms: [Matrix; TERMS],
+    nodes: Vec<Matrix>,
+    spacing: f64,
+}
+
+impl Transition {
+    pub(crate) fn new(model: &Model, mode: SmoothMode) -> Self {
+        let spacing = GRID_TIMES_RATE / model.rate;
+        let (share, speed) = (model.block_share, model.gap * model.rate);
+        // Columns of the flow over the spacing as Taylor coefficients, in the coordinates of variations.
+        let mut coefficients = [[[0.0; LANES]; LANES]; WHOLE];
+        for column in 0..LANES {
+            let mut unit = [0.0; LANES];
+            unit[column] = 1.0;
+            let z = physical(&unit, share, model.gap, speed);
+            let series = Series::<WHOLE>::expand(model, mode, &z, None, spacing);
+            for (c, lane) in coefficients.iter_mut().zip(&series.lanes) {
+                c[column] = varied(lane, share, model.gap, speed);
+            }
+        }
+        let mut over = [[0.0; LANES]; LANES];
+        for c in coefficients.iter().rev() {
+            for (sum, x) in over.iter_mut().flatten().zip(c.iter().flatten()) {
+                *sum += x;
+            }
+        }
+        let mut nodes = vec![identity()];
+        for i in 1..=NODES {
+            let next = product(&over, &nodes[i - 1]);
+            nodes.push(next);
+        }
+        Self { terms: std::array::from_fn(|k| coefficients[k]), nodes, spacing }
+    }
+
+    /// Leads variations over `span` s.
+    #[inline(always)]
+    pub(crate) fn lead(&self, frame: &mut Frame, span: f64) {
+        let steps = span / self.spacing;
+        let mut node = steps.round() as usize;
+        let part = steps - node as f64;
+        let mut near = self.terms[TERMS - 1];
+        for term in self.terms[..TERMS - 1].iter().rev() {
+            for (n, t) in near.iter_mut().zip(term) {
+                for (ni, ti) in n.iter_mut().zip(t) {
+                    *ni = *ni * part + ti;
+                }
+            }
+        }
+        while node > NODES {
+            *frame = product(&self.nodes[NODES], frame);
+            node -= NODES;
+        }
+        *frame = product(&near, &product(&self.nodes[node], frame));
+    }
+}
+
+fn physical(v: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
+    let (x1, rate1) = (v[0] - share * v[GAP], v[3] - share * v[GAP_RATE]);
+    [gap * x1, gap * v[1], gap * v[2], speed * rate1, speed * v[4], speed * v[5], v[6], v[7]]
+}
+
+fn varied(z: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
+    let (centre, rate) = (z[0] + share * z[GAP], z[3] + share * z[GAP_RATE]);
+    [centre / gap, z[1] / gap, z[2] / gap, rate / speed, z[4] / speed, z[5] / speed, z[6], z[7]]
+}
+
+/// What an event does to the frame besides mapping it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rank {
+    /// All columns stay independent.
+    Kept,
+    /// At most so many stay so.
+    Limited(usize),
+}
+
+/// Transition matrices of both modes and the jumps at events.
+#[derive(Clone, Debug)]
+pub(crate) struct Variation {
+    model: Model,
+    flight: Transition,
+    rest: Option<Box<Transition>>,
+}
+
+impl Variation {
+    pub(crate) fn new(model: &Model) -> Self {
+        Self { model: *model, flight: Transition::new(model, SmoothMode::Flight), rest: None }
+    }
+
+    /// Leads a frame along a piece and through the event at its end. The instruction set is the best at hand; no operation
+    /// is fused, so all give the same bits.
+    pub(crate) fn lead(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
+        let model = &self.model;
+        let transition = match piece.mode {
+            SmoothMode::Flight => &self.flight,
+            SmoothMode::Rest => {
+                self.rest.get_or_insert_with(|| Box::new(Transition::new(model, SmoothMode::Rest)))
+            }
+        };
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || transition.lead(frame, piece.span),
+        );
+        // At a release the fields of rest and flight agree (the contact force is zero there): nothing jumps.
+        let Break::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
+        self.jump(frame, *rate, after);
+        if *rests {
+            for v in frame.iter_mut() {
+                (v[GAP], v[GAP_RATE]) = (0.0, 0.0);
+            }
+            return Rank::Limited(DIMENSION - 2);
+        }
+        if self.model.restitution == 0.0 { Rank::Limited(DIMENSION - 1) } else { Rank::Kept }
+    }
+
+    /// Müller's jump `J + (f⁺ - J f⁻) nᵀ/(n·f⁻)` of an impact with w' = `rate` before it (model.md section 6 and
+    /// P. Müller, Chaos, Solitons & Fractals 5, 1671, 1995). A touch (`rate` zero) changes no state; its derivative does not
+    /// exist and it is passed over.
+    fn jump(&self, frame: &mut Frame, rate: f64, after: &Augmented) {
+        if rate == 0.0 {
+            return;
+        }
+        let (model, kappa) = (&self.model, self.model.restitution);
+        // The state just before and after the impact, also where a merge followed it.
+        let centre = after[3] + model.block_share * after[GAP_RATE];
+        let with = |w: f64| {
+            let mut z = *after;
+            (z[3], z[GAP_RATE]) = (centre - model.block_share * w, w);
+            model.acceleration(SmoothMode::Flight, &z, None).1
+        };
+        let kick = (with(-kappa * rate) + kappa * with(rate)) / rate;
+        // The centre of mass feels the damper's force on the box jump; everything in 1/rate of the model.
+        let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
+        for v in frame.iter_mut() {
+            let w = v[GAP];
+            v[GAP_RATE] = -kappa * v[GAP_RATE] + kick / model.rate * w;
+            v[3] -= push * w;
+            v[GAP] = -kappa * w;
+        }
+    }
+}
+
+/// Takes away what rounding has put beside the circle of (cos θ, sin θ): a direction that does not exist and would not die.
+#[inline(always)]
+pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
+    for v in frame.iter_mut() {
+        let turn = cosine * v[7] - sine * v[6];
+        (v[6], v[7]) = (-sine * turn, cosine * turn);
+    }
+}
+
+/// Gram–Schmidt, each column against those before it, twice where much was taken away; returns the lengths. A column with
+/// nothing left, or past `rank`, becomes zero with length zero.
+#[inline(always)]
+pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION] {
+    let mut lengths = [0.0; DIMENSION];
+    for (j, into) in lengths.iter_mut().enumerate() {
+        let (done, rest) = frame.split_at_mut(j);
+        let v = &mut rest[0];
+        if j >= rank {
+            *v = [0.0; LANES];
+            continue;
+        }
+        let mut length = dot(v, v).sqrt();
+        for _ in 0..2 {
+            for q in done.iter() {
+                let along = dot(q, v);
+                for (x, qx) in v.iter_mut().zip(q) {
+                    *x -= along * qx;
+                }
+            }
+            let left = dot(v, v).sqrt();
+            let enough = left > 0.5 * length;
+            length = left;
+            if enough {
+                break;
+            }
+        }
+        *into = length;
+        let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+        for x in v.iter_mut() {
+            *x *= scale;
+        }
+    }
+    lengths
+}
+
+#[inline(always)]
+fn dot(a: &Augmented, b: &Augmented) -> f64 {
+    let four: [f64; 4] = std::array::from_fn(|i| a[i] * b[i] + a[i + 4] * b[i + 4]);
+    (four[0] + four[2]) + (four[1] + four[3])
+}
+
+/// An orthonormal frame none of whose columns is special, so that none is lost that should stay.
+pub(crate) fn generic_frame(z: &Augmented) -> Frame {
+    // A reflection of the unit frame along no axis.
+    const ALONG: [f64; DIMENSION] = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.53];
+    let unit = unit_frame(z);
+    let square: f64 = ALONG.iter().map(|a| a * a).sum();
+    let mut normal = [0.0; LANES];
+    for (v, a) in unit.iter().zip(ALONG) {
+        for (n, x) in normal.iter_mut().zip(v) {
+            *n += a * x;
+        }
+    }
+    let mut frame = unit;
+    for (v, a) in frame.iter_mut().zip(ALONG) {
+        for (x, n) in v.iter_mut().zip(normal) {
+            *x -= 2.0 * a / square * n;
+        }
+    }
+    frame
+}
+
+/// The frame of unit variations at a phase of the drive.
+pub(crate) fn unit_frame(z: &Augmented) -> Frame {
+    let mut frame = [[0.0; LANES]; DIMENSION];
+    for (i, v) in frame.iter_mut().enumerate().take(DIMENSION - 1) {
+        v[i] = 1.0;
+    }
+    (frame[DIMENSION - 1][6], frame[DIMENSION - 1][7]) = (-z[7], z[6]);
+    frame
+}

@@ -1,0 +1,116 @@
+//! A motion cut into its smooth pieces, for what needs more than the states at the ends: maxima, variations, patterns.
+//!
+//! The simulator is driven through its public face; each piece's start is exact, so the flow along it is known again.
+
+use vibro_impact::error::Result;
+use vibro_impact::flow::Series;
+use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
+use vibro_impact::simulator::{Contact, Event, Simulator};
+
+/// Coefficients of a series over a piece of at most [`PIECE_TIMES_RATE`]: the rest is 1.2²⁰/20! < 2e-17.
+pub(crate) const TERMS: usize = 20;
+const PIECE_TIMES_RATE: f64 = 1.2;
+
+/// How a piece ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Break {
+    /// At an impact.
+    Impact {
+        /// +1 upper, -1 lower.
+        side: f64,
+        /// w' before the impact.
+        rate: f64,
+        /// The state after it, and after the merge where the block comes to rest.
+        after: Augmented,
+        /// Whether it comes to rest.
+        rests: bool,
+    },
+    /// The block lets go.
+    Release,
+    /// At the end asked for.
+    End,
+}
+
+/// One smooth piece.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    pub(crate) mode: SmoothMode,
+    pub(crate) start: Augmented,
+    /// Time at its start, s.
+    pub(crate) time: f64,
+    /// Its length, s.
+    pub(crate) span: f64,
+    pub(crate) end: Break,
+}
+
+/// The augmented state of a simulator.
+pub(crate) fn augmented(simulator: &Simulator) -> Augmented {
+    let (state, (w, rate), angle) = (simulator.state(), simulator.gap(), simulator.drive_phase());
+    let mut z = [0.0; LANES];
+    z[..6].copy_from_slice(&[state.x[0], w, state.x[2], state.v[0], rate, state.v[2]]);
+    (z[7], z[6]) = angle.sin_cos();
+    z
+}
+
+fn mode(contact: Contact) -> SmoothMode {
+    if contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest }
+}
+
+/// The flow along `span` s as series over pieces: `visit` gets each with its length (its u runs over [0, 1]); returns the
+/// end.
+#[inline(always)]
+pub(crate) fn along(
+    model: &Model,
+    mode: SmoothMode,
+    start: &Augmented,
+    span: f64,
+    mut visit: impl FnMut(&Series<TERMS>, f64),
+) -> Augmented {
+    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
+    let radius = span / count;
+    let mut z = *start;
+    for _ in 0..count as u64 {
+        let series = Series::<TERMS>::expand(model, mode, &z, None, radius);
+        visit(&series, radius);
+        z = series.at(1.0);
+        if mode == SmoothMode::Rest {
+            (z[GAP], z[GAP_RATE]) = (start[GAP], 0.0);
+        }
+    }
+    z
+}
+
+/// Advances a simulator without loads to `end` (s), piece by piece.
+///
+/// # Errors
+/// As [`Simulator::advance`].
+pub(crate) fn walk(
+    simulator: &mut Simulator,
+    model: &Model,
+    end: f64,
+    visit: &mut dyn FnMut(&Piece),
+) -> Result<()> {
+    loop {
+        let (mut start, mut time, mut way) =
+            (augmented(simulator), simulator.time(), mode(simulator.contact()));
+        let (mut release, mut hit, mut rests) = (None, None, false);
+        // Until the first impact nothing but one release can happen.
+        simulator.advance(end, 0.0, true, &mut |event| match *event {
+            Event::Release { time, .. } => release = Some(time),
+            Event::Impact { time, side, speed, .. } => hit = Some((time, f64::from(side), speed)),
+            Event::Rest { .. } => rests = true,
+        })?;
+        if let Some(at) = release {
+            visit(&Piece { mode: way, start, time, span: at - time, end: Break::Release });
+            start = along(model, way, &start, at - time, |_, _| ());
+            (time, way) = (at, SmoothMode::Flight);
+        }
+        let Some((at, side, speed)) = hit else {
+            visit(&Piece { mode: way, start, time, span: end - time, end: Break::End });
+            return Ok(());
+        };
+        let after = augmented(simulator);
+        let end = Break::Impact { side, rate: side * speed, after, rests };
+        visit(&Piece { mode: way, start, time, span: at - time, end });
+    }
+}

@@ -1,0 +1,68 @@
+//! Stepping, getting and setting allocate nothing. Alone in its process, since it counts all allocations.
+#![allow(unsafe_code)] // an allocator is one, and so is the C interface
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::ffi::CString;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use vibro_fmi::fmi2::abi::*;
+use vibro_fmi::fmi2::description;
+use vibro_fmi::fmi2::variables::reference;
+
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+struct Counting;
+
+// SAFETY: hands everything on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: as the caller vouches.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller vouches.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
+    let guid = CString::new(description::guid()).unwrap();
+    let outputs = [reference("box.s"), reference("block.a"), reference("energy.damped"), reference("box.k")];
+    let inputs = [reference("box.f"), reference("block.f")];
+    let (mut values, mut state) = ([0.0; 4], std::ptr::null_mut());
+    // SAFETY: valid pointers, counts that fit, and the instance is freed last.
+    unsafe {
+        let none = std::ptr::null();
+        let c = fmi2Instantiate(c"counted".as_ptr(), 1, guid.as_ptr(), none, std::ptr::null(), 0, 0);
+        fmi2SetReal(c, &reference("stop.restitution"), 1, &0.3);
+        fmi2SetReal(c, &reference("drive.amplitude"), 1, &0.4);
+        fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0);
+        fmi2EnterInitializationMode(c);
+        assert_eq!(fmi2ExitInitializationMode(c), 0);
+        assert_eq!(fmi2GetFMUstate(c, &mut state), 0);
+        let mut steps = |from: i32, to: i32| {
+            for i in from..to {
+                let load = [0.01 * f64::from(i % 3), 0.02];
+                assert_eq!(fmi2SetReal(c, inputs.as_ptr(), 2, load.as_ptr()), 0);
+                assert_eq!(fmi2SetRealInputDerivatives(c, inputs.as_ptr(), 1, &1, &0.01), 0);
+                assert_eq!(fmi2DoStep(c, 0.5 * f64::from(i), 0.5, 1), 0);
+                assert_eq!(fmi2GetReal(c, outputs.as_ptr(), 4, values.as_mut_ptr()), 0);
+                assert_eq!(fmi2GetFMUstate(c, &mut state), 0);
+                assert_eq!(fmi2SetFMUstate(c, state), 0);
+            }
+        };
+        steps(0, 1);
+        let before = COUNT.load(Ordering::Relaxed);
+        steps(1, 400);
+        assert_eq!(COUNT.load(Ordering::Relaxed), before);
+        let mut impacts = [0; 2];
+        let counts = [reference("impacts.upper"), reference("impacts.lower")];
+        assert_eq!(fmi2GetInteger(c, counts.as_ptr(), 2, impacts.as_mut_ptr()), 0);
+        assert!(impacts[0] > 50, "{impacts:?}");
+        fmi2FreeInstance(c);
+    }
+}

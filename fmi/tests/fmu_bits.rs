@@ -1,0 +1,214 @@
+//! Bits of the FMU's outputs in many runs through the C interface against a golden file (golden file:
+//! `tests/data/fmu_bits.<instruction set>.txt`), all modes; see `tests/state_bits.rs` for the library's.
+#![allow(unsafe_code)] // the C interface
+
+#[path = "../../tests/common/bits.rs"]
+#[allow(missing_docs)]
+mod bits;
+
+use bits::{Digest, compare};
+use std::ffi::{CString, c_int, c_void};
+use std::ptr::{null, null_mut};
+use vibro_fmi::fmi2::abi::*;
+use vibro_fmi::fmi2::description;
+use vibro_fmi::fmi2::types::FmiEventInfo;
+use vibro_fmi::fmi2::variables::{Kind, VARIABLES, reference};
+
+const OK: c_int = 0;
+/// Points at which each run is recorded.
+const POINTS: u32 = 10_000;
+
+struct Fmu(FmiComponent);
+
+impl Fmu {
+    fn new(kind: c_int) -> Self {
+        let guid = CString::new(description::guid()).unwrap();
+        let functions = FmiCallbackFunctions {
+            logger: None,
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            component_environment: null_mut(),
+        };
+        // SAFETY: valid strings; callbacks are not needed after the call.
+        let c = unsafe { fmi2Instantiate(c"bits".as_ptr(), kind, guid.as_ptr(), null(), &functions, 0, 0) };
+        assert!(!c.is_null());
+        Self(c)
+    }
+
+    fn set(&self, values: &[(&str, f64)]) {
+        for (name, value) in values {
+            let r = reference(name);
+            // SAFETY: one reference and one value each.
+            let status = unsafe {
+                match VARIABLES[r as usize].kind {
+                    Kind::Real { .. } => fmi2SetReal(self.0, &r, 1, value),
+                    Kind::Boolean => fmi2SetBoolean(self.0, &r, 1, &(*value as c_int)),
+                    _ => fmi2SetInteger(self.0, &r, 1, &(*value as c_int)),
+                }
+            };
+            assert_eq!(status, OK, "{name} = {value}");
+        }
+    }
+
+    fn initialize(&self) {
+        // SAFETY: a live component.
+        unsafe {
+            assert_eq!(fmi2SetupExperiment(self.0, 0, 0.0, 0.0, 0, 0.0), OK);
+            assert_eq!(fmi2EnterInitializationMode(self.0), OK);
+            assert_eq!(fmi2ExitInitializationMode(self.0), OK);
+        }
+    }
+
+    fn record(&self, digest: &mut Digest) {
+        for (r, variable) in (0..).zip(&VARIABLES) {
+            let (mut real, mut whole) = (f64::NAN, -1);
+            // SAFETY: one reference and one value each.
+            let status = unsafe {
+                match variable.kind {
+                    Kind::Real { .. } => fmi2GetReal(self.0, &r, 1, &mut real),
+                    Kind::Boolean => fmi2GetBoolean(self.0, &r, 1, &mut whole),
+                    _ => fmi2GetInteger(self.0, &r, 1, &mut whole),
+                }
+            };
+            assert_eq!(status, OK, "{}", variable.name);
+            digest.reals(&[if real.is_nan() { 0.0 } else { real }]);
+            digest.number(whole as u64);
+        }
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        // SAFETY: not used again.
+        unsafe { fmi2FreeInstance(self.0) };
+    }
+}
+
+fn steps(start: &[(&str, f64)], size: f64, mut before: impl FnMut(&Fmu, u32)) -> String {
+    let fmu = Fmu::new(1);
+    fmu.set(start);
+    fmu.initialize();
+    let mut digest = Digest::new();
+    for i in 0..POINTS {
+        before(&fmu, i);
+        // SAFETY: a live component.
+        assert_eq!(unsafe { fmi2DoStep(fmu.0, f64::from(i) * size, size, 1) }, OK);
+        fmu.record(&mut digest);
+    }
+    digest.finish()
+}
+
+/// A solver by Euler's rule: derivatives, event indicators and the iteration at events.
+fn exchange(start: &[(&str, f64)], size: f64) -> String {
+    let (fmu, mut digest) = (Fmu::new(0), Digest::new());
+    fmu.set(start);
+    fmu.initialize();
+    let mut info = FmiEventInfo::default();
+    let (mut x, mut rate, mut indicators) = ([0.0; 6], [0.0; 6], [0.0; 3]);
+    let count = description::EVENT_INDICATORS;
+    // SAFETY: a live component and arrays of the lengths given.
+    unsafe {
+        assert_eq!(fmi2NewDiscreteStates(fmu.0, &mut info), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(fmu.0), OK);
+        for i in 1..=POINTS {
+            assert_eq!(fmi2GetContinuousStates(fmu.0, x.as_mut_ptr(), 6), OK);
+            assert_eq!(fmi2GetDerivatives(fmu.0, rate.as_mut_ptr(), 6), OK);
+            assert_eq!(fmi2GetEventIndicators(fmu.0, indicators.as_mut_ptr(), count), OK);
+            digest.reals(&x);
+            digest.reals(&rate);
+            digest.reals(&indicators[..count]);
+            let before = indicators;
+            for (x, rate) in x.iter_mut().zip(rate) {
+                *x += size * rate;
+            }
+            assert_eq!(fmi2SetTime(fmu.0, f64::from(i) * size), OK);
+            assert_eq!(fmi2SetContinuousStates(fmu.0, x.as_ptr(), 6), OK);
+            let (mut event, mut terminate) = (0, 0);
+            assert_eq!(fmi2CompletedIntegratorStep(fmu.0, 1, &mut event, &mut terminate), OK);
+            assert_eq!(fmi2GetEventIndicators(fmu.0, indicators.as_mut_ptr(), count), OK);
+            if event != 0 || before.iter().zip(indicators).any(|(a, b)| (*a > 0.0) != (b > 0.0)) {
+                assert_eq!(fmi2EnterEventMode(fmu.0), OK);
+                assert_eq!(fmi2NewDiscreteStates(fmu.0, &mut info), OK);
+                assert_eq!(fmi2EnterContinuousTimeMode(fmu.0), OK);
+            }
+            fmu.record(&mut digest);
+        }
+    }
+    digest.finish()
+}
+
+fn saved(start: &[(&str, f64)], size: f64) -> String {
+    let mut kept: *mut c_void = null_mut();
+    let digest = steps(start, size, |fmu, i| {
+        // SAFETY: a live component; the bytes have the length asked for.
+        unsafe {
+            match i % 200 {
+                50 => assert_eq!(fmi2GetFMUstate(fmu.0, &mut kept), OK),
+                51 => {
+                    let mut length = 0;
+                    assert_eq!(fmi2SerializedFMUstateSize(fmu.0, kept, &mut length), OK);
+                    let mut bytes = vec![0; length];
+                    assert_eq!(fmi2SerializeFMUstate(fmu.0, kept, bytes.as_mut_ptr().cast(), length), OK);
+                    assert_eq!(fmi2FreeFMUstate(fmu.0, &mut kept), OK);
+                    assert_eq!(fmi2DeSerializeFMUstate(fmu.0, bytes.as_ptr().cast(), length, &mut kept), OK);
+                    assert_eq!(fmi2SetFMUstate(fmu.0, kept), OK);
+                    assert_eq!(fmi2DoStep(fmu.0, f64::from(i - 1) * size, size, 1), OK);
+                    assert_eq!(fmi2FreeFMUstate(fmu.0, &mut kept), OK);
+                }
+                _ => {}
+            }
+        }
+    });
+    assert!(kept.is_null());
+    digest
+}
+
+#[test]
+fn golden_bits_of_the_outputs() {
+    let basic: &[(&str, f64)] = &[("block.s", 0.9), ("block.v", 0.5)];
+    let resting = [basic, &[("stop.restitution", 0.2)]].concat();
+    let chaotic = [basic, &[("drive.amplitude", 0.45)]].concat();
+    let plastic = [basic, &[("stop.restitution", 0.0), ("drive.phase", 1.0)]].concat();
+    let mut found = Vec::new();
+    for (name, start) in
+        [("basic", basic), ("resting", &resting), ("chaotic", &chaotic), ("plastic", &plastic)]
+    {
+        found.push((format!("{name}, a hundredth of a period"), steps(start, 0.06, |_, _| {})));
+        found.push((format!("{name}, long steps"), steps(start, 7.7, |_, _| {})));
+        found.push((format!("{name}, Model Exchange by Euler's rule"), exchange(start, 0.003)));
+        found.push((format!("{name}, states saved, serialized and put back"), saved(start, 0.06)));
+        found.push((
+            format!("{name}, loads with derivatives, parameters changed"),
+            steps(start, 0.06, |fmu, i| {
+                let wave = |k: f64| (k * f64::from(i % 1000)).rem_euclid(1.0) - 0.5;
+                fmu.set(&[
+                    ("box.f", 0.1 * wave(0.37)),
+                    ("block.f", 0.02 * wave(0.11)),
+                    ("secondary.f", 0.02 * wave(0.53)),
+                ]);
+                let (r, order, value) = (reference("block.f"), 1, 0.01 * wave(0.29));
+                // SAFETY: one of each.
+                assert_eq!(unsafe { fmi2SetRealInputDerivatives(fmu.0, &r, 1, &order, &value) }, OK);
+                if i % 70 == 0 {
+                    fmu.set(&[
+                        ("drive.frequency", 1.0 + 0.1 * wave(0.61)),
+                        ("stop.restitution", 0.5 + wave(0.17) * 0.9),
+                    ]);
+                }
+            }),
+        ));
+    }
+    for mode in [2.0, 3.0] {
+        found.push((
+            format!("closed form {mode}"),
+            steps(&[("mode", mode)], 0.06, |fmu, i| {
+                if i % 500 == 499 {
+                    fmu.set(&[("drive.amplitude", 0.14 + 0.02 * f64::from(i % 3))]);
+                }
+            }),
+        ));
+    }
+    found.push(("started on the orbit".into(), steps(&[("startOnOrbit", 1.0)], 0.06, |_, _| {})));
+    compare("fmu_bits", &found);
+}

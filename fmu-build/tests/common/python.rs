@@ -1,0 +1,99 @@
+//! What the tests that need Python share: the virtual environment and the packaged FMU.
+
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Oldest Python that the pinned requirements can be installed in.
+const OLDEST_PYTHON: (u32, u32) = (3, 9);
+
+/// What to do about a missing or incomplete Python.
+const REMEDY: &str = "install Python >= 3.9 with venv and pip (Debian and Ubuntu: `apt install python3 python3-venv`), \
+                      or name one in the environment variable PYTHON";
+
+/// Root of the workspace.
+pub fn root() -> &'static Path {
+    fmu_build::compile::workspace()
+}
+
+/// The packaged FMU, built on first use in this process.
+pub fn fmu() -> PathBuf {
+    let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
+    fmu_build::package::build(&path).unwrap_or_else(|error| panic!("{error}"));
+    path
+}
+
+/// Python of the virtual environment with the pinned requirements; made on first use, then reused.
+pub fn python() -> PathBuf {
+    python_with(&["tests/fmpy/requirements.txt"])
+}
+
+/// The same for other requirements.
+pub fn python_with(requirements: &[&str]) -> PathBuf {
+    let read = |path: &&str| fs::read_to_string(root().join(path)).expect("it is part of the repository");
+    let wanted: String = requirements.iter().map(read).collect();
+    let system = system_python();
+    let version = run("asking Python for its version", Command::new(&system).arg("--version"));
+    let stamp = format!("{version}{wanted}");
+    let folder = fmu_build::compile::target().join(format!("venv-{:016x}", fnv1a(stamp.as_bytes())));
+    let python = match cfg!(windows) {
+        true => folder.join("Scripts").join("python.exe"),
+        false => folder.join("bin").join("python"),
+    };
+    let complete = folder.join("complete");
+
+    // Several test processes may come here at once: one makes it, the others wait.
+    fs::create_dir_all(folder.parent().expect("it lies under target")).expect("target can be written");
+    let lock = File::create(folder.with_extension("lock")).expect("target can be written");
+    lock.lock().expect("files under target can be locked");
+    if fs::read_to_string(&complete).is_ok_and(|text| text == stamp) {
+        return python;
+    }
+    if folder.exists() {
+        fs::remove_dir_all(&folder).expect("a half-made environment under target can be removed");
+    }
+    run(
+        "making a virtual environment",
+        Command::new(&system).args([OsStr::new("-m"), OsStr::new("venv"), folder.as_os_str()]),
+    );
+    let mut pip = Command::new(&python);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    pip.args(requirements.iter().flat_map(|path| ["--requirement", path])).current_dir(root());
+    run(&format!("installing {}", requirements.join(" and ")), &mut pip);
+    fs::write(complete, stamp).expect("target can be written");
+    python
+}
+
+/// The first Python that is new enough: `$PYTHON`, else `python3`, else `python`.
+fn system_python() -> PathBuf {
+    let chosen = std::env::var_os("PYTHON").map(PathBuf::from);
+    let usual = ["python3", "python"].map(PathBuf::from);
+    let candidates = chosen.map_or_else(|| usual.to_vec(), |python| vec![python]);
+    let (major, minor) = OLDEST_PYTHON;
+    let check = format!("import sys; sys.exit(sys.version_info < ({major}, {minor}))");
+    let works = |python: &&PathBuf| {
+        Command::new(python).args(["-c", &check]).output().is_ok_and(|output| output.status.success())
+    };
+    let found = candidates.iter().find(works).cloned();
+    found.unwrap_or_else(|| panic!("none of {candidates:?} is a Python >= {major}.{minor}: {REMEDY}"))
+}
+
+/// Runs a command and returns what it printed; panics with all it said when it fails.
+pub fn run(what: &str, command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{what}: {error}: {REMEDY}"));
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{what} failed ({}). If Python lacks something: {REMEDY}\n{stdout}\n{stderr}",
+        output.status
+    );
+    stdout.into_owned()
+}
+
+/// FNV-1a, 64 bit: a name for the folder of these requirements; its stamp is compared in full.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}

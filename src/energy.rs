@@ -1,0 +1,346 @@
+//! Energy accounts: the work of drive and loads and the losses in the dampers, integrated as quadratic forms of the
+//! exact flow (performance.md, item 7). They are found without the mechanical energy, so their balance is a test.
+
+use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
+use crate::model::{Augmented, Forces, LANES, Model, SmoothMode};
+use crate::numerics::double_double::DoubleDouble;
+use crate::numerics::simd::{Rows, form, form_and_squares};
+use crate::parameters::Parameters;
+use pulp::Simd;
+use serde::{Deserialize, Serialize};
+
+/// Gauss–Legendre nodes and weights on [0, 1] of a rule.
+pub struct Rule<const N: usize> {
+    pub nodes: [f64; N],
+    pub weights: [f64; N],
+}
+
+/// Over a length of 0.15/rate the error is under 1e-18 of the integral.
+pub const FIVE: Rule<5> = Rule {
+    nodes: [
+        0.046_910_077_030_668_004,
+        0.230_765_344_947_158_45,
+        0.5,
+        0.769_234_655_052_841_5,
+        0.953_089_922_969_332,
+    ],
+    weights: [
+        0.118_463_442_528_094_54,
+        0.239_314_335_249_683_23,
+        0.284_444_444_444_444_44,
+        0.239_314_335_249_683_23,
+        0.118_463_442_528_094_54,
+    ],
+};
+/// Over a length of 0.075/rate the error is under 1e-16 of the integral.
+const FOUR: Rule<4> = Rule {
+    nodes: [
+        0.069_431_844_202_973_71,
+        0.330_009_478_207_571_87,
+        0.669_990_521_792_428_1,
+        0.930_568_155_797_026_3,
+    ],
+    weights: [
+        0.173_927_422_568_726_93,
+        0.326_072_577_431_273_1,
+        0.326_072_577_431_273_1,
+        0.173_927_422_568_726_93,
+    ],
+};
+
+/// Pieces into which the Gramians' own quadrature divides an interval's half.
+const PREFIXES: usize = INTERVALS + 1;
+/// An 8 × 8 quadratic form of the augmented state.
+type Form = [[f64; LANES]; LANES];
+
+/// Running sums in J, in extended precision so that 10⁶ periods lose nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sums {
+    pub input: DoubleDouble,
+    pub damped: DoubleDouble,
+    pub impact: DoubleDouble,
+}
+
+/// Accounts of flights on their way to the [`Sums`], kept in doubles for some sub-steps; nothing between two advances.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct Pending {
+    /// In parts whose sum counts.
+    pub damped: [f64; LANES],
+    pub input: f64,
+}
+
+impl Sums {
+    /// Takes up what is pending.
+    pub fn settle(&mut self, pending: &mut Pending) {
+        self.damped = self.damped.plus(pending.damped.iter().sum());
+        self.input = self.input.plus(pending.input);
+        *pending = Pending::default();
+    }
+}
+
+/// Gramians of input and damped power from a sub-step's start to the centre of each interval and to its end.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Gramians {
+    input: [Form; PREFIXES],
+    damped: [Form; PREFIXES],
+    /// The damping coefficients c1 and c3 in the lanes of x1' and x3'.
+    weights: Augmented,
+    /// F10.
+    drive: f64,
+    /// In flight, the drive's work in closed form; none in rest and near an undamped resonance.
+    work: Option<DriveWork>,
+}
+
+impl Gramians {
+    pub fn zero() -> Self {
+        Self {
+            input: [[[0.0; LANES]; LANES]; PREFIXES],
+            damped: [[[0.0; LANES]; LANES]; PREFIXES],
+            weights: [0.0; LANES],
+            drive: 0.0,
+            work: None,
+        }
+    }
+
+    /// Sets the powers; to be called before anything else when parameters change.
+    pub fn set_powers(&mut self, p: &Parameters, model: &Model, mode: SmoothMode) {
+        self.drive = p.drive_amplitude;
+        self.weights = [0.0, 0.0, 0.0, p.box_damping, 0.0, p.secondary_damping, 0.0, 0.0];
+        self.work = match mode {
+            SmoothMode::Flight => DriveWork::new(p.drive_amplitude, model),
+            SmoothMode::Rest => None,
+        };
+    }
+
+    /// F10, c1, c3.
+    #[inline(always)]
+    fn coefficients(&self) -> (f64, f64, f64) {
+        (self.drive, self.weights[3], self.weights[5])
+    }
+
+    /// The drive's work in closed form, where it may be used.
+    #[inline(always)]
+    pub fn drive_work(&self) -> Option<&DriveWork> {
+        self.work.as_ref()
+    }
+
+    /// Integrates the Gramians of `mode` over a sub-step `h`, beside its `core`: those over the halves of an interval are the
+    /// same about every centre, and the transition matrices carry them to the sub-step's start. Input only where it is asked for.
+    pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
+        let radius = 0.5 * h / INTERVALS as f64;
+        let columns: [Series<CENTRED>; LANES] =
+            std::array::from_fn(|j| Series::expand(model, mode, &Column::unit(j).z, None, radius));
+        let halves = [-1.0, 1.0].map(|end| self.over_half(&columns, end, radius));
+        let by_difference = self.work.is_some();
+        for (forms, part) in [(&mut self.damped, 1), (&mut self.input, 0)] {
+            if part == 0 && by_difference {
+                continue;
+            }
+            let mut sum: Form = [[0.0; LANES]; LANES];
+            for (i, centre) in core.centre.iter().enumerate() {
+                add_carried(&mut sum, &halves[0][part], centre);
+                forms[i] = sum;
+                add_carried(&mut sum, &halves[1][part], centre);
+            }
+            forms[INTERVALS] = sum;
+        }
+    }
+
+    /// The forms [input, damped] between an interval's centre and its `end`, in the state at the centre.
+    fn over_half(&self, columns: &[Series<CENTRED>; LANES], end: f64, radius: f64) -> [Form; 2] {
+        let (drive, c1, c3) = self.coefficients();
+        let (mut input, mut damped): (Form, Form) = ([[0.0; LANES]; LANES], [[0.0; LANES]; LANES]);
+        for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
+            let weight = weight * radius;
+            // Of the transition matrix to the node the rows x1', x3' and sin θ, in columns.
+            let at: [[f64; 3]; LANES] = std::array::from_fn(|j| {
+                let z = columns[j].at(end * node);
+                [z[3], z[5], z[7]]
+            });
+            for (i, [v1, v3, s]) in at.iter().enumerate() {
+                for (j, [u1, u3, r]) in at.iter().enumerate() {
+                    input[i][j] += 0.5 * weight * drive * (v1 * r + s * u1);
+                    damped[i][j] += weight * (c1 * v1 * u1 + c3 * v3 * u3);
+                }
+            }
+        }
+        [input, damped]
+    }
+
+    /// Input from the start `z` to the centre of interval `index`, or to the end with [`INTERVALS`].
+    #[inline(always)]
+    pub fn input_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
+        form(simd, &self.input[index], z)
+    }
+
+    /// Damped from the start `z` likewise.
+    #[inline(always)]
+    pub fn damped_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
+        form(simd, &self.damped[index], z)
+    }
+
+    /// Damped from the start `z` of a free flight to the centre of interval `index`, if it passes one, and on along the `rows`
+    /// from 0 to u, where they have the values `end`; `radius` in s. Added to `total` in parts of which the sum counts. Over
+    /// 0.075/rate the rule's error is under 7e-13 of the power over the rate, which is 3e-13 of a flight's energy.
+    #[inline(always)]
+    pub fn damped_along<S: Simd>(
+        &self,
+        simd: S,
+        index: Option<usize>,
+        z: &Augmented,
+        rows: &Rows<S, CENTRED>,
+        (u, end, radius): (f64, &Augmented, f64),
+        total: &mut Augmented,
+    ) {
+        let before = index.map(|index| (&self.damped[index], z));
+        form_and_squares(simd, before, rows, (u, end), u * radius, &self.weights, total);
+    }
+
+    /// Input likewise, along the rows only.
+    #[inline(always)]
+    pub fn input_along<S: Simd>(&self, simd: S, rows: &Rows<S, CENTRED>, (u, radius): (f64, f64)) -> f64 {
+        let mut input = 0.0;
+        for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
+            let at = crate::numerics::simd::polynomial(simd, rows, u * node);
+            input += weight * at[3] * at[7];
+        }
+        self.drive * u * radius * input
+    }
+
+    /// (input, damped) along a series from u0 to u1; `radius` in s. Loads included where given (at u = 0).
+    #[inline(always)]
+    pub fn along<const N: usize>(
+        &self,
+        series: &Series<N>,
+        forces: Option<&Forces>,
+        (u0, u1): (f64, f64),
+        radius: f64,
+    ) -> (f64, f64) {
+        if N > CENTRED || u1 - u0 > 1.0 {
+            self.by_rule(&FIVE, series, forces, (u0, u1), radius)
+        } else {
+            self.by_rule(&FOUR, series, forces, (u0, u1), radius)
+        }
+    }
+
+    #[inline(always)]
+    fn by_rule<const N: usize, const R: usize>(
+        &self,
+        rule: &Rule<R>,
+        series: &Series<N>,
+        forces: Option<&Forces>,
+        (u0, u1): (f64, f64),
+        radius: f64,
+    ) -> (f64, f64) {
+        let (drive, c1, c3) = self.coefficients();
+        // Of the augmented state the powers need the rates and sin θ only.
+        let rates: [[f64; 4]; N] = series.lanes.map(|z| [z[3], z[4], z[5], z[7]]);
+        let (mut input, mut damped) = (0.0, 0.0);
+        let width = u1 - u0;
+        for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
+            let u = u0 + width * node;
+            let [v1, rate, v3, sine] = polynomial(&rates, u);
+            let mut power = drive * sine * v1;
+            if let Some(forces) = forces {
+                let f = crate::flow::shifted(forces, u * radius);
+                power += f[0][0] * v1 + f[1][0] * (v1 + rate) + f[2][0] * v3;
+            }
+            input += weight * power;
+            damped += weight * (c1 * v1 * v1 + c3 * v3 * v3);
+        }
+        let scale = width * radius;
+        (input * scale, damped * scale)
+    }
+}
+
+/// Adds Φᵀ `form` Φ, Φ given by its columns.
+fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; LANES]) {
+    let mut along: Form = [[0.0; LANES]; LANES];
+    for (y, column) in along.iter_mut().zip(columns) {
+        Table::transit(form, column, y);
+    }
+    for (i, column) in columns.iter().enumerate() {
+        for j in i..LANES {
+            let value: f64 = column.iter().zip(&along[j]).map(|(a, b)| a * b).sum();
+            sum[i][j] += value;
+            if j > i {
+                sum[j][i] += value;
+            }
+        }
+    }
+}
+
+/// The drive's work in flight in closed form. There the box knows of nothing but its spring, its damper and the drive, so
+/// that `d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1') + (q1 s c - p1 s²) F10/(2 m1 ω1)] + mean = F10 s x1'` with c = cos θ,
+/// s = sin θ and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`, A the box's own matrix: between two impacts the work is a difference of two
+/// values, and at an impact the value jumps with x1'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveWork {
+    p: [f64; 2],
+    q: [f64; 2],
+    /// F10/(2 m1 ω1).
+    swing: f64,
+    /// The mean power of the box's own steady state, W.
+    mean: f64,
+}
+
+impl DriveWork {
+    /// None where the steady state is so large that the differences would lose more than three digits: near resonance with
+    /// hardly any damping.
+    fn new(amplitude: f64, model: &Model) -> Option<Self> {
+        /// Least impedance, in units of the sum of its parts.
+        const LEAST: f64 = 1e-3;
+        let Model { k1, c1, omega, .. } = *model;
+        let (stiff, inert) = (k1 / omega, omega);
+        let reactance = inert - stiff;
+        let square = c1 * c1 + reactance * reactance;
+        let parts = c1 + stiff + inert;
+        let usable = square.sqrt() >= LEAST * parts && square.is_finite() && square >= f64::MIN_POSITIVE;
+        usable.then(|| {
+            let (q1, p1) = (-amplitude * c1 / square, -amplitude * reactance / square);
+            Self {
+                p: [-stiff * q1, p1],
+                q: [stiff * p1, q1],
+                swing: 0.5 * model.drive / omega,
+                mean: -0.5 * q1 * model.drive,
+            }
+        })
+    }
+
+    /// The function whose difference, with `mean` times the time between, is the work, J.
+    #[inline(always)]
+    pub fn value(&self, z: &Augmented) -> f64 {
+        let (x, v, c, s) = (z[0], z[3], z[6], z[7]);
+        let [p0, p1] = self.p;
+        let [q0, q1] = self.q;
+        c * (p0 * x + p1 * v) + s * (q0 * x + q1 * v) + self.swing * s * (q1 * c - p1 * s)
+    }
+
+    /// Its jump when x1' changes by `change`.
+    #[inline(always)]
+    pub fn jump(&self, z: &Augmented, change: f64) -> f64 {
+        (z[6] * self.p[1] + z[7] * self.q[1]) * change
+    }
+
+    /// Mean power, W.
+    #[inline(always)]
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+}
+
+/// Kinetic and elastic energy in J of an augmented state.
+pub fn mechanical(p: &Parameters, y: &[f64; 6]) -> f64 {
+    let (stretch, v2) = ((y[0] - y[2]) + y[1], y[3] + y[4]);
+    0.5 * (p.box_mass * y[3] * y[3]
+        + p.block_mass * v2 * v2
+        + p.secondary_mass * y[5] * y[5]
+        + p.box_stiffness * y[0] * y[0]
+        + p.secondary_stiffness * y[2] * y[2]
+        + p.coupling_stiffness * stretch * stretch)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,6 @@
+//! Numerical tools without mechanics: extended precision, polynomials, roots, vectors chosen at run time.
+
+pub mod bernstein;
+pub mod double_double;
+pub mod roots;
+pub mod simd;

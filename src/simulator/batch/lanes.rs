@@ -1,0 +1,154 @@
+//! Many independent motions at a time on one thread, each in a lane of the machine's vectors.
+//!
+//! Nearly all sub-steps of a motion are of one kind: free flight for a whole sub-step, to its end or to an impact that is
+//! easily proved to be the first. These are computed for all lanes at once. Whatever the lanes cannot prove, and all that
+//! is not free flight, each motion does by itself with the code of [`step`](super::super::step). Which of the two does a sub-step is
+//! decided by the motion's own state, so that its result does not depend on its neighbours.
+
+mod passage;
+mod rows;
+mod substep;
+
+use super::super::step::{Course, RENEW};
+use super::super::{Contact, Simulator, StopReason};
+use crate::error::Result;
+use crate::model::{Augmented, GAP};
+use crate::numerics::double_double::DoubleDouble;
+use crate::simulator::batch::vectors::ROW;
+use pulp::Simd;
+use rows::{Moving, Systems};
+use std::ops::ControlFlow;
+
+/// A motion under way.
+pub(super) struct Motion<'a> {
+    pub(super) simulator: &'a mut Simulator,
+    pub(super) course: Course,
+    pub(super) end: DoubleDouble,
+    pub(super) result: &'a mut Result<()>,
+}
+
+/// The work of one thread, to be compiled once for each instruction set.
+pub(super) struct Lanes<'a> {
+    /// Taken from the back.
+    pub(super) waiting: Vec<Motion<'a>>,
+}
+
+/// cos θ and sin θ are taken anew after this many sub-steps of a lane, in which they collect no more round-off than the other
+/// coordinates, which are never taken anew.
+const RENEWAL: u32 = 64;
+/// Vectors with fewer places than this gain nothing.
+const LEAST: usize = 4;
+
+impl pulp::WithSimd for Lanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        if S::F64_LANES < LEAST {
+            while let Some(mut motion) = self.waiting.pop() {
+                while motion.alone(simd, None) {}
+            }
+            return;
+        }
+        let mut lanes: [Option<Motion<'_>>; ROW] = [const { None }; ROW];
+        let mut systems = Box::new(Systems::zero());
+        let mut moving = Box::new(Moving::zero());
+        let mut live = 0;
+        for (lane, place) in lanes.iter_mut().enumerate() {
+            *place = self.waiting.pop();
+            if let Some(motion) = place {
+                systems.admit(lane, motion.simulator, motion.end);
+                moving.take(lane, motion.simulator, &motion.course);
+                live |= 1 << lane;
+            }
+        }
+        while live != 0 {
+            for lane in places(moving.stale(simd, f64::from(RENEWAL)) & live) {
+                if let Some(motion) = &lanes[lane] {
+                    moving.renew(lane, motion.simulator);
+                }
+            }
+            let left = substep::substep(simd, &systems, &mut moving, live);
+            for lane in places(left.behind | left.touching) {
+                let Some(motion) = &mut lanes[lane] else { continue };
+                moving.give(lane, motion.simulator, &mut motion.course);
+                let side = (left.touching >> lane & 1 != 0).then_some(left.side.0[lane]);
+                if !alone(simd, motion, side) {
+                    lanes[lane] = self.waiting.pop();
+                    match &lanes[lane] {
+                        Some(motion) => systems.admit(lane, motion.simulator, motion.end),
+                        None => live &= !(1 << lane),
+                    }
+                }
+                if let Some(motion) = &lanes[lane] {
+                    moving.take(lane, motion.simulator, &motion.course);
+                }
+            }
+        }
+    }
+}
+
+/// The places of motions in a row, as bits.
+type Places = u64;
+
+#[inline(always)]
+fn places(mut bits: Places) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (place < Places::BITS as usize).then_some(place)
+    })
+}
+
+/// [`Motion::alone`] out of the lanes' way.
+#[inline(never)]
+fn alone<S: Simd>(simd: S, motion: &mut Motion<'_>, touched: Option<f64>) -> bool {
+    struct Alone<'m, 'a>(&'m mut Motion<'a>, Option<f64>);
+    impl pulp::WithSimd for Alone<'_, '_> {
+        type Output = bool;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> bool {
+            self.0.alone(simd, self.1)
+        }
+    }
+    simd.vectorize(Alone(motion, touched))
+}
+
+impl Motion<'_> {
+    /// Goes on by its own code until the next sub-step looks like one for the lanes; false at the end of the advance. It
+    /// begins with the impact at a stop just `touched`, if there is one.
+    #[inline(always)]
+    fn alone<S: Simd>(&mut self, simd: S, touched: Option<f64>) -> bool {
+        let Self { simulator, course, end, result } = self;
+        course.since_renewal = course.since_renewal.min(RENEW);
+        let mut going = match touched {
+            Some(_) => {
+                course.burst = course.burst.saturating_sub(1); // the lanes have counted the sub-step
+                simulator.conclude::<0>(course, touched, false, &mut None)
+            }
+            None => simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None),
+        };
+        loop {
+            if let ControlFlow::Break(reason) = going {
+                **result = reason.map(|_: StopReason| ());
+                return false;
+            }
+            if simulator.plain(&course.z, *end) {
+                return true;
+            }
+            going = simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None);
+        }
+    }
+}
+
+impl Simulator {
+    /// Whether the next sub-step looks like one of free flight that lies whole before `end`, from inside or just off a stop.
+    #[inline(always)]
+    fn plain(&self, z: &Augmented, end: DoubleDouble) -> bool {
+        self.motion.contact == Contact::Flight
+            && self.motion.departing <= 1
+            && (self.motion.departing == 1 || z[GAP].abs() < self.model.gap)
+            && end.minus(self.motion.time).value() >= self.substep + self.interval()
+    }
+}

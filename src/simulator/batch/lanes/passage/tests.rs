@@ -1,0 +1,157 @@
+//! What the lanes prove against the scalar proofs (second method), on random paths.
+
+use super::*;
+use crate::events::first_crossing;
+use crate::flow::Series;
+use crate::model::{Model, SmoothMode};
+use crate::numerics::double_double::DoubleDouble;
+use crate::numerics::simd::value;
+use crate::parameters::Parameters;
+use crate::simulator::{Simulator, State};
+use proptest::prelude::*;
+
+/// Coefficients of a path, from straight ones to wild ones; the start, close below zero or far.
+fn path() -> impl Strategy<Value = [f64; CENTRED]> {
+    let rest = prop::array::uniform10(-1.0..1.0f64);
+    (rest, -4.0..0.0f64, -1.0..1.0f64, -4.0..0.5f64).prop_map(|(rest, start, slope, decay)| {
+        let mut c = rest;
+        for (k, c) in c.iter_mut().enumerate().skip(2) {
+            *c *= 10f64.powf(decay * (k - 1) as f64 * 0.5);
+        }
+        c[0] = -(10f64.powf(start));
+        c[1] = slope;
+        c
+    })
+}
+
+/// What the lanes find on the paths: the root, whether it is proved, and whether it is proved that there is none.
+struct Find<'a> {
+    paths: &'a [[f64; CENTRED]; 8],
+    from: f64,
+    divide: bool,
+}
+
+impl pulp::WithSimd for Find<'_> {
+    type Output = [(f64, bool, bool); 8];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut found = [(0.0, false, false); 8];
+        for v in 0..8 / S::F64_LANES {
+            let zero = Wide::splat(simd, 0.0);
+            let mut paths = Paths { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
+            for k in 0..CENTRED {
+                let mut row = Row::ZERO;
+                for lane in 0..8 {
+                    row.0[lane] = self.paths[lane][k];
+                }
+                paths.c[k] = Wide::of(simd, &row, v);
+                if k > 0 {
+                    paths.d[k - 1] = paths.c[k] * Wide::splat(simd, k as f64);
+                }
+            }
+            if self.divide {
+                paths.divide(Mask::of(simd, u64::MAX));
+            }
+            // Far from the other stop.
+            let (from, gap) = (Wide::splat(simd, self.from), Wide::splat(simd, 1e3));
+            let crossing = paths.crossing(from, gap);
+            let stay = paths.stay(from, gap).bits();
+            let mut u = Row::ZERO;
+            crossing.u.put(&mut u, 0);
+            for lane in 0..S::F64_LANES {
+                let place = |bits: u64| bits >> lane & 1 != 0;
+                found[v * S::F64_LANES + lane] = (u.0[lane], place(crossing.found.bits()), place(stay));
+            }
+        }
+        found
+    }
+}
+
+/// The path in u / [`REACH`], on which the scalar proofs hold from -1 to 1.
+fn scaled(c: &[f64; CENTRED], divide: bool) -> [f64; CENTRED] {
+    let mut r = [0.0; CENTRED];
+    let shift = usize::from(divide);
+    for k in 0..CENTRED - shift {
+        r[k] = c[k + shift] * POWERS[k];
+    }
+    r
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn second_method_crossings_and_their_absence(
+        paths in prop::array::uniform8(path()),
+        close in any::<bool>(),
+        divide in any::<bool>(),
+    ) {
+        /// Roots of a path whose slope may be a hundredth of its coefficients.
+        const ROOT: f64 = 1e-12;
+        let divide = close && divide;
+        let from = if close { 0.0 } else { -1.0 };
+        let found = pulp::Arch::new().dispatch(Find { paths: &paths, from, divide });
+        for (path, (u, proved, stays)) in paths.iter().zip(found) {
+            let c = scaled(path, divide);
+            let lo = from / REACH;
+            // A path that starts above zero has no business here: it is inside, by the samples or by its start.
+            if value(&c, lo) >= 0.0 {
+                continue;
+            }
+            let first = first_crossing(&c, lo, 1.0, &mut 0);
+            prop_assert!(!(proved && stays));
+            if proved {
+                let exact = first.map(|u| u * REACH);
+                prop_assert!(exact.is_some_and(|exact| (exact - u).abs() < ROOT), "{u} {exact:?} {path:?}");
+            }
+            prop_assert!(!stays || first.is_none(), "{first:?} {path:?}");
+        }
+    }
+}
+
+struct Ends<'a> {
+    systems: &'a Systems,
+    z: [f64; 8],
+    u: f64,
+}
+
+impl pulp::WithSimd for Ends<'_> {
+    type Output = [f64; 8];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 8] {
+        let mut z = [Wide::splat(simd, 0.0); 8];
+        for (wide, z) in z.iter_mut().zip(self.z) {
+            *wide = Wide::splat(simd, z);
+        }
+        let there =
+            Flights::expand(simd, self.systems, 0, &z).at(self.systems, simd, 0, Wide::splat(simd, self.u));
+        there.map(|wide| {
+            let mut row = Row::ZERO;
+            wide.put(&mut row, 0);
+            row.0[0]
+        })
+    }
+}
+
+#[test]
+fn second_method_flights_are_the_series() {
+    /// Rounding of coordinates of order one.
+    const ROUNDING: f64 = 1e-15;
+    let p = Parameters::default();
+    let simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
+    let mut systems = Systems::zero();
+    for lane in 0..8 {
+        systems.admit(lane, &simulator, DoubleDouble::new(1.0));
+    }
+    let model = Model::new(&p).unwrap();
+    let z = [0.3, -0.4, 0.7, -0.2, 0.5, 0.9, 0.6, 0.8];
+    for u in [-1.0, -0.3, 0.0, 0.8, REACH] {
+        let series = Series::<16>::expand(&model, SmoothMode::Flight, &z, None, 0.5 * simulator.interval());
+        let there = pulp::Arch::new().dispatch(Ends { systems: &systems, z, u });
+        for (a, b) in series.at(u).iter().zip(there) {
+            assert!((a - b).abs() < ROUNDING, "{u}: {:?} {there:?}", series.at(u));
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! What can be asked for.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use vibro_analysis::isoperiodic::Origin;
+use vibro_analysis::parts::Shard;
+use vibro_analysis::plane::Method;
+
+const ABOUT: &str =
+    "A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins";
+
+const PARAMETERS: &str = "\
+PARAMETERS
+  Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
+  SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
+           stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
+  What is not set is BASIC: a reconstruction, not the paper's own data set.
+  A parameter file is TOML with a table [si], a table [groups], or both ([groups] is applied last);
+  --set comes after the file.
+
+EXAMPLES
+  vibro steady --set kappa=0.6 --set f10=2
+  vibro response --values f10=1,1.5,2 --range sigma1=-1:1
+  vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
+  vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
+  vibro lyapunov --range f10=1.9:4 --resolution 1051
+  vibro isoperiodic --pair sigma1,f10 --resolution 200
+  vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
+  vibro merge one two";
+
+/// The command line.
+#[derive(Debug, Parser)]
+#[command(name = "vibro", version, about = ABOUT, after_help = PARAMETERS, arg_required_else_help = true)]
+pub struct Arguments {
+    /// For every command.
+    #[command(flatten)]
+    pub common: Common,
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Arguments of every command.
+#[derive(Args, Debug)]
+pub struct Common {
+    /// Parameter file (TOML) with a table "si", a table "groups" or both
+    #[arg(long, global = true, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Sets one parameter, e.g. kappa=0.6 or box.m=2; may be repeated
+    #[arg(long, global = true, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Folder for pictures (SVG, PNG) and tables (CSV)
+    #[arg(long, global = true, value_name = "FOLDER", default_value = "vibro-out")]
+    pub out: PathBuf,
+    /// Number of threads; all cores unless given. Results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// All steady-state values of one parameter set, by all theories (figure 8)
+    Steady,
+    /// Frequency and force response curves (figures 10, 11)
+    Response(Response),
+    /// The slow invariant manifold (figures 2, 7, 9)
+    Manifold(Manifold),
+    /// Stability of the periodic motion (figures 5, 6)
+    Stability(Stability),
+    /// Existence and stability over planes of two groups (figure 12)
+    Plane(Plane),
+    /// Theory against simulation (figures 8, 16, 17, 18 and 19)
+    Compare(Compare),
+    /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
+    ///
+    /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
+    /// divided: every shard repeats it, about a fifth of the work. Only what is learnt at the values is shared, so that more
+    /// than some four shards hardly help; `lyapunov` and the planes, where that is nearly all, gain from more.
+    Bifurcation(Bifurcation),
+    /// The same with all Lyapunov exponents (figure 14, table 2)
+    Lyapunov(Lyapunov),
+    /// Basins of attraction over two initial values
+    Basin(Basin),
+    /// Simulated motion over planes of two groups: period, impacts, chaos, beside the exact orbit
+    Isoperiodic(Isoperiodic),
+    /// Draws a study whose shards were computed apart
+    Merge(Merge),
+    /// All figures of the paper and a report that sets its statements beside what is found
+    Reproduce(Reproduce),
+}
+
+/// A share of a long study.
+#[derive(Args, Debug)]
+pub struct Share {
+    /// Computes only share i of n, e.g. 2/4, for `vibro merge`
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+}
+
+/// Arguments of `bifurcation`.
+#[derive(Args, Debug)]
+pub struct Bifurcation {
+    /// Group and range
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "f10=0.5:5", allow_hyphen_values = true)]
+    pub range: String,
+    /// Values in the range
+    #[arg(long, value_name = "N", default_value_t = 451, value_parser = clap::value_parser!(u16).range(2..=20_000))]
+    pub resolution: u16,
+    /// Drive periods discarded at each value
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    pub discard: u32,
+    /// Drive periods kept at each value
+    #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
+    pub keep: u32,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+}
+
+/// Arguments of `lyapunov`.
+#[derive(Args, Debug)]
+pub struct Lyapunov {
+    /// The sweep.
+    #[command(flatten)]
+    pub sweep: Bifurcation,
+    /// Most drive periods over which exponents are computed
+    #[arg(long, value_name = "N", default_value_t = 1500, value_parser = clap::value_parser!(u32).range(1..))]
+    pub periods: u32,
+    /// Ends a spectrum when the running exponents' standard deviation over 200 periods, per unit of tau, is under this
+    #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub threshold: f64,
+    /// Values of which spectra are told and shown on their way
+    #[arg(long, value_name = "V,V,…", value_delimiter = ',', default_values_t = [0.6, 1.5, 2.45, 3.6], allow_hyphen_values = true)]
+    pub at: Vec<f64>,
+}
+
+/// Arguments of `basin`.
+#[derive(Args, Debug)]
+pub struct Basin {
+    /// Initial value on the horizontal axis (x1 x2 x3 in L, v1 v2 v3 in L omega10)
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "x1=-1:1", allow_hyphen_values = true)]
+    pub x: String,
+    /// Initial value on the vertical axis
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "v2=-2:2", allow_hyphen_values = true)]
+    pub y: String,
+    /// Cells on each axis
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=5_000))]
+    pub resolution: u16,
+    /// Drive periods discarded
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    pub discard: u32,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+}
+
+/// Arguments of `isoperiodic`.
+#[derive(Args, Debug)]
+pub struct Isoperiodic {
+    /// The planes.
+    #[command(flatten)]
+    pub planes: Planes,
+    /// Values on each axis
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=3_000))]
+    pub resolution: u16,
+    /// Where every motion starts (x1 x2 x3 in L, v1 v2 v3 in L omega10, what is not named zero), or "orbit": on the exact
+    /// orbit where it is stable
+    #[arg(long, value_name = "NAME=VALUE,…", default_value_t = Origin::default(), allow_hyphen_values = true)]
+    pub start: Origin,
+    /// Drive periods discarded
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    pub discard: u32,
+    /// Drive periods over which exponents of motions with impacts and without a period are computed; 0: not at all
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    pub periods: u32,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+}
+
+/// Arguments of `merge`.
+#[derive(Args, Debug)]
+pub struct Merge {
+    /// The folders given to the shards as --out
+    #[arg(required = true, value_name = "FOLDER")]
+    pub folders: Vec<PathBuf>,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Args, Debug)]
+pub struct Reproduce {
+    /// Fewer values and periods: a look within a minute
+    #[arg(long)]
+    pub quick: bool,
+}
+
+/// Arguments of `response`.
+#[derive(Args, Debug)]
+pub struct Response {
+    /// Which curves
+    #[arg(long, value_enum, default_value_t = Kind::Both)]
+    pub kind: Kind,
+    /// Range of sigma1 (frequency response) or f10 (force response)
+    #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    pub range: Vec<String>,
+    /// Values that differ between curves: f10 and gamma1 (frequency), sigma1 (force)
+    #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
+    pub values: Vec<String>,
+}
+
+/// Kinds of response.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// Over sigma1 (figure 10)
+    Frequency,
+    /// Over f10 (figure 11)
+    Force,
+    /// Both
+    Both,
+}
+
+/// Arguments of `manifold`.
+#[derive(Args, Debug)]
+pub struct Manifold {
+    /// Figure of the paper: 2, 7 or 9; all unless given
+    #[arg(long, value_name = "N", value_parser = ["2", "7", "9"])]
+    pub figure: Vec<String>,
+    /// The group that differs between the panels of figure 9, and its values
+    #[arg(
+        long,
+        value_name = "NAME=V,V,…",
+        default_value = "f10=0.6,1.2,1.5,2.5",
+        allow_hyphen_values = true
+    )]
+    pub values: String,
+}
+
+/// Arguments of `stability`.
+#[derive(Args, Debug)]
+pub struct Stability {
+    /// Figure of the paper: 5 or 6; both unless given
+    #[arg(long, value_name = "N", value_parser = ["5", "6"])]
+    pub figure: Vec<String>,
+}
+
+/// Planes of two groups.
+#[derive(Args, Debug)]
+pub struct Planes {
+    /// Two groups, horizontal first, e.g. sigma1,f10; the six pairs of figure 12 unless given
+    #[arg(long, value_name = "X,Y")]
+    pub pair: Vec<String>,
+    /// Range of a group on its axis
+    #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    pub range: Vec<String>,
+}
+
+/// Arguments of `plane`.
+#[derive(Args, Debug)]
+pub struct Plane {
+    /// The planes.
+    #[command(flatten)]
+    pub planes: Planes,
+    /// Values on each axis
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u16).range(2..=10_000))]
+    pub resolution: u16,
+    /// Theory
+    #[arg(long, value_enum, default_value_t = Theory::MultipleScales)]
+    pub method: Theory,
+}
+
+/// Theories.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Theory {
+    /// Paper section 3
+    MultipleScales,
+    /// Paper section 5
+    StrongCoupling,
+    /// Past the paper: no small parameter
+    ExactOrbit,
+}
+
+impl From<Theory> for Method {
+    fn from(theory: Theory) -> Self {
+        match theory {
+            Theory::MultipleScales => Self::MultipleScales,
+            Theory::StrongCoupling => Self::StrongCoupling,
+            Theory::ExactOrbit => Self::ExactOrbit,
+        }
+    }
+}
+
+/// Arguments of `compare`.
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// Figure of the paper: 8, 16, 17 or 19 (with 18); all unless given. What is not set for 19 is a set of ours
+    #[arg(long, value_name = "N", value_parser = ["8", "16", "17", "19"])]
+    pub figure: Vec<String>,
+    /// Range of f10 in figure 16
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "f10=0.5:3")]
+    pub range: String,
+    /// Values of f10 in figure 16
+    #[arg(long, value_name = "N", default_value_t = 251, value_parser = clap::value_parser!(u16).range(2..=10_000))]
+    pub resolution: u16,
+    /// Mass ratios of figure 17
+    #[arg(long, value_name = "NAME=V,V,…", default_value = "epsilon=0.1,0.05,0.02,0.01,0.005")]
+    pub values: String,
+}

@@ -1,0 +1,122 @@
+//! Files into the folder, words onto the screen.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use vibro::figures::canvas;
+use vibro::studies::Study;
+use vibro::table::Table;
+use vibro_analysis::parts::write_whole;
+use vibro_analysis::{Error, Result, Settings};
+
+/// Writes pictures and tables.
+pub fn write(studies: &[Study], folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
+    let write = |name: String, bytes: &[u8]| {
+        let path = folder.join(name);
+        write_whole(&path, bytes)
+    };
+    for study in studies {
+        for (name, csv) in &study.tables {
+            write(format!("{name}.csv"), csv)?;
+        }
+        if let Some(figure) = &study.figure {
+            write(format!("{}.svg", study.name), canvas::svg(figure)?.as_bytes())?;
+            write(format!("{}.png", study.name), &canvas::png(figure)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Says what was drawn and where, in the first line; then the numbers worth reading.
+pub fn print(studies: &[Study], settings: &Settings, folder: &Path) -> Result<()> {
+    let mut text = String::new();
+    let drawn: Vec<&str> = studies.iter().filter(|s| s.figure.is_some()).map(|s| s.name.as_str()).collect();
+    // Writing to a string cannot fail.
+    let _ = match studies {
+        [one] => writeln!(text, "{}", first_line(one, folder)),
+        _ => writeln!(text, "drew {} into {} as SVG and PNG, with CSV:", drawn.join(", "), folder.display()),
+    };
+    for study in studies {
+        if studies.len() > 1 {
+            let _ = writeln!(text, "{}: {}", study.name, study.what);
+        }
+        for remark in &study.remarks {
+            let _ = writeln!(text, "  {remark}");
+        }
+    }
+    let _ = writeln!(text, "parameters: {}", settings.caption());
+    for table in studies.iter().filter_map(|s| s.shown.as_ref()) {
+        text.push('\n');
+        text.push_str(&side_by_side(table));
+    }
+    say(text.trim_end_matches('\n'))
+}
+
+/// Writes words and a line's end onto standard output.
+pub fn say(words: &str) -> Result<()> {
+    match std::io::stdout().write_all(format!("{words}\n").as_bytes()) {
+        // Who reads has read enough.
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other.map_err(Error::file("writing", Path::new("standard output"))),
+    }
+}
+
+fn first_line(study: &Study, folder: &Path) -> String {
+    let stem = folder.join(&study.name);
+    let tables: Vec<_> =
+        study.tables.iter().map(|t| folder.join(format!("{}.csv", t.0)).display().to_string()).collect();
+    match study.figure {
+        Some(_) => {
+            format!("drew {} into {}.svg and .png, with {}", study.what, stem.display(), tables.join(", "))
+        }
+        None => format!("{}; numbers in {}", study.what, tables.join(", ")),
+    }
+}
+
+/// The long table (quantity, unit, theory, root, value) with a column for each theory and root.
+fn side_by_side(table: &Table) -> String {
+    let mut columns: Vec<(&str, &str)> = Vec::new();
+    let mut quantities: Vec<(&str, &str)> = Vec::new();
+    for row in &table.rows {
+        let (quantity, column) = ((row[0].as_str(), row[1].as_str()), (row[2].as_str(), row[3].as_str()));
+        if !columns.contains(&column) {
+            columns.push(column);
+        }
+        if !quantities.contains(&quantity) {
+            quantities.push(quantity);
+        }
+    }
+    let cell = |quantity: (&str, &str), column: (&str, &str)| {
+        let same = |r: &&Vec<String>| {
+            (r[0].as_str(), r[2].as_str(), r[3].as_str()) == (quantity.0, column.0, column.1)
+        };
+        table.rows.iter().find(same).map_or(String::new(), |r| readable(&r[4]))
+    };
+    let mut text = format!("{:34}", "");
+    for (theory, root) in &columns {
+        let _ = write!(text, "{:>24}", format!("{theory}, {root}"));
+    }
+    for quantity in quantities {
+        let name = if quantity.1.is_empty() {
+            quantity.0.into()
+        } else {
+            format!("{} [{}]", quantity.0, quantity.1)
+        };
+        let _ = write!(text, "\n{name:34}");
+        for column in &columns {
+            let _ = write!(text, "{:>24}", cell(quantity, *column));
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// Ten digits of a number; other words as they are.
+fn readable(value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(x) if x == 0.0 || (1e-4..1e6).contains(&x.abs()) => format!("{x:.9}"),
+        Ok(x) => format!("{x:.9e}"),
+        Err(_) => value.into(),
+    }
+}

@@ -1,0 +1,179 @@
+//! All figures at once, and a report that sets the paper's statements beside what is found.
+
+mod analytical;
+mod page;
+mod statement;
+mod statements;
+
+pub use statement::{Statement, Verdict};
+
+use super::studies::{self, Study};
+use super::work::{Kind, Work};
+use std::path::Path;
+use vibro_analysis::Result;
+use vibro_analysis::basin::{self, Axis};
+use vibro_analysis::bifurcation::Sweep;
+use vibro_analysis::lyapunov::Options;
+use vibro_analysis::parts::{Parts, Task};
+use vibro_analysis::plane::{Method, PAIRS, PlaneAxis};
+use vibro_analysis::{Settings, find_group};
+
+/// Values of table 2: of each window and band that the diagrams show.
+const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
+/// Values of figure 15, all over 2 as in the paper.
+const PORTRAITS: [f64; 9] = [2.2, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
+/// f10 of the modulated motion of figure 13.
+const MODULATED: f64 = 0.6;
+/// f10 at which basins are shown: two pairs of attractors coexist in BASIC.
+const COEXISTING: f64 = 2.5;
+/// Values of f10 in figure 9.
+const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
+/// Mass ratios of figure 17.
+const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
+/// Steps that are none of the long studies: one for each group of figures.
+const SHORT: usize = 8;
+
+/// What is going to be computed.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    settings: Settings,
+    quick: bool,
+    coarse: Work,
+    fine: Work,
+    basin: Work,
+}
+
+/// What has been found.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// All studies, in the order of the paper.
+    pub studies: Vec<Study>,
+    /// The paper's statements and what was found.
+    pub statements: Vec<Statement>,
+    /// The page.
+    pub html: String,
+}
+
+impl Plan {
+    /// The paper's numbers of values and periods, or, `quick`, fewer of both.
+    ///
+    /// # Errors
+    /// None for the ranges used.
+    pub fn new(settings: &Settings, quick: bool) -> Result<Self> {
+        let (discard, keep, periods) = if quick { (200, 200, 300) } else { (400, 800, 1500) };
+        let options = Options { periods, ..Options::default() };
+        let sweep = |name: &str, range, count| -> Result<Work> {
+            let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+            let sweep = Sweep { axis, discard, keep, exponents: Some(options) };
+            Ok(Work::new(name, Kind::Sweep { sweep, at: Vec::new() }, settings))
+        };
+        let cells = if quick { 40 } else { 200 };
+        let (x, y) = (Axis::parse("x1=-1:1", cells)?, Axis::parse("v2=-2:2", cells)?);
+        let there = settings.with(find_group("f10")?, COEXISTING)?;
+        Ok(Self {
+            settings: settings.clone(),
+            quick,
+            coarse: sweep("figure-14", (0.5, 5.0), if quick { 91 } else { 451 })?,
+            fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
+            basin: Work::new("basin", Kind::Basin(basin::Request { x, y, discard }), &there),
+        })
+    }
+
+    /// Steps of work, for a progress bar.
+    pub fn steps(&self) -> usize {
+        self.coarse.count() + self.fine.count() + self.basin.count() + SHORT
+    }
+
+    /// Computes everything; finished parts go into folders in `home` and are taken from there.
+    ///
+    /// # Errors
+    /// What the studies refuse, and what the disk does.
+    pub fn run(&self, home: &Path, done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
+        let (s, force) = (&self.settings, find_group("f10")?);
+        let open = |work: &Work| Parts::open(&home.join(&work.name), work);
+        let step = |studies: Vec<Study>| {
+            done(false);
+            studies
+        };
+        let mut all =
+            step(vec![studies::shapes(s)?, studies::branches(s)?, studies::families(s, "f10", &FORCES)?]);
+        all.extend(step(vec![studies::regions(s)?, studies::masri(s)?]));
+        all.extend(step(vec![studies::steady(s)?, studies::histories(s)?]));
+        let range = |name: &str| -> Result<(f64, f64)> { Ok(find_group(name)?.shown) };
+        all.extend(step(vec![
+            studies::frequency(s, range("sigma1")?, &[1.0, 1.5, 2.0, 2.5], &[0.2, 0.5, 1.0, 1.5])?,
+            studies::force(s, range("f10")?, &[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2])?,
+        ]));
+        let cells = if self.quick { 60 } else { 300 };
+        let axis = |name: &str| -> Result<PlaneAxis> {
+            let group = find_group(name)?;
+            PlaneAxis::new(group, group.shown, cells)
+        };
+        let pairs = PAIRS.iter().map(|(x, y)| Ok((axis(x)?, axis(y)?))).collect::<Result<Vec<_>>>()?;
+        all.extend(step(vec![studies::planes(s, &pairs, Method::MultipleScales, &|| ())?]));
+        let (thirteen, modulation) = studies::histories_of(s, force, MODULATED)?;
+        all.extend(step(vec![thirteen]));
+        // Always all parts: None is for shards only.
+        let found = |work: &Work| work.diagram(&Task { parts: &open(work)?, done, ..Task::ALL });
+        let (Some((sweep, coarse)), Some((fine_sweep, fine))) = (found(&self.coarse)?, found(&self.fine)?)
+        else {
+            return Err(vibro_analysis::Error::Output {
+                what: "the report",
+                problem: "a part is missing".into(),
+            });
+        };
+        all.push(studies::sweep(s, &sweep, &coarse, "figure-14")?);
+        all.push(studies::sweep(s, &fine_sweep, &fine, "figure-14-fine")?);
+        let (table, spectra) = studies::spectra(&sweep, &coarse, &TABLE, "table-2")?;
+        all.push(spectra);
+        let options = sweep.exponents.unwrap_or_default();
+        all.push(studies::running(
+            s,
+            force,
+            &[0.6, 1.5, 2.44, 3.6],
+            sweep.discard,
+            &options,
+            "exponents-running",
+        )?);
+        all.push(studies::portraits(s, force, &fine, &PORTRAITS)?);
+        let mut overlay = studies::overlay(s, &sweep, &coarse, "figure-16")?;
+        overlay.remarks.push("the maxima are those of figure-14.csv".into());
+        all.push(overlay);
+        let errors = studies::accuracy(s, &EPSILONS)?;
+        let errors_table = errors.tables.first().map(|t| t.1.clone()).unwrap_or_default();
+        all.extend(step(vec![errors]));
+        all.extend(step(vec![studies::strong_case(&Settings::strong()?)?]));
+        all.extend(
+            self.basin.run(&Task { parts: &open(&self.basin)?, done, ..Task::ALL })?.into_iter().flatten(),
+        );
+        let statements = statements::all(&statement::Found {
+            settings: s,
+            coarse: &coarse,
+            fine: &fine,
+            modulation,
+            errors: &errors_table,
+        })?;
+        let html = page::page(s, self.quick, &statements, &table, &all)?;
+        Ok(Report { studies: all, statements, html })
+    }
+}
+
+impl Report {
+    /// What to say at the end.
+    pub fn summary(&self, path: &Path) -> String {
+        let count = |v: Verdict| self.statements.iter().filter(|s| s.verdict == v).count();
+        let mut text = format!(
+            "drew {} studies; the report is {}\nof {} statements of the paper {} agree, {} agree in part, {} do not",
+            self.studies.len(),
+            path.display(),
+            self.statements.len(),
+            count(Verdict::Agrees),
+            count(Verdict::Partly),
+            count(Verdict::Differs)
+        );
+        for s in &self.statements {
+            text.push_str(&format!("\n  [{}] {}: {}", s.verdict.name(), s.place, s.found));
+        }
+        text
+    }
+}

@@ -1,0 +1,58 @@
+//! What a statement of the paper is held against, and the outcome.
+
+use super::super::studies::Modulation;
+use vibro_analysis::Settings;
+use vibro_analysis::bifurcation::Diagram;
+
+/// How a statement compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is found again.
+    Agrees,
+    /// Part of it is.
+    Partly,
+    /// It is not.
+    Differs,
+}
+
+impl Verdict {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Agrees => "agrees",
+            Self::Partly => "agrees in part",
+            Self::Differs => "does not agree",
+        }
+    }
+
+    pub(super) fn of(agrees: bool, partly: bool) -> Self {
+        match (agrees, partly) {
+            (true, _) => Self::Agrees,
+            (_, true) => Self::Partly,
+            _ => Self::Differs,
+        }
+    }
+}
+
+/// A statement and what was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    /// Where the paper makes it.
+    pub place: &'static str,
+    /// What it says.
+    pub paper: &'static str,
+    /// What was found, in numbers.
+    pub found: String,
+    /// How the two compare.
+    pub verdict: Verdict,
+}
+
+/// What the statements are compared with.
+pub(super) struct Found<'a> {
+    pub(super) settings: &'a Settings,
+    pub(super) coarse: &'a Diagram,
+    pub(super) fine: &'a Diagram,
+    pub(super) modulation: Modulation,
+    /// The CSV of figure 17.
+    pub(super) errors: &'a [u8],
+}

@@ -1,0 +1,301 @@
+//! The paper's statements of sections 3 to 5, each with a rule by which agreement is decided.
+//!
+//! The paper's data set is lost (model.md section 8), so agreement means: the same kind of thing at about the same place.
+
+use super::super::studies::periodic_ranges;
+use super::analytical::{accuracy, errors, figure_nine, limits, upper};
+use super::statement::{Found, Statement, Verdict};
+use vibro_analysis::Result;
+use vibro_analysis::attractor::{Class, ZERO_EXPONENT};
+use vibro_analysis::bifurcation::{Diagram, Point};
+use vibro_analysis::short;
+
+/// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
+const END: f64 = 0.1;
+/// A window of the paper counts as found when this part of its values is regular.
+const MOSTLY: f64 = 0.85;
+/// A modulation is strong when the least amplitude is under this part of the largest.
+const STRONG: f64 = 0.6;
+
+pub(super) fn all(found: &Found) -> Result<Vec<Statement>> {
+    let mut list = limits(found)?;
+    list.push(figure_nine(found)?);
+    list.extend(figure_thirteen(found)?);
+    list.extend(windows(found));
+    list.extend(exponents(found));
+    list.extend(route(found));
+    list.extend(overlay(found)?);
+    list.extend(accuracy(found)?);
+    Ok(list)
+}
+
+fn figure_thirteen(found: &Found) -> Result<Vec<Statement>> {
+    let mut list = Vec::new();
+    if let Some((e, _)) = errors(found.errors)? {
+        list.push(Statement {
+            place: "section 4, figure 13",
+            paper: "For the basic set the simulated amplitudes of X₁ and X₃ are very close to the analytical ones.",
+            found: format!(
+                "multiple scales against simulation: A₁ {:+.0} %, A₃ {:+.0} % (section 5 of the paper itself gives about 20 % for A₁ and up to 8 % for A₃)",
+                100.0 * e[1], 100.0 * e[3]
+            ),
+            verdict: Verdict::of(e[1].abs() < 0.05 && e[3].abs() < 0.05, e[1].abs().min(e[3].abs()) < 0.1),
+        });
+    }
+    let m = &found.modulation;
+    let (most, least) = m.box_amplitude;
+    let (third_most, third_least) = m.secondary_amplitude;
+    let mixed = (0.05..0.95).contains(&m.resonant);
+    let strong = least < STRONG * most;
+    list.push(Statement {
+        place: "section 4, figure 13",
+        paper: "For f̂₁₀ = 0.6 W consists of resonant subintervals (two-impact motion) and shorter irregular episodes; the main oscillator's response is strongly modulated.",
+        found: format!(
+            "{:.0} % of the periods have one impact at each stop; the amplitude of X₁ goes from {least:.3} to {most:.3}",
+            100.0 * m.resonant
+        ),
+        verdict: Verdict::of(mixed && strong && m.resonant > 0.5, mixed && strong),
+    });
+    let slighter = third_least / third_most > least / most;
+    list.push(Statement {
+        place: "section 4, figure 13",
+        paper: "There the secondary oscillator undergoes a similar beating motion, with a slighter modulation.",
+        found: format!(
+            "least over largest amplitude: {:.2} for X₃, {:.2} for X₁",
+            third_least / third_most, least / most
+        ),
+        verdict: Verdict::of(slighter && third_least < 0.95 * third_most, slighter),
+    });
+    Ok(list)
+}
+
+fn within(points: &[Option<Point>], from: f64, to: f64) -> impl Iterator<Item = &Point> {
+    points.iter().flatten().filter(move |p| p.value > from - 1e-9 && p.value < to + 1e-9)
+}
+
+/// Values of both sweeps, ascending, at which something holds.
+fn listed(found: &Found, holds: impl Fn(&Point) -> bool) -> Vec<String> {
+    let all = found.coarse.up.iter().chain(&found.fine.up).flatten().filter(|p| holds(p));
+    let mut values: Vec<f64> = all.map(|p| p.value).collect();
+    values.sort_by(f64::total_cmp);
+    let mut words: Vec<String> = values.into_iter().map(short).collect();
+    words.dedup();
+    words
+}
+
+/// Whether the block meets the stops at all: a motion without impacts coexists with those of the paper at small forces.
+fn meets(p: &Point) -> bool {
+    p.attractor.impacts.iter().sum::<f64>() > 0.0
+}
+
+fn windows(found: &Found) -> Vec<Statement> {
+    let ranges = periodic_ranges(&found.coarse.up);
+    let wide: Vec<_> = ranges.iter().filter(|r| r.1 - r.0 >= END).collect();
+    let words: Vec<_> = wide.iter().map(|r| format!("{}–{}", short(r.0), short(r.1))).collect();
+    let mut quiet = found.coarse.up.iter().flatten().filter(|p| !meets(p)).map(|p| p.value);
+    let still = match (quiet.next(), quiet.next_back()) {
+        (Some(first), Some(last)) => {
+            format!("; from {} to {} a motion without impacts, which coexists", short(first), short(last))
+        }
+        _ => String::new(),
+    };
+    let paper = [(0.9, 2.8), (2.9, 3.4), (3.8, 4.0)];
+    let matched = paper
+        .iter()
+        .filter(|(a, b)| wide.iter().any(|r| (r.0 - a).abs() <= END + 1e-9 && (r.1 - b).abs() <= END + 1e-9));
+    let matched = matched.count();
+    let covered = paper.iter().filter(|(a, b)| {
+        let all: Vec<_> = within(&found.coarse.up, *a, *b).collect();
+        let regular = all.iter().filter(|p| p.class != Class::Chaotic).count();
+        regular as f64 >= MOSTLY * all.len() as f64
+    });
+    let covered = covered.count();
+    let chaotic = |a: f64, b: f64| within(&found.fine.up, a, b).filter(|p| p.class == Class::Chaotic).count();
+    let bands = [(0.5, 0.9), (2.8, 2.95), (3.4, 3.8), (4.0, 5.0)];
+    let both =
+        |a, b| chaotic(a, b) + within(&found.coarse.up, a, b).filter(|p| p.class == Class::Chaotic).count();
+    let separated = bands.iter().filter(|(a, b)| both(*a, *b) > 0).count();
+    let quasi = |points: &[Option<Point>]| -> Vec<bool> {
+        points.iter().flatten().map(|p| p.class == Class::QuasiPeriodic).collect()
+    };
+    let (first, second) = (quasi(&found.coarse.up), quasi(&found.fine.up));
+    // A torus lives on a range; a single value is where a bifurcation happens.
+    let range = [&first, &second].into_iter().any(|q| q.windows(2).any(|w| w[0] && w[1]));
+    let quasi = listed(found, |p| p.class == Class::QuasiPeriodic);
+    vec![
+        Statement {
+            place: "section 4, figure 14a",
+            paper: "The motion is mostly periodic for 0.9 ≤ f̂₁₀ ≤ 2.8, 2.9 ≤ f̂₁₀ ≤ 3.4 and 3.8 ≤ f̂₁₀ ≤ 4.",
+            found: format!("regular ranges wider than {END}, value rising: {}{still}", words.join(", ")),
+            verdict: Verdict::of(matched == 3, matched + covered > 2),
+        },
+        Statement {
+            place: "section 4, figure 14a",
+            paper: "The periodic windows are surrounded and separated by regions of chaotic behavior.",
+            found: format!("chaos in {separated} of the {} ranges around and between them", bands.len()),
+            verdict: Verdict::of(separated == bands.len(), separated > 1),
+        },
+        Statement {
+            place: "section 4, figure 14a",
+            paper: "Narrow smears of points at the transition may indicate quasi-periodic motion.",
+            found: match (quasi.is_empty(), range) {
+                (true, _) => "no motion with two zero exponents that does not come nearer to a return".into(),
+                (_, true) => format!("λ₁ ≈ λ₂ ≈ 0 without a period at f̂₁₀ = {}", quasi.join(", ")),
+                _ => format!(
+                    "λ₁ ≈ λ₂ ≈ 0 without a period at f̂₁₀ = {}: single values, so bifurcations rather than tori",
+                    quasi.join(", ")
+                ),
+            },
+            verdict: Verdict::of(range, !quasi.is_empty()),
+        },
+    ]
+}
+
+fn exponents(found: &Found) -> Vec<Statement> {
+    let points: Vec<&Point> = found.coarse.up.iter().chain(&found.fine.up).flatten().collect();
+    let of = |p: &Point, i: usize| p.spectrum.as_ref().map_or(f64::NAN, |s| s.exponents[i]);
+    let share = |list: &[&Point], holds: &dyn Fn(&Point) -> bool| {
+        let count = list.iter().filter(|p| holds(p)).count();
+        (count, list.len(), count as f64 / list.len().max(1) as f64)
+    };
+    let pick = |chaotic: bool| -> Vec<&Point> {
+        points.iter().filter(|p| (p.class == Class::Chaotic) == chaotic).copied().collect()
+    };
+    let (regular, chaotic) = (pick(false), pick(true));
+    let zero = share(&regular, &|p| of(p, 0).abs() <= ZERO_EXPONENT);
+    let second = share(&chaotic, &|p| of(p, 1).abs() <= ZERO_EXPONENT);
+    let third = points.iter().map(|p| of(p, 2)).fold(f64::NEG_INFINITY, f64::max);
+    let negative = share(&points, &|p| of(p, 2) < 0.0);
+    let double = listed(found, |p| p.class != Class::Chaotic && of(p, 1) > -ZERO_EXPONENT && meets(p));
+    vec![
+        Statement {
+            place: "section 4, figure 14b",
+            paper: "The maximal exponent is zero in the periodic windows.",
+            found: format!("|λ₁| ≤ {ZERO_EXPONENT} at {} of {} values that are not chaotic", zero.0, zero.1),
+            verdict: Verdict::of(zero.2 > 0.98, zero.2 > 0.8),
+        },
+        Statement {
+            place: "section 4, figure 14b",
+            paper: "In chaos λ₁ is positive and λ₂ = 0.",
+            found: format!("|λ₂| ≤ {ZERO_EXPONENT} at {} of {} chaotic values", second.0, second.1),
+            verdict: Verdict::of(second.2 > 0.98, second.2 > 0.8),
+        },
+        Statement {
+            place: "section 4, figure 14b",
+            paper: "The third exponent is always negative.",
+            found: format!("negative at {} of {} values; the largest is {third:.5}", negative.0, negative.1),
+            verdict: Verdict::of(negative.0 == negative.1, negative.2 > 0.95),
+        },
+        Statement {
+            place: "section 4, figure 14b",
+            paper: "At some single points λ₁ = λ₂ = 0.",
+            found: format!(
+                "λ₁ ≈ λ₂ ≈ 0 without chaos at f̂₁₀ = {}",
+                if double.is_empty() { "none".into() } else { double.join(", ") }
+            ),
+            verdict: Verdict::of(!double.is_empty(), false),
+        },
+    ]
+}
+
+/// Classes met between two values, in order, each with its first value.
+fn order(points: &[Option<Point>], from: f64, to: f64) -> Vec<(f64, Class)> {
+    let mut met: Vec<(f64, Class)> = Vec::new();
+    for p in within(points, from, to) {
+        if met.last().is_none_or(|l| l.1 != p.class) {
+            met.push((p.value, p.class));
+        }
+    }
+    met
+}
+
+fn route(found: &Found) -> Vec<Statement> {
+    let met = order(&found.fine.up, 2.0, 2.95);
+    let words: Vec<_> = met.iter().map(|m| format!("{} from {}", m.1.name(), short(m.0))).collect();
+    let has = |n: u32| met.iter().any(|m| m.1 == Class::Periodic(n));
+    let sequence = [1, 2, 4].iter().all(|n| has(*n));
+    let band: Vec<_> = Diagram::windows(&found.fine.up)
+        .into_iter()
+        .filter(|w| w.2 == Class::Chaotic && w.0 > 2.0 && w.0 < 2.95)
+        .map(|w| (w.0, w.1))
+        .collect();
+    let words_of = |band: &[(f64, f64)]| {
+        let list = band
+            .iter()
+            .map(|b| if b.0 == b.1 { short(b.0) } else { format!("{}–{}", short(b.0), short(b.1)) });
+        format!("chaotic at {}", list.collect::<Vec<_>>().join(", "))
+    };
+    let share = |from: f64, to: f64| {
+        let periodic: Vec<_> = within(&found.fine.up, from, to).filter(|p| p.class.is_periodic()).collect();
+        let two_or_four =
+            periodic.iter().filter(|p| [Class::Periodic(2), Class::Periodic(4)].contains(&p.class));
+        two_or_four.count() as f64 / periodic.len().max(1) as f64
+    };
+    let (first, second) = (share(2.9, 3.4), share(3.8, 4.0));
+    vec![
+        Statement {
+            place: "section 4, table 2",
+            paper: "With growing f̂₁₀ the symmetric two-impact motion loses its stability and a sequence of period doublings follows.",
+            found: words.join(", "),
+            verdict: Verdict::of(sequence, has(2)),
+        },
+        Statement {
+            place: "section 4, table 2",
+            paper: "Next, a relatively narrow range of chaotic motion arises.",
+            found: if band.is_empty() { "no chaos before 2.95".into() } else { words_of(&band) },
+            verdict: Verdict::of(!band.is_empty() && band.iter().all(|b| b.1 - b.0 < 0.15), !band.is_empty()),
+        },
+        Statement {
+            place: "section 4, table 2",
+            paper: "Within the next two periodic windows 2T- and 4T-periodic motions predominate.",
+            found: format!(
+                "{:.0} % of the periodic values in 2.9–3.4 and {:.0} % in 3.8–4 are 2T or 4T",
+                100.0 * first,
+                100.0 * second
+            ),
+            verdict: Verdict::of(first > 0.5 && second > 0.5, first > 0.5 || second > 0.5),
+        },
+    ]
+}
+
+fn overlay(found: &Found) -> Result<Vec<Statement>> {
+    let mut gaps = Vec::new();
+    let symmetric = |p: &&Point| p.class == Class::Periodic(1) && p.attractor.is_symmetric() && meets(p);
+    for p in within(&found.coarse.up, 0.9, 2.3).filter(symmetric) {
+        let Some(theory) = upper(found.settings, p.value)?.filter(|t| t.admissibility.all()) else {
+            continue;
+        };
+        let top = p.maxima.iter().map(|m| m.0).fold(0.0, f64::max);
+        gaps.push(theory.a2() / top - 1.0);
+    }
+    let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
+    let below = gaps.iter().filter(|g| **g < 0.0).count();
+    let class = |value: f64| {
+        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+        found.coarse.up.iter().flatten().min_by(near).map(|p| p.class)
+    };
+    let ends = [1.0, 2.1].map(class);
+    let single = ends.iter().filter(|c| **c == Some(Class::Periodic(1))).count();
+    let name = |c: &Option<Class>| c.map_or("nothing".into(), Class::name);
+    Ok(vec![
+        Statement {
+            place: "section 4, figure 16",
+            paper: "The analytical amplitude A₂ agrees well with the maxima of X₂ and is slightly lower.",
+            found: format!(
+                "lower at {below} of {} values of symmetric 1T motion, by {:.1} % in the mean",
+                gaps.len(),
+                -100.0 * mean
+            ),
+            verdict: Verdict::of(
+                !gaps.is_empty() && below == gaps.len() && mean.abs() < 0.1,
+                mean.abs() < 0.1,
+            ),
+        },
+        Statement {
+            place: "section 4, figure 16",
+            paper: "At f̂₁₀ ≈ 1 and 2.1, the ends of the analytical range, the motion is mostly 1T.",
+            found: format!("at 1: {}, at 2.1: {}", name(&ends[0]), name(&ends[1])),
+            verdict: Verdict::of(single == 2, single == 1),
+        },
+    ])
+}

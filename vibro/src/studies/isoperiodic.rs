@@ -1,0 +1,209 @@
+//! Pictures and tables of simulated motion over a plane of two groups.
+
+use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
+use super::super::table::exact;
+use super::Study;
+use vibro_analysis::Settings;
+use vibro_analysis::attractor::Class;
+use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, Motion, Point, Request};
+use vibro_analysis::plane;
+use vibro_analysis::{Error, Result};
+
+const PALE: Colour = Colour(228, 228, 228);
+const YELLOW: Colour = Colour(240, 228, 66);
+const MINT: Colour = Colour(150, 220, 190);
+
+/// An entry of a legend and what it stands for.
+type Entry<T> = (&'static str, Colour, fn(T) -> bool);
+
+/// Kinds of motion as the first panel tells them apart; the last takes what no other does.
+const KINDS: [Entry<Motion>; 10] = [
+    ("(a) without impacts", PALE, |m| m.impacts == [0.0; 2] && !m.rests),
+    ("(a) 1T, two symmetric impacts", BLUE, |m| m.is_two_impact()),
+    ("(a) 1T, others", SKY, |m| m.class == Class::Periodic(1)),
+    ("(a) 2T", GREEN, |m| m.class == Class::Periodic(2)),
+    ("(a) 3T", PURPLE, |m| m.class == Class::Periodic(3)),
+    ("(a) 4T", MINT, |m| m.class == Class::Periodic(4)),
+    ("(a) longer periods", ORANGE, |m| matches!(m.class, Class::Periodic(_))),
+    ("(a) periodic, settling", GREY, |m| m.class == Class::Settling),
+    ("(a) quasi-periodic", YELLOW, |m| m.class == Class::QuasiPeriodic),
+    // Without exponents no more is known than that there is no period.
+    ("(a) chaotic, or no period found", BLACK, |_| true),
+];
+
+/// Impacts per drive period, dark where there are many, as the second panel tells them apart.
+const IMPACTS: [Entry<f64>; 8] = [
+    ("(b) none", PALE, |n| n == 0.0),
+    ("(b) under 2", Colour(253, 231, 37), |n| n < 2.0),
+    ("(b) 2", Colour(160, 218, 57), |n| n == 2.0),
+    ("(b) 2 to 3", Colour(74, 193, 109), |n| n < 3.0),
+    ("(b) 3", Colour(31, 161, 135), |n| n == 3.0),
+    ("(b) 3 to 4", Colour(39, 127, 142), |n| n < 4.0),
+    ("(b) 4", Colour(54, 92, 141), |n| n == 4.0),
+    ("(b) over 4", Colour(68, 1, 84), |_| true),
+];
+
+/// Most classes told on the screen.
+const TOLD: usize = 8;
+
+/// The study of a plane of motions.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
+    let (x, y) = (&request.x, &request.y);
+    let border = border(request, plane);
+    let here = vec![((x.group.get)(settings.groups()), (y.group.get)(settings.groups()))];
+    // Code 0 leaves the paper: refused.
+    let panel = |title: &str, entries: Vec<(&str, Colour)>, code: &dyn Fn(&Motion) -> usize| {
+        let cells: Vec<u8> =
+            plane.points.iter().map(|p| p.motion.map_or(0, |m| 1 + code(&m) as u8)).collect();
+        let colours = std::iter::once(None).chain(entries.iter().map(|e| Some(e.1))).collect();
+        let met = entries.iter().zip(1..).filter(|(_, code)| cells.contains(code));
+        let mut layers: Vec<Layer> = met.map(|((n, c), _)| Layer::band(n, *c, 1.0, Vec::new())).collect();
+        let shape = Shape::Cells { x: x.edges(), y: y.edges(), columns: x.count, cells, colours };
+        layers.insert(0, Layer::new("", GREY, shape));
+        let edge = |name, colour| Layer::lines(name, colour, Dash::Solid, border.clone());
+        layers.push(edge("", Colour(255, 255, 255)).stroke(3 * THIN));
+        layers.push(edge("limit of the stable exact orbit", VERMILLION));
+        layers.push(Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here.clone()));
+        let (across, up) = (x.edges(), y.edges());
+        Panel {
+            title: title.into(),
+            x: Axis::over(x.group.label(), across.0, across.1),
+            y: Axis::over(y.group.label(), up.0, up.1),
+            layers,
+        }
+    };
+    let kinds = KINDS.iter().map(|k| (k.0, k.1)).collect();
+    let impacts = IMPACTS.iter().map(|k| (k.0, k.1)).collect();
+    // The last entry takes everything.
+    let panels = vec![
+        panel("(a) Class of the motion", kinds, &|m| KINDS.iter().take_while(|k| !k.2(*m)).count()),
+        panel("(b) Impacts per drive period", impacts, &|m| {
+            let all = m.impacts[0] + m.impacts[1];
+            IMPACTS.iter().take_while(|k| !k.2(all)).count()
+        }),
+    ];
+    let pair = format!("({}, {})", x.group.symbol, y.group.symbol);
+    let mut method = format!(
+        "{} × {} motions from {}; {} periods discarded.",
+        x.count, y.count, request.start, request.discard
+    );
+    if let Some(o) = &request.exponents {
+        method.push_str(&format!(
+            " Exponents where there are impacts and no period, over {} periods.",
+            o.periods
+        ));
+    }
+    let figure = Figure {
+        title: format!("Simulated motion over {pair}"),
+        caption: vec![method, format!("Past the paper. Elsewhere {}", settings.caption())],
+        panels,
+        columns: 2,
+        panel: (1700, 1400),
+        shared_legend: true,
+    };
+    Ok(Study {
+        name: name.into(),
+        what: format!("simulated motion over {pair}: period, impacts and class"),
+        tables: vec![(name.into(), csv(request, plane)?)],
+        shown: None,
+        figure: Some(figure),
+        remarks: remarks(plane),
+    })
+}
+
+/// The limit of the points where the exact orbit is stable, along the edges of their cells.
+fn border(request: &Request, plane: &Isoperiodic) -> Vec<Path> {
+    let (columns, rows) = (request.x.count, request.y.count);
+    let stable = |i: usize, j: usize| plane.points[j * columns + i].theory == plane::Class::Stable;
+    let part = |(from, to): (f64, f64), i: usize, count: usize| from + (to - from) * i as f64 / count as f64;
+    let at = |i: usize, j: usize| (part(request.x.edges(), i, columns), part(request.y.edges(), j, rows));
+    let across = (1..rows).flat_map(|j| {
+        let edges = (0..columns).filter(move |&i| stable(i, j - 1) != stable(i, j));
+        edges.map(move |i| vec![at(i, j), at(i + 1, j)])
+    });
+    let up = (1..columns).flat_map(|i| {
+        let edges = (0..rows).filter(move |&j| stable(i - 1, j) != stable(i, j));
+        edges.map(move |j| vec![at(i, j), at(i, j + 1)])
+    });
+    across.chain(up).collect()
+}
+
+/// Written row by row, since there may be millions.
+fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
+    let (x, y) = (&request.x, &request.y);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut put = |row: [&str; 10]| writer.write_record(row).map_err(Error::output("a table"));
+    put([
+        x.group.name,
+        y.group.name,
+        "class",
+        "impacts_upper",
+        "impacts_lower",
+        "rests",
+        "symmetric",
+        "lambda1",
+        "exact_orbit",
+        "on_exact_orbit",
+    ])?;
+    for (j, row) in plane.points.chunks(x.count).enumerate() {
+        for (i, Point { theory, motion }) in row.iter().enumerate() {
+            let word = |tell: &dyn Fn(&Motion) -> String| motion.as_ref().map_or(String::new(), tell);
+            put([
+                &exact(x.value(i)),
+                &exact(y.value(j)),
+                &motion.map_or("refused".into(), |m| m.class.name()),
+                &word(&|m| exact(m.impacts[0])),
+                &word(&|m| exact(m.impacts[1])),
+                &word(&|m| m.rests.to_string()),
+                &word(&|m| m.symmetric.to_string()),
+                &word(&|m| m.exponent.map_or(String::new(), exact)),
+                theory.name(),
+                &word(&|m| m.on_orbit.to_string()),
+            ])?;
+        }
+    }
+    writer.into_inner().map_err(Error::output("a table"))
+}
+
+fn remarks(plane: &Isoperiodic) -> Vec<String> {
+    let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
+    let motions = || plane.points.iter().filter_map(|p| p.motion);
+    let mut classes: Vec<(String, usize)> = Vec::new();
+    for name in motions().map(|m| m.class.name()) {
+        match classes.iter_mut().find(|c| c.0 == name) {
+            Some(class) => class.1 += 1,
+            None => classes.push((name, 1)),
+        }
+    }
+    classes.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+    let told: Vec<String> = classes
+        .iter()
+        .take(TOLD)
+        .map(|(n, c)| format!("{n} {:.1} %", percent(*c, plane.points.len())))
+        .collect();
+    let Agreement { stable, reached, two_impact, foretold } = plane.agreement();
+    let mut lines = vec![
+        format!("{}{}", told.join(", "), if classes.len() > TOLD { ", others less" } else { "" }),
+        format!(
+            "the exact orbit is stable at {stable} points; at {reached} of them ({:.1} %) the motion settles on it",
+            percent(reached, stable)
+        ),
+        format!(
+            "{two_impact} motions are symmetric with two impacts a period and without rest; {foretold} of them ({:.1} %) are the stable exact orbit",
+            percent(foretold, two_impact)
+        ),
+    ];
+    let resting = motions().filter(|m| m.rests).count();
+    if resting > 0 {
+        lines.push(format!("in {resting} motions the block rests at a stop"));
+    }
+    let refused = plane.points.len() - motions().count();
+    if refused > 0 {
+        lines.push(format!("{refused} points left out: there is no such system, or the simulator refused"));
+    }
+    lines
+}

@@ -1,0 +1,298 @@
+//! Simulated motions as they are: time histories (figure 13), phase portraits (figure 15), exponents on their way.
+
+use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
+use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
+use super::super::table::{Table, exact};
+use super::theory::{Point as Instant, simulated};
+use super::{PANEL, Study};
+use rayon::prelude::*;
+use vibro_analysis::Group;
+use vibro_analysis::Result;
+use vibro_analysis::bifurcation::{Diagram, Point};
+use vibro_analysis::lyapunov::{Convergence, Options, dimensionless};
+use vibro_analysis::motion::{Flight, record, settled};
+use vibro_analysis::section::{Section, kicked, state};
+use vibro_analysis::{Settings, short};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Simulator, State};
+
+/// Drive periods before a history begins.
+const TRANSIENT: f64 = 400.0;
+/// Periods shown of a steady motion and of a modulated one.
+const STEADY: u32 = 4;
+const MODULATED: u32 = 50;
+/// Periods in a portrait of a motion that does not return.
+const WANDERING: u32 = 60;
+/// Symbols of the seven exponents.
+const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
+
+/// W, X1, X3 over time or their portraits: indices into [`Instant`]'s quantities.
+const SHOWN: [(usize, &str, Colour); 3] = [(1, "W", VERMILLION), (2, "X₁", BLUE), (4, "X₃", GREEN)];
+
+/// What is worth knowing of a motion with modulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modulation {
+    /// Largest and smallest |X1| within a period, over all periods shown.
+    pub box_amplitude: (f64, f64),
+    /// The same of X3.
+    pub secondary_amplitude: (f64, f64),
+    /// The part of the periods with one impact at each stop.
+    pub resonant: f64,
+}
+
+fn modulation(points: &[Instant], flights: &[Flight], periods: u32) -> Modulation {
+    let first = points.first().map_or(0.0, |p| p.time);
+    let mut tops = vec![[0.0f64; 2]; periods as usize];
+    for p in points {
+        if let Some(top) = tops.get_mut((p.time - first).max(0.0) as usize) {
+            *top = [top[0].max(p.x[2].abs()), top[1].max(p.x[4].abs())];
+        }
+    }
+    let range = |i: usize| {
+        let all = tops.iter().map(|t| t[i]);
+        all.fold((0.0f64, f64::INFINITY), |(most, least), t| (most.max(t), least.min(t)))
+    };
+    // Impacts are where one flight ends and the next begins.
+    let mut counts = vec![[0u32; 2]; periods as usize];
+    for flight in &flights[..flights.len().saturating_sub(1)] {
+        if let Some(i) = flight.last()
+            && let Some(count) = counts.get_mut(i.time as usize)
+        {
+            count[usize::from(i.state.x[1] > i.state.x[0])] += 1;
+        }
+    }
+    let resonant = counts.iter().filter(|c| **c == [1, 1]).count() as f64 / f64::from(periods);
+    Modulation { box_amplitude: range(0), secondary_amplitude: range(1), resonant }
+}
+
+/// Figure 13: histories and portraits at the settings' own f10 and at `other`.
+///
+/// # Errors
+/// What the simulator refuses.
+pub fn histories_of(settings: &Settings, group: &'static Group, other: f64) -> Result<(Study, Modulation)> {
+    let mut table = Table::new(&[group.name, "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
+    let mut panels = Vec::new();
+    let mut found = None;
+    let own = (group.get)(settings.groups());
+    for (value, periods, letters) in [(own, STEADY, "abc"), (other, MODULATED, "def")] {
+        let p = settings.parameters_of(&settings.vary(group, value))?;
+        let mut simulator = settled(&p, &kicked(&p), TRANSIENT)?;
+        let flights = record(&mut simulator, periods)?;
+        let points = simulated(&flights, &p);
+        let first = points.first().map_or(0.0, |p| p.time);
+        for i in &points {
+            let mut row = vec![exact(value), exact(i.time - first)];
+            row.extend([i.x[1], i.x[2], i.x[3], i.x[4], i.v[1], i.v[2], i.v[3], i.v[4]].map(exact));
+            table.rows.push(row);
+        }
+        found = Some(modulation(&points, &flights, periods));
+        let mut letters = letters.chars();
+        let mut title = |what: &str| {
+            format!("({}) {what}, {} = {}", letters.next().unwrap_or(' '), group.symbol, short(value))
+        };
+        let width = if periods > STEADY { 2 } else { THIN };
+        panels.push(history(&title("W"), &points, &SHOWN[..1], width));
+        panels.push(history(&title("X₁ and X₃"), &points, &SHOWN[1..], width));
+        panels.push(portrait(&title("phase portraits"), &points, &SHOWN, width));
+    }
+    let Some(modulation) = found else { unreachable!("two values") };
+    let figure = Figure {
+        title: "Simulated motions (cf. figure 13)".into(),
+        caption: vec![format!("{TRANSIENT} periods discarded. {}", settings.caption())],
+        panels,
+        columns: 3,
+        panel: (1500, 1100),
+        shared_legend: true,
+    };
+    let (most, least) = modulation.box_amplitude;
+    let remarks = vec![format!(
+        "{} = {}: the amplitude of X1 goes from {least:.3} to {most:.3}; {:.0} % of the periods have one impact at each stop",
+        group.name,
+        short(other),
+        100.0 * modulation.resonant
+    )];
+    let study = Study {
+        name: "figure-13".into(),
+        what: "time histories and phase portraits of a steady and of a modulated motion as in figure 13"
+            .into(),
+        tables: vec![("figure-13".into(), table.csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks,
+    };
+    Ok((study, modulation))
+}
+
+fn history(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
+    let first = points.first().map_or(0.0, |p| p.time);
+    let end = points.last().map_or(1.0, |p| p.time - first);
+    let path = |q: usize| -> Path { points.iter().map(|p| (p.time - first, p.x[q])).collect() };
+    let curve = |(q, name, colour): &(usize, &str, Colour)| {
+        Layer::line(name, *colour, Dash::Solid, path(*q)).stroke(width)
+    };
+    let names: Vec<_> = shown.iter().map(|s| s.1).collect();
+    Panel {
+        title: title.into(),
+        x: Axis::over("time Ω₁τ/2π (drive periods)", 0.0, end),
+        y: Axis::new(format!("{} (units of L)", names.join(", "))),
+        layers: shown.iter().map(curve).collect(),
+    }
+}
+
+fn portrait(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
+    let path = |q: usize| -> Path { points.iter().map(|p| (p.x[q], p.v[q])).collect() };
+    let curve = |(q, name, colour): &(usize, &str, Colour)| {
+        Layer::line(name, *colour, Dash::Solid, path(*q)).stroke(width)
+    };
+    let names: Vec<_> = shown.iter().map(|s| s.1.split(',').next().unwrap_or_default()).collect();
+    let rates: Vec<_> = names.iter().map(|n| format!("d{n}/dτ")).collect();
+    Panel {
+        title: title.into(),
+        x: Axis::new(format!("{} (units of L)", names.join(", "))),
+        y: Axis::new(format!("{} (units of L)", rates.join(", "))),
+        layers: shown.iter().map(curve).collect(),
+    }
+}
+
+/// A state from its section; rounding may have put the block past a stop by a digit.
+fn inside(p: &Parameters, s: &Section) -> State {
+    let mut state = state(p, s);
+    let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);
+    state.x[1] = state.x[0] + w;
+    state
+}
+
+/// Figure 15: portraits of X2 at the values of a diagram nearest to `values`, from the states it settled on.
+///
+/// # Errors
+/// What the simulator refuses.
+pub fn portraits(
+    settings: &Settings,
+    group: &'static Group,
+    diagram: &Diagram,
+    values: &[f64],
+) -> Result<Study> {
+    let mut table = Table::new(&[group.name, "class", "time", "X2", "dX2"]);
+    let mut panels = Vec::new();
+    for (letter, value) in ('a'..).zip(values) {
+        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+        let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
+        let p = settings.parameters_of(&settings.vary(group, point.value))?;
+        let start = inside(&p, &point.attractor.sections[0]);
+        let mut simulator = Simulator::new(&p, &start, 0.0)?.without_energy_accounts();
+        let periods = point.attractor.period.unwrap_or(WANDERING);
+        let points = simulated(&record(&mut simulator, periods)?, &p);
+        for i in &points {
+            table.rows.push(vec![
+                exact(point.value),
+                point.class.name(),
+                exact(i.time),
+                exact(i.x[3]),
+                exact(i.v[3]),
+            ]);
+        }
+        let title = format!("({letter}) {} = {}: {}", group.symbol, short(point.value), point.class.name());
+        let (name, colour) = if point.attractor.period.is_some() {
+            ("X₂, returns", BLUE)
+        } else {
+            ("X₂, does not return", VERMILLION)
+        };
+        let width = if point.attractor.period.is_some() { THIN } else { 2 };
+        panels.push(portrait(&title, &points, &[(3, name, colour)], width));
+    }
+    let figure = Figure {
+        title: "Phase portraits of the block (cf. figure 15)".into(),
+        caption: vec![
+            format!(
+                "Motions of the sweep with {} rising, over their period, or over {WANDERING} periods.",
+                group.symbol
+            ),
+            format!("Elsewhere {}", settings.caption()),
+        ],
+        panels,
+        columns: 3,
+        panel: (1400, 1150),
+        shared_legend: true,
+    };
+    Ok(Study {
+        name: "figure-15".into(),
+        what: "phase portraits of X₂ as in figure 15".into(),
+        tables: vec![("figure-15".into(), table.csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks: Vec::new(),
+    })
+}
+
+/// The running exponents at some values of a group, from a moving block on.
+///
+/// # Errors
+/// What the simulator refuses.
+pub fn running(
+    settings: &Settings,
+    group: &'static Group,
+    values: &[f64],
+    discard: u32,
+    options: &Options,
+    name: &str,
+) -> Result<Study> {
+    let run = |value: &f64| -> Result<(f64, Convergence)> {
+        let p = settings.parameters_of(&settings.vary(group, *value))?;
+        let mut simulator = settled(&p, &kicked(&p), f64::from(discard))?;
+        Ok((*value, dimensionless(&mut simulator, options)?))
+    };
+    let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
+    let mut header = vec![group.name, "period"];
+    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
+    let mut table = Table::new(&header);
+    let (mut panels, mut remarks) = (Vec::new(), Vec::new());
+    for (letter, (value, found)) in ('a'..).zip(&runs) {
+        let mut paths = vec![Path::new(); 7];
+        for (n, exponents) in (1..).zip(&found.running) {
+            for (path, e) in paths.iter_mut().zip(exponents) {
+                path.push((f64::from(n), *e));
+            }
+            let mut row = vec![exact(*value), n.to_string()];
+            row.extend(exponents.map(exact));
+            table.rows.push(row);
+        }
+        let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
+        let layers =
+            paths.into_iter().zip(EXPONENTS).zip(colours).enumerate().map(|(i, ((path, name), colour))| {
+                let dash = if i > 5 { Dash::Dashed } else { Dash::Solid };
+                Layer::line(name, colour, dash, path).stroke(THIN)
+            });
+        panels.push(Panel {
+            title: format!("({letter}) {} = {}", group.symbol, short(*value)),
+            x: Axis::over("drive periods", 0.0, f64::from(found.spectrum.periods)),
+            y: Axis::new("λ (per unit of τ)"),
+            layers: layers.collect(),
+        });
+        let s = &found.spectrum;
+        let shown = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
+        remarks.push(format!(
+            "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",
+            group.name,
+            short(*value),
+            shown.join(", "),
+            s.deviation,
+            s.periods
+        ));
+    }
+    let figure = Figure {
+        title: "Lyapunov exponents on their way".into(),
+        caption: vec![format!("Elsewhere {}", settings.caption())],
+        columns: panels.len().clamp(1, 2),
+        panels,
+        panel: PANEL,
+        shared_legend: true,
+    };
+    Ok(Study {
+        name: name.into(),
+        what: "running Lyapunov exponents over the periods counted".into(),
+        tables: vec![(name.into(), table.csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks,
+    })
+}

@@ -1,0 +1,112 @@
+//! Planes of two groups (figure 12).
+
+use super::super::figures::canvas::palette::{BLUE, GREY, ORANGE, VERMILLION};
+use super::super::figures::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Shape};
+use super::super::table::exact;
+use super::Study;
+use rayon::prelude::*;
+use vibro_analysis::Settings;
+use vibro_analysis::plane::{Class, Method, Plane, PlaneAxis, plane};
+use vibro_analysis::{Error, Result};
+
+const LIGHT: Colour = Colour(205, 205, 205);
+const PANEL: (u32, u32) = (1350, 1150);
+/// White paper: no motion.
+const PAPER: Colour = Colour(255, 255, 255);
+
+/// Planes of pairs of groups, classified by one theory; `done` hears of each finished row.
+///
+/// # Errors
+/// Pairs that are no planes, ranges that are not allowed.
+pub fn planes(
+    settings: &Settings,
+    pairs: &[(PlaneAxis, PlaneAxis)],
+    method: Method,
+    done: &(dyn Fn() + Sync),
+) -> Result<Study> {
+    let planes =
+        pairs.iter().map(|&(x, y)| plane(settings, x, y, method, done)).collect::<Result<Vec<_>>>()?;
+    let undefined = planes.iter().flat_map(|p| &p.classes).any(|c| *c == Class::Undefined);
+    let mut panels: Vec<Panel> =
+        planes.iter().enumerate().map(|(i, p)| panel(settings, i, p, planes.len())).collect();
+    if let Some(first) = panels.first_mut() {
+        let entry = |name, colour, opacity| Layer::band(name, colour, opacity, Vec::new());
+        first.layers.push(entry("one stable motion", BLUE, 1.0));
+        first.layers.push(entry("motions exist, all unstable", LIGHT, 1.0));
+        first.layers.push(entry("no motion with two symmetric impacts", PAPER, 1.0));
+        if undefined {
+            first.layers.push(entry("undefined", ORANGE, 1.0));
+        }
+    }
+    let names: Vec<_> =
+        pairs.iter().map(|(x, y)| format!("({}, {})", x.group.symbol, y.group.symbol)).collect();
+    let figure = Figure {
+        title: format!("Existence and stability, {} (cf. figure 12)", method.name()),
+        caption: vec![format!("Elsewhere {}", settings.caption())],
+        columns: panels.len().clamp(1, 3),
+        panels,
+        panel: if pairs.len() == 1 { (2000, 1500) } else { PANEL },
+        shared_legend: true,
+    };
+    let tables = planes.par_iter().map(csv).collect::<Result<Vec<_>>>()?;
+    let remarks = planes.iter().map(shares).collect();
+    let what =
+        format!("existence and stability by {} on {} as in figure 12", method.name(), names.join(", "));
+    Ok(Study { name: "plane".into(), what, tables, shown: None, figure: Some(figure), remarks })
+}
+
+fn panel(settings: &Settings, index: usize, plane: &Plane, count: usize) -> Panel {
+    let (x, y) = (&plane.x, &plane.y);
+    let (x_range, y_range) = (x.edges(), y.edges());
+    let cells = Shape::Cells {
+        x: x_range,
+        y: y_range,
+        columns: x.count,
+        cells: plane.classes.iter().map(|c| *c as u8).collect(),
+        colours: vec![None, Some(LIGHT), Some(BLUE), Some(ORANGE)],
+    };
+    let here = vec![((x.group.get)(settings.groups()), (y.group.get)(settings.groups()))];
+    let letter = char::from(b'a' + (index % 26) as u8);
+    let pair = format!("({}, {})", x.group.symbol, y.group.symbol);
+    Panel {
+        title: if count > 1 { format!("({letter}) {pair}") } else { pair },
+        x: Axis::over(x.group.label(), x_range.0, x_range.1),
+        y: Axis::over(y.group.label(), y_range.0, y_range.1),
+        layers: vec![
+            Layer::new("", GREY, cells),
+            Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here),
+        ],
+    }
+}
+
+/// Written row by row: a million rows of cells as strings would be a hundred megabytes.
+fn csv(plane: &Plane) -> Result<(String, Vec<u8>)> {
+    let (x, y) = (&plane.x, &plane.y);
+    let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut put = |row: [&str; 3]| writer.write_record(row).map_err(Error::output("a table"));
+    put([x.group.name, y.group.name, "class"])?;
+    for (j, row) in plane.classes.chunks(x.count).enumerate() {
+        let value = exact(y.value(j));
+        for (class, x) in row.iter().zip(&xs) {
+            put([x, &value, class.name()])?;
+        }
+    }
+    let bytes = writer.into_inner().map_err(Error::output("a table"))?;
+    Ok((format!("plane-{}-{}", x.group.name, y.group.name), bytes))
+}
+
+fn shares(plane: &Plane) -> String {
+    let part = |class: Class| {
+        let count = plane.classes.iter().filter(|c| **c == class).count();
+        100.0 * count as f64 / plane.classes.len() as f64
+    };
+    format!(
+        "({}, {}): {:.1} % stable, {:.1} % unstable, {:.1} % without such a motion",
+        plane.x.group.name,
+        plane.y.group.name,
+        part(Class::Stable),
+        part(Class::Unstable),
+        part(Class::None)
+    )
+}

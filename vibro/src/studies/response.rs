@@ -1,0 +1,231 @@
+//! Frequency and force response curves (figures 10, 11).
+
+use super::super::figures::canvas::palette::{BLACK, FAMILY, GREY};
+use super::super::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
+use super::super::table::{Table, exact};
+use super::{PANEL, Study};
+use rayon::prelude::*;
+use vibro_analysis::Group;
+use vibro_analysis::Result;
+use vibro_analysis::plane::Method;
+use vibro_analysis::response::{Response, ResponsePoint, response};
+use vibro_analysis::{Settings, find_group, short};
+
+/// Nodes per sheet and interval of solutions.
+const NODES: usize = 400;
+
+const METHODS: [Method; 2] = [Method::MultipleScales, Method::ExactOrbit];
+
+const HEADER: [&str; 15] = [
+    "along",
+    "value",
+    "member",
+    "member_value",
+    "theory",
+    "curve",
+    "C",
+    "B",
+    "A1",
+    "A2",
+    "A3",
+    "stable",
+    "clear",
+    "right_branch",
+    "special",
+];
+
+/// One family of curves: a group that differs between them.
+struct Family {
+    group: &'static Group,
+    members: Vec<(f64, Vec<Response>)>,
+}
+
+fn family(
+    settings: &Settings,
+    along: &'static Group,
+    range: (f64, f64),
+    name: &str,
+    values: &[f64],
+) -> Result<Family> {
+    let group = find_group(name)?;
+    let member = |&value: &f64| {
+        let settings = settings.with(group, value)?;
+        let curves = METHODS.iter().map(|&m| response(&settings, along, range, m, NODES));
+        Ok((value, curves.collect::<Result<Vec<_>>>()?))
+    };
+    Ok(Family { group, members: values.par_iter().map(member).collect::<Result<_>>()? })
+}
+
+fn table(along: &Group, families: &[&Family]) -> Table {
+    let mut table = Table::new(&HEADER);
+    for family in families {
+        for (value, responses) in &family.members {
+            for response in responses {
+                for (index, curve) in response.curves.iter().enumerate() {
+                    for p in curve {
+                        table.rows.push(vec![
+                            along.name.into(),
+                            exact(p.value),
+                            family.group.name.into(),
+                            exact(*value),
+                            response.method.name().into(),
+                            index.to_string(),
+                            exact(p.c),
+                            exact(p.b),
+                            exact(p.a[0]),
+                            exact(p.a[1]),
+                            exact(p.a[2]),
+                            p.stable.to_string(),
+                            p.clear.to_string(),
+                            p.right.to_string(),
+                            p.special.map_or(String::new(), |s| s.to_string()),
+                        ]);
+                    }
+                }
+            }
+        }
+    }
+    table
+}
+
+/// Pieces of the curves that are shown, stable ones and others.
+fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>; 2] {
+    let mut parts: [Vec<Path>; 2] = [Vec::new(), Vec::new()];
+    for curve in &response.curves {
+        let mut state = None;
+        for pair in curve.windows(2) {
+            // The paper shows the right branch only; a motion that passes a stop is none.
+            let shown = pair.iter().all(|p| p.right && p.clear);
+            if !shown {
+                state = None;
+                continue;
+            }
+            let part = &mut parts[usize::from(!pair[0].stable)];
+            if state != Some(pair[0].stable) {
+                part.push(vec![(pair[0].value, y(&pair[0]))]);
+                state = Some(pair[0].stable);
+            }
+            part.last_mut().into_iter().for_each(|p| p.push((pair[1].value, y(&pair[1]))));
+        }
+    }
+    parts
+}
+
+fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third: bool) -> Panel {
+    let y = |p: &ResponsePoint| if third { p.a[2] } else { p.c };
+    let mut layers = Vec::new();
+    let mut highest = 0.0_f64;
+    let mut over = Vec::new();
+    for ((value, responses), colour) in family.members.iter().zip(FAMILY) {
+        let name = format!("{} = {}", family.group.symbol, short(*value));
+        layers.push(Layer::lines(&name, colour, Dash::Solid, Vec::new()));
+        for r in responses {
+            let [stable, unstable] = pieces(r, y);
+            let points = stable.iter().chain(&unstable).flatten();
+            highest = points.fold(highest, |h, p| h.max(p.1));
+            if r.method == Method::ExactOrbit {
+                over.push(Layer::lines("", BLACK, Dash::Solid, stable).stroke(3));
+                over.push(Layer::lines("", BLACK, Dash::Dotted, unstable).stroke(3));
+            } else {
+                layers.push(Layer::lines("", colour, Dash::Solid, stable).stroke(9));
+                layers.push(Layer::lines("", colour, Dash::Dashed, unstable).stroke(THIN));
+            }
+        }
+    }
+    layers.extend(over);
+    for (name, colour, dash, width) in [
+        ("stable", GREY, Dash::Solid, 9),
+        ("unstable", GREY, Dash::Dashed, THIN),
+        ("exact orbit, stable", BLACK, Dash::Solid, 3),
+        ("exact orbit, unstable", BLACK, Dash::Dotted, 3),
+    ] {
+        layers.push(Layer::lines(name, colour, dash, Vec::new()).stroke(width));
+    }
+    let label = if third { "A₃ (units of L)" } else { "C (units of L)" };
+    Panel {
+        title,
+        x: Axis::over(along.label(), range.0, range.1),
+        y: Axis::over(label, 0.0, if highest > 0.0 { 1.05 * highest } else { 1.0 }),
+        layers,
+    }
+}
+
+fn caption(settings: &Settings) -> Vec<String> {
+    let exact = "Coloured: multiple scales. Black: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
+    vec![exact.into(), settings.caption()]
+}
+
+/// What tells figures 10 and 11 apart.
+struct Words {
+    /// Stem of the files.
+    name: &'static str,
+    title: &'static str,
+    what: &'static str,
+    /// What the two families of curves are.
+    families: [&'static str; 2],
+}
+
+/// C and A3 of two families of curves.
+fn quartet(
+    settings: &Settings,
+    along: &'static Group,
+    range: (f64, f64),
+    families: &[Family; 2],
+    words: &Words,
+) -> Result<Study> {
+    let pairs = families.iter().zip(words.families).flat_map(|(f, w)| [(f, "C", w), (f, "A₃", w)]);
+    let panels = ('a'..).zip(pairs).map(|(letter, (family, symbol, words))| {
+        panel(format!("({letter}) {symbol} {words}"), along, range, family, symbol != "C")
+    });
+    let figure = Figure {
+        title: words.title.into(),
+        caption: caption(settings),
+        panels: panels.collect(),
+        columns: 2,
+        panel: PANEL,
+        shared_legend: false,
+    };
+    let [first, second] = families;
+    Ok(Study {
+        name: words.name.into(),
+        what: words.what.into(),
+        tables: vec![(words.name.into(), table(along, &[first, second]).csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks: Vec::new(),
+    })
+}
+
+/// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
+///
+/// # Errors
+/// Ranges and values that are not allowed.
+pub fn frequency(settings: &Settings, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
+    let along = find_group("sigma1")?;
+    let forces = family(settings, along, range, "f10", f10)?;
+    let dampings = family(settings, along, range, "gamma1", gamma1)?;
+    let words = Words {
+        name: "response-frequency",
+        title: "Frequency response (cf. figure 10)",
+        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
+        families: ["for some excitation amplitudes", "for some dampings"],
+    };
+    quartet(settings, along, range, &[forces, dampings], &words)
+}
+
+/// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
+///
+/// # Errors
+/// Ranges and values that are not allowed.
+pub fn force(settings: &Settings, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
+    let along = find_group("f10")?;
+    let above = family(settings, along, range, "sigma1", positive)?;
+    let below = family(settings, along, range, "sigma1", negative)?;
+    let words = Words {
+        name: "response-force",
+        title: "Force response (cf. figure 11)",
+        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
+        families: ["above resonance", "below resonance"],
+    };
+    quartet(settings, along, range, &[above, below], &words)
+}

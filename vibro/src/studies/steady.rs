@@ -1,0 +1,278 @@
+//! All steady-state values of all theories, and the motion they describe (figure 8).
+
+use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, PURPLE, VERMILLION};
+use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, THIN};
+use super::super::table::{Table, exact};
+use super::theory::{Point, Theory};
+use super::{PANEL, Study};
+use nalgebra::Complex;
+use vibro_analysis::Result;
+use vibro_analysis::Settings;
+use vibro_impact::steady::multiple_scales::MultipleScales;
+use vibro_impact::steady::{Bifurcation, Sheet, exact_orbit, strong_coupling};
+
+/// Periods of the drive that histories show.
+const PERIODS: f64 = 2.0;
+
+/// Names and colours of U, W, X1, X2, X3.
+pub(super) const CURVES: [(&str, Colour); 5] =
+    [("U", PURPLE), ("W", VERMILLION), ("X₁", BLUE), ("X₂", VERMILLION), ("X₃", GREEN)];
+
+/// Rows of the table: quantity, unit, theory, root, value.
+struct Rows(Table);
+
+impl Rows {
+    fn put(&mut self, column: (&str, &str), quantity: &str, unit: &str, value: String) {
+        self.0.rows.push([quantity, unit, column.0, column.1, &value].map(String::from).to_vec());
+    }
+
+    fn number(&mut self, column: (&str, &str), quantity: &str, unit: &str, value: f64) {
+        self.put(column, quantity, unit, exact(value));
+    }
+
+    fn flag(&mut self, column: (&str, &str), quantity: &str, value: bool) {
+        self.put(column, quantity, "", if value { "yes" } else { "no" }.into());
+    }
+
+    fn complex(&mut self, column: (&str, &str), name: &str, values: &[Complex<f64>]) {
+        for (i, z) in values.iter().enumerate() {
+            self.number(column, &format!("Re {name} {}", i + 1), "1", z.re);
+            self.number(column, &format!("Im {name} {}", i + 1), "1", z.im);
+        }
+    }
+
+    fn stability(&mut self, column: (&str, &str), stable: bool, radius: f64, next: Bifurcation) {
+        self.flag(column, "stable and admissible", stable);
+        self.number(column, "spectral radius", "1", radius);
+        self.put(column, "largest multiplier heads for", "", format!("{next:?}"));
+    }
+}
+
+fn root_name(sheet: Sheet) -> &'static str {
+    match sheet {
+        Sheet::Lower => "lower",
+        Sheet::Upper => "upper",
+    }
+}
+
+/// All steady-state values; a picture of the admissible motion of multiple scales with the exact orbit over it.
+///
+/// # Errors
+/// What multiple scales or the exact orbit refuse. Where strong coupling is singular it is left out with a remark.
+pub fn steady(settings: &Settings) -> Result<Study> {
+    let mut rows = Rows(Table::new(&["quantity", "unit", "theory", "root", "value"]));
+    let mut remarks = Vec::new();
+    let motions = multiple_scales(settings, &mut rows)?;
+    let strong = match strong_rows(settings, &mut rows) {
+        Ok(count) => count,
+        Err(e) => {
+            remarks.push(format!("strong coupling left out: {e}"));
+            0
+        }
+    };
+    let orbits = exact_rows(settings, &mut rows)?;
+    remarks.push(format!(
+        "motions with two symmetric impacts: {motions} by multiple scales, {strong} by strong coupling, {orbits} exact"
+    ));
+    let (what, figure) = picture(settings)?;
+    let tables = vec![("steady".into(), rows.0.csv()?)];
+    Ok(Study { name: "steady".into(), what, tables, shown: Some(rows.0), figure, remarks })
+}
+
+fn multiple_scales(settings: &Settings, rows: &mut Rows) -> Result<usize> {
+    const NAME: &str = "multiple scales";
+    let system = MultipleScales::new(settings.groups())?;
+    let (m, all) = (system.manifold(), (NAME, "both"));
+    let limits = [
+        ("rho", m.rho()),
+        ("C_min", m.c_min()),
+        ("B_min", m.b_min()),
+        ("C_Smin", m.c_smin()),
+        ("C_Smax", m.c_smax()),
+        ("C_Gmax", m.c_gmax()),
+    ];
+    for (quantity, value) in limits {
+        rows.number(all, quantity, "1", value);
+    }
+    if let Ok(range) = system.force_range() {
+        rows.number(all, "f10 of the fold", "1", range.real_from);
+        rows.number(all, "f10 of the first motion", "1", range.positive_from);
+        if let Some((from, to)) = range.admissible {
+            rows.number(all, "f10 admissible from", "1", from);
+            rows.number(all, "f10 admissible to", "1", to);
+        }
+    }
+    let Some(roots) = system.fixed_points() else { return Ok(0) };
+    for (sheet, p) in roots.each() {
+        let column = (NAME, root_name(sheet));
+        let amplitudes = [("C", p.c), ("B", p.b), ("A1", p.a1()), ("A2", p.a2()), ("A3", p.a3)];
+        for (quantity, value) in amplitudes {
+            rows.number(column, quantity, "L", value);
+        }
+        let phases = [
+            ("drive phase at impact", p.drive_phase),
+            ("Phi", p.impact_phase),
+            ("psi", p.psi),
+            ("psi3", p.psi3),
+        ];
+        for (quantity, value) in phases {
+            rows.number(column, quantity, "rad", value);
+        }
+        rows.put(column, "branch", "", format!("{:?}", p.branch).to_lowercase());
+        admissibility(rows, column, p.admissibility);
+        rows.stability(column, p.admissibility.all(), p.spectral_radius(), p.bifurcation());
+        rows.complex(column, "multiplier", &p.multipliers);
+        rows.complex(column, "eigenvalue", &p.eigenvalues);
+    }
+    Ok(roots.each().iter().filter(|r| r.1.c > 0.0 && r.1.admissibility.geometric).count())
+}
+
+fn admissibility(rows: &mut Rows, column: (&str, &str), tests: vibro_impact::steady::Admissibility) {
+    rows.flag(column, "geometric test", tests.geometric);
+    rows.flag(column, "stable fixed point", tests.fixed_point);
+    rows.flag(column, "stable periodic motion", tests.periodic_motion);
+}
+
+fn strong_rows(settings: &Settings, rows: &mut Rows) -> vibro_impact::Result<usize> {
+    const NAME: &str = "strong coupling";
+    let Some(roots) = strong_coupling::solve(settings.groups())? else { return Ok(0) };
+    for (sheet, p) in roots.each() {
+        let column = (NAME, root_name(sheet));
+        let amplitudes = [("C", p.c), ("B", p.b), ("A1", p.a1()), ("A2", p.a2()), ("A3", p.a3)];
+        for (quantity, value) in amplitudes {
+            rows.number(column, quantity, "L", value);
+        }
+        rows.number(column, "drive phase at impact", "rad", p.drive_phase);
+        admissibility(rows, column, p.admissibility);
+        rows.stability(column, p.admissibility.all(), p.spectral_radius(), p.bifurcation());
+        rows.complex(column, "multiplier", &p.multipliers);
+        rows.complex(column, "eigenvalue", &p.eigenvalues);
+    }
+    Ok(roots.each().iter().filter(|r| r.1.admissibility.geometric).count())
+}
+
+fn exact_rows(settings: &Settings, rows: &mut Rows) -> Result<usize> {
+    const NAME: &str = "exact orbit";
+    let p = settings.parameters();
+    let mut count = 0;
+    for (sheet, orbit) in exact_orbit::solve(p)?.each() {
+        let Some(orbit) = orbit else { continue };
+        let column = (NAME, root_name(sheet));
+        let values = Theory::Exact(orbit).amplitudes(p);
+        for (quantity, value) in ["B", "A1", "A2", "A3"].into_iter().zip(values) {
+            rows.number(column, quantity, "L", value);
+        }
+        rows.number(column, "drive phase at impact", "rad", orbit.drive_phase());
+        rows.number(column, "impulse p", "N.s", orbit.impulse());
+        rows.number(column, "p/m2", "m/s", orbit.impulse() / p.block_mass);
+        rows.flag(column, "geometric test", orbit.is_clear());
+        rows.stability(column, orbit.is_stable(), orbit.spectral_radius(), orbit.bifurcation());
+        rows.complex(column, "multiplier", &orbit.multipliers());
+        let start = orbit.initial_state();
+        for (body, i) in ["box", "block", "secondary"].into_iter().zip(0..3) {
+            rows.number(column, &format!("{body}.s at t = 0"), "m", start.x[i]);
+            rows.number(column, &format!("{body}.v at t = 0"), "m/s", start.v[i]);
+        }
+        count += usize::from(orbit.is_clear());
+    }
+    Ok(count)
+}
+
+fn picture(settings: &Settings) -> Result<(String, Option<Figure>)> {
+    let approximate = Theory::multiple_scales(settings.groups())?;
+    let exact = Theory::exact(settings.parameters())?;
+    let stability = |t: &Theory| if t.is_stable() { "stable" } else { "unstable or not admissible" };
+    let named = |t: &Option<Theory>, name: &str| t.as_ref().map(|t| format!("{name} ({})", stability(t)));
+    let parts: Vec<_> = [named(&approximate, "multiple scales"), named(&exact, "exact orbit")]
+        .into_iter()
+        .flatten()
+        .collect();
+    if parts.is_empty() {
+        return Ok(("no picture, for there is no motion with two symmetric impacts".into(), None));
+    }
+    let what = format!("time histories and phase portraits as in figure 8, by {}", parts.join(" and "));
+    let p = settings.parameters();
+    let of = |t: &Option<Theory>| t.as_ref().map_or(Vec::new(), |t| t.history(p, PERIODS));
+    let (first, second) = (of(&approximate), of(&exact));
+    let figure = four_panels(
+        "Steady motion with two symmetric impacts (cf. figure 8)",
+        settings,
+        (&first, "multiple scales"),
+        (&second, "exact orbit"),
+    );
+    Ok((what, Some(figure)))
+}
+
+/// Histories and portraits of two motions, each with its name, over each other.
+pub(super) fn four_panels(
+    title: &str,
+    settings: &Settings,
+    first: (&[Point], &str),
+    second: (&[Point], &str),
+) -> Figure {
+    let panel = |title: &str, quantities: &[usize], portrait: bool| {
+        comparison_panel(title, quantities, portrait, first.0, first.1, second.0, second.1)
+    };
+    Figure {
+        title: title.into(),
+        caption: vec![settings.caption()],
+        panels: vec![
+            panel("(a) Centre of mass and relative displacement", &[0, 1], false),
+            panel("(b) Phase portraits of U and W", &[0, 1], true),
+            panel("(c) Box, block and secondary oscillator", &[2, 3, 4], false),
+            panel("(d) Phase portraits of X₁, X₂, X₃", &[2, 3, 4], true),
+        ],
+        columns: 2,
+        panel: PANEL,
+        shared_legend: true,
+    }
+}
+
+/// Curves of one motion in colours and, over them, of another in thin black dashes.
+pub(super) fn comparison_panel(
+    title: &str,
+    quantities: &[usize],
+    portrait: bool,
+    first: &[Point],
+    first_name: &str,
+    second: &[Point],
+    second_name: &str,
+) -> Panel {
+    let mut layers = Vec::new();
+    if quantities.contains(&1) && !portrait {
+        let end = first.iter().chain(second).map(|p| p.time).fold(0.0, f64::max);
+        let stops = vec![vec![(0.0, 1.0), (end, 1.0)], vec![(0.0, -1.0), (end, -1.0)]];
+        layers.push(Layer::lines("stops, W = ±1", BLACK, Dash::Dotted, stops).stroke(THIN));
+    }
+    let path = |points: &[Point], q: usize| {
+        // A portrait closes after one period; twice would fill its dashes.
+        let shown = points.iter().filter(|p| !portrait || p.time <= 1.0 + 1e-9);
+        shown.map(|p| if portrait { (p.x[q], p.v[q]) } else { (p.time, p.x[q]) }).collect::<Vec<_>>()
+    };
+    for &q in quantities {
+        let (name, colour) = CURVES[q];
+        if !first.is_empty() {
+            layers.push(Layer::line(&format!("{name}, {first_name}"), colour, Dash::Solid, path(first, q)));
+        }
+    }
+    for &q in quantities {
+        if !second.is_empty() {
+            layers.push(Layer::line(second_name, BLACK, Dash::Dashed, path(second, q)).stroke(THIN));
+        }
+    }
+    let symbols = quantities.iter().map(|&q| CURVES[q].0).collect::<Vec<_>>().join(", ");
+    let rates = quantities.iter().map(|&q| format!("d{}/dτ", CURVES[q].0)).collect::<Vec<_>>().join(", ");
+    let (x, y) = if portrait {
+        (Axis::new(format!("{symbols} (units of L)")), Axis::new(format!("{rates} (units of L)")))
+    } else {
+        (
+            Axis::over(
+                "time Ω₁τ/2π (drive periods)",
+                0.0,
+                first.iter().chain(second).map(|p| p.time).fold(0.0, f64::max),
+            ),
+            Axis::new(format!("{symbols} (units of L)")),
+        )
+    };
+    Panel { title: title.into(), x, y, layers }
+}

@@ -1,0 +1,352 @@
+//! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
+
+use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
+use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, Shape, THIN};
+use super::super::table::{Table, exact};
+use super::Study;
+use vibro_analysis::attractor::Class;
+use vibro_analysis::bifurcation::{Diagram, Point, Sweep};
+use vibro_analysis::plane::{Method, PlaneAxis};
+use vibro_analysis::response::response;
+use vibro_analysis::{Error, Result};
+use vibro_analysis::{Settings, short};
+
+/// Rows of cells in a diagram.
+const ROWS: usize = 380;
+/// Shades by the part of the kept periods that fall into a cell: under 0.5 %, 3 %, 20 %, more.
+const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
+const SHADES: [Colour; 4] =
+    [Colour(190, 190, 190), Colour(130, 130, 130), Colour(70, 70, 70), Colour(0, 0, 0)];
+/// Where the falling direction ends elsewhere: rare, frequent.
+const FALLING: [Colour; 2] = [Colour(236, 160, 110), VERMILLION];
+/// Nodes of the branches drawn over maxima.
+const NODES: usize = 400;
+/// Most rows of windows told on the screen.
+const TOLD: usize = 40;
+/// Decimals of an exponent in words: what a thousand periods give.
+const DECIMALS: usize = 4;
+
+/// The study of a sweep: maxima, impacts and exponents where there are some, with their tables.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn sweep(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
+    let hysteresis = diagram.hysteresis();
+    let axis = &sweep.axis;
+    let mut panels = vec![maxima_panel(axis, sweep.keep, diagram, &hysteresis)];
+    if sweep.exponents.is_some() {
+        panels.push(exponent_panel(axis, &diagram.up));
+    }
+    panels.push(impact_panel(axis, diagram));
+    letters(&mut panels);
+    let figure = Figure {
+        title: format!("Bifurcation diagram of X₂ over {} (cf. figure 14)", axis.group.symbol),
+        caption: vec![method(sweep), format!("Elsewhere {}", settings.caption())],
+        panels,
+        columns: 1,
+        panel: (2900, 1150),
+        shared_legend: false,
+    };
+    let mut remarks = window_remarks(axis, diagram);
+    let apart = hysteresis.iter().filter(|h| **h).count();
+    remarks.push(format!("{apart} of {} values end elsewhere with the value falling", hysteresis.len()));
+    let refused = diagram.up.iter().chain(&diagram.down).filter(|p| p.is_none()).count();
+    if refused > 0 {
+        remarks.push(format!("{refused} values left out: the simulator refused them"));
+    }
+    Ok(Study {
+        name: name.into(),
+        what: format!("local maxima of X₂ over {} as in figure 14, both directions", axis.group.symbol),
+        tables: vec![
+            (name.into(), maxima_table(axis, diagram)?),
+            (format!("{name}-points"), point_table(axis, diagram, &hysteresis).csv()?),
+            (format!("{name}-windows"), window_table(axis, diagram).csv()?),
+        ],
+        shown: None,
+        figure: Some(figure),
+        remarks,
+    })
+}
+
+fn letters(panels: &mut [Panel]) {
+    for (letter, panel) in ('a'..).zip(panels) {
+        panel.title = format!("({letter}) {}", panel.title);
+    }
+}
+
+fn method(sweep: &Sweep) -> String {
+    let mut text = format!(
+        "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
+        sweep.discard, sweep.keep, sweep.axis.count
+    );
+    if let Some(o) = &sweep.exponents {
+        text.push_str(&format!(" Exponents over {} periods after {}.", o.periods, o.align));
+    }
+    text
+}
+
+/// Range of all maxima, with some air.
+fn reach(points: &[Option<Point>]) -> (f64, f64) {
+    let all = points.iter().flatten().flat_map(|p| p.maxima.iter().map(|m| m.0));
+    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    if low > high {
+        (0.0, 1.0)
+    } else {
+        (low - 0.03 * (high - low) - 1e-3, high + 0.03 * (high - low) + 1e-3)
+    }
+}
+
+/// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one where it ends elsewhere.
+fn cells(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: (f64, f64)) -> Shape {
+    let mut counts = vec![[0u32; 2]; ROWS * axis.count];
+    let row = |x: f64| (((x - y.0) / (y.1 - y.0) * ROWS as f64) as usize).min(ROWS - 1);
+    for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
+        for (column, point) in points.iter().enumerate() {
+            if direction == 1 && !apart[column] {
+                continue;
+            }
+            for (x, count) in point.iter().flat_map(|p| &p.maxima) {
+                counts[row(*x) * axis.count + column][direction] += count;
+            }
+        }
+    }
+    let level = |count: u32| STEPS.iter().filter(|s| f64::from(count) > **s * f64::from(keep)).count() as u8;
+    let class = |[up, down]: [u32; 2]| match (up, down) {
+        (0, 0) => 0,
+        (0, down) => 5 + u8::from(level(down) > 1),
+        (up, _) => 1 + level(up),
+    };
+    let mut colours = vec![None];
+    colours.extend(SHADES.into_iter().chain(FALLING).map(Some));
+    let (x, cells) = (axis.edges(), counts.into_iter().map(class).collect());
+    Shape::Cells { x, y, columns: axis.count, cells, colours }
+}
+
+fn maxima_panel(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool]) -> Panel {
+    let both: Vec<Option<Point>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
+    let (x, y) = (axis.edges(), reach(&both));
+    let mut layers = vec![Layer::new("", BLACK, cells(axis, keep, diagram, apart, y))];
+    layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
+    layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
+    Panel {
+        title: "Local maxima of X₂".into(),
+        x: Axis::over(axis.group.label(), x.0, x.1),
+        y: Axis::over("X₂ (units of L)", y.0, y.1),
+        layers,
+    }
+}
+
+fn exponent_panel(axis: &PlaneAxis, points: &[Option<Point>]) -> Panel {
+    let x = axis.edges();
+    let curve = |index: usize| -> Path {
+        points
+            .iter()
+            .flatten()
+            .filter_map(|p| Some((p.value, p.spectrum.as_ref()?.exponents[index])))
+            .collect()
+    };
+    let colours = [VERMILLION, BLUE, GREEN];
+    let mut layers = vec![Layer::line("", BLACK, Dash::Dotted, vec![(x.0, 0.0), (x.1, 0.0)]).stroke(THIN)];
+    for (index, name) in ["λ₁", "λ₂", "λ₃"].into_iter().enumerate() {
+        layers.push(Layer::line(name, colours[index], Dash::Solid, curve(index)).stroke(THIN));
+    }
+    Panel {
+        title: "The three largest Lyapunov exponents, value rising".into(),
+        x: Axis::over(axis.group.label(), x.0, x.1),
+        y: Axis::new("λ (per unit of τ)"),
+        layers,
+    }
+}
+
+fn impact_panel(axis: &PlaneAxis, diagram: &Diagram) -> Panel {
+    let x = axis.edges();
+    let curve = |points: &[Option<Point>]| -> Path {
+        let all = points.iter().flatten();
+        all.map(|p| (p.value, p.attractor.impacts[0] + p.attractor.impacts[1])).collect()
+    };
+    Panel {
+        title: "Impacts per drive period".into(),
+        x: Axis::over(axis.group.label(), x.0, x.1),
+        y: Axis::new("impacts (–)"),
+        layers: vec![
+            Layer::line("value falling", VERMILLION, Dash::Solid, curve(&diagram.down)).stroke(THIN),
+            Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
+        ],
+    }
+}
+
+const DIRECTIONS: [&str; 2] = ["rising", "falling"];
+
+/// Every maximum with its count; written directly, since there are hundreds of thousands.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn maxima_table(axis: &PlaneAxis, diagram: &Diagram) -> Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut put = |row: [&str; 4]| writer.write_record(row).map_err(Error::output("a table"));
+    put([axis.group.name, "direction", "X2_maximum", "count"])?;
+    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
+        for point in points.iter().flatten() {
+            let value = exact(point.value);
+            for (x, count) in &point.maxima {
+                put([&value, direction, &format!("{x:.6}"), &count.to_string()])?;
+            }
+        }
+    }
+    writer.into_inner().map_err(Error::output("a table"))
+}
+
+fn point_table(axis: &PlaneAxis, diagram: &Diagram, apart: &[bool]) -> Table {
+    let mut header = vec![axis.group.name, "direction", "class", "period", "impacts_upper", "impacts_lower"];
+    header.extend(["rests", "symmetric", "hysteresis"]);
+    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
+    header.extend(["deviation", "periods"]);
+    let mut table = Table::new(&header);
+    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
+        for (point, apart) in points.iter().zip(apart) {
+            let Some(p) = point else { continue };
+            let a = &p.attractor;
+            let mut row = vec![exact(p.value), direction.into(), p.class.name()];
+            row.push(a.period.map_or(String::new(), |n| n.to_string()));
+            row.extend(a.impacts.map(exact));
+            let symmetric = if a.period.is_some() { a.is_symmetric().to_string() } else { String::new() };
+            row.extend([a.rests.to_string(), symmetric, apart.to_string()]);
+            match &p.spectrum {
+                Some(s) => {
+                    row.extend(s.exponents.map(exact));
+                    row.extend([exact(s.deviation), s.periods.to_string()]);
+                }
+                None => row.extend((0..9).map(|_| String::new())),
+            }
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+fn window_table(axis: &PlaneAxis, diagram: &Diagram) -> Table {
+    let name = axis.group.name;
+    let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
+    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
+        for (from, to, class) in Diagram::windows(points) {
+            table.rows.push(vec![direction.into(), exact(from), exact(to), class.name()]);
+        }
+    }
+    table
+}
+
+fn window_remarks(axis: &PlaneAxis, diagram: &Diagram) -> Vec<String> {
+    let windows = Diagram::windows(&diagram.up);
+    let mut lines: Vec<String> = windows
+        .iter()
+        .take(TOLD)
+        .map(|(from, to, class)| {
+            format!("{} {} … {}: {}", axis.group.name, short(*from), short(*to), class.name())
+        })
+        .collect();
+    if windows.len() > TOLD {
+        lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));
+    }
+    lines
+}
+
+/// Table 2: spectra at selected values (the nearest of the sweep), value rising.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> Result<(Table, Study)> {
+    let mut header = vec![sweep.axis.group.name];
+    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7", "class"]);
+    let mut table = Table::new(&header);
+    let mut remarks = Vec::new();
+    for value in values {
+        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+        let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
+        let Some(s) = &point.spectrum else { continue };
+        let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
+        let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
+        remarks.push(format!("{}: {}; {}", short(point.value), numbers.join(", "), point.class.name()));
+        let mut row = vec![exact(point.value)];
+        row.extend(s.exponents.map(exact));
+        row.push(point.class.name());
+        table.rows.push(row);
+    }
+    let study = Study {
+        name: name.into(),
+        what: "spectra of Lyapunov exponents at selected values as in table 2, per unit of τ".into(),
+        tables: vec![(name.into(), table.csv()?)],
+        shown: None,
+        figure: None,
+        remarks,
+    };
+    Ok((table, study))
+}
+
+/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10, which are in the table of the
+/// sweep itself.
+///
+/// # Errors
+/// What the theories refuse, [`Error::Output`].
+pub fn overlay(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
+    let axis = &sweep.axis;
+    let apart = diagram.hysteresis();
+    let mut panel = maxima_panel(axis, sweep.keep, diagram, &apart);
+    panel.title = String::new();
+    let mut table = Table::new(&[axis.group.name, "theory", "A2", "stable"]);
+    for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, GREEN)] {
+        let found = response(settings, axis.group, (axis.from, axis.to), method, NODES)?;
+        let (mut stable, mut unstable): (Vec<Path>, Vec<Path>) = (Vec::new(), Vec::new());
+        for pair in found.curves.iter().flat_map(|c| c.windows(2)).filter(|w| w[0].clear && w[0].right) {
+            let into = if pair[0].stable { &mut stable } else { &mut unstable };
+            let (a, b) = ((pair[0].value, pair[0].a[1]), (pair[1].value, pair[1].a[1]));
+            match into.last_mut().filter(|p| p.last() == Some(&a)) {
+                Some(path) => path.push(b),
+                None => into.push(vec![a, b]),
+            }
+        }
+        for p in found.curves.iter().flatten() {
+            table.rows.push(vec![exact(p.value), method.name().into(), exact(p.a[1]), p.stable.to_string()]);
+        }
+        panel.layers.push(Layer::lines(
+            &format!("A₂, {}, stable", method.name()),
+            colour,
+            Dash::Solid,
+            stable,
+        ));
+        let dashed = format!("A₂, {}, unstable", method.name());
+        panel.layers.push(Layer::lines(&dashed, colour, Dash::Dashed, unstable).stroke(THIN));
+    }
+    let figure = Figure {
+        title: "Force response over the simulated maxima of X₂ (cf. figure 16)".into(),
+        caption: vec![method(sweep), settings.caption()],
+        panels: vec![panel],
+        columns: 1,
+        panel: (2700, 1600),
+        shared_legend: true,
+    };
+    Ok(Study {
+        name: name.into(),
+        what: "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16".into(),
+        tables: vec![(name.into(), table.csv()?)],
+        shown: None,
+        figure: Some(figure),
+        remarks: Vec::new(),
+    })
+}
+
+/// The ranges of periodic motion of a direction, single gaps of one class of value closed: from, to.
+pub fn periodic_ranges(points: &[Option<Point>]) -> Vec<(f64, f64)> {
+    let mut found: Vec<(f64, f64)> = Vec::new();
+    let mut open = false;
+    for point in points.iter().flatten() {
+        // What stands between is a bifurcation or a torus, not chaos.
+        let regular = point.class != Class::Chaotic && point.class != Class::Aperiodic;
+        match found.last_mut().filter(|_| open && regular) {
+            Some(range) => range.1 = point.value,
+            None if regular => found.push((point.value, point.value)),
+            None => {}
+        }
+        open = regular;
+    }
+    found
+}

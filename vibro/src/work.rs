@@ -1,0 +1,100 @@
+//! Long studies as plain data, so that a folder of parts says what it is part of, and machines agree on it.
+
+use super::studies::{self, Study};
+use serde::{Deserialize, Serialize};
+use vibro_analysis::Result;
+use vibro_analysis::Settings;
+use vibro_analysis::basin;
+use vibro_analysis::bifurcation::{self, Sweep};
+use vibro_analysis::isoperiodic;
+use vibro_analysis::parts::Task;
+
+/// One long study.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Work {
+    /// Stem of its files.
+    pub name: String,
+    /// The version of the program: parts of another are not mixed.
+    pub version: String,
+    /// What it is.
+    pub kind: Kind,
+    /// The parameters.
+    pub settings: Settings,
+}
+
+/// Kinds of long studies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Kind {
+    /// Maxima, periods and, if asked for, exponents over a group.
+    Sweep {
+        /// The sweep.
+        sweep: Sweep,
+        /// Values at which spectra are told and shown on their way.
+        at: Vec<f64>,
+    },
+    /// Basins over two initial values.
+    Basin(basin::Request),
+    /// Simulated motion over two groups.
+    Isoperiodic(isoperiodic::Request),
+}
+
+impl Work {
+    /// A study by this version of the program.
+    pub fn new(name: &str, kind: Kind, settings: &Settings) -> Self {
+        Self {
+            name: name.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            kind,
+            settings: settings.clone(),
+        }
+    }
+
+    /// Number of parts.
+    pub fn count(&self) -> usize {
+        match &self.kind {
+            Kind::Sweep { sweep, .. } => bifurcation::count(sweep),
+            Kind::Basin(request) => basin::count(request),
+            Kind::Isoperiodic(request) => isoperiodic::count(request),
+        }
+    }
+
+    /// The diagram of a sweep; `None` for another kind, or where parts belong to other shards.
+    ///
+    /// # Errors
+    /// As [`bifurcation::diagram`].
+    pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
+        let Kind::Sweep { sweep, .. } = self.kind else { return Ok(None) };
+        Ok(bifurcation::diagram(&self.settings, &sweep, task)?.map(|d| (sweep, d)))
+    }
+
+    /// Computes what belongs to the shard, and the tables and pictures where all parts are there.
+    ///
+    /// # Errors
+    /// As [`bifurcation::diagram`], [`basin::basin`] and [`isoperiodic::isoperiodic`].
+    pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
+        match &self.kind {
+            Kind::Sweep { at, .. } => {
+                let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
+                let mut found = vec![studies::sweep(&self.settings, &sweep, &diagram, &self.name)?];
+                if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
+                    let (group, stem) = (sweep.axis.group, &self.name);
+                    found.push(studies::spectra(&sweep, &diagram, at, &format!("{stem}-spectra"))?.1);
+                    let name = format!("{stem}-running");
+                    found.push(studies::running(&self.settings, group, at, sweep.discard, options, &name)?);
+                }
+                Ok(Some(found))
+            }
+            Kind::Basin(request) => {
+                let found = basin::basin(self.settings.parameters(), request, task)?;
+                let study = |b| studies::basins(&self.settings, request, &b, &self.name).map(|s| vec![s]);
+                found.map(study).transpose()
+            }
+            Kind::Isoperiodic(request) => {
+                let found = isoperiodic::isoperiodic(&self.settings, request, task)?;
+                let study =
+                    |p| studies::isoperiodic(&self.settings, request, &p, &self.name).map(|s| vec![s]);
+                found.map(study).transpose()
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Planes by simulation: against single runs, the exact orbit, and their own table and picture.
+
+use std::collections::HashMap;
+use vibro::figures::chart::Shape;
+use vibro::studies;
+use vibro_analysis::attractor::{Class, observe};
+use vibro_analysis::isoperiodic::{Isoperiodic, Origin, Request, isoperiodic};
+use vibro_analysis::lyapunov::Options;
+use vibro_analysis::parts::Task;
+use vibro_analysis::plane::{self, Method, PlaneAxis};
+use vibro_analysis::section::kicked;
+use vibro_analysis::{Settings, find_group};
+use vibro_impact::steady::exact_orbit;
+use vibro_impact::{Simulator, State};
+
+fn axis(name: &str, range: (f64, f64), count: usize) -> PlaneAxis {
+    PlaneAxis::new(find_group(name).unwrap(), range, count).unwrap()
+}
+
+fn request(x: PlaneAxis, y: PlaneAxis, start: Origin, discard: u32) -> Request {
+    let exponents = Some(Options { periods: 200, ..Options::default() });
+    Request { x, y, start, discard, exponents }
+}
+
+fn found(request: &Request) -> Isoperiodic {
+    isoperiodic(&Settings::basic(), request, &Task::ALL).unwrap().unwrap()
+}
+
+fn at(request: &Request, index: usize) -> Settings {
+    let (x, y) = (&request.x, &request.y);
+    let settings = Settings::basic().with(x.group, x.value(index % x.count)).unwrap();
+    settings.with(y.group, y.value(index / x.count)).unwrap()
+}
+
+#[test]
+fn second_method_points_of_a_plane_one_by_one() {
+    let r = request(axis("sigma1", (-1.0, 1.0), 7), axis("f10", (0.0, 3.5), 6), Origin::default(), 200);
+    let plane = found(&r);
+    let theory = plane::plane(&Settings::basic(), r.x, r.y, Method::ExactOrbit, &|| ()).unwrap();
+    let mut periods = std::collections::BTreeSet::new();
+    /// m/s; far more than rounding, far less than a basin of attraction that one can see.
+    const BESIDE: f64 = 1e-9;
+    let mut compared = 0;
+    for (i, point) in plane.points.iter().enumerate() {
+        assert_eq!(point.theory, theory.classes[i], "point {i}");
+        let motion = point.motion.expect("not refused");
+        // In one run of one simulator, not in a batch and then another; and in a second one from a start next to it: where the
+        // two end differently, rounding decides where the batch does.
+        let p = *at(&r, i).parameters();
+        let alone = |beside: f64| {
+            let State { x, mut v } = kicked(&p);
+            v[1] += beside;
+            let mut simulator = Simulator::new(&p, &State { x, v }, 0.0).unwrap();
+            simulator.advance_to(200.0 * p.period()).unwrap();
+            observe(&mut simulator).unwrap()
+        };
+        let (alone, next) = (alone(0.0), alone(BESIDE));
+        if let (Some(period), true) = (alone.period, alone.period == next.period) {
+            compared += 1;
+            assert_eq!(motion.class, Class::Periodic(period), "point {i}");
+            assert_eq!(motion.impacts, alone.impacts, "point {i}");
+            periods.insert(period);
+        }
+        // Exponents where there are impacts and no period.
+        let impacts = motion.impacts != [0.0; 2];
+        let periodic = matches!(motion.class, Class::Periodic(_));
+        assert_eq!(motion.exponent.is_some(), impacts && !periodic, "point {i}: {motion:?}");
+        assert!(motion.class != Class::Aperiodic, "point {i}: {motion:?}");
+        // Chaos is told by a positive exponent alone.
+        let positive = motion.exponent.is_some_and(|e| e > 1e-3);
+        assert_eq!(motion.class == Class::Chaotic, positive, "point {i}: {motion:?}");
+    }
+    assert!(compared >= 15, "{compared} of {}", plane.points.len());
+    assert!(periods.len() > 1 && plane.points.iter().any(|p| p.motion.unwrap().class == Class::Chaotic));
+}
+
+#[test]
+fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
+    /// Half-period multipliers this far inside the circle: what a start's rounding excites is gone within the discarded
+    /// periods; and this far outside, it has grown past all tolerances.
+    const INSIDE: f64 = 0.97;
+    let (x, y) = (axis("sigma1", (-2.0, 2.0), 17), axis("f10", (0.4, 4.0), 16));
+    let on_orbit = found(&request(x, y, Origin::Orbit, 100));
+    let mut well_inside = 0;
+    for (i, point) in on_orbit.points.iter().enumerate() {
+        if point.theory != plane::Class::Stable {
+            continue;
+        }
+        let orbits = exact_orbit::solve(at(&request(x, y, Origin::Orbit, 0), i).parameters()).unwrap();
+        let stable = [orbits.upper, orbits.lower].into_iter().flatten().find(|o| o.is_stable()).unwrap();
+        if stable.spectral_radius() < INSIDE {
+            let motion = point.motion.unwrap();
+            assert!(motion.on_orbit && motion.is_two_impact(), "point {i}: {motion:?}");
+            well_inside += 1;
+        }
+    }
+    assert!(well_inside > 60, "{well_inside}");
+    // From the bifurcation study's start some motions end elsewhere, but none ends where the theory has no stable orbit.
+    let kicked = found(&request(x, y, Origin::default(), 300)).agreement();
+    assert_eq!(kicked.foretold, kicked.two_impact, "{kicked:?}");
+    assert!(
+        kicked.reached as f64 > 0.9 * kicked.stable as f64 && kicked.reached < kicked.stable,
+        "{kicked:?}"
+    );
+}
+
+#[test]
+fn closed_form_parts_without_a_system_are_left_out() {
+    // 1 + ε σ1 > 0: a drive that turns forwards.
+    let r = request(axis("sigma1", (-12.0, -6.0), 7), axis("f10", (0.5, 1.0), 2), Origin::default(), 20);
+    for (i, point) in found(&r).points.iter().enumerate() {
+        assert_eq!(point.motion.is_none(), r.x.value(i % 7) <= -10.0, "point {i}");
+    }
+}
+
+#[test]
+fn pictures_show_what_the_table_holds() {
+    let r = request(axis("kappa", (0.0, 1.0), 9), axis("f10", (0.5, 4.0), 8), Origin::default(), 60);
+    let plane = found(&r);
+    let study = studies::isoperiodic(&Settings::basic(), &r, &plane, "isoperiodic").unwrap();
+    let rows: Vec<HashMap<String, String>> =
+        csv::Reader::from_reader(study.tables[0].1.as_slice()).deserialize().map(|r| r.unwrap()).collect();
+    assert_eq!(rows.len(), 72);
+    let panels = &study.figure.as_ref().unwrap().panels;
+    let cells = |panel: usize| match &panels[panel].layers[0].shape {
+        Shape::Cells { cells, columns: 9, .. } => cells.clone(),
+        other => panic!("{other:?}"),
+    };
+    let number = |row: &HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!((number(row, "kappa"), number(row, "f10")), (r.x.value(i % 9), r.y.value(i / 9)));
+    }
+    // More impacts never have a lighter colour; two and three of them have one of their own.
+    let all = |row: &HashMap<String, String>| number(row, "impacts_upper") + number(row, "impacts_lower");
+    let mut impacts: Vec<(f64, u8)> = rows.iter().map(all).zip(cells(1)).collect();
+    impacts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(impacts.windows(2).all(|w| w[0].1 <= w[1].1), "{impacts:?}");
+    for whole in [2.0, 3.0] {
+        let own = impacts.iter().find(|c| c.0 == whole).unwrap().1;
+        assert!(impacts.iter().all(|c| (c.1 == own) == (c.0 == whole)), "{whole}: {impacts:?}");
+    }
+    // The symmetric motion with two impacts a period has one colour, and so has what is neither periodic nor regular.
+    let two_impact = |row: &HashMap<String, String>| {
+        row["class"] == "1T" && row["symmetric"] == "true" && row["rests"] == "false" && all(row) == 2.0
+    };
+    for own in [
+        rows.iter().map(two_impact).collect::<Vec<bool>>(),
+        rows.iter().map(|row| row["class"] == "chaotic").collect(),
+    ] {
+        let colour = cells(0)[own.iter().position(|o| *o).unwrap()];
+        assert_eq!(cells(0).iter().map(|c| *c == colour).collect::<Vec<_>>(), own);
+    }
+    // The limit of stability: as many edges as neighbours of which one is stable.
+    let Shape::Lines { pieces, .. } = &panels[0]
+        .layers
+        .iter()
+        .find(|l| l.name.as_deref() == Some("limit of the stable exact orbit"))
+        .unwrap()
+        .shape
+    else {
+        panic!("a line")
+    };
+    let stable: Vec<bool> = rows.iter().map(|r| r["exact_orbit"] == "stable").collect();
+    let across = (0..72).filter(|i| i % 9 > 0 && stable[*i] != stable[i - 1]).count();
+    let up = (9..72).filter(|i| stable[*i] != stable[i - 9]).count();
+    assert_eq!(pieces.len(), across + up);
+    assert!(across > 0 && up > 0);
+}

@@ -1,0 +1,332 @@
+//! Long studies: the sweep against the exact orbit and the windows of model.md, the figures against their tables, and
+//! the real `vibro` interrupted, resumed, sharded, merged, on any number of threads.
+
+#[path = "common/mod.rs"]
+mod command;
+
+use command::{command, drawn, pixels};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use vibro::figures::chart::Shape;
+use vibro::studies;
+use vibro_analysis::attractor::{Class, Relation, observe};
+use vibro_analysis::basin::{self, Axis, Goal};
+use vibro_analysis::bifurcation::{Diagram, Point, Sweep, diagram};
+use vibro_analysis::parts::Task;
+use vibro_analysis::plane::PlaneAxis;
+use vibro_analysis::{Settings, find_group, lyapunov};
+use vibro_impact::steady::exact_orbit;
+use vibro_impact::{Simulator, State};
+
+/// The transient has died out to this part of L at values away from bifurcations; maxima are kept to 1e-6.
+const SETTLED: f64 = 2e-6;
+
+fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::Options>) -> (Sweep, Diagram) {
+    let axis = PlaneAxis::new(find_group("f10").unwrap(), range, count).unwrap();
+    let sweep = Sweep { axis, discard: 300, keep: 60, exponents };
+    let all = diagram(&Settings::basic(), &sweep, &Task::ALL).unwrap();
+    (sweep, all.unwrap())
+}
+
+fn near(points: &[Option<Point>], value: f64) -> &Point {
+    let distance = |p: &&Point| (p.value - value).abs();
+    points.iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+}
+
+#[test]
+fn golden_windows_of_the_prototype() {
+    let options = lyapunov::Options { periods: 300, ..lyapunov::Options::default() };
+    let (_, found) = sweep((0.6, 4.8), 85, Some(options)); // every 0.05
+    let class = |value: f64| near(&found.up, value).class;
+    // model.md section 9, "BASIC with rising f10", away from the ends of its windows.
+    for value in [0.6, 0.7, 0.8, 3.55, 3.7, 4.1, 4.8] {
+        assert_eq!(class(value), Class::Chaotic, "{value}");
+    }
+    for (values, period, impacts) in [
+        (vec![1.0, 1.3, 1.6, 1.9, 2.2], 1, 2.0),
+        (vec![2.45], 2, 2.0),
+        (vec![2.65, 2.7], 1, 3.0),
+        (vec![3.0, 3.1, 3.25], 2, 3.0),
+        (vec![3.9, 3.95], 1, 3.0),
+    ] {
+        for value in values {
+            let p = near(&found.up, value);
+            assert_eq!(p.class, Class::Periodic(period), "{value}");
+            assert_eq!(p.attractor.impacts[0] + p.attractor.impacts[1], impacts, "{value}");
+            let s = p.spectrum.as_ref().unwrap();
+            assert!(s.exponents[0].abs() < 1e-3 && s.exponents[1] < -1e-3, "{value}: {s:?}");
+        }
+    }
+    for p in found.up.iter().flatten() {
+        let s = p.spectrum.as_ref().unwrap();
+        assert!(s.exponents[2] < 0.0, "the third is always negative: {}", p.value);
+    }
+}
+
+#[test]
+fn second_method_maxima_are_the_exact_orbits_amplitude() {
+    let (sweep, found) = sweep((1.0, 2.0), 11, None);
+    for p in found.up.iter().chain(&found.down).flatten() {
+        let settings = Settings::basic().with(sweep.axis.group, p.value).unwrap();
+        let orbit = exact_orbit::solve(settings.parameters()).unwrap().upper.unwrap();
+        assert!(orbit.is_stable());
+        let expected = orbit.amplitudes()[1];
+        assert!(p.maxima.iter().all(|m| (m.0 - expected).abs() < SETTLED), "{}: {:?}", p.value, p.maxima);
+        assert_eq!(p.maxima.iter().map(|m| m.1).sum::<u32>(), sweep.keep, "one maximum a period");
+        assert!(p.attractor.is_symmetric(), "{}", p.value);
+    }
+}
+
+#[test]
+fn second_method_hysteresis_and_mirror_images() {
+    let (_, found) = sweep((2.0, 2.8), 41, None); // every 0.02
+    let apart = found.hysteresis();
+    let at =
+        |value: f64| found.up.iter().position(|p| (p.as_ref().unwrap().value - value).abs() < 1e-9).unwrap();
+    for value in [2.2, 2.3, 2.7] {
+        assert!(!apart[at(value)], "{value}");
+    }
+    // Two impacts a period on the way up, three on the way down.
+    let i = at(2.5);
+    let (up, down) = (found.up[i].as_ref().unwrap(), found.down[i].as_ref().unwrap());
+    assert!(apart[i]);
+    assert_eq!((up.attractor.impacts, down.attractor.impacts.iter().sum::<f64>()), ([1.0, 1.0], 3.0));
+    // Past the symmetry breaking the motion is not its own mirror image; started from the image it stays there.
+    let p = found.up[at(2.2)].as_ref().unwrap();
+    assert!(!p.attractor.is_symmetric());
+    let settings = Settings::basic().with(find_group("f10").unwrap(), 2.2).unwrap();
+    let image = p.attractor.mirrored[0];
+    let mut state = State { x: [image[0], image[1], image[2]], v: [image[3], image[4], image[5]] };
+    state.x[1] = state.x[0] + (state.x[1] - state.x[0]).clamp(-1.0, 1.0);
+    let mut other = Simulator::new(settings.parameters(), &state, 0.0).unwrap();
+    let other = observe(&mut other).unwrap();
+    assert_eq!(p.attractor.relation(&other), Relation::Mirror);
+    assert_eq!(other.relation(&p.attractor), Relation::Mirror);
+    assert_eq!(other.relation(&other), Relation::Same);
+}
+
+#[test]
+fn figures_show_what_their_tables_hold() {
+    let (sweep, found) = sweep((2.3, 3.6), 27, None);
+    let study = studies::sweep(&Settings::basic(), &sweep, &found, "sweep").unwrap();
+    let figure = study.figure.as_ref().unwrap();
+    let shape = figure.panels[0].layers.iter().find(|l| matches!(l.shape, Shape::Cells { .. })).unwrap();
+    let Shape::Cells { x, y, columns, cells, .. } = &shape.shape else { unreachable!() };
+    let rows = cells.len() / columns;
+    let mut filled: Vec<bool> = cells.iter().map(|c| *c > 0).collect();
+    assert!(filled.iter().any(|f| *f));
+    let apart: HashMap<String, bool> = {
+        let mut reader = csv::Reader::from_reader(study.tables[1].1.as_slice());
+        let rows = reader.deserialize::<HashMap<String, String>>().map(|r| r.unwrap());
+        rows.map(|r| (r["f10"].clone(), r["hysteresis"] == "true")).collect()
+    };
+    let mut seen = vec![false; filled.len()];
+    for row in csv::Reader::from_reader(study.tables[0].1.as_slice()).deserialize::<HashMap<String, String>>()
+    {
+        let row = row.unwrap();
+        if row["direction"] == "falling" && !apart[&row["f10"]] {
+            continue;
+        }
+        let number = |name: &str| row[name].parse::<f64>().unwrap();
+        let column = ((number("f10") - x.0) / (x.1 - x.0) * *columns as f64) as usize;
+        let line = ((number("X2_maximum") - y.0) / (y.1 - y.0) * rows as f64) as usize;
+        assert!(filled[line * columns + column], "{row:?}");
+        seen[line * columns + column] = true;
+    }
+    filled.iter_mut().zip(&seen).for_each(|(f, s)| *f &= !s);
+    assert!(!filled.iter().any(|f| *f), "a cell that no row of the table accounts for");
+}
+
+#[test]
+fn second_method_cells_of_a_basin_by_direct_simulation() {
+    let settings = Settings::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
+    let p = settings.parameters();
+    let (x, y) = (Axis::parse("x1=-1:1", 6).unwrap(), Axis::parse("v2=-2:2", 5).unwrap());
+    let request = basin::Request { x, y, discard: 300 };
+    let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
+    assert_eq!(found.goals.len(), 30);
+    let both = found.shares(0);
+    assert!(both[0] > 0.0 && both[1] > 0.0, "a pair of mirror images: {both:?}");
+    let total: f64 = (0..found.attractors.len() as u16).flat_map(|n| found.shares(n)).sum();
+    assert!((total - 1.0).abs() < 1e-12);
+    for (i, goal) in found.goals.iter().enumerate().step_by(7) {
+        let state = State { x: [x.value(i % 6), 0.0, 0.0], v: [0.0, y.value(i / 6), 0.0] };
+        // In one run of one simulator, not in two as the basin has it.
+        let mut simulator = Simulator::new(p, &state, 0.0).unwrap();
+        simulator.advance_to(300.0 * p.period()).unwrap();
+        let ends = observe(&mut simulator).unwrap();
+        let (number, relation) = match goal {
+            Goal::Attractor(n) => (*n, Relation::Same),
+            Goal::Mirror(n) => (*n, Relation::Mirror),
+            Goal::Outside => panic!("inside the stops"),
+        };
+        assert_eq!(found.attractors[usize::from(number)].relation(&ends), relation, "cell {i}");
+    }
+    let outside = basin::Request { x: Axis::parse("x2=-3:3", 6).unwrap(), ..request };
+    let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
+    assert_eq!(found.goals.iter().filter(|g| **g == Goal::Outside).count(), 20);
+}
+
+fn folder(name: &str) -> PathBuf {
+    command::folder(&format!("studies-{name}"))
+}
+
+/// All files of a folder and their bytes.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found: Vec<_> = std::fs::read_dir(folder)
+        .expect("a folder")
+        .map(|e| e.expect("an entry").path())
+        .map(|p| (p.file_name().unwrap().to_string_lossy().into_owned(), std::fs::read(&p).expect("a file")))
+        .collect();
+    found.sort();
+    found
+}
+
+fn assert_same(one: &Path, two: &Path) {
+    let (a, b) = (files(one), files(two));
+    assert_eq!(a.iter().map(|f| &f.0).collect::<Vec<_>>(), b.iter().map(|f| &f.0).collect::<Vec<_>>());
+    for (x, y) in a.iter().zip(&b) {
+        assert!(x.1 == y.1, "{} differs", x.0);
+    }
+}
+
+/// Not blank: ink in some per cent of the picture.
+fn check_picture(path: &Path) {
+    let (_, _, pixels) = pixels(path);
+    let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
+    assert!(inked * 100 > pixels.len() / 3, "{}: {inked} of {}", path.display(), pixels.len() / 3);
+}
+
+const SWEEP: [&str; 9] =
+    ["bifurcation", "--range", "f10=2.3:2.9", "--resolution", "61", "--discard", "100", "--keep", "100"];
+const EXPONENTS: [&str; 13] = [
+    "lyapunov",
+    "--range",
+    "f10=2.3:2.9",
+    "--resolution",
+    "61",
+    "--discard",
+    "100",
+    "--keep",
+    "100",
+    "--periods",
+    "400",
+    "--at",
+    "1.5,2.88",
+];
+const ISOPERIODIC: [&str; 9] =
+    ["isoperiodic", "--pair", "kappa,f10", "--pair", "sigma1,f10", "--resolution", "12", "--periods", "100"];
+const BASIN: [&str; 7] = ["basin", "--set", "f10=2.48", "--resolution", "24", "--discard", "150"];
+
+#[test]
+fn second_method_shards_merged_and_threads_give_the_same_bytes() {
+    for (name, work) in
+        [("sweep", &SWEEP[..]), ("exponents", &EXPONENTS), ("basin", &BASIN), ("isoperiodic", &ISOPERIODIC)]
+    {
+        let whole = folder(&format!("{name}-whole"));
+        drawn(&whole, &[work, &["--threads", "1"]].concat());
+        for file in files(&whole).iter().filter(|f| f.0.ends_with(".png")) {
+            check_picture(&whole.join(&file.0));
+        }
+        let threaded = folder(&format!("{name}-threads"));
+        drawn(&threaded, &[work, &["--threads", "3"]].concat());
+        assert_same(&whole, &threaded);
+        let shards: Vec<PathBuf> = (1..=3)
+            .map(|i| {
+                let out = folder(&format!("{name}-shard-{i}"));
+                let share = format!("{i}/3");
+                let text = drawn(&out, &[work, &["--shard", &share]].concat());
+                assert!(text.contains("parts of") && text.contains("vibro merge"), "{text}");
+                out
+            })
+            .collect();
+        let merged = folder(&format!("{name}-merged"));
+        let paths: Vec<&str> = shards.iter().map(|s| s.to_str().unwrap()).collect();
+        let lacking = command(&merged, &["merge", paths[0], paths[2]]).output().unwrap();
+        let error = String::from_utf8_lossy(&lacking.stderr).into_owned();
+        assert!(lacking.status.code() == Some(2) && error.contains("parts are missing"), "{error}");
+        drawn(&merged, &[&["merge"], &paths[..]].concat());
+        assert_same(&whole, &merged);
+    }
+}
+
+#[test]
+fn invariant_an_interrupted_study_loses_no_finished_part() {
+    let (broken, whole) = (folder("broken"), folder("unbroken"));
+    drawn(&whole, &EXPONENTS);
+    let mut child = command(&broken, &[&EXPONENTS[..], &["--threads", "1"]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("vibro starts");
+    let parts = broken.join("lyapunov.parts");
+    let finished = || -> Vec<(String, Vec<u8>)> {
+        if !parts.exists() {
+            return Vec::new();
+        }
+        files(&parts).into_iter().filter(|f| f.0.ends_with(".part")).collect()
+    };
+    let begin = std::time::Instant::now();
+    while !parts.exists() || finished().is_empty() {
+        assert!(begin.elapsed().as_secs() < 120, "no part within two minutes");
+        assert!(child.try_wait().unwrap().is_none(), "it has ended already");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let kept = finished();
+    assert!(!kept.is_empty() && kept.len() < 16, "{} parts", kept.len());
+    drawn(&broken, &EXPONENTS);
+    assert_same(&whole, &broken);
+}
+
+#[test]
+fn errors_of_long_studies_name_what_is_allowed() {
+    for (arguments, expected) in [
+        (vec!["bifurcation", "--range", "f1=0:1"], "the nearest is `f10`"),
+        (vec!["bifurcation", "--shard", "3/2"], "i/n with i from 1 to n"),
+        (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
+        (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
+        (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
+        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent groups"),
+        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1, or orbit"),
+        (vec!["isoperiodic", "--start", "x2=3"], "stop"),
+        (vec!["merge", "absent"], "reading absent"),
+    ] {
+        let output = command(&folder("refused"), &arguments).output().unwrap();
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(error.contains(expected), "{arguments:?}: {error}");
+    }
+}
+
+#[test]
+fn the_report_is_whole_and_the_same_on_any_threads() {
+    let (one, two) = (folder("report-1"), folder("report-2"));
+    let text = drawn(&one, &["reproduce", "--quick", "--threads", "1"]);
+    assert!(text.contains("statements of the paper") && text.contains("[agrees]"), "{text}");
+    drawn(&two, &["reproduce", "--quick", "--threads", "2"]);
+    assert_same(&one, &two);
+    let html = std::fs::read_to_string(one.join("report.html")).unwrap();
+    assert!(
+        html.contains("a reconstruction, not the paper&#39;s own data set")
+            || html.contains("a reconstruction, not the paper's own data set")
+    );
+    // Self-contained: pictures inside, nothing from outside.
+    let pictures = html.matches("src=\"data:image/png;base64,").count();
+    let drawn_files: Vec<_> = files(&one).into_iter().filter(|f| f.0.ends_with(".png")).collect();
+    assert_eq!((pictures, html.matches("<img").count()), (drawn_files.len(), drawn_files.len()));
+    assert!(!html.contains("src=\"http") && !html.contains("<script") && !html.contains("<link"));
+    for name in ["figure-13", "figure-14", "figure-14-fine", "figure-15", "figure-16", "table-2", "basin"] {
+        assert!(html.contains(&format!("id=\"{name}\"")), "{name}");
+        assert!(one.join(format!("{name}.csv")).exists(), "{name}");
+    }
+    for file in drawn_files {
+        check_picture(&one.join(file.0));
+    }
+    let mut contents: Vec<_> = files(&one).into_iter().map(|f| f.1).collect();
+    contents.sort();
+    assert!(contents.windows(2).all(|w| w[0] != w[1]), "the same file under two names");
+    assert!(!one.join("reproduce.parts").exists());
+}
