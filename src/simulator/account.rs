@@ -1,7 +1,7 @@
 //! Energy accounts along the sub-steps (see [`crate::energy`]).
 
-use super::careful::{Arrival, Start};
-use super::step::Course;
+use super::general::{SeriesPoint, SubstepStart};
+use super::step::AdvanceState;
 use super::{Contact, Simulator};
 use crate::flow::{CENTRED, INTERVALS};
 use crate::model::{Augmented, SmoothMode};
@@ -12,37 +12,37 @@ use std::sync::Arc;
 impl Simulator {
     /// In a flight without loads the drive's work is the difference of a function's values: its value here is taken off.
     #[inline(always)]
-    pub(super) fn open_account(&mut self, course: &mut Course) {
-        if self.motion.contact == Contact::Flight
+    pub(super) fn open_account(&mut self, advance: &mut AdvanceState) {
+        if self.hybrid.contact == Contact::Flight
             && let Some(work) = self.flight.energy.drive_work()
         {
-            self.motion.sums.input = self.motion.sums.input.plus(-work.value(&course.z));
-            course.flown_from = self.motion.time;
+            self.hybrid.sums.input = self.hybrid.sums.input.plus(-work.value(&advance.z));
+            advance.flown_from = self.hybrid.time;
         }
     }
 
     /// Where such a flight is left its value here is added.
     #[inline(always)]
-    pub(super) fn close_account(&mut self, course: &Course) {
+    pub(super) fn close_account(&mut self, advance: &AdvanceState) {
         if let Some(work) = self.flight.energy.drive_work() {
-            let flown = self.motion.time.minus(course.flown_from).value();
-            let input = self.motion.sums.input.plus(work.value(&course.z));
-            self.motion.sums.input = input.plus(work.mean() * flown);
+            let flown = self.hybrid.time.minus(advance.flown_from).value();
+            let input = self.hybrid.sums.input.plus(work.value(&advance.z));
+            self.hybrid.sums.input = input.plus(work.mean() * flown);
         }
     }
 
     /// An event that changed the box's velocity from `speed` and perhaps the mode from `contact`.
     #[inline(always)]
-    pub(super) fn account_event(&mut self, course: &mut Course, contact: Contact, speed: f64) {
+    pub(super) fn account_event(&mut self, advance: &mut AdvanceState, contact: Contact, speed: f64) {
         if contact != Contact::Flight {
-            self.open_account(course);
+            self.open_account(advance);
             return;
         }
         if let Some(work) = self.flight.energy.drive_work() {
-            self.pending.input -= work.jump(&course.z, course.z[3] - speed);
+            self.pending.input -= work.jump(&advance.z, advance.z[3] - speed);
         }
-        if self.motion.contact != Contact::Flight {
-            self.close_account(course);
+        if self.hybrid.contact != Contact::Flight {
+            self.close_account(advance);
         }
     }
 
@@ -71,8 +71,8 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn account<const LOADS: usize, const N: usize>(
         &mut self,
-        start: &Start<LOADS>,
-        to: &Arrival<N>,
+        start: &SubstepStart<LOADS>,
+        to: &SeriesPoint<N>,
     ) {
         let mut from = 0.0;
         if let Some(index) = to.interval {
@@ -93,13 +93,13 @@ impl Simulator {
     #[inline(always)]
     fn add<const LOADS: usize>(&mut self, input: f64, damped: f64) {
         if LOADS > 0 || self.tables().energy.drive_work().is_none() {
-            self.motion.sums.input = self.motion.sums.input.plus(input);
+            self.hybrid.sums.input = self.hybrid.sums.input.plus(input);
         }
-        self.motion.sums.damped = self.motion.sums.damped.plus(damped);
+        self.hybrid.sums.damped = self.hybrid.sums.damped.plus(damped);
     }
 
     #[inline(always)]
-    pub(super) fn account_whole<const LOADS: usize>(&mut self, start: &Start<LOADS>) {
+    pub(super) fn account_whole<const LOADS: usize>(&mut self, start: &SubstepStart<LOADS>) {
         if LOADS > 0 {
             let (input, damped) = self.account_loaded(start, INTERVALS);
             self.add::<LOADS>(input, damped);
@@ -116,14 +116,18 @@ impl Simulator {
         let damped = energy.damped_up_to(simd, index, z);
         if energy.drive_work().is_none() {
             let input = energy.input_up_to(simd, index, z);
-            self.motion.sums.input = self.motion.sums.input.plus(input);
+            self.hybrid.sums.input = self.hybrid.sums.input.plus(input);
         }
-        self.motion.sums.damped = self.motion.sums.damped.plus(damped);
+        self.hybrid.sums.damped = self.hybrid.sums.damped.plus(damped);
     }
 
     /// Under loads the powers are integrated interval by interval, up to the beginning of interval `count`.
     #[inline(always)]
-    fn account_loaded<const LOADS: usize>(&mut self, start: &Start<LOADS>, count: usize) -> (f64, f64) {
+    fn account_loaded<const LOADS: usize>(
+        &mut self,
+        start: &SubstepStart<LOADS>,
+        count: usize,
+    ) -> (f64, f64) {
         let mut total = (0.0, 0.0);
         for index in 0..count {
             let (series, base) = self.centred(start, index);

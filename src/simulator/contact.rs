@@ -25,7 +25,7 @@ fn report(listener: &mut Listener<'_, '_>, event: Event) {
 impl Simulator {
     /// Applies the law of the event at stop `side`; true for an impact.
     #[inline(always)]
-    pub(super) fn handle<const LOADS: usize>(
+    pub(super) fn apply_event_law<const LOADS: usize>(
         &mut self,
         z: &mut Augmented,
         side: f64,
@@ -33,31 +33,31 @@ impl Simulator {
     ) -> bool {
         let (time, stop) = (self.time(), side as i8);
         z[GAP] = side * self.model.gap;
-        if self.motion.contact != Contact::Flight {
+        if self.hybrid.contact != Contact::Flight {
             z[GAP_RATE] = 0.0;
-            self.motion.contact = Contact::Flight;
-            self.motion.departing = 3; // w' and w'' are zero, the jerk leads away
+            self.hybrid.contact = Contact::Flight;
+            self.hybrid.departing = 3; // w' and w'' are zero, the jerk leads away
             report(on_event, Event::Release { time, side: stop });
             return false;
         }
         // A root whose speed round-off has turned negative is a touch.
         z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
         let (speed, impulse, lost) = self.model.impact(z, side);
-        self.motion.sums.impact = self.motion.sums.impact.plus(lost);
-        self.motion.record.count(side, time, speed, impulse);
+        self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
+        self.hybrid.record.count(side, time, speed, impulse);
         report(on_event, Event::Impact { time, side: stop, speed, impulse });
-        self.motion.departing = 1;
+        self.hybrid.departing = 1;
         let rebound = z[GAP_RATE].abs();
         if rebound == 0.0 {
-            self.settle(*z, side);
-            if self.motion.contact != Contact::Flight {
+            self.rest_or_depart(*z, side);
+            if self.hybrid.contact != Contact::Flight {
                 report(on_event, Event::Rest { time, side: stop });
             }
-        } else if let Some(left) = self.closes::<LOADS>(z, side, rebound) {
+        } else if let Some(left) = self.time_to_chatter_end::<LOADS>(z, side, rebound) {
             let lost = self.model.merge(z);
-            self.motion.sums.impact = self.motion.sums.impact.plus(lost);
-            self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-            self.motion.departing = 0;
+            self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
+            self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+            self.hybrid.departing = 0;
             report(on_event, Event::Rest { time: time + left, side: stop });
         }
         true
@@ -68,11 +68,11 @@ impl Simulator {
     /// this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are under
     /// [`LEAST_BOUNCE`]. Returns the time to the instant at which the run's impacts accumulate, s.
     #[inline(always)]
-    fn closes<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
+    fn time_to_chatter_end<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
         let now = forces.first().map(|f| f.map(|d| d[0]));
         let a = side * self.model.acceleration(SmoothMode::Flight, z, now).1;
-        if a <= 0.0 || u * u > self.closing() * a {
+        if a <= 0.0 || u * u > self.chatter_closing_limit() * a {
             return None;
         }
         let loss = 1.0 - self.model.restitution;
@@ -88,7 +88,7 @@ impl Simulator {
 
     /// The largest square of a rebound speed over the acceleration with which a run is closed, m.
     #[inline(always)]
-    pub(super) fn closing(&self) -> f64 {
+    pub(super) fn chatter_closing_limit(&self) -> f64 {
         let loss = 1.0 - self.model.restitution;
         let part = if loss < LEAST_LOSS { 2.0 * LEAST_BOUNCE } else { 0.5 * loss * CHATTER };
         part * self.model.gap
@@ -96,10 +96,10 @@ impl Simulator {
 
     /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap
     /// that is not zero; called whenever state, parameters or loads are set from outside.
-    pub(super) fn classify(&mut self) {
-        let (gap, y) = (self.model.gap, &mut self.motion.y);
-        self.motion.departing = 0;
-        self.motion.contact = Contact::Flight;
+    pub(super) fn classify_contact(&mut self) {
+        let (gap, y) = (self.model.gap, &mut self.hybrid.y);
+        self.hybrid.departing = 0;
+        self.hybrid.contact = Contact::Flight;
         if y[1].abs() < gap {
             return;
         }
@@ -108,14 +108,14 @@ impl Simulator {
             return; // an impact is due at once
         }
         if y[GAP_RATE] != 0.0 {
-            self.motion.departing = 1;
+            self.hybrid.departing = 1;
             return;
         }
-        self.settle(self.augmented(), side);
+        self.rest_or_depart(self.augmented(), side);
     }
 
     /// Rest or departure at stop `side` with w' = 0.
-    fn settle(&mut self, z: Augmented, side: f64) {
+    fn rest_or_depart(&mut self, z: Augmented, side: f64) {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
         let series = Series::<9>::expand(&self.model, SmoothMode::Flight, &z, Some(&forces), radius);
@@ -123,13 +123,13 @@ impl Simulator {
         let first = (2..9).find(|&k| gap[k] != 0.0);
         match first {
             Some(order) if gap[order] < 0.0 => {
-                self.motion.contact = Contact::Flight;
-                self.motion.departing = order as u8;
+                self.hybrid.contact = Contact::Flight;
+                self.hybrid.departing = order as u8;
             }
             // Pressed, or at rest relative to the box with nothing that moves it.
             _ => {
-                self.motion.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-                self.motion.departing = 0;
+                self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+                self.hybrid.departing = 0;
             }
         }
     }

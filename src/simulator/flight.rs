@@ -1,7 +1,7 @@
 //! The sub-step that almost all time is spent in: free flight without loads.
 
 use super::Simulator;
-use super::careful::{Arrival, Start};
+use super::general::{SeriesPoint, SubstepStart};
 use crate::events::flight_crossing;
 use crate::flow::{ANCHORED, INTERVALS, Series};
 use crate::model::{Augmented, GAP, SmoothMode};
@@ -10,7 +10,7 @@ use crate::numerics::simd::{at_least, gap_over, polynomial, product};
 use pulp::Simd;
 
 /// What the samples of a sub-step tell.
-pub(super) struct Outlook {
+pub(super) struct GapSamples {
     /// The gap at the interval ends.
     g: [f64; INTERVALS],
     /// Within these limits no stop is reached between samples.
@@ -22,7 +22,7 @@ pub(super) struct Outlook {
 }
 
 /// Where an impact was found.
-pub(super) struct Aim {
+pub(super) struct LocatedImpact {
     pub(super) index: usize,
     pub(super) u: f64,
     pub(super) side: f64,
@@ -32,7 +32,7 @@ impl Simulator {
     /// A sub-step of free flight: 16 samples of the gap and the `bound` on its second derivative tell which intervals the
     /// block may reach a stop in; only these are searched. Returns the stop of the first impact.
     #[inline(always)]
-    pub(super) fn cruise<S: Simd, const ACCOUNTS: bool>(
+    pub(super) fn flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
@@ -41,8 +41,8 @@ impl Simulator {
         end: DoubleDouble,
     ) -> Option<f64> {
         let interval = self.interval();
-        let outlook = self.look(simd, z, bound);
-        if outlook.first {
+        let samples = self.sample_gap(simd, z, bound);
+        if samples.first {
             let found = self.first_interval::<ACCOUNTS>(*z, bound, interval.min(remaining));
             if let Some((arrived, side)) = found {
                 *z = arrived;
@@ -50,25 +50,25 @@ impl Simulator {
             }
         }
         let whole = remaining >= self.substep;
-        let mut search = outlook.search;
+        let mut search = samples.search;
         while search != 0 {
             let index = search.trailing_zeros() as usize;
             search &= search - 1;
             if !whole && index as f64 * interval >= remaining {
                 break;
             }
-            if let Some(aim) = self.aim(simd, z, &outlook, index, remaining) {
-                *z = self.reach::<S, ACCOUNTS>(simd, z, &aim);
+            if let Some(aim) = self.locate_impact(simd, z, &samples, index, remaining) {
+                *z = self.move_to_impact::<S, ACCOUNTS>(simd, z, &aim);
                 return Some(aim.side);
             }
         }
         if whole {
-            self.pass::<0, ACCOUNTS>(z, &Start { z: *z, forces: [], bound });
+            self.advance_whole_substep::<0, ACCOUNTS>(z, &SubstepStart { z: *z, forces: [], bound });
         } else {
             let index = ((remaining / interval) as usize).min(INTERVALS - 1);
             let u = (remaining - (index as f64 + 0.5) * interval) / (0.5 * interval);
-            *z = self.land::<S, ACCOUNTS>(simd, z, index, u);
-            self.motion.time = end;
+            *z = self.state_in_interval::<S, ACCOUNTS>(simd, z, index, u);
+            self.hybrid.time = end;
         }
         None
     }
@@ -77,7 +77,7 @@ impl Simulator {
     /// bend its path in between. False, and nothing done, where it is not: then the interval is to be searched.
     /// Out of the way of the long sub-steps, which have no registers to spare.
     #[inline(never)]
-    pub(super) fn stroll<S: Simd, const ACCOUNTS: bool>(
+    pub(super) fn short_flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
@@ -85,21 +85,27 @@ impl Simulator {
         remaining: f64,
         end: DoubleDouble,
     ) -> bool {
-        struct Stroll<'a, const ACCOUNTS: bool>(&'a mut Simulator, &'a mut Augmented, f64, f64, DoubleDouble);
-        impl<const ACCOUNTS: bool> pulp::WithSimd for Stroll<'_, ACCOUNTS> {
+        struct ShortFlight<'a, const ACCOUNTS: bool>(
+            &'a mut Simulator,
+            &'a mut Augmented,
+            f64,
+            f64,
+            DoubleDouble,
+        );
+        impl<const ACCOUNTS: bool> pulp::WithSimd for ShortFlight<'_, ACCOUNTS> {
             type Output = bool;
 
             #[inline(always)]
             fn with_simd<S: Simd>(self, simd: S) -> bool {
                 let Self(simulator, z, bound, remaining, end) = self;
-                simulator.stroll_as::<S, ACCOUNTS>(simd, z, bound, remaining, end)
+                simulator.short_flight_substep_vectorized::<S, ACCOUNTS>(simd, z, bound, remaining, end)
             }
         }
-        simd.vectorize(Stroll::<ACCOUNTS>(self, z, bound, remaining, end))
+        simd.vectorize(ShortFlight::<ACCOUNTS>(self, z, bound, remaining, end))
     }
 
     #[inline(always)]
-    fn stroll_as<S: Simd, const ACCOUNTS: bool>(
+    fn short_flight_substep_vectorized<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &mut Augmented,
@@ -108,7 +114,7 @@ impl Simulator {
         end: DoubleDouble,
     ) -> bool {
         let limit = self.model.gap - bound * remaining * remaining * 0.125;
-        if !self.leaves(z, bound, limit) {
+        if !self.clears_first_interval(z, bound, limit) {
             return false;
         }
         self.work.expansions += 1;
@@ -126,35 +132,35 @@ impl Simulator {
             self.account_flight(simd, z, centred.then_some(0), &rows, (u, &arrived));
         }
         *z = arrived;
-        self.motion.time = end;
-        self.motion.departing = 0;
+        self.hybrid.time = end;
+        self.hybrid.departing = 0;
         true
     }
 
     /// Samples the gap over a sub-step.
     #[inline(always)]
-    pub(super) fn look<S: Simd>(&self, simd: S, z: &Augmented, bound: f64) -> Outlook {
+    pub(super) fn sample_gap<S: Simd>(&self, simd: S, z: &Augmented, bound: f64) -> GapSamples {
         let interval = self.interval();
         let g = product(simd, &self.flight.core.sample, z);
         // A gap that stays this margin away from the stops at both ends of an interval does not reach them in between.
         let limit = self.model.gap - bound * interval * interval * 0.125;
         let near = at_least(simd, &g, limit);
-        let leaves = self.leaves(z, bound, limit);
+        let leaves = self.clears_first_interval(z, bound, limit);
         // An interval is searched when one of its ends is near.
         let search = (near | near << 1) & ((1 << INTERVALS) - 2);
-        Outlook { g, limit, first: !leaves || near & 1 != 0, search }
+        GapSamples { g, limit, first: !leaves || near & 1 != 0, search }
     }
 
     /// Looks for an impact in interval `index`, not the first, up to the `remaining` time.
     #[inline(always)]
-    pub(super) fn aim<S: Simd>(
+    pub(super) fn locate_impact<S: Simd>(
         &mut self,
         simd: S,
         z: &Augmented,
-        outlook: &Outlook,
+        samples: &GapSamples,
         index: usize,
         remaining: f64,
-    ) -> Option<Aim> {
+    ) -> Option<LocatedImpact> {
         let interval = self.interval();
         self.work.expansions += 1;
         let gap = self.flight.local.gap(simd, index, z);
@@ -162,7 +168,7 @@ impl Simulator {
         if remaining < self.substep {
             hi = ((remaining - (index as f64 + 0.5) * interval) / (0.5 * interval)).min(1.0);
         }
-        let ends = [outlook.g[index - 1], outlook.g[index]];
+        let ends = [samples.g[index - 1], samples.g[index]];
         let (most, least) = (ends[0].max(ends[1]), ends[0].min(ends[1]));
         // Without a branch where one stop only is near: in chaos the stops alternate beyond prediction.
         let mut side = if most >= -least { 1.0 } else { -1.0 };
@@ -170,10 +176,10 @@ impl Simulator {
         loop {
             let p = gap_over(simd, &gap, side, self.model.gap);
             if let Some(u) = flight_crossing(simd, &p, -1.0, hi, &mut self.work.iterations) {
-                found = Some(Aim { index, u, side });
+                found = Some(LocatedImpact { index, u, side });
                 hi = u;
             }
-            let both = most >= outlook.limit && -least >= outlook.limit;
+            let both = most >= samples.limit && -least >= samples.limit;
             if !both || side != (if most >= -least { 1.0 } else { -1.0 }) {
                 return found;
             }
@@ -183,22 +189,22 @@ impl Simulator {
 
     /// Goes to the impact that was found: state, energy accounts and time.
     #[inline(always)]
-    pub(super) fn reach<S: Simd, const ACCOUNTS: bool>(
+    pub(super) fn move_to_impact<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &Augmented,
-        aim: &Aim,
+        aim: &LocatedImpact,
     ) -> Augmented {
         let interval = self.interval();
         let base = (aim.index as f64 + 0.5) * interval;
-        let arrived = self.land::<S, ACCOUNTS>(simd, z, aim.index, aim.u);
-        self.motion.time = self.motion.time.plus(base).plus(aim.u * (0.5 * interval));
+        let arrived = self.state_in_interval::<S, ACCOUNTS>(simd, z, aim.index, aim.u);
+        self.hybrid.time = self.hybrid.time.plus(base).plus(aim.u * (0.5 * interval));
         arrived
     }
 
     /// The state at `u` of interval `index`, with the energy accounts up to there; the time is the caller's.
     #[inline(always)]
-    fn land<S: Simd, const ACCOUNTS: bool>(
+    fn state_in_interval<S: Simd, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
         z: &Augmented,
@@ -212,7 +218,7 @@ impl Simulator {
         if ACCOUNTS {
             self.account_flight(simd, z, Some(index), &rows, (u, &arrived));
         }
-        self.motion.departing = 0;
+        self.hybrid.departing = 0;
         arrived
     }
 
@@ -225,11 +231,11 @@ impl Simulator {
         span: f64,
     ) -> Option<(Augmented, f64)> {
         self.work.expansions += 1;
-        let start = Start::<0> { z, forces: [], bound };
+        let start = SubstepStart::<0> { z, forces: [], bound };
         let series = Series::<ANCHORED>::expand(&self.model, SmoothMode::Flight, &z, None, span);
-        let (u, side) = self.anchored_passage(&series, &start, [true; 2], span)?;
-        let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-        self.arrive::<0, ACCOUNTS, _>(&mut z, &start, &arrival);
+        let (u, side) = self.first_event_from_start(&series, &start, [true; 2], span)?;
+        let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
+        self.advance_to_point::<0, ACCOUNTS, _>(&mut z, &start, &arrival);
         Some((z, side))
     }
 }

@@ -5,9 +5,9 @@
 
 mod account;
 mod batch;
-mod careful;
 mod contact;
 mod flight;
+mod general;
 mod limits;
 mod step;
 mod tables;
@@ -32,7 +32,7 @@ use tables::ModeTables;
 
 /// Everything that changes as the simulator advances.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Motion {
+struct HybridState {
     time: DoubleDouble,
     /// x1, w, x3 and their rates.
     y: [f64; 6],
@@ -46,7 +46,7 @@ struct Motion {
     sums: Sums,
 }
 
-impl Motion {
+impl HybridState {
     /// From a checked start, in flight until it is classified, without loads.
     fn new(parameters: &Parameters, model: &Model, state: &State, time: f64) -> Result<Self> {
         if !time.is_finite() {
@@ -78,7 +78,7 @@ pub struct Simulator {
     /// Shared by the simulators that were made from one another.
     flight: Arc<ModeTables>,
     rest: Arc<ModeTables>,
-    motion: Motion,
+    hybrid: HybridState,
     pending: Pending,
     work: WorkCounters,
     keeps_energy_accounts: bool,
@@ -89,7 +89,7 @@ pub struct Simulator {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     parameters: Parameters,
-    motion: Motion,
+    hybrid: HybridState,
 }
 
 impl Simulator {
@@ -100,20 +100,20 @@ impl Simulator {
     /// [`Error::PrecisionLost`] where double precision cannot carry the motion.
     pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
         let model = Model::new(parameters)?;
-        let motion = Motion::new(parameters, &model, state, time)?;
+        let hybrid = HybridState::new(parameters, &model, state, time)?;
         let mut simulator = Self {
             parameters: *parameters,
             substep: flow::substep(&model),
             model,
             flight: Arc::new(ModeTables::zero()),
             rest: Arc::new(ModeTables::zero()),
-            motion,
+            hybrid,
             pending: Pending::default(),
             work: WorkCounters::default(),
             keeps_energy_accounts: true,
         };
         simulator.renew_tables();
-        simulator.classify();
+        simulator.classify_contact();
         Ok(simulator)
     }
 
@@ -123,9 +123,9 @@ impl Simulator {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn with_state(&self, state: &State, time: f64) -> Result<Self> {
-        let motion = Motion::new(&self.parameters, &self.model, state, time)?;
-        let mut simulator = Self { motion, work: WorkCounters::default(), ..self.clone() };
-        simulator.classify();
+        let hybrid = HybridState::new(&self.parameters, &self.model, state, time)?;
+        let mut simulator = Self { hybrid, work: WorkCounters::default(), ..self.clone() };
+        simulator.classify_contact();
         Ok(simulator)
     }
 
@@ -154,20 +154,20 @@ impl Simulator {
         check_time(model.rate, self.time())?;
         check_speeds(&model, &self.state())?;
         let gap_changed = parameters.stop_gap != self.parameters.stop_gap;
-        let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.motion.y };
-        let before = energy::mechanical(&self.parameters, &self.motion.y);
-        let (time, phases) = (self.motion.time, (self.parameters.drive_phase, parameters.drive_phase));
+        let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.hybrid.y };
+        let before = energy::mechanical(&self.parameters, &self.hybrid.y);
+        let (time, phases) = (self.hybrid.time, (self.parameters.drive_phase, parameters.drive_phase));
         if parameters.drive_frequency != self.parameters.drive_frequency || phases.0 != phases.1 {
-            self.motion.phase.rebase(self.parameters.drive_frequency, time, phases);
+            self.hybrid.phase.rebase(self.parameters.drive_frequency, time, phases);
         }
-        self.motion.y = y;
+        self.hybrid.y = y;
         let gained = energy::mechanical(parameters, &y) - before;
-        self.motion.sums.input = self.motion.sums.input.plus(gained);
+        self.hybrid.sums.input = self.hybrid.sums.input.plus(gained);
         self.parameters = *parameters;
         self.substep = flow::substep(&model);
         self.model = model;
         self.renew_tables();
-        self.classify();
+        self.classify_contact();
         Ok(())
     }
 
@@ -194,29 +194,29 @@ impl Simulator {
             }
         }
         let unchanged = self.forces_now() == loads.derivatives;
-        self.motion.loads = loads.derivatives;
-        self.motion.loads_from = self.motion.time;
+        self.hybrid.loads = loads.derivatives;
+        self.hybrid.loads_from = self.hybrid.time;
         if !unchanged {
             self.prepare_load_tables();
-            self.classify();
+            self.classify_contact();
         }
         Ok(())
     }
 
     /// Present time, s.
     pub fn time(&self) -> f64 {
-        self.motion.time.value()
+        self.hybrid.time.value()
     }
 
     /// Displacements and velocities of the three bodies.
     pub fn state(&self) -> State {
-        let y = &self.motion.y;
+        let y = &self.hybrid.y;
         State { x: [y[0], y[0] + y[1], y[2]], v: [y[3], y[3] + y[4], y[5]] }
     }
 
     /// The smooth mode.
     pub fn contact(&self) -> Contact {
-        self.motion.contact
+        self.hybrid.contact
     }
 
     /// Accelerations of the three bodies (resting contact included), m/s².
@@ -245,12 +245,12 @@ impl Simulator {
 
     /// Relative displacement w = x2 - x1 (m) and its rate (m/s): exactly ±L and 0 in rest.
     pub fn gap(&self) -> (f64, f64) {
-        (self.motion.y[1], self.motion.y[4])
+        (self.hybrid.y[1], self.hybrid.y[4])
     }
 
     /// Contact force λ ≥ 0 in resting contact, 0 in flight, N.
     pub fn contact_force(&self) -> f64 {
-        match self.motion.contact {
+        match self.hybrid.contact {
             Contact::Flight => 0.0,
             contact => (self.model.reduced_mass * contact.side() * self.accelerations().1).max(0.0),
         }
@@ -259,7 +259,7 @@ impl Simulator {
     /// Drive phase θ in [-π, π], rad; the drive's force is F10 sin θ.
     #[inline]
     pub fn drive_phase(&self) -> f64 {
-        self.motion.phase.angle(self.model.omega, self.motion.time)
+        self.hybrid.phase.angle(self.model.omega, self.hybrid.time)
     }
 
     /// Loads at present, with their derivatives.
@@ -269,9 +269,9 @@ impl Simulator {
 
     /// Energy accounts (zero for input and damped [`without_energy_accounts`](Self::without_energy_accounts)).
     pub fn energy_accounts(&self) -> EnergyAccounts {
-        let Sums { input, damped, impact } = self.motion.sums;
+        let Sums { input, damped, impact } = self.hybrid.sums;
         EnergyAccounts {
-            mechanical: energy::mechanical(&self.parameters, &self.motion.y),
+            mechanical: energy::mechanical(&self.parameters, &self.hybrid.y),
             input: input.value(),
             damped: damped.value(),
             impact: impact.value(),
@@ -280,7 +280,7 @@ impl Simulator {
 
     /// Impacts so far.
     pub fn impacts(&self) -> &ImpactRecord {
-        &self.motion.record
+        &self.hybrid.record
     }
 
     /// WorkCounters done so far by this simulator; not part of a snapshot.
@@ -321,7 +321,7 @@ impl Simulator {
         on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
         let end = DoubleDouble::sum(begin, step);
-        let span = end.minus(self.motion.time).value();
+        let span = end.minus(self.hybrid.time).value();
         // The present as a double may lie before the present in extended precision: no time is left to advance.
         if span < 0.0 && span >= -f64::EPSILON * self.time().abs() {
             return Ok(StopReason::End);
@@ -335,7 +335,7 @@ impl Simulator {
 
     /// All that is needed to come back to this point.
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot { parameters: self.parameters, motion: self.motion }
+        Snapshot { parameters: self.parameters, hybrid: self.hybrid }
     }
 
     /// Puts back a snapshot, its parameters included; continuing gives the same bits as not having left.
@@ -343,27 +343,27 @@ impl Simulator {
     /// # Errors
     /// As [`new`](Self::new) when the snapshot's parameters or state are no valid ones (a foreign or damaged snapshot).
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let motion = snapshot.motion;
+        let hybrid = snapshot.hybrid;
         let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();
-        let plain = motion.y.iter().chain(motion.loads.iter().flatten()).all(|x| x.is_finite());
-        if !(plain && finite(&motion.time) && finite(&motion.loads_from) && motion.phase.is_finite()) {
+        let plain = hybrid.y.iter().chain(hybrid.loads.iter().flatten()).all(|x| x.is_finite());
+        if !(plain && finite(&hybrid.time) && finite(&hybrid.loads_from) && hybrid.phase.is_finite()) {
             return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
         }
         let gap = snapshot.parameters.stop_gap;
-        if motion.y[1].abs() > gap {
-            return Err(Error::Penetration { value: motion.y[1], gap });
+        if hybrid.y[1].abs() > gap {
+            return Err(Error::Penetration { value: hybrid.y[1], gap });
         }
         if snapshot.parameters != self.parameters {
             let model = Model::new(&snapshot.parameters)?;
-            check_time(model.rate, motion.time.value())?;
+            check_time(model.rate, hybrid.time.value())?;
             self.substep = flow::substep(&model);
             self.model = model;
             self.parameters = snapshot.parameters;
-            self.motion = motion;
+            self.hybrid = hybrid;
             self.renew_tables();
         } else {
-            check_time(self.model.rate, motion.time.value())?;
-            self.motion = motion;
+            check_time(self.model.rate, hybrid.time.value())?;
+            self.hybrid = hybrid;
             self.prepare_load_tables();
         }
         Ok(())
@@ -371,7 +371,7 @@ impl Simulator {
 
     #[inline(always)]
     fn mode(&self) -> SmoothMode {
-        match self.motion.contact {
+        match self.hybrid.contact {
             Contact::Flight => SmoothMode::Flight,
             _ => SmoothMode::Rest,
         }
@@ -380,7 +380,7 @@ impl Simulator {
     #[inline(always)]
     fn augmented(&self) -> Augmented {
         let mut z = [0.0; LANES];
-        z[..6].copy_from_slice(&self.motion.y);
+        z[..6].copy_from_slice(&self.hybrid.y);
         let angle = self.drive_phase();
         (z[7], z[6]) = angle.sin_cos();
         z
@@ -388,7 +388,7 @@ impl Simulator {
 
     #[inline(always)]
     fn forces_now(&self) -> Forces {
-        flow::shifted(&self.motion.loads, self.motion.time.minus(self.motion.loads_from).value())
+        flow::shifted(&self.hybrid.loads, self.hybrid.time.minus(self.hybrid.loads_from).value())
     }
 
     fn accelerations(&self) -> ([f64; 3], f64) {
@@ -397,6 +397,6 @@ impl Simulator {
     }
 
     fn loaded(&self) -> bool {
-        self.motion.loads != [[0.0; 4]; 3]
+        self.hybrid.loads != [[0.0; 4]; 3]
     }
 }

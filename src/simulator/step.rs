@@ -20,7 +20,7 @@ pub(super) const MAX_REACH: f64 = 4.0;
 
 /// What an advance carries from sub-step to sub-step; the state in one cache line.
 #[repr(C, align(64))]
-pub(super) struct Course {
+pub(super) struct AdvanceState {
     pub(super) z: Augmented,
     /// Sub-steps since cos θ and sin θ were taken anew.
     pub(super) since_renewal: u32,
@@ -87,21 +87,26 @@ impl Simulator {
         stop_at_impact: bool,
         mut on_event: Listener<'_, '_>,
     ) -> Result<StopReason> {
-        let mut course = self.depart();
+        let mut advance = self.begin_advance();
         // The drive's work in a flight without loads is kept as a difference of values.
         let by_difference = ACCOUNTS && LOADS == 0;
         if by_difference {
-            self.open_account(&mut course);
+            self.open_account(&mut advance);
         }
         loop {
-            let going =
-                self.go_on::<S, LOADS, ACCOUNTS>(simd, &mut course, end, stop_at_impact, &mut on_event);
+            let going = self.next_substep::<S, LOADS, ACCOUNTS>(
+                simd,
+                &mut advance,
+                end,
+                stop_at_impact,
+                &mut on_event,
+            );
             if let ControlFlow::Break(reason) = going {
                 if by_difference {
-                    if self.motion.contact == Contact::Flight {
-                        self.close_account(&course);
+                    if self.hybrid.contact == Contact::Flight {
+                        self.close_account(&advance);
                     }
-                    self.motion.sums.settle(&mut self.pending);
+                    self.hybrid.sums.settle(&mut self.pending);
                 }
                 return reason;
             }
@@ -110,50 +115,50 @@ impl Simulator {
 
     /// Begins an advance.
     #[inline(always)]
-    pub(super) fn depart(&self) -> Course {
-        let time = self.motion.time;
-        Course { z: self.augmented(), since_renewal: 0, flown_from: time, burst: 0, burst_from: time }
+    pub(super) fn begin_advance(&self) -> AdvanceState {
+        let time = self.hybrid.time;
+        AdvanceState { z: self.augmented(), since_renewal: 0, flown_from: time, burst: 0, burst_from: time }
     }
 
     /// One sub-step of an advance with the event at its end; breaks at the end of the advance.
     #[inline(always)]
-    pub(super) fn go_on<S: Simd, const LOADS: usize, const ACCOUNTS: bool>(
+    pub(super) fn next_substep<S: Simd, const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         simd: S,
-        course: &mut Course,
+        advance: &mut AdvanceState,
         end: DoubleDouble,
         stop_at_impact: bool,
         on_event: &mut Listener<'_, '_>,
     ) -> ControlFlow<Result<StopReason>> {
         // Far from the end the leading parts tell enough; near it every digit counts.
-        let mut remaining = end.hi - self.motion.time.hi;
+        let mut remaining = end.hi - self.hybrid.time.hi;
         if remaining <= 2.0 * self.substep {
-            remaining = end.minus(self.motion.time).value();
+            remaining = end.minus(self.hybrid.time).value();
         }
         if remaining <= 0.0 {
-            self.motion.y.copy_from_slice(&course.z[..6]);
-            self.motion.time = end;
+            self.hybrid.y.copy_from_slice(&advance.z[..6]);
+            self.hybrid.time = end;
             return ControlFlow::Break(Ok(StopReason::End));
         }
-        self.renew(course);
-        let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut course.z, remaining, end);
-        let (contact, speed) = (self.motion.contact, course.z[3]);
-        let going = self.conclude::<LOADS>(course, passage, stop_at_impact, on_event);
+        self.renew(advance);
+        let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut advance.z, remaining, end);
+        let (contact, speed) = (self.hybrid.contact, advance.z[3]);
+        let going = self.finish_substep::<LOADS>(advance, passage, stop_at_impact, on_event);
         if ACCOUNTS && LOADS == 0 && passage.is_some() {
-            self.account_event(course, contact, speed);
+            self.account_event(advance, contact, speed);
         }
         going
     }
 
     /// Takes cos θ and sin θ anew, and up what is pending, when it is time.
     #[inline(always)]
-    pub(super) fn renew(&mut self, course: &mut Course) {
-        if course.since_renewal == RENEW {
-            (course.z[7], course.z[6]) = self.sine_and_cosine();
-            course.since_renewal = 0;
-            self.motion.sums.settle(&mut self.pending);
+    pub(super) fn renew(&mut self, advance: &mut AdvanceState) {
+        if advance.since_renewal == RENEW {
+            (advance.z[7], advance.z[6]) = self.sine_and_cosine();
+            advance.since_renewal = 0;
+            self.hybrid.sums.settle(&mut self.pending);
         }
-        course.since_renewal += 1;
+        advance.since_renewal += 1;
     }
 
     /// sin θ and cos θ from the extended phase; rare, and kept out of the way of what is not.
@@ -165,25 +170,25 @@ impl Simulator {
 
     /// The end of a sub-step: its event, if it reached one, and the watch over motions that do not get on.
     #[inline(always)]
-    pub(super) fn conclude<const LOADS: usize>(
+    pub(super) fn finish_substep<const LOADS: usize>(
         &mut self,
-        course: &mut Course,
+        advance: &mut AdvanceState,
         passage: Option<f64>,
         stop_at_impact: bool,
         on_event: &mut Listener<'_, '_>,
     ) -> ControlFlow<Result<StopReason>> {
-        course.burst += 1;
-        if self.motion.time.hi - course.burst_from.hi > self.substep {
-            (course.burst, course.burst_from) = (0, self.motion.time);
-        } else if course.burst > MAX_BURST {
-            self.motion.y.copy_from_slice(&course.z[..6]);
+        advance.burst += 1;
+        if self.hybrid.time.hi - advance.burst_from.hi > self.substep {
+            (advance.burst, advance.burst_from) = (0, self.hybrid.time);
+        } else if advance.burst > MAX_BURST {
+            self.hybrid.y.copy_from_slice(&advance.z[..6]);
             return ControlFlow::Break(Err(self.too_many(passage.is_some())));
         }
         if let Some(side) = passage {
             self.work.events += 1;
-            let impact = self.handle::<LOADS>(&mut course.z, side, on_event);
+            let impact = self.apply_event_law::<LOADS>(&mut advance.z, side, on_event);
             if impact && stop_at_impact {
-                self.motion.y.copy_from_slice(&course.z[..6]);
+                self.hybrid.y.copy_from_slice(&advance.z[..6]);
                 return ControlFlow::Break(Ok(StopReason::Impact));
             }
         }
@@ -199,14 +204,14 @@ impl Simulator {
         }
         Error::PrecisionLost {
             what: "path of the block in a sub-step over stop.gap",
-            value: self.motion.y[4].abs() * self.substep / self.model.gap,
+            value: self.hybrid.y[4].abs() * self.substep / self.model.gap,
             limit: f64::from(MAX_BURST),
         }
     }
 
     #[inline(always)]
     pub(super) fn tables(&self) -> &ModeTables {
-        match self.motion.contact {
+        match self.hybrid.contact {
             Contact::Flight => &self.flight,
             _ => &self.rest,
         }
@@ -222,19 +227,19 @@ impl Simulator {
         end: DoubleDouble,
     ) -> Option<f64> {
         self.work.substeps += 1;
-        if LOADS == 0 && self.motion.contact == Contact::Flight {
+        if LOADS == 0 && self.hybrid.contact == Contact::Flight {
             let interval = self.interval();
             let bound = simd::weigh::<S>(z, &self.flight.core.bound);
-            if !self.wild(z, bound) {
+            if !self.exceeds_reach(z, bound) {
                 if remaining > interval {
-                    return self.cruise::<S, ACCOUNTS>(simd, z, bound, remaining, end);
+                    return self.flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end);
                 }
-                if self.stroll::<S, ACCOUNTS>(simd, z, bound, remaining, end) {
+                if self.short_flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end) {
                     return None;
                 }
             }
         }
-        let (arrived, side) = self.careful::<LOADS, ACCOUNTS>(*z, remaining, end);
+        let (arrived, side) = self.general_substep::<LOADS, ACCOUNTS>(*z, remaining, end);
         *z = arrived;
         side
     }
@@ -248,8 +253,8 @@ impl Simulator {
     /// Whether the block in flight meets no stop between the start and the first sample if that is within the `limit`: it
     /// is clear of the stops, or leaves one faster than its acceleration (at most `bound`) could turn it back.
     #[inline(always)]
-    pub(super) fn leaves(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
-        match self.motion.departing {
+    pub(super) fn clears_first_interval(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
+        match self.hybrid.departing {
             0 => z[GAP].abs() < limit,
             1 => z[GAP_RATE].abs() > 0.5 * bound * self.interval(),
             _ => false,
@@ -258,7 +263,7 @@ impl Simulator {
 
     /// Whether an interval is too long to be searched as a whole.
     #[inline(always)]
-    pub(super) fn wild(&self, z: &Augmented, bound: f64) -> bool {
+    pub(super) fn exceeds_reach(&self, z: &Augmented, bound: f64) -> bool {
         let interval = self.interval();
         z[GAP_RATE].abs() * interval + 0.5 * bound * interval * interval > MAX_REACH * self.model.gap
     }

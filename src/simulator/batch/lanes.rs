@@ -9,20 +9,20 @@ mod passage;
 mod rows;
 mod substep;
 
-use super::super::step::{Course, RENEW};
+use super::super::step::{AdvanceState, RENEW};
 use super::super::{Contact, Simulator, StopReason};
 use crate::error::Result;
 use crate::model::{Augmented, GAP};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
 use pulp::Simd;
-use rows::{Moving, Systems};
+use rows::{LaneStates, LaneSystems};
 use std::ops::ControlFlow;
 
 /// A motion under way.
-pub(super) struct Motion<'a> {
+pub(super) struct LaneMotion<'a> {
     pub(super) simulator: &'a mut Simulator,
-    pub(super) course: Course,
+    pub(super) advance: AdvanceState,
     pub(super) end: DoubleDouble,
     pub(super) result: &'a mut Result<()>,
 }
@@ -30,7 +30,7 @@ pub(super) struct Motion<'a> {
 /// The work of one thread, to be compiled once for each instruction set.
 pub(super) struct Lanes<'a> {
     /// Taken from the back.
-    pub(super) waiting: Vec<Motion<'a>>,
+    pub(super) waiting: Vec<LaneMotion<'a>>,
 }
 
 /// cos θ and sin θ are taken anew after this many sub-steps of a lane, in which they collect no more round-off than the other
@@ -46,19 +46,19 @@ impl pulp::WithSimd for Lanes<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) {
         if S::F64_LANES < LEAST {
             while let Some(mut motion) = self.waiting.pop() {
-                while motion.alone(simd, None) {}
+                while motion.advance_alone(simd, None) {}
             }
             return;
         }
-        let mut lanes: [Option<Motion<'_>>; ROW] = [const { None }; ROW];
-        let mut systems = Box::new(Systems::zero());
-        let mut moving = Box::new(Moving::zero());
+        let mut lanes: [Option<LaneMotion<'_>>; ROW] = [const { None }; ROW];
+        let mut systems = Box::new(LaneSystems::zero());
+        let mut moving = Box::new(LaneStates::zero());
         let mut live = 0;
         for (lane, place) in lanes.iter_mut().enumerate() {
             *place = self.waiting.pop();
             if let Some(motion) = place {
-                systems.admit(lane, motion.simulator, motion.end);
-                moving.take(lane, motion.simulator, &motion.course);
+                systems.load_system(lane, motion.simulator, motion.end);
+                moving.take(lane, motion.simulator, &motion.advance);
                 live |= 1 << lane;
             }
         }
@@ -71,17 +71,17 @@ impl pulp::WithSimd for Lanes<'_> {
             let left = substep::substep(simd, &systems, &mut moving, live);
             for lane in places(left.behind | left.touching) {
                 let Some(motion) = &mut lanes[lane] else { continue };
-                moving.give(lane, motion.simulator, &mut motion.course);
+                moving.give(lane, motion.simulator, &mut motion.advance);
                 let side = (left.touching >> lane & 1 != 0).then_some(left.side.0[lane]);
-                if !alone(simd, motion, side) {
+                if !advance_alone(simd, motion, side) {
                     lanes[lane] = self.waiting.pop();
                     match &lanes[lane] {
-                        Some(motion) => systems.admit(lane, motion.simulator, motion.end),
+                        Some(motion) => systems.load_system(lane, motion.simulator, motion.end),
                         None => live &= !(1 << lane),
                     }
                 }
                 if let Some(motion) = &lanes[lane] {
-                    moving.take(lane, motion.simulator, &motion.course);
+                    moving.take(lane, motion.simulator, &motion.advance);
                 }
             }
         }
@@ -100,44 +100,44 @@ fn places(mut bits: Places) -> impl Iterator<Item = usize> {
     })
 }
 
-/// [`Motion::alone`] out of the lanes' way.
+/// [`LaneMotion::advance_alone`] out of the lanes' way.
 #[inline(never)]
-fn alone<S: Simd>(simd: S, motion: &mut Motion<'_>, touched: Option<f64>) -> bool {
-    struct Alone<'m, 'a>(&'m mut Motion<'a>, Option<f64>);
+fn advance_alone<S: Simd>(simd: S, motion: &mut LaneMotion<'_>, touched: Option<f64>) -> bool {
+    struct Alone<'m, 'a>(&'m mut LaneMotion<'a>, Option<f64>);
     impl pulp::WithSimd for Alone<'_, '_> {
         type Output = bool;
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> bool {
-            self.0.alone(simd, self.1)
+            self.0.advance_alone(simd, self.1)
         }
     }
     simd.vectorize(Alone(motion, touched))
 }
 
-impl Motion<'_> {
+impl LaneMotion<'_> {
     /// Goes on by its own code until the next sub-step looks like one for the lanes; false at the end of the advance. It
     /// begins with the impact at a stop just `touched`, if there is one.
     #[inline(always)]
-    fn alone<S: Simd>(&mut self, simd: S, touched: Option<f64>) -> bool {
-        let Self { simulator, course, end, result } = self;
-        course.since_renewal = course.since_renewal.min(RENEW);
+    fn advance_alone<S: Simd>(&mut self, simd: S, touched: Option<f64>) -> bool {
+        let Self { simulator, advance, end, result } = self;
+        advance.since_renewal = advance.since_renewal.min(RENEW);
         let mut going = match touched {
             Some(_) => {
-                course.burst = course.burst.saturating_sub(1); // the lanes have counted the sub-step
-                simulator.conclude::<0>(course, touched, false, &mut None)
+                advance.burst = advance.burst.saturating_sub(1); // the lanes have counted the sub-step
+                simulator.finish_substep::<0>(advance, touched, false, &mut None)
             }
-            None => simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None),
+            None => simulator.next_substep::<S, 0, false>(simd, advance, *end, false, &mut None),
         };
         loop {
             if let ControlFlow::Break(reason) = going {
                 **result = reason.map(|_: StopReason| ());
                 return false;
             }
-            if simulator.plain(&course.z, *end) {
+            if simulator.suits_lanes(&advance.z, *end) {
                 return true;
             }
-            going = simulator.go_on::<S, 0, false>(simd, course, *end, false, &mut None);
+            going = simulator.next_substep::<S, 0, false>(simd, advance, *end, false, &mut None);
         }
     }
 }
@@ -145,10 +145,10 @@ impl Motion<'_> {
 impl Simulator {
     /// Whether the next sub-step looks like one of free flight that lies whole before `end`, from inside or just off a stop.
     #[inline(always)]
-    fn plain(&self, z: &Augmented, end: DoubleDouble) -> bool {
-        self.motion.contact == Contact::Flight
-            && self.motion.departing <= 1
-            && (self.motion.departing == 1 || z[GAP].abs() < self.model.gap)
-            && end.minus(self.motion.time).value() >= self.substep + self.interval()
+    fn suits_lanes(&self, z: &Augmented, end: DoubleDouble) -> bool {
+        self.hybrid.contact == Contact::Flight
+            && self.hybrid.departing <= 1
+            && (self.hybrid.departing == 1 || z[GAP].abs() < self.model.gap)
+            && end.minus(self.hybrid.time).value() >= self.substep + self.interval()
     }
 }

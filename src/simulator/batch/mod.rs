@@ -3,7 +3,7 @@
 mod lanes;
 pub(crate) mod vectors;
 
-use self::lanes::{Lanes, Motion};
+use self::lanes::{LaneMotion, Lanes};
 use super::{Simulator, check_time};
 use crate::error::{Error, Result};
 use crate::numerics::double_double::DoubleDouble;
@@ -26,8 +26,8 @@ pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -
         if simulator.keeps_energy_accounts || simulator.loaded() {
             *result = simulator.advance_to(end(simulator));
         } else {
-            let (course, end) = (simulator.depart(), DoubleDouble::new(end(simulator)));
-            waiting.push(Motion { simulator, course, end, result });
+            let (advance, end) = (simulator.begin_advance(), DoubleDouble::new(end(simulator)));
+            waiting.push(LaneMotion { simulator, advance, end, result });
         }
     }
     pulp::Arch::new().dispatch(Lanes { waiting });

@@ -1,6 +1,6 @@
 //! Free flights about the centre of an interval, one in each lane: their series, the stop's passage and the state there.
 
-use super::rows::Systems;
+use super::rows::LaneSystems;
 use crate::flow::CENTRED;
 use crate::simulator::batch::vectors::{Mask, Row, Wide};
 use pulp::Simd;
@@ -43,7 +43,7 @@ pub(super) struct Flights<S: Simd> {
 impl<S: Simd> Flights<S> {
     /// By the equations of motion, order after order; the accelerations are those of [`crate::model::Model::acceleration`].
     #[inline(always)]
-    pub(super) fn expand(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Self {
+    pub(super) fn expand(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Self {
         let of = |row: &Row| Wide::of(simd, row, v);
         let (k1, c1, k2, k3, c3, k32) = (
             of(&systems.k1),
@@ -88,7 +88,7 @@ impl<S: Simd> Flights<S> {
 
     /// The state at u.
     #[inline(always)]
-    pub(super) fn at(&self, systems: &Systems, simd: S, v: usize, u: Wide<S>) -> [Wide<S>; 8] {
+    pub(super) fn at(&self, systems: &LaneSystems, simd: S, v: usize, u: Wide<S>) -> [Wide<S>; 8] {
         let zero = u.all(0.0);
         let mut rate = self.rates[CENTRED - 1];
         let mut path = self.rates[CENTRED - 2];

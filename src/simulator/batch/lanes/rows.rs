@@ -4,18 +4,18 @@ use super::Places;
 use crate::flow::INTERVALS;
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
-use crate::simulator::step::{Course, MAX_REACH};
+use crate::simulator::step::{AdvanceState, MAX_REACH};
 use crate::simulator::tables::ModeTables;
 use crate::simulator::{Contact, Simulator};
 use pulp::Simd;
 use std::sync::Arc;
 
-/// `departing` of a motion that is not in flight.
+/// `departing` of a hybrid that is not in flight.
 const GROUNDED: f64 = f64::INFINITY;
 
-/// What stays while a motion is under way.
-pub(super) struct Systems {
-    /// Of the motion in each lane, to see when the rows must be filled anew.
+/// What stays while a hybrid is under way.
+pub(super) struct LaneSystems {
+    /// Of the hybrid in each lane, to see when the rows must be filled anew.
     pub(super) tables: [Option<Arc<ModeTables>>; ROW],
     pub(super) sample: [[Row; 8]; INTERVALS],
     pub(super) full: [[Row; 8]; 8],
@@ -24,7 +24,7 @@ pub(super) struct Systems {
     pub(super) substep: Row,
     pub(super) interval: Row,
     pub(super) gap: Row,
-    /// The path that `Simulator::wild` allows in an interval.
+    /// The path that `Simulator::exceeds_reach` allows in an interval.
     pub(super) reach: Row,
     /// A run of impacts is not closed while the rebound's square is over this times a bound on the acceleration.
     pub(super) closing: Row,
@@ -33,7 +33,7 @@ pub(super) struct Systems {
     pub(super) kick: Row,
     pub(super) impulse: Row,
     pub(super) loss: Row,
-    /// The equations of motion in the time unit of half an interval.
+    /// The equations of hybrid in the time unit of half an interval.
     pub(super) radius: Row,
     pub(super) k1: Row,
     pub(super) c1: Row,
@@ -45,7 +45,7 @@ pub(super) struct Systems {
     pub(super) turn: Row,
 }
 
-impl Systems {
+impl LaneSystems {
     pub(super) fn zero() -> Self {
         let row = Row::ZERO;
         Self {
@@ -75,8 +75,8 @@ impl Systems {
         }
     }
 
-    /// Fills a lane for a motion.
-    pub(super) fn admit(&mut self, lane: usize, simulator: &Simulator, end: DoubleDouble) {
+    /// Fills a lane for a hybrid.
+    pub(super) fn load_system(&mut self, lane: usize, simulator: &Simulator, end: DoubleDouble) {
         (self.end[0].0[lane], self.end[1].0[lane]) = (end.hi, end.lo);
         if self.tables[lane].as_ref().is_some_and(|tables| Arc::ptr_eq(tables, &simulator.flight)) {
             return;
@@ -101,7 +101,7 @@ impl Systems {
             (&mut self.interval, interval),
             (&mut self.gap, m.gap),
             (&mut self.reach, MAX_REACH * m.gap),
-            (&mut self.closing, simulator.closing()),
+            (&mut self.closing, simulator.chatter_closing_limit()),
             (&mut self.restitution, m.restitution),
             (&mut self.kick, kick),
             (&mut self.impulse, impulse),
@@ -122,7 +122,7 @@ impl Systems {
 }
 
 /// What changes from sub-step to sub-step; counts are whole numbers.
-pub(super) struct Moving {
+pub(super) struct LaneStates {
     pub(super) z: [Row; 8],
     pub(super) time: [Row; 2],
     pub(super) departing: Row,
@@ -145,7 +145,7 @@ pub(super) struct Moving {
     pub(super) iterations: Row,
 }
 
-impl Moving {
+impl LaneStates {
     pub(super) fn zero() -> Self {
         let row = Row::ZERO;
         Self {
@@ -168,26 +168,26 @@ impl Moving {
         }
     }
 
-    /// Takes a motion over from its simulator.
+    /// Takes a hybrid over from its simulator.
     #[inline(always)]
-    pub(super) fn take(&mut self, lane: usize, simulator: &Simulator, course: &Course) {
-        let motion = &simulator.motion;
-        for (row, z) in self.z.iter_mut().zip(course.z) {
+    pub(super) fn take(&mut self, lane: usize, simulator: &Simulator, advance: &AdvanceState) {
+        let hybrid = &simulator.hybrid;
+        for (row, z) in self.z.iter_mut().zip(advance.z) {
             row.0[lane] = z;
         }
-        (self.time[0].0[lane], self.time[1].0[lane]) = (motion.time.hi, motion.time.lo);
-        self.departing.0[lane] = match motion.contact {
-            Contact::Flight => f64::from(motion.departing),
+        (self.time[0].0[lane], self.time[1].0[lane]) = (hybrid.time.hi, hybrid.time.lo);
+        self.departing.0[lane] = match hybrid.contact {
+            Contact::Flight => f64::from(hybrid.departing),
             _ => GROUNDED,
         };
-        self.since.0[lane] = f64::from(course.since_renewal);
-        self.burst.0[lane] = f64::from(course.burst);
-        self.burst_from.0[lane] = course.burst_from.hi;
-        (self.lost[0].0[lane], self.lost[1].0[lane]) = (motion.sums.impact.hi, motion.sums.impact.lo);
-        self.last_time.0[lane] = motion.record.last_time;
-        self.last_speed.0[lane] = motion.record.last_speed;
-        self.last_impulse.0[lane] = motion.record.last_impulse;
-        self.total_impulse.0[lane] = motion.record.total_impulse;
+        self.since.0[lane] = f64::from(advance.since_renewal);
+        self.burst.0[lane] = f64::from(advance.burst);
+        self.burst_from.0[lane] = advance.burst_from.hi;
+        (self.lost[0].0[lane], self.lost[1].0[lane]) = (hybrid.sums.impact.hi, hybrid.sums.impact.lo);
+        self.last_time.0[lane] = hybrid.record.last_time;
+        self.last_speed.0[lane] = hybrid.record.last_speed;
+        self.last_impulse.0[lane] = hybrid.record.last_impulse;
+        self.total_impulse.0[lane] = hybrid.record.total_impulse;
         let counts = [
             &mut self.upper,
             &mut self.lower,
@@ -200,29 +200,29 @@ impl Moving {
         }
     }
 
-    /// Gives a motion in flight back to its simulator.
+    /// Gives a hybrid in flight back to its simulator.
     #[inline(always)]
-    pub(super) fn give(&self, lane: usize, simulator: &mut Simulator, course: &mut Course) {
-        let motion = &mut simulator.motion;
-        for (z, row) in course.z.iter_mut().zip(&self.z) {
+    pub(super) fn give(&self, lane: usize, simulator: &mut Simulator, advance: &mut AdvanceState) {
+        let hybrid = &mut simulator.hybrid;
+        for (z, row) in advance.z.iter_mut().zip(&self.z) {
             *z = row.0[lane];
         }
-        motion.time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
-        course.since_renewal = self.since.0[lane] as u32;
-        course.burst = self.burst.0[lane] as u32;
-        course.burst_from = DoubleDouble::new(self.burst_from.0[lane]);
+        hybrid.time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
+        advance.since_renewal = self.since.0[lane] as u32;
+        advance.burst = self.burst.0[lane] as u32;
+        advance.burst_from = DoubleDouble::new(self.burst_from.0[lane]);
         let departing = self.departing.0[lane];
         if departing < GROUNDED {
-            motion.departing = departing as u8;
+            hybrid.departing = departing as u8;
         }
-        motion.sums.impact = DoubleDouble { hi: self.lost[0].0[lane], lo: self.lost[1].0[lane] };
-        motion.record.last_time = self.last_time.0[lane];
-        motion.record.last_speed = self.last_speed.0[lane];
-        motion.record.last_impulse = self.last_impulse.0[lane];
-        motion.record.total_impulse = self.total_impulse.0[lane];
+        hybrid.sums.impact = DoubleDouble { hi: self.lost[0].0[lane], lo: self.lost[1].0[lane] };
+        hybrid.record.last_time = self.last_time.0[lane];
+        hybrid.record.last_speed = self.last_speed.0[lane];
+        hybrid.record.last_impulse = self.last_impulse.0[lane];
+        hybrid.record.total_impulse = self.total_impulse.0[lane];
         let (upper, lower) = (self.upper.0[lane] as u64, self.lower.0[lane] as u64);
-        motion.record.upper += upper;
-        motion.record.lower += lower;
+        hybrid.record.upper += upper;
+        hybrid.record.lower += lower;
         simulator.work.substeps += self.substeps.0[lane] as u64;
         simulator.work.iterations += self.iterations.0[lane] as u64;
         simulator.work.expansions += self.expansions.0[lane] as u64;
@@ -244,7 +244,7 @@ impl Moving {
     #[inline(never)]
     pub(super) fn renew(&mut self, lane: usize, simulator: &Simulator) {
         let time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
-        let (sin, cos) = simulator.motion.phase.angle(simulator.model.omega, time).sin_cos();
+        let (sin, cos) = simulator.hybrid.phase.angle(simulator.model.omega, time).sin_cos();
         (self.z[6].0[lane], self.z[7].0[lane]) = (cos, sin);
         self.since.0[lane] = 0.0;
     }

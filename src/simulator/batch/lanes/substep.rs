@@ -1,7 +1,7 @@
 //! A sub-step of all motions under way at once.
 
 use super::passage::{Flights, REACH};
-use super::rows::{Moving, Systems};
+use super::rows::{LaneStates, LaneSystems};
 use super::{Places, places};
 use crate::flow::INTERVALS;
 use crate::model::{GAP, GAP_RATE};
@@ -22,16 +22,21 @@ pub(super) struct Left {
 
 /// Takes each of the motions at `live` a sub-step on, to its end or through its first impact.
 #[inline(always)]
-pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, live: Places) -> Left {
+pub(super) fn substep<S: Simd>(
+    simd: S,
+    systems: &LaneSystems,
+    moving: &mut LaneStates,
+    live: Places,
+) -> Left {
     let lanes = S::F64_LANES;
-    let mut aim = Aim { first: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
+    let mut aim = LocatedImpact { first: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
     let (mut ready, mut near, mut close) = (0, 0, 0);
     let part = (1 << lanes) - 1;
     for v in 0..Row::vectors::<S>() {
         if live >> (v * lanes) & part == 0 {
             continue;
         }
-        let seen = look(simd, systems, moving, v, &mut aim);
+        let seen = sample_gap(simd, systems, moving, v, &mut aim);
         ready |= seen.ready.bits() << (v * lanes);
         near |= seen.near.bits() << (v * lanes);
         close |= seen.close.bits() << (v * lanes);
@@ -53,7 +58,7 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
     let (mut arrived, mut touching) = (0, 0);
     for v in 0..Row::vectors::<S>() {
         if passing >> (v * lanes) & part != 0 {
-            pass(simd, systems, moving, v, passing >> (v * lanes) & part);
+            advance_whole_substep(simd, systems, moving, v, passing >> (v * lanes) & part);
         }
         if aiming >> (v * lanes) & part != 0 {
             let (bits, close) = (aiming >> (v * lanes) & part, close >> (v * lanes) & part);
@@ -66,7 +71,7 @@ pub(super) fn substep<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, 
 }
 
 /// Where the gap comes near a stop first.
-struct Aim {
+struct LocatedImpact {
     /// The interval.
     first: Row,
     side: Row,
@@ -75,7 +80,7 @@ struct Aim {
 }
 
 /// What the samples of a sub-step tell.
-struct Outlook<S: Simd> {
+struct GapSamples<S: Simd> {
     /// Flight from inside or just off a stop, with a whole sub-step to go.
     ready: Mask<S>,
     /// There is an interval with a near end.
@@ -84,9 +89,15 @@ struct Outlook<S: Simd> {
     close: Mask<S>,
 }
 
-/// As `Simulator::look`.
+/// As `Simulator::sample_gap`.
 #[inline(always)]
-fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mut Aim) -> Outlook<S> {
+fn sample_gap<S: Simd>(
+    simd: S,
+    systems: &LaneSystems,
+    moving: &LaneStates,
+    v: usize,
+    aim: &mut LocatedImpact,
+) -> GapSamples<S> {
     let of = |row: &Row| Wide::of(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
@@ -119,7 +130,7 @@ fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mu
     let at = close.select(z[GAP], gap);
     zero.less(at).select(splat(1.0), splat(-1.0)).put(&mut aim.side, v);
     let patient = of(&moving.burst).less(splat(f64::from(MAX_BURST - 1)));
-    Outlook {
+    GapSamples {
         ready: (leaving | inside) & tame & whole & patient,
         near: close | index.less(splat(INTERVALS as f64)),
         close,
@@ -128,7 +139,7 @@ fn look<S: Simd>(simd: S, systems: &Systems, moving: &Moving, v: usize, aim: &mu
 
 /// The bound on |w''| over a sub-step.
 #[inline(always)]
-fn bound<S: Simd>(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Wide<S> {
+fn bound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Wide<S> {
     let mut sizes = *z;
     for size in &mut sizes {
         *size = size.abs();
@@ -138,7 +149,13 @@ fn bound<S: Simd>(simd: S, systems: &Systems, v: usize, z: &[Wide<S>; 8]) -> Wid
 
 /// The motions among `bits` pass over a whole sub-step.
 #[inline(always)]
-fn pass<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, bits: Places) {
+fn advance_whole_substep<S: Simd>(
+    simd: S,
+    systems: &LaneSystems,
+    moving: &mut LaneStates,
+    v: usize,
+    bits: Places,
+) {
     let of = |row: &Row| Wide::of(simd, row, v);
     let chosen = Mask::of(simd, bits);
     let z = Wide::of_each(simd, &moving.z, v);
@@ -156,7 +173,14 @@ fn pass<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, bits
 
 /// Counts a sub-step that ended at `time`.
 #[inline(always)]
-fn count<S: Simd>(simd: S, systems: &Systems, moving: &mut Moving, v: usize, chosen: Mask<S>, time: Wide<S>) {
+fn count<S: Simd>(
+    simd: S,
+    systems: &LaneSystems,
+    moving: &mut LaneStates,
+    v: usize,
+    chosen: Mask<S>,
+    time: Wide<S>,
+) {
     let zero = Wide::splat(simd, 0.0);
     let one = chosen.select(Wide::splat(simd, 1.0), zero);
     add(simd, &mut moving.since, v, one);
@@ -178,10 +202,10 @@ fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
 #[inline(always)]
 fn impact<S: Simd>(
     simd: S,
-    systems: &Systems,
-    moving: &mut Moving,
+    systems: &LaneSystems,
+    moving: &mut LaneStates,
     v: usize,
-    aim: &Aim,
+    aim: &LocatedImpact,
     bits: Places,
     close: Places,
 ) -> (Places, Places) {
@@ -220,7 +244,7 @@ fn impact<S: Simd>(
     z[3] = (side * of(&systems.kick)).mul_add(speed, z[3]);
     z[GAP_RATE] = -(side * rebound);
     z[GAP] = side * gap;
-    // Rest, and chatter that may be at its end, are left to `Simulator::handle`.
+    // Rest, and chatter that may be at its end, are left to `Simulator::apply_event_law`.
     let slow = of(&systems.closing) * bound(simd, systems, v, &z);
     let found = Mask::of(simd, bits) & crossing.found;
     let through = found & slow.less(rebound * rebound);

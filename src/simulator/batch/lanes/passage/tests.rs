@@ -111,7 +111,7 @@ proptest! {
 }
 
 struct Ends<'a> {
-    systems: &'a Systems,
+    systems: &'a LaneSystems,
     z: [f64; 8],
     u: f64,
 }
@@ -141,9 +141,9 @@ fn second_method_flights_are_the_series() {
     const ROUNDING: f64 = 1e-15;
     let p = Parameters::default();
     let simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
-    let mut systems = Systems::zero();
+    let mut systems = LaneSystems::zero();
     for lane in 0..8 {
-        systems.admit(lane, &simulator, DoubleDouble::new(1.0));
+        systems.load_system(lane, &simulator, DoubleDouble::new(1.0));
     }
     let model = Model::new(&p).unwrap();
     let z = [0.3, -0.4, 0.7, -0.2, 0.5, 0.9, 0.6, 0.8];

@@ -10,7 +10,7 @@ use crate::numerics::double_double::DoubleDouble;
 use std::sync::Arc;
 
 /// A point on a series at which an event or the step's end lies.
-pub(super) struct Arrival<'a, const N: usize> {
+pub(super) struct SeriesPoint<'a, const N: usize> {
     pub(super) series: &'a Series<N>,
     /// Time from the sub-step's start to the series' centre, s.
     pub(super) base: f64,
@@ -21,13 +21,13 @@ pub(super) struct Arrival<'a, const N: usize> {
 }
 
 /// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled without them) and bound.
-pub(super) struct Start<const LOADS: usize> {
+pub(super) struct SubstepStart<const LOADS: usize> {
     pub(super) z: Augmented,
     pub(super) forces: [Forces; LOADS],
     pub(super) bound: f64,
 }
 
-impl<const LOADS: usize> Start<LOADS> {
+impl<const LOADS: usize> SubstepStart<LOADS> {
     #[inline(always)]
     fn forces(&self) -> Option<&Forces> {
         self.forces.first()
@@ -47,40 +47,46 @@ impl<const LOADS: usize> Start<LOADS> {
 impl Simulator {
     /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all machines.
     #[inline(never)]
-    pub(super) fn careful<const LOADS: usize, const ACCOUNTS: bool>(
+    pub(super) fn general_substep<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         mut z: Augmented,
         remaining: f64,
         end: DoubleDouble,
     ) -> (Augmented, Option<f64>) {
-        if self.motion.contact != Contact::Flight && !self.rest.core_ready {
+        if self.hybrid.contact != Contact::Flight && !self.rest.core_ready {
             let rest = Arc::make_mut(&mut self.rest);
             rest.core.fill(&self.model, SmoothMode::Rest, self.substep);
             rest.core_ready = true;
         }
         let mut bound = self.tables().core.curvature(&z);
         let forces = [(); LOADS].map(|()| self.forces_now());
-        let mut start = Start { z, forces, bound };
+        let mut start = SubstepStart { z, forces, bound };
         if let Some(columns) = start.columns() {
             bound += self.tables().load.curvature(&columns);
             start.bound = bound;
         }
         let interval = self.interval();
-        let wild = self.motion.contact == Contact::Flight && self.wild(&z, start.bound);
+        let wild = self.hybrid.contact == Contact::Flight && self.exceeds_reach(&z, start.bound);
         let side = if remaining <= interval || wild {
-            self.short::<LOADS, ACCOUNTS>(&mut z, &start, remaining.min(interval), remaining, end)
+            self.substep_within_interval::<LOADS, ACCOUNTS>(
+                &mut z,
+                &start,
+                remaining.min(interval),
+                remaining,
+                end,
+            )
         } else {
-            self.long::<LOADS, ACCOUNTS>(&mut z, &start, remaining, end)
+            self.substep_by_tables::<LOADS, ACCOUNTS>(&mut z, &start, remaining, end)
         };
         (z, side)
     }
 
     /// A step within one interval, on a series anchored at its start.
     #[inline(always)]
-    fn short<const LOADS: usize, const ACCOUNTS: bool>(
+    fn substep_within_interval<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
-        start: &Start<LOADS>,
+        start: &SubstepStart<LOADS>,
         mut span: f64,
         remaining: f64,
         end: DoubleDouble,
@@ -89,7 +95,7 @@ impl Simulator {
         let mut near = [true; 2];
         self.work.expansions += 1;
         let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
-        if self.motion.contact == Contact::Flight {
+        if self.hybrid.contact == Contact::Flight {
             // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the step is shortened.
             let reach = |u: f64| series.lanes[1..].iter().rev().fold(0.0, |sum, c| (sum + c[GAP].abs()) * u);
             let mut part = 1.0;
@@ -104,27 +110,27 @@ impl Simulator {
                 series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
             }
         }
-        let passage = self.anchored_passage(&series, start, near, span);
+        let passage = self.first_event_from_start(&series, start, near, span);
         let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
-        let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-        self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+        let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
+        self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
         if side.is_none() && span >= remaining {
-            self.motion.time = end;
+            self.hybrid.time = end;
         }
         side
     }
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
     #[inline(always)]
-    fn long<const LOADS: usize, const ACCOUNTS: bool>(
+    fn substep_by_tables<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
-        start: &Start<LOADS>,
+        start: &SubstepStart<LOADS>,
         remaining: f64,
         end: DoubleDouble,
     ) -> Option<f64> {
         let interval = self.interval();
-        let (flight, gap) = (self.motion.contact == Contact::Flight, self.model.gap);
+        let (flight, gap) = (self.hybrid.contact == Contact::Flight, self.model.gap);
         let tables = self.tables();
         let mut g = [0.0; INTERVALS];
         tables.core.samples(z, &mut g);
@@ -137,44 +143,48 @@ impl Simulator {
         let (first, clear) = if flight {
             let limit = gap - margin;
             let most = g.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-            let leaves = self.leaves(z, start.bound, limit);
+            let leaves = self.clears_first_interval(z, start.bound, limit);
             (leaves, leaves && most < limit)
         } else {
-            let side = self.motion.contact.side();
+            let side = self.hybrid.contact.side();
             let f = start.forces().map(|f| f.map(|d| d[0]));
             let now = side * self.model.acceleration(SmoothMode::Rest, z, f).1;
             let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
             (now > margin, now > margin && least > margin)
         };
-        if !clear && let Some(side) = self.scan::<LOADS, ACCOUNTS>(z, start, &g, margin, first, remaining) {
+        if !clear
+            && let Some(side) =
+                self.search_intervals::<LOADS, ACCOUNTS>(z, start, &g, margin, first, remaining)
+        {
             return Some(side);
         }
         if whole {
-            self.pass::<LOADS, ACCOUNTS>(z, start);
+            self.advance_whole_substep::<LOADS, ACCOUNTS>(z, start);
         } else {
             let index = ((remaining / interval) as usize).min(INTERVALS - 1);
             let (series, base) = self.centred(start, index);
             let u = (remaining - base) / (0.5 * interval);
-            let arrival = Arrival { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
-            self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
-            self.motion.time = end;
+            let arrival =
+                SeriesPoint { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
+            self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+            self.hybrid.time = end;
         }
         None
     }
 
     /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
     #[inline(always)]
-    fn scan<const LOADS: usize, const ACCOUNTS: bool>(
+    fn search_intervals<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
-        start: &Start<LOADS>,
+        start: &SubstepStart<LOADS>,
         g: &[f64; INTERVALS],
         margin: f64,
         first_clear: bool,
         remaining: f64,
     ) -> Option<f64> {
         let interval = self.interval();
-        let side = self.motion.contact.side();
+        let side = self.hybrid.contact.side();
         // A sample is near where `excess` is not negative: within the margin of a limit or past it.
         let limit = self.model.gap - margin;
         let excess = |x: f64| if side == 0.0 { x.abs() - limit } else { margin - side * x };
@@ -182,9 +192,9 @@ impl Simulator {
             let span = interval.min(remaining);
             self.work.expansions += 1;
             let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
-            if let Some((u, side)) = self.anchored_passage(&series, start, [true; 2], span) {
-                let arrival = Arrival { series: &series, base: 0.0, radius: span, u, interval: None };
-                self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+            if let Some((u, side)) = self.first_event_from_start(&series, start, [true; 2], span) {
+                let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
+                self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
                 return Some(side);
             }
         }
@@ -199,9 +209,9 @@ impl Simulator {
             let radius = 0.5 * interval;
             let hi = ((remaining - base) / radius).min(1.0);
             let near = [g[i - 1].max(g[i]) >= limit, g[i - 1].min(g[i]) <= -limit];
-            if let Some((u, side)) = self.passage(&series.functional(self.mode()), -1.0, hi, near) {
-                let arrival = Arrival { series: &series, base, radius, u, interval: Some(i) };
-                self.arrive::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+            if let Some((u, side)) = self.first_event(&series.functional(self.mode()), -1.0, hi, near) {
+                let arrival = SeriesPoint { series: &series, base, radius, u, interval: Some(i) };
+                self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
                 return Some(side);
             }
         }
@@ -212,7 +222,7 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn centred<const LOADS: usize>(
         &mut self,
-        start: &Start<LOADS>,
+        start: &SubstepStart<LOADS>,
         index: usize,
     ) -> (Series<CENTRED>, f64) {
         self.work.expansions += 1;
@@ -225,7 +235,7 @@ impl Simulator {
         if let Some(columns) = start.columns() {
             Table::transit(&tables.load.centre[index], &columns, &mut z);
         }
-        if self.motion.contact != Contact::Flight {
+        if self.hybrid.contact != Contact::Flight {
             (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
         }
         (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
@@ -233,7 +243,7 @@ impl Simulator {
 
     /// The first event between two points, with its stop, from the coefficients of the event functional.
     #[inline(always)]
-    fn passage<const N: usize>(
+    fn first_event<const N: usize>(
         &mut self,
         functional: &[f64; N],
         lo: f64,
@@ -241,7 +251,7 @@ impl Simulator {
         near: [bool; 2],
     ) -> Option<(f64, f64)> {
         let iterations = &mut self.work.iterations;
-        let side = self.motion.contact.side();
+        let side = self.hybrid.contact.side();
         if side != 0.0 {
             let p = functional.map(|a| -side * a);
             return first_crossing(&p, lo, hi, iterations).map(|u| (u, side));
@@ -263,17 +273,17 @@ impl Simulator {
     /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
     /// start are divided out, so that a return is found however soon it comes.
     #[inline(always)]
-    pub(super) fn anchored_passage<const LOADS: usize>(
+    pub(super) fn first_event_from_start<const LOADS: usize>(
         &mut self,
         series: &Series<ANCHORED>,
-        start: &Start<LOADS>,
+        start: &SubstepStart<LOADS>,
         near: [bool; 2],
         span: f64,
     ) -> Option<(f64, f64)> {
-        let order = usize::from(self.motion.departing);
+        let order = usize::from(self.hybrid.departing);
         if order == 0 {
             let functional = series.functional(self.mode());
-            return self.passage(&functional, 0.0, 1.0, near);
+            return self.first_event(&functional, 0.0, 1.0, near);
         }
         let side = start.z[GAP].signum();
         let mut found = None;
@@ -295,29 +305,29 @@ impl Simulator {
 
     /// Moves to a point of a series: state, time and energy accounts.
     #[inline(always)]
-    pub(super) fn arrive<const LOADS: usize, const ACCOUNTS: bool, const N: usize>(
+    pub(super) fn advance_to_point<const LOADS: usize, const ACCOUNTS: bool, const N: usize>(
         &mut self,
         z: &mut Augmented,
-        start: &Start<LOADS>,
-        to: &Arrival<N>,
+        start: &SubstepStart<LOADS>,
+        to: &SeriesPoint<N>,
     ) {
         if ACCOUNTS {
             self.account(start, to);
         }
         *z = to.series.at(to.u);
-        if self.motion.contact != Contact::Flight {
+        if self.hybrid.contact != Contact::Flight {
             (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
         }
-        self.motion.time = self.motion.time.plus(to.base).plus(to.u * to.radius);
-        self.motion.departing = 0;
+        self.hybrid.time = self.hybrid.time.plus(to.base).plus(to.u * to.radius);
+        self.hybrid.departing = 0;
     }
 
     /// Passes over a whole sub-step without event.
     #[inline(always)]
-    pub(super) fn pass<const LOADS: usize, const ACCOUNTS: bool>(
+    pub(super) fn advance_whole_substep<const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
         z: &mut Augmented,
-        start: &Start<LOADS>,
+        start: &SubstepStart<LOADS>,
     ) {
         if ACCOUNTS {
             self.account_whole(start);
@@ -328,11 +338,11 @@ impl Simulator {
         if let Some(columns) = start.columns() {
             Table::transit(&tables.load.full, &columns, &mut next);
         }
-        if self.motion.contact != Contact::Flight {
+        if self.hybrid.contact != Contact::Flight {
             (next[GAP], next[GAP_RATE]) = (start.z[GAP], 0.0);
         }
         *z = next;
-        self.motion.time = self.motion.time.plus(self.substep);
-        self.motion.departing = 0;
+        self.hybrid.time = self.hybrid.time.plus(self.substep);
+        self.hybrid.departing = 0;
     }
 }
