@@ -10,12 +10,12 @@ use crate::simulator::{Contact, Simulator};
 use pulp::Simd;
 use std::sync::Arc;
 
-/// `departing` of a hybrid that is not in flight.
+/// `departing` of a motion that is not in flight.
 const GROUNDED: f64 = f64::INFINITY;
 
-/// What stays while a hybrid is under way.
+/// What stays while a motion is under way.
 pub(super) struct LaneSystems {
-    /// Of the hybrid in each lane, to see when the rows must be filled anew.
+    /// Of the motion in each lane, to see when the rows must be filled anew.
     pub(super) tables: [Option<Arc<ModeTables>>; ROW],
     pub(super) sample: [[Row; 8]; INTERVALS],
     pub(super) full: [[Row; 8]; 8],
@@ -33,7 +33,7 @@ pub(super) struct LaneSystems {
     pub(super) kick: Row,
     pub(super) impulse: Row,
     pub(super) loss: Row,
-    /// The equations of hybrid in the time unit of half an interval.
+    /// The equations of motion in the time unit of half an interval.
     pub(super) radius: Row,
     pub(super) k1: Row,
     pub(super) c1: Row,
@@ -75,7 +75,7 @@ impl LaneSystems {
         }
     }
 
-    /// Fills a lane for a hybrid.
+    /// Fills a lane for a motion.
     pub(super) fn load_system(&mut self, lane: usize, simulator: &Simulator, end: DoubleDouble) {
         (self.end[0].0[lane], self.end[1].0[lane]) = (end.hi, end.lo);
         if self.tables[lane].as_ref().is_some_and(|tables| Arc::ptr_eq(tables, &simulator.flight)) {
@@ -168,7 +168,7 @@ impl LaneStates {
         }
     }
 
-    /// Takes a hybrid over from its simulator.
+    /// Takes a motion over from its simulator.
     #[inline(always)]
     pub(super) fn take(&mut self, lane: usize, simulator: &Simulator, advance: &AdvanceState) {
         let hybrid = &simulator.hybrid;
@@ -200,7 +200,7 @@ impl LaneStates {
         }
     }
 
-    /// Gives a hybrid in flight back to its simulator.
+    /// Gives a motion in flight back to its simulator.
     #[inline(always)]
     pub(super) fn give(&self, lane: usize, simulator: &mut Simulator, advance: &mut AdvanceState) {
         let hybrid = &mut simulator.hybrid;
