@@ -131,7 +131,9 @@ class Reader:
                 self.take()
                 base = base.T
             else:
-                base = base ** self.argument()
+                exponent = self.argument()
+                rounded = self.environment.get("exponent")
+                base = base ** (rounded(exponent) if rounded else exponent)
         return base
 
     def argument(self) -> Any:

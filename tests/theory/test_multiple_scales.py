@@ -31,6 +31,7 @@ NUMERIC: Dict[str, Any] = {
     "number": mpmath.mpf, "pi": mpmath.pi, "i": mpmath.mpc(0, 1), "sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt,
     "asin": mpmath.asin, "acos": mpmath.acos, "atan2": mpmath.atan2, "abs": abs, "Re": mpmath.re, "Im": mpmath.im,
     "conjugate": mpmath.conj, "exp": mpmath.exp, "cot": mpmath.cot, "arg": mpmath.arg,
+    "exponent": lambda x: int(x) if x == mpmath.floor(mpmath.re(x)) else x,  # a matrix takes no other
 }  # fmt: skip
 
 
