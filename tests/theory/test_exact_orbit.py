@@ -136,7 +136,7 @@ def test_eq_73_74_76_quadratic_and_discriminant() -> None:
 
 
 def test_eq_72_77_golden_orbit_of_the_default_set() -> None:
-    """The impulse of the default set's orbit, which the Rust tests hold to as well."""
+    """The impulse by (72) to (77) of the default set's orbit, which the Rust tests hold to as well."""
     k = orbit("basic")
     assert abs(k["p"] * k["omega_1"] * k["L"] - mpmath.mpf("1.597276346")) < 1e-9  # p/m2 in SI units
 
