@@ -6,7 +6,6 @@
 
 use super::attractor::{Attractor, Class, Relation, observe};
 use super::error::{Error, Result};
-use super::groups::check_together;
 use super::lyapunov::{self, Spectrum};
 use super::maxima::record;
 use super::motion::settled;
@@ -15,7 +14,7 @@ use super::plane::PlaneAxis;
 use super::section::kicked;
 use super::settings::Settings;
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::Parameters;
+use vibro_impact::parameters::{Parameters, check_together};
 use vibro_impact::simulator::{Simulator, State};
 
 /// Values in a part.

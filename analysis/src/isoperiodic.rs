@@ -5,7 +5,6 @@
 
 use super::attractor::{Class, observe};
 use super::error::{Error, Result};
-use super::groups::check_together;
 use super::lyapunov::{self, Options};
 use super::parts::Task;
 use super::plane::{self, PlaneAxis, check_pair};
@@ -13,7 +12,7 @@ use super::section::{COORDINATES, KICK, Section, section, state};
 use super::settings::Settings;
 use super::trajectories::{Start, lead};
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::Parameters;
+use vibro_impact::parameters::{Parameters, check_together};
 use vibro_impact::simulator::{Simulator, State};
 
 /// Where the motions of a plane start.

@@ -11,7 +11,6 @@ pub mod attractor;
 pub mod basin;
 pub mod bifurcation;
 mod error;
-mod groups;
 pub mod isoperiodic;
 pub mod lyapunov;
 pub mod maxima;
@@ -26,5 +25,5 @@ mod variation;
 mod walk;
 
 pub use error::{Error, Result};
-pub use groups::{GROUPS, Group, check_together};
 pub use settings::{Name, Settings, find_group, number, short};
+pub use vibro_impact::parameters::{GROUPS, Group, check_together};

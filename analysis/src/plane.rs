@@ -1,11 +1,10 @@
 //! Existence and stability of the two-impact motion over a plane of two groups (figure 12).
 
 use super::error::{Error, Result};
-use super::groups::{Group, check_together};
 use super::settings::{Settings, find_group};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::{Groups, Parameters};
+use vibro_impact::parameters::{Group, Groups, Parameters, check_together};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
 use vibro_impact::steady::multiple_scales::MultipleScales;

@@ -1,10 +1,9 @@
 //! Response curves: steady states along one group, with their stability (figures 10, 11).
 
 use super::error::Result;
-use super::groups::{Group, check_together};
 use super::plane::Method;
 use super::settings::Settings;
-use vibro_impact::parameters::Groups;
+use vibro_impact::parameters::{Group, Groups, check_together};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Branch, Special};
 

@@ -1,10 +1,9 @@
 //! The parameters of an analysis as a user gives them: in SI or as groups, by name, from a file or one by one.
 
 use super::error::{Error, Result};
-use super::groups::{GROUPS, Group, check_together};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use vibro_impact::parameters::{FIELDS, Field, Groups, Parameters};
+use vibro_impact::parameters::{FIELDS, Field, GROUPS, Group, Groups, Parameters, check_together};
 
 /// A parameter of either form.
 #[derive(Clone, Copy, Debug)]
@@ -91,8 +90,8 @@ impl Name {
 
     fn allowed(self) -> &'static str {
         match self {
-            Self::Si(f) => f.allowed,
-            Self::Group(g) => g.allowed,
+            Self::Si(f) => f.range.allowed,
+            Self::Group(g) => g.range.allowed,
         }
     }
 }

@@ -26,7 +26,7 @@ fn exact_orbits_of_random_parameters_hold_or_are_refused() {
         let mut p = Parameters::default();
         for field in &FIELDS {
             let decades = if i % 10 == 0 { 12.0 } else { 1.0 };
-            let value = if field.max == 1.0 { random.next() } else { random.size(decades) };
+            let value = if field.range.max == 1.0 { random.next() } else { random.size(decades) };
             (field.set)(&mut p, value);
         }
         let Ok(roots) = exact_orbit::solve(&p) else {

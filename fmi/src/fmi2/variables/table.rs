@@ -34,14 +34,14 @@ const fn parameter<const I: usize>(variability: Variability, declared: RealType)
         initial: Some(Initial::Exact),
         kind: Kind::Real {
             declared,
-            min: bound(field.min),
-            max: bound(field.max),
+            min: bound(field.range.min),
+            max: bound(field.range.max),
             nominal: None,
             derivative_of: None,
             reinit: false,
         },
-        allowed: field.allowed,
-        open_min: field.open_min,
+        allowed: field.range.allowed,
+        open_min: field.range.open_min,
         access: Access::Setting {
             get: get_field::<I>,
             set: |s, value| (FIELDS[I].set)(&mut s.parameters, value),

@@ -1,0 +1,84 @@
+//! The range of values that a quantity may take.
+
+use crate::error::{Error, Result};
+
+/// A range of finite numbers: what may be set, and how an error message says it.
+///
+/// ```
+/// use vibro_impact::parameters::Range;
+///
+/// let share = Range { min: 0.0, max: 1.0, open_min: true, allowed: "0 < share <= 1" };
+/// assert!(share.contains(1.0) && !share.contains(0.0));
+/// let message = share.check("share", 2.0).unwrap_err().to_string();
+/// assert_eq!(message, "share = 2: allowed is 0 < share <= 1");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Smallest allowed value; itself refused where [`open_min`](Self::open_min) holds. Minus infinity where there is none.
+    pub min: f64,
+    /// Largest allowed value; infinity where there is none.
+    pub max: f64,
+    /// Whether `min` itself is refused.
+    pub open_min: bool,
+    /// The same in words, for messages and documentation.
+    pub allowed: &'static str,
+}
+
+impl Range {
+    /// Every finite number.
+    pub const FINITE: Self = Self::any("a finite number");
+    /// Zero and the positive finite numbers.
+    pub const NOT_NEGATIVE: Self =
+        Self { min: 0.0, max: f64::INFINITY, open_min: false, allowed: "a finite number >= 0" };
+    /// The positive finite numbers.
+    pub const POSITIVE: Self =
+        Self { min: 0.0, max: f64::INFINITY, open_min: true, allowed: "a finite number > 0" };
+
+    /// Every finite number, with words of its own for a bound that depends on other quantities and is checked elsewhere.
+    pub const fn any(allowed: &'static str) -> Self {
+        Self { min: f64::NEG_INFINITY, max: f64::INFINITY, open_min: false, allowed }
+    }
+
+    /// Whether `value` lies in the range. NaN and the infinities never do.
+    pub fn contains(&self, value: f64) -> bool {
+        let above = if self.open_min { value > self.min } else { value >= self.min };
+        value.is_finite() && above && value <= self.max
+    }
+
+    /// Checks the value of the quantity called `name`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when [`contains`](Self::contains) is false.
+    pub fn check(&self, name: &'static str, value: f64) -> Result<()> {
+        if self.contains(value) {
+            return Ok(());
+        }
+        Err(Error::OutOfRange { name, value, allowed: self.allowed })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_ends_of_the_ranges() {
+        let share = Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= share <= 1" };
+        let tiny = f64::from_bits(1); // the least positive number
+        for (range, inside, outside) in [
+            (Range::FINITE, [-f64::MAX, 0.0, f64::MAX], vec![]),
+            (Range::NOT_NEGATIVE, [0.0, tiny, f64::MAX], vec![-tiny]),
+            (Range::POSITIVE, [tiny, 1.0, f64::MAX], vec![0.0, -tiny]),
+            (share, [0.0, 0.5, 1.0], vec![-tiny, 1.0f64.next_up()]),
+        ] {
+            for value in inside {
+                assert!(range.contains(value) && range.check("x", value).is_ok(), "{value} in {range:?}");
+            }
+            for value in outside.into_iter().chain([f64::NAN, f64::INFINITY, f64::NEG_INFINITY]) {
+                assert!(!range.contains(value), "{value} in {range:?}");
+                let refused = range.check("x", value);
+                assert!(matches!(refused, Err(Error::OutOfRange { name: "x", .. })), "{value} in {range:?}");
+            }
+        }
+    }
+}
