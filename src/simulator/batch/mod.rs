@@ -72,3 +72,28 @@ impl Simulator {
         Err(Error::Step { time: self.time(), end })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::{Loads, State};
+    use crate::{Parameters, Simulator};
+
+    #[test]
+    fn invariant_accounts_and_loads_have_the_bits_of_one_by_one() {
+        /// Some hundred impacts, long enough for a difference in the last digit to grow.
+        const END: f64 = 300.0;
+        let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
+        let accounts = Simulator::new(&Parameters::default(), &start, 0.0).unwrap();
+        let mut loaded = accounts.clone().without_energy_accounts();
+        loaded.set_loads(&Loads { derivatives: [[0.0; 4], [0.02, 1e-5, 0.0, 0.0], [0.0; 4]] }).unwrap();
+        let in_a_lane = accounts.clone().without_energy_accounts();
+        let mut together = [in_a_lane, accounts.clone(), loaded.clone()];
+        assert!(advance_together(&mut together, |_| END).iter().all(Result::is_ok));
+        for (together, mut alone) in together[1..].iter().zip([accounts, loaded]) {
+            alone.advance_to(END).unwrap();
+            assert!(alone.impacts().upper > 0);
+            assert_eq!(alone.snapshot(), together.snapshot());
+        }
+    }
+}
