@@ -56,17 +56,23 @@ impl pulp::WithSimd for Lanes<'_> {
         let mut states = Box::new(LaneStates::zero());
         let mut active: LaneSet = 0;
         for (lane, place) in lanes.iter_mut().enumerate() {
-            *place = self.waiting.pop();
-            if let Some(motion) = place {
-                systems.load_system(lane, motion.simulator, motion.end);
-                states.load_state(lane, motion.simulator, &motion.advance);
+            if self.load_lane(false, &mut systems, &mut states, lane, place) {
                 active |= 1 << lane;
             }
         }
         while active != 0 {
+            // The work of a motion is checked as often as its phase is renewed.
             for lane in lanes_of(states.due_for_renewal(simd, f64::from(RENEWAL)) & active) {
-                if let Some(motion) = &lanes[lane] {
-                    states.renew_phase(lane, motion.simulator);
+                let Some(motion) = &mut lanes[lane] else { continue };
+                states.renew_phase(lane, motion.simulator);
+                if states.work_units(lane) + motion.simulator.work.units() <= motion.advance.allowed {
+                    continue;
+                }
+                states.store_state(lane, motion.simulator, &mut motion.advance);
+                *motion.result = motion.simulator.check_work(&mut motion.advance);
+                let goes_on = motion.result.is_ok();
+                if !self.load_lane(goes_on, &mut systems, &mut states, lane, &mut lanes[lane]) {
+                    active &= !(1 << lane);
                 }
             }
             let left = substep::flight_substep(simd, &systems, &mut states, active);
@@ -74,19 +80,36 @@ impl pulp::WithSimd for Lanes<'_> {
                 let Some(motion) = &mut lanes[lane] else { continue };
                 states.store_state(lane, motion.simulator, &mut motion.advance);
                 let touched = (left.at_stop >> lane & 1 != 0).then_some(left.side.0[lane]);
-                if !advance_alone(simd, motion, touched) {
-                    // The motion is over; the lane is refilled.
-                    lanes[lane] = self.waiting.pop();
-                    match &lanes[lane] {
-                        Some(motion) => systems.load_system(lane, motion.simulator, motion.end),
-                        None => active &= !(1 << lane),
-                    }
-                }
-                if let Some(motion) = &lanes[lane] {
-                    states.load_state(lane, motion.simulator, &motion.advance);
+                let goes_on = advance_alone(simd, motion, touched);
+                if !self.load_lane(goes_on, &mut systems, &mut states, lane, &mut lanes[lane]) {
+                    active &= !(1 << lane);
                 }
             }
         }
+    }
+}
+
+impl<'a> Lanes<'a> {
+    /// Loads a lane with the motion in it if that `goes_on`, else with the next waiting one, if there is any. False when the lane
+    /// stays empty.
+    #[inline(always)]
+    fn load_lane(
+        &mut self,
+        goes_on: bool,
+        systems: &mut LaneSystems,
+        states: &mut LaneStates,
+        lane: usize,
+        place: &mut Option<LaneMotion<'a>>,
+    ) -> bool {
+        if !goes_on {
+            *place = self.waiting.pop();
+        }
+        let Some(motion) = place else { return false };
+        if !goes_on {
+            systems.load_system(lane, motion.simulator, motion.end);
+        }
+        states.load_state(lane, motion.simulator, &motion.advance);
+        true
     }
 }
 
@@ -128,10 +151,7 @@ impl LaneMotion<'_> {
         // The lanes renew cos θ and sin θ less often than the code for a single motion does.
         advance.since_renewal = advance.since_renewal.min(RENEW);
         let mut going = match touched {
-            Some(_) => {
-                advance.burst = advance.burst.saturating_sub(1); // the lanes have counted the sub-step
-                simulator.finish_substep::<0>(advance, touched, Stop::Never, &mut None)
-            }
+            Some(_) => simulator.finish_substep::<0>(advance, touched, Stop::Never, &mut None),
             None => simulator.next_substep::<S, 0, false>(simd, advance, *end, Stop::Never, &mut None),
         };
         loop {

@@ -140,9 +140,6 @@ pub(super) struct LaneStates {
     pub(super) departing: Row,
     /// Sub-steps since cos θ and sin θ were computed anew.
     pub(super) since_renewal: Row,
-    /// Sub-steps since the time `burst_from`, as in `AdvanceState`.
-    pub(super) burst: Row,
-    pub(super) burst_from: Row,
     /// Energy lost at impacts, leading and trailing part, J.
     pub(super) lost: [Row; 2],
     /// Impacts at the upper and at the lower stop since the motion came into the lane.
@@ -167,8 +164,6 @@ impl LaneStates {
             time: [row; 2],
             departing: row,
             since_renewal: row,
-            burst: row,
-            burst_from: row,
             lost: [row; 2],
             upper: row,
             lower: row,
@@ -195,8 +190,6 @@ impl LaneStates {
             _ => GROUNDED,
         };
         self.since_renewal.0[lane] = f64::from(advance.since_renewal);
-        self.burst.0[lane] = f64::from(advance.burst);
-        self.burst_from.0[lane] = advance.burst_from.hi;
         (self.lost[0].0[lane], self.lost[1].0[lane]) = (hybrid.sums.impact.hi, hybrid.sums.impact.lo);
         self.last_time.0[lane] = hybrid.record.last_time;
         self.last_speed.0[lane] = hybrid.record.last_speed;
@@ -223,8 +216,6 @@ impl LaneStates {
         }
         hybrid.time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
         advance.since_renewal = self.since_renewal.0[lane] as u32;
-        advance.burst = self.burst.0[lane] as u32;
-        advance.burst_from = DoubleDouble::new(self.burst_from.0[lane]);
         let departing = self.departing.0[lane];
         if departing < GROUNDED {
             hybrid.departing = departing as u8;
@@ -241,6 +232,11 @@ impl LaneStates {
         simulator.work.iterations += self.iterations.0[lane] as u64;
         simulator.work.expansions += self.expansions.0[lane] as u64;
         simulator.work.events += upper + lower;
+    }
+
+    /// The work done since the motion came into the lane, as [`WorkCounters::units`](crate::simulator::WorkCounters::units).
+    pub(super) fn work_units(&self, lane: usize) -> u64 {
+        (self.substeps.0[lane] + self.iterations.0[lane]) as u64
     }
 
     /// The lanes whose cos θ and sin θ have been rotated `often` times.

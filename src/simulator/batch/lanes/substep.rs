@@ -7,7 +7,6 @@ use crate::flow::INTERVALS;
 use crate::model::{GAP, GAP_RATE};
 use crate::numerics::simd::product;
 use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
-use crate::simulator::step::MAX_BURST;
 use pulp::Simd;
 
 /// What a sub-step leaves to the motions' own code.
@@ -143,9 +142,8 @@ fn sample_gap<S: Simd>(
         (leaving & (speed.at_most(change) | index.at_most(zero))) | (inside & limit.at_most(z[GAP].abs()));
     let nearest = near_start.select(z[GAP], gap);
     zero.less_than(nearest).select(splat(1.0), splat(-1.0)).store(&mut searched.side, v);
-    let below_limit = load(&states.burst).less_than(splat(f64::from(MAX_BURST - 1)));
     GapSamples {
-        ready: (leaving | inside) & within_reach & whole & below_limit,
+        ready: (leaving | inside) & within_reach & whole,
         near: near_start | index.less_than(splat(INTERVALS as f64)),
         near_start,
     }
@@ -181,28 +179,16 @@ fn advance_whole_substep<S: Simd>(
     later.store_where(chosen, time, &mut states.time, v);
     let zero = Wide::splat(simd, 0.0);
     chosen.select(zero, load(&states.departing)).store(&mut states.departing, v);
-    count_substep(simd, systems, states, v, chosen, later.hi);
+    count_substep(simd, states, v, chosen);
 }
 
-/// Counts a sub-step of the `chosen` that ended at `time`, as `Simulator::finish_substep` does.
+/// Counts a sub-step of the motions `chosen`.
 #[inline(always)]
-fn count_substep<S: Simd>(
-    simd: S,
-    systems: &LaneSystems,
-    states: &mut LaneStates,
-    v: usize,
-    chosen: Mask<S>,
-    time: Wide<S>,
-) {
+fn count_substep<S: Simd>(simd: S, states: &mut LaneStates, v: usize, chosen: Mask<S>) {
     let zero = Wide::splat(simd, 0.0);
     let one = chosen.select(Wide::splat(simd, 1.0), zero);
     add(simd, &mut states.since_renewal, v, one);
     add(simd, &mut states.substeps, v, one);
-    let load = |row: &Row| Wide::load(simd, row, v);
-    let (burst, from) = (load(&states.burst) + one, load(&states.burst_from));
-    let over = chosen & load(&systems.substep).less_than(time - from);
-    over.select(zero, burst).store(&mut states.burst, v);
-    over.select(time, from).store(&mut states.burst_from, v);
 }
 
 /// Adds to vector `v` of a row.
@@ -244,7 +230,7 @@ fn advance_in_interval<S: Simd>(
     let later = time.plus(centre).plus(arrival.u * (half * interval));
     later.store_where(moved, time, &mut states.time, v);
     moved.select(through.select(one, zero), departing).store(&mut states.departing, v);
-    count_substep(simd, systems, states, v, moved, later.hi);
+    count_substep(simd, states, v, moved);
     add(simd, &mut states.expansions, v, moved.select(one, zero));
     add(simd, &mut states.iterations, v, arrival.found.select(arrival.iterations, zero));
     record_impact(simd, systems, states, v, through, (side, rebound.approach), later);
