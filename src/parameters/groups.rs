@@ -115,7 +115,8 @@ macro_rules! group {
 /// The block is not heavier than the box.
 const MASS_RATIO: Range = Range { min: 0.0, max: 1.0, open_min: true, allowed: "0 < epsilon <= 1" };
 /// From a plastic impact to an elastic one.
-const RESTITUTION: Range = Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= kappa <= 1" };
+pub(crate) const RESTITUTION: Range =
+    Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= kappa <= 1" };
 /// The drive's frequency is positive: [`check_together`].
 const DRIVE_DETUNING: Range = Range::any("a finite number > -1/epsilon");
 /// The secondary oscillator's stiffness is not negative: [`check_together`].

@@ -8,6 +8,7 @@ mod groups;
 mod range;
 
 pub use fields::{FIELDS, Field};
+pub(crate) use groups::RESTITUTION;
 pub use groups::{GROUPS, Group, Groups, check_together};
 pub use range::Range;
 

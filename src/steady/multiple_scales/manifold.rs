@@ -3,6 +3,7 @@
 
 use crate::error::{Error, Result};
 use crate::numerics::roots::brent;
+use crate::parameters::RESTITUTION;
 use std::f64::consts::{PI, TAU};
 
 /// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.235.
@@ -45,9 +46,7 @@ impl Manifold {
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 ≤ κ ≤ 1.
     pub fn new(kappa: f64) -> Result<Self> {
-        if !(0.0..=1.0).contains(&kappa) {
-            return Err(Error::OutOfRange { name: "kappa", value: kappa, allowed: "0 <= kappa <= 1" });
-        }
+        RESTITUTION.check("kappa", kappa)?;
         Ok(Self { kappa, rho: 2.0 / PI * (1.0 - kappa) / (1.0 + kappa) })
     }
 
