@@ -90,7 +90,7 @@ def test_eq_90_94_95_balance_and_work_of_the_drive_over_impacts(p: Parameters) -
 
         first = eq(92)("Gamma", {**known(p, start(p)), **constants})
         last = eq(92)("Gamma", {**known(p, found.end), **constants})
-        t_1, t_2 = mpmath.mpf(0), end
+        t_1, t_2 = mpmath.mpf("0.7"), mpmath.mpf("0.7") + end
         env = {**NUMERIC, **constants, "Gamma": lambda time: last if time == t_2 else first, "t_1": t_1, "t_2": t_2, "j": jumps}
         form = Reader(tokens[:-3] + ["j"], env).all()
         assert abs(form - work) < mpmath.mpf(10) ** -12

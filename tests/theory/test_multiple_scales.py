@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Tuple
 import mpmath
 import pytest
 import sympy
-from equations import eq, sym, zero
+from equations import Formula, eq, sym, zero
 
 B, C, A_3 = (sympy.Symbol(n, positive=True) for n in ("B", "C", "A_3"))
 phi = sympy.Symbol("varphi", real=True)
@@ -120,7 +120,7 @@ def test_eq_34_impact_conditions() -> None:
 
 
 def test_eq_35_manifold_and_its_phase() -> None:
-    """(34) squared and added is B², and its quotient is Φ."""
+    """(35) holds the sum of the squares of (34) and the angle of its quotient."""
     first, second = (r.right({"C": C}) for r in eq(34).relations[:2])
     assert zero(first**2 + second**2 - eq(35)("B^2", {"C": C}))
     for c in (0.4, 1.3, 5.0):
@@ -232,7 +232,7 @@ def test_eq_43_44_complex_form() -> None:
     force = (found[y] + sympy.I * found[x]) * turn
     force = sympy.expand(force).subs(B, sympy.sqrt(eq(35)("B^2", {"C": C})))
     assert zero(force - eq(43).relations[0].right({"C": C, "alpha": alpha, "alpha_0": alpha_0}))
-    modulus = lambda z: sympy.sqrt(sympy.expand(z * sympy.conjugate(z)))  # noqa: E731
+    modulus: Formula = lambda z: sympy.sqrt(sympy.expand(z * sympy.conjugate(z)))
     both = {"alpha": alpha, "alpha_0": alpha_0, "abs": modulus}
     q = eq(42).values()
     values = {r.key: sympy.expand(sympy.expand(r.right(both)), complex=True) for r in eq(44).relations}
@@ -281,7 +281,7 @@ def test_eq_46_force_and_fold() -> None:
 
 
 def test_eq_46_56_admissible_range_of_the_default_set() -> None:
-    """The force at the limits of (56) is the range the code reports, 0.891 to 2.136."""
+    """The force (46) at the limits of (56) is the range the code reports, 0.891 to 2.136."""
     k = numbers(BASIC)
     k["alpha"], k["alpha_0"] = evaluated(43, "alpha", k), evaluated(43, "alpha_0", k)
     low, high = (evaluated(46, "f(C)", {**k, "C": evaluated(56, key, k)}) for key in ("C_Smin", "C_Smax"))
@@ -295,7 +295,7 @@ def test_eq_47_amplitudes_of_block_and_box(values: Dict[str, float]) -> None:
         k["q_1"] = evaluated(47, "q_1", k)
 
         def sampled(key: str, at: Any) -> Any:
-            Z = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})  # noqa: E731
+            Z: Formula = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})
             return eq(33)(key, {**NUMERIC, **k, "Z": Z, "eta": at})
 
         block = max(abs(sampled("X_2", k["Phi"] + mpmath.pi * i / 50)) for i in range(100))
@@ -308,7 +308,7 @@ def test_eq_47_amplitudes_of_block_and_box(values: Dict[str, float]) -> None:
 
 
 def gap(c: Any, r: Any, at: Any) -> Any:
-    Z = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})  # noqa: E731
+    Z: Formula = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})
     return eq(39).relations[0].right({**NUMERIC, "C": c, "rho": r, "varphi": at, "Z": Z})
 
 
@@ -386,7 +386,7 @@ def test_eq_51_eigenvalues_in_closed_form(values: Dict[str, float]) -> None:
 def block_map(known: Dict[str, Any], shift: Any, speed: Any) -> Tuple[Any, Any]:
     """The next impact of a block that leaves the upper stop, from even flight and the impact law of (27) as ε → 0."""
     b, angle, restitution = known["B"], known["Phi"], known["kappa"]
-    U = lambda x: b * mpmath.sin(x)  # noqa: E731
+    U: Formula = lambda x: b * mpmath.sin(x)
     begin = angle + shift
     end = mpmath.findroot(lambda x: U(begin) + 1 - speed * (x - begin) - (U(x) - 1), angle + mpmath.pi)
     velocity = (1 + restitution) * b * mpmath.cos(end) + restitution * speed
