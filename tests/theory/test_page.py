@@ -16,7 +16,7 @@ DEFINITIONS: Dict[int, str] = {
     4: "defines the drive's phase; other tests differentiate it",
     15: "defines the event of release",
     19: "a choice of the simulator, when the acceleration counts as steady",
-    81: "defines two functions whose zeros are located",
+    81: "defines functions whose zeros are located",
     85: "defines how exponents are counted",
     96: "a choice of the code, when the closed form is accurate enough",
 }
