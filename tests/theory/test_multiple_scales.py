@@ -180,15 +180,18 @@ def slow_flow(parse: bool) -> Dict[str, Any]:
     f, g_1, g_3, s_1, s_30 = (sym(n) for n in ("hat_f_10", "hat_gamma_1", "hat_gamma_3", "hat_sigma_1", "hat_sigma_30"))
     alpha, psi, psi_3, Phi = (sym(n) for n in ("hat_alpha", "psi", "psi_3", "Phi"))
     c_1 = first_coefficient()
-    # U = B sin(φ), φ = τ0 + σ1 τ1 - ψ: twice the mixed derivative, against the forcing at order ε.
+    # U and X3 of (32) with the phase φ = τ0 + σ1 τ1 - ψ or - ψ3.
+    U = eq(32)("U", {"B": B, "eta": phi})
+    X_3 = eq(32)("X_3", {"A_3": A_3, "tau": (phi + psi_3) / sym("Omega_1")})
+    # Twice the mixed derivative, against the forcing at order ε.
     rate_b, rate_psi, rate_a, rate_psi3 = sympy.symbols("rB rpsi rA rpsi3")
-    mixed = 2 * (rate_b * sympy.cos(phi) - B * (s_1 - rate_psi) * sympy.sin(phi))
-    forcing = f * sympy.sin(phi + psi) - g_1 * B * sympy.cos(phi) + c_1 * C * sympy.cos(phi - Phi)
+    mixed = 2 * (rate_b * U.diff(B) + (s_1 - rate_psi) * U.diff(phi)).diff(phi)
+    forcing = f * sympy.sin(phi + psi) - g_1 * U.diff(phi) + c_1 * C * sympy.cos(phi - Phi)
     first = sympy.solve(harmonic(sympy.expand_trig(mixed - forcing)), [rate_b, rate_psi], dict=True)[0]
-    # X3 = A3 sin(φ), φ = τ0 + σ1 τ1 - ψ3; X2 ≈ C Z(φ + ψ3 - ψ - Φ), with μ13 β² = α.
-    mixed = 2 * (rate_a * sympy.cos(phi) - A_3 * (s_1 - rate_psi3) * sympy.sin(phi))
+    # X2 ≈ C Z(φ + ψ3 - ψ - Φ), with μ13 β² = α.
+    mixed = 2 * (rate_a * X_3.diff(A_3) + (s_1 - rate_psi3) * X_3.diff(phi)).diff(phi)
     block = c_1 * C * sympy.cos(phi + psi_3 - psi - Phi)
-    forcing = -g_3 * A_3 * sympy.cos(phi) - s_30 * A_3 * sympy.sin(phi) - alpha * (A_3 * sympy.sin(phi) - block)
+    forcing = -g_3 * X_3.diff(phi) - s_30 * X_3 - alpha * (X_3 - block)
     second = sympy.solve(harmonic(sympy.expand_trig(mixed - forcing)), [rate_a, rate_psi3], dict=True)[0]
     # (34): B sin Φ = C - 1, B cos Φ = -ρ C.
     manifold = {sympy.sin(Phi): (C - 1) / B, sympy.cos(Phi): -rho * C / B}
@@ -200,8 +203,8 @@ def slow_flow(parse: bool) -> Dict[str, Any]:
     }
 
 
-def test_eq_40_41_slow_flow_from_the_balance_of_harmonics() -> None:
-    """The solvability conditions of (30) and of X3's equation in (24) are (40), (41)."""
+def test_eq_32_40_41_slow_flow_from_the_balance_of_harmonics() -> None:
+    """The solvability conditions of (30) and of X3's equation in (24) for the form (32) are (40), (41)."""
     page, derived = slow_flow(True), slow_flow(False)
     for key in page:
         assert zero(sympy.expand_trig(page[key]) - derived[key]), key
