@@ -181,7 +181,7 @@ def slow_flow(parse: bool) -> Dict[str, Any]:
     alpha, psi, psi_3, Phi = (sym(n) for n in ("hat_alpha", "psi", "psi_3", "Phi"))
     c_1 = first_coefficient()
     # U and X3 of (32) with the phase φ = τ0 + σ1 τ1 - ψ or - ψ3.
-    U = eq(32)("U", {"B": B, "eta": phi})
+    U = eq(32)("U", {"B": B, "eta": eq(32)("eta", {"tau": (phi + psi) / sym("Omega_1")})})
     X_3 = eq(32)("X_3", {"A_3": A_3, "tau": (phi + psi_3) / sym("Omega_1")})
     # Twice the mixed derivative, against the forcing at order ε.
     rate_b, rate_psi, rate_a, rate_psi3 = sympy.symbols("rB rpsi rA rpsi3")
