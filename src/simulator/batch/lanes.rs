@@ -66,7 +66,7 @@ impl pulp::WithSimd for Lanes<'_> {
             for lane in places(moving.stale(simd, f64::from(RENEWAL)) & live) {
                 let Some(motion) = &mut lanes[lane] else { continue };
                 moving.renew(lane, motion.simulator);
-                if moving.units(lane) + motion.simulator.work.units() <= motion.advance.allowed {
+                if moving.substeps.0[lane] as u64 + motion.simulator.work.substeps <= motion.advance.allowed {
                     continue;
                 }
                 moving.give(lane, motion.simulator, &mut motion.advance);

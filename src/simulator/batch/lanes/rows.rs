@@ -220,11 +220,6 @@ impl LaneStates {
         simulator.work.events += upper + lower;
     }
 
-    /// The work done since the motion was taken over, as [`WorkCounters::units`](crate::simulator::WorkCounters::units).
-    pub(super) fn units(&self, lane: usize) -> u64 {
-        (self.substeps.0[lane] + self.iterations.0[lane]) as u64
-    }
-
     /// The motions whose cos θ and sin θ have been rotated `often` times.
     #[inline(always)]
     pub(super) fn stale<S: Simd>(&self, simd: S, often: f64) -> Places {
