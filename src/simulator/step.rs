@@ -3,7 +3,7 @@
 use super::{Contact, DueEvent, Event, ModeTables, Simulator, Stop, StopReason};
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
-use crate::model::{Augmented, GAP, GAP_RATE};
+use crate::model::{Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd;
 use pulp::Simd;
@@ -153,7 +153,7 @@ impl Simulator {
         }
         self.renew(advance);
         let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut advance.z, remaining, end);
-        let (contact, speed) = (self.hybrid.contact, advance.z[3]);
+        let (contact, speed) = (self.hybrid.contact, advance.z[BOX_RATE]);
         let going = self.finish_substep::<LOADS>(advance, passage, stop, observer);
         if ACCOUNTS && LOADS == 0 && passage.is_some() {
             self.account_event(advance, contact, speed);
@@ -165,7 +165,7 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn renew(&mut self, advance: &mut AdvanceState) {
         if advance.since_renewal == RENEW {
-            (advance.z[7], advance.z[6]) = self.sine_and_cosine();
+            (advance.z[DRIVE_SIN], advance.z[DRIVE_COS]) = self.sine_and_cosine();
             advance.since_renewal = 0;
             self.hybrid.sums.settle(&mut self.pending);
         }
