@@ -3,7 +3,7 @@
 use super::{Contact, DueEvent, Event, ModeTables, Simulator, Stop, StopReason};
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
-use crate::model::{Augmented, GAP, GAP_RATE};
+use crate::model::{Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd;
 use pulp::Simd;
@@ -12,13 +12,13 @@ use std::ops::ControlFlow;
 /// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about ten drive periods); the
 /// rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// The work that one advance may do however little its motion gets on, in [`units`](super::WorkCounters::units). A unit of a
-/// motion that does not get on takes 0.1 µs (bounces on a stop) to 0.5 µs (a fast block under loads), so that the advance
-/// ends within about a second.
-const WORK_BASE: u64 = 2_000_000;
-/// The further work that it may do for each sub-step length that the motion gets on. An ordinary motion has an impact or two
-/// in that time and takes 3 units for each, so that it never comes near the limit however long the advance is.
-const WORK_PER_SUBSTEP: f64 = 64.0;
+/// The sub-steps that one advance may take however little its motion gets on. Each ends at an event, or is cut short because
+/// the block is fast; it takes 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends
+/// within about a second.
+const WORK_BASE: u64 = 1_000_000;
+/// The further sub-steps that it may take for each sub-step length that the motion gets on. An ordinary motion, with an impact
+/// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is.
+const WORK_PER_SUBSTEP: f64 = 32.0;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened so that the root's resolution keeps to the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
@@ -31,11 +31,11 @@ pub(super) struct AdvanceState {
     pub(super) since_renewal: u32,
     /// Where the flight began whose drive work is kept as a difference (see [`Simulator::open_account`]).
     pub(super) flown_from: DoubleDouble,
-    /// Time, work and events at the beginning of the advance.
+    /// Time and counts of sub-steps and events at the beginning of the advance.
     begin: DoubleDouble,
-    work_before: u64,
+    substeps_before: u64,
     events_before: u64,
-    /// The simulator's work that was allowed for the time reached when it was last worked out.
+    /// The count of sub-steps that was allowed for the time reached when it was last worked out.
     pub(super) allowed: u64,
 }
 
@@ -119,15 +119,15 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn begin_advance(&self) -> AdvanceState {
         let time = self.hybrid.time;
-        let work_before = self.work.units();
+        let substeps_before = self.work.substeps;
         AdvanceState {
             z: self.augmented(),
             since_renewal: 0,
             flown_from: time,
             begin: time,
-            work_before,
+            substeps_before,
             events_before: self.work.events,
-            allowed: work_before + WORK_BASE,
+            allowed: substeps_before + WORK_BASE,
         }
     }
 
@@ -153,7 +153,7 @@ impl Simulator {
         }
         self.renew(advance);
         let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut advance.z, remaining, end);
-        let (contact, speed) = (self.hybrid.contact, advance.z[3]);
+        let (contact, speed) = (self.hybrid.contact, advance.z[BOX_RATE]);
         let going = self.finish_substep::<LOADS>(advance, passage, stop, observer);
         if ACCOUNTS && LOADS == 0 && passage.is_some() {
             self.account_event(advance, contact, speed);
@@ -165,7 +165,7 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn renew(&mut self, advance: &mut AdvanceState) {
         if advance.since_renewal == RENEW {
-            (advance.z[7], advance.z[6]) = self.sine_and_cosine();
+            (advance.z[DRIVE_SIN], advance.z[DRIVE_COS]) = self.sine_and_cosine();
             advance.since_renewal = 0;
             self.hybrid.sums.settle(&mut self.pending);
         }
@@ -199,7 +199,7 @@ impl Simulator {
                 return ControlFlow::Break(Ok(StopReason::Impact));
             }
         }
-        if self.work.units() > advance.allowed
+        if self.work.substeps > advance.allowed
             && let Err(error) = self.check_work(advance)
         {
             return ControlFlow::Break(Err(error));
@@ -215,8 +215,8 @@ impl Simulator {
     pub(super) fn check_work(&mut self, advance: &mut AdvanceState) -> Result<()> {
         let span = self.hybrid.time.minus(advance.begin).value();
         let further = WORK_PER_SUBSTEP * (span / self.substep);
-        advance.allowed = advance.work_before + WORK_BASE + further as u64;
-        if self.work.units() <= advance.allowed {
+        advance.allowed = advance.substeps_before + WORK_BASE + further as u64;
+        if self.work.substeps <= advance.allowed {
             return Ok(());
         }
         self.hybrid.y.copy_from_slice(&advance.z[..6]);

@@ -61,11 +61,11 @@ impl pulp::WithSimd for Lanes<'_> {
             }
         }
         while active != 0 {
-            // The work of a motion is checked as often as its phase is renewed.
+            // Whether a motion gets on is checked as often as its phase is renewed.
             for lane in lanes_of(states.due_for_renewal(simd, f64::from(RENEWAL)) & active) {
                 let Some(motion) = &mut lanes[lane] else { continue };
                 states.renew_phase(lane, motion.simulator);
-                if states.work_units(lane) + motion.simulator.work.units() <= motion.advance.allowed {
+                if states.substeps(lane) + motion.simulator.work.substeps <= motion.advance.allowed {
                     continue;
                 }
                 states.store_state(lane, motion.simulator, &mut motion.advance);

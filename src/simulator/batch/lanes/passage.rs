@@ -3,6 +3,7 @@
 
 use super::rows::LaneSystems;
 use crate::flow::CENTRED;
+use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE, SECONDARY, SECONDARY_RATE};
 use crate::simulator::batch::vectors::{Mask, Row, Wide};
 use pulp::Simd;
 
@@ -53,22 +54,25 @@ impl<S: Simd> CentredFlights<S> {
         let (k1, c1, k2) = (load(&systems.k1), load(&systems.c1), load(&systems.k2));
         let (k3, c3, k32) = (load(&systems.k3), load(&systems.c3), load(&systems.k32));
         let (drive, omega, radius) = (load(&systems.drive), load(&systems.omega), load(&systems.radius));
-        let positions = [z[0], z[1], z[2]];
-        let mut rates = [[z[3] * radius, z[4] * radius, z[5] * radius]; CENTRED];
+        let positions = [z[BOX], z[GAP], z[SECONDARY]];
+        let mut rates = [[z[BOX_RATE] * radius, z[GAP_RATE] * radius, z[SECONDARY_RATE] * radius]; CENTRED];
         // The drive's derivatives of even and odd order: each is the one two orders before times -ω².
         let square = -(omega * omega);
-        let mut push = [drive * z[7], drive * omega * z[6]];
+        let mut push = [drive * z[DRIVE_SIN], drive * omega * z[DRIVE_COS]];
         let mut x = positions;
         for k in 0..CENTRED - 1 {
             let v = rates[k];
-            let stretch = (x[0] - x[2]) + x[1];
-            let back = k1.mul_add(x[0], c1.mul_add(v[0], -push[k % 2])); // minus the derivative of x1''
-            rates[k + 1] =
-                [-back, k2.neg_mul_add(stretch, back), k32.mul_add(stretch, -k3.mul_add(x[2], c3 * v[2]))];
+            let stretch = (x[BOX] - x[SECONDARY]) + x[GAP];
+            let back = k1.mul_add(x[BOX], c1.mul_add(v[BOX], -push[k % 2])); // minus the derivative of x1''
+            rates[k + 1] = [
+                -back,
+                k2.neg_mul_add(stretch, back),
+                k32.mul_add(stretch, -k3.mul_add(x[SECONDARY], c3 * v[SECONDARY])),
+            ];
             push[k % 2] = push[k % 2] * square;
             x = v;
         }
-        Self { positions, rates, cos: z[6], sin: z[7] }
+        Self { positions, rates, cos: z[DRIVE_COS], sin: z[DRIVE_SIN] }
     }
 
     /// side·w - L as polynomials: by how much the block is past the stop `side`, negative inside.
@@ -76,9 +80,9 @@ impl<S: Simd> CentredFlights<S> {
     pub(super) fn excess(&self, side: Wide<S>, gap: Wide<S>) -> Excess<S> {
         let zero = side.uniform(0.0);
         let mut excess = Excess { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
-        excess.c[0] = side * self.positions[1] - gap;
+        excess.c[0] = side * self.positions[GAP] - gap;
         for k in 1..CENTRED {
-            let derivative = side * self.rates[k - 1][1];
+            let derivative = side * self.rates[k - 1][GAP];
             excess.c[k] = derivative * side.uniform(FACTORIALS[k]);
             excess.d[k - 1] = derivative * side.uniform(FACTORIALS[k - 1]);
         }
@@ -119,8 +123,8 @@ impl<S: Simd> CentredFlights<S> {
             sin = sin.mul_add(square, u.uniform(sign * FACTORIALS[2 * k + 1]));
         }
         let sin = sin * angle;
-        z[6] = sin.neg_mul_add(self.sin, cos * self.cos);
-        z[7] = sin.mul_add(self.cos, cos * self.sin);
+        z[DRIVE_COS] = sin.neg_mul_add(self.sin, cos * self.cos);
+        z[DRIVE_SIN] = sin.mul_add(self.cos, cos * self.sin);
         z
     }
 }

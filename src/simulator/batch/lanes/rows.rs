@@ -2,6 +2,7 @@
 
 use super::LaneSet;
 use crate::flow::INTERVALS;
+use crate::model::{DRIVE_COS, DRIVE_SIN};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
 use crate::simulator::step::{AdvanceState, MAX_REACH};
@@ -234,9 +235,9 @@ impl LaneStates {
         simulator.work.events += upper + lower;
     }
 
-    /// The work done since the motion came into the lane, as [`WorkCounters::units`](crate::simulator::WorkCounters::units).
-    pub(super) fn work_units(&self, lane: usize) -> u64 {
-        (self.substeps.0[lane] + self.iterations.0[lane]) as u64
+    /// Sub-steps since the motion came into the lane.
+    pub(super) fn substeps(&self, lane: usize) -> u64 {
+        self.substeps.0[lane] as u64
     }
 
     /// The lanes whose cos θ and sin θ have been rotated `often` times.
@@ -255,7 +256,7 @@ impl LaneStates {
     pub(super) fn renew_phase(&mut self, lane: usize, simulator: &Simulator) {
         let time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
         let (sin, cos) = simulator.hybrid.phase.angle(simulator.model.omega, time).sin_cos();
-        (self.z[6].0[lane], self.z[7].0[lane]) = (cos, sin);
+        (self.z[DRIVE_COS].0[lane], self.z[DRIVE_SIN].0[lane]) = (cos, sin);
         self.since_renewal.0[lane] = 0.0;
     }
 }

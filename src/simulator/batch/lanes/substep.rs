@@ -4,7 +4,7 @@ use super::passage::{CentredFlights, REACH};
 use super::rows::{LaneStates, LaneSystems};
 use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
-use crate::model::{GAP, GAP_RATE};
+use crate::model::{BOX_RATE, GAP, GAP_RATE};
 use crate::numerics::simd::product;
 use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
 use pulp::Simd;
@@ -312,7 +312,7 @@ fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: 
     // A root whose speed round-off has turned negative is a touch.
     let approach = (side * z[GAP_RATE]).max(Wide::splat(simd, 0.0));
     let speed = load(&systems.restitution) * approach;
-    z[3] = (side * load(&systems.kick)).mul_add(approach, z[3]);
+    z[BOX_RATE] = (side * load(&systems.kick)).mul_add(approach, z[BOX_RATE]);
     z[GAP_RATE] = -(side * speed);
     z[GAP] = side * load(&systems.gap);
     Rebound { approach, speed, z }
