@@ -26,7 +26,7 @@ pub const ZERO_EXPONENT: f64 = 1e-3;
 
 /// One drive period of an observed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Stroke {
+struct ObservedPeriod {
     section: Section,
     /// The order of its impacts, as a number.
     pattern: u64,
@@ -68,7 +68,7 @@ pub enum Relation {
 
 /// The kind of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Class {
+pub enum MotionClass {
     /// Returns after so many drive periods.
     Periodic(u32),
     /// Never returns, two exponents are zero.
@@ -82,7 +82,7 @@ pub enum Class {
     Settling,
 }
 
-impl Class {
+impl MotionClass {
     /// In a word, for tables: `1T`, `2T`, `quasi-periodic`, `chaotic`.
     pub fn name(self) -> String {
         match self {
@@ -126,7 +126,7 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
     let p = *simulator.parameters();
     let (begin, length) = (simulator.time(), p.period());
     let section = |s: &Simulator| section(&p, &s.state());
-    let (mut strokes, mut halves) = (Vec::new(), Vec::new());
+    let (mut periods, mut halves) = (Vec::new(), Vec::new());
     let (mut impacts, mut rests, mut pattern) = ([0u32; 2], false, 1u64);
     for i in 1..=2 * OBSERVED {
         simulator.advance(begin + 0.5 * f64::from(i) * length, 0.0, false, &mut |event| match *event {
@@ -140,42 +140,42 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
         if i % 2 == 1 {
             halves.push(section(simulator).map(|x| -x));
         } else {
-            strokes.push(Stroke { section: section(simulator), pattern, impacts, rests });
+            periods.push(ObservedPeriod { section: section(simulator), pattern, impacts, rests });
             (impacts, rests, pattern) = ([0; 2], false, 1);
         }
     }
-    let period = period(&strokes);
+    let period = period(&periods);
     let kept = period.unwrap_or(1) as usize;
     // A transient that died out under observation does not count.
     let settled = period.unwrap_or(OBSERVED);
-    let last = strokes.len() - settled as usize;
+    let last = periods.len() - settled as usize;
     let mut sizes = [0.0; 3];
-    for section in strokes[last..].iter().map(|s| &s.section).chain(&halves[last..]) {
+    for section in periods[last..].iter().map(|s| &s.section).chain(&halves[last..]) {
         for (size, x) in sizes.iter_mut().zip(section) {
             *size += x * x / f64::from(2 * settled);
         }
     }
-    let counts = [0, 1].map(|side| strokes[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
-    let rests = strokes[last..].iter().any(|s| s.rests);
+    let counts = [0, 1].map(|side| periods[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
+    let rests = periods[last..].iter().any(|s| s.rests);
     // Without impacts the flow is linear; where every part of it is damped, which here needs the coupling, it has one limit.
     let damped = [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0);
     let dies_out = damped && counts == [0; 2] && !rests;
     Ok(Attractor {
         period,
-        approaching: period.is_none() && (dies_out || approaches(&strokes)),
+        approaching: period.is_none() && (dies_out || approaches(&periods)),
         impacts: counts.map(|c| f64::from(c) / f64::from(settled)),
         rests,
-        sections: strokes[strokes.len() - kept..].iter().map(|s| s.section).collect(),
+        sections: periods[periods.len() - kept..].iter().map(|s| s.section).collect(),
         mirrored: halves[halves.len() - kept..].to_vec(),
         sizes: sizes.map(f64::sqrt),
     })
 }
 
 /// The least n after which states return and the order of impacts repeats, four times over.
-fn period(strokes: &[Stroke]) -> Option<u32> {
+fn period(periods: &[ObservedPeriod]) -> Option<u32> {
     (1..=LONGEST).find(|&n| {
         let lag = n as usize;
-        let last = &strokes[strokes.len() - 4 * lag..];
+        let last = &periods[periods.len() - 4 * lag..];
         last[lag..]
             .iter()
             .zip(last)
@@ -184,11 +184,11 @@ fn period(strokes: &[Stroke]) -> Option<u32> {
 }
 
 /// Whether for some lag the largest distance from return falls from one eighth of the record to the next.
-fn approaches(strokes: &[Stroke]) -> bool {
+fn approaches(periods: &[ObservedPeriod]) -> bool {
     const EIGHTHS: usize = 8;
     (1..=LONGEST as usize).any(|lag| {
         let gaps: Vec<f64> =
-            strokes[lag..].iter().zip(strokes).map(|(a, b)| distance(&a.section, &b.section)).collect();
+            periods[lag..].iter().zip(periods).map(|(a, b)| distance(&a.section, &b.section)).collect();
         let most = gaps.chunks(gaps.len().div_ceil(EIGHTHS)).map(|c| c.iter().copied().fold(0.0, f64::max));
         most.collect::<Vec<_>>().windows(2).all(|w| w[1] < w[0])
     })
@@ -247,13 +247,13 @@ impl Attractor {
 mod tests {
     use super::*;
     use crate::motion::settled;
-    use crate::section::kicked;
+    use crate::section::moving_block;
     use vibro_impact::parameters::{Groups, Scales};
 
-    /// Strokes of a made-up motion.
-    fn strokes(section: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<Stroke> {
+    /// Periods of a made-up motion.
+    fn periods(section: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<ObservedPeriod> {
         (0..u64::from(OBSERVED))
-            .map(|n| Stroke {
+            .map(|n| ObservedPeriod {
                 section: [section(n as f64); 6],
                 pattern: pattern(n),
                 impacts: [1; 2],
@@ -265,26 +265,26 @@ mod tests {
     #[test]
     fn closed_form_periods_of_made_up_motions() {
         use std::f64::consts::TAU;
-        assert_eq!(period(&strokes(|_| 0.3, |_| 1)), Some(1));
-        assert_eq!(period(&strokes(|n| (TAU * n / 4.0).cos(), |_| 1)), Some(4));
+        assert_eq!(period(&periods(|_| 0.3, |_| 1)), Some(1));
+        assert_eq!(period(&periods(|n| (TAU * n / 4.0).cos(), |_| 1)), Some(4));
         // The states alone say 1, the order of impacts says 3.
-        assert_eq!(period(&strokes(|_| 0.3, |n| n % 3)), Some(3));
-        assert_eq!(period(&strokes(|n| (TAU * n / f64::from(LONGEST)).cos(), |_| 1)), Some(LONGEST));
-        let torus = strokes(|n| (TAU * n * 0.381_966_011).cos(), |_| 1);
+        assert_eq!(period(&periods(|_| 0.3, |n| n % 3)), Some(3));
+        assert_eq!(period(&periods(|n| (TAU * n / f64::from(LONGEST)).cos(), |_| 1)), Some(LONGEST));
+        let torus = periods(|n| (TAU * n * 0.381_966_011).cos(), |_| 1);
         assert_eq!((period(&torus), approaches(&torus)), (None, false));
         // A transient of half a per cent a period, alternating.
-        let slow = strokes(|n| 0.995f64.powf(n) * if n % 2.0 == 0.0 { 1.0 } else { -1.0 }, |_| 1);
+        let slow = periods(|n| 0.995f64.powf(n) * if n % 2.0 == 0.0 { 1.0 } else { -1.0 }, |_| 1);
         assert_eq!((period(&slow), approaches(&slow)), (None, true));
     }
 
     #[test]
     fn invariant_the_stable_symmetric_motion_is_its_own_mirror_image() {
         let p = Groups::basic().to_parameters(Scales::default()).unwrap();
-        let mut simulator = settled(&p, &kicked(&p), 400.0).unwrap();
+        let mut simulator = settled(&p, &moving_block(&p), 400.0).unwrap();
         let found = observe(&mut simulator).unwrap();
         assert_eq!((found.period, found.impacts, found.rests), (Some(1), [1.0, 1.0], false));
         assert!(found.is_symmetric() && !found.approaching);
-        assert_eq!(Class::of(&found, None), Class::Periodic(1));
+        assert_eq!(MotionClass::of(&found, None), MotionClass::Periodic(1));
     }
 
     #[test]
@@ -292,7 +292,8 @@ mod tests {
         // Three impacts a period later on; the 400 discarded periods are left out here.
         let groups = Groups { f10: 3.9, ..Groups::basic() };
         let p = groups.to_parameters(Scales::default()).unwrap();
-        let [early, late] = [5.0, 400.0].map(|n| observe(&mut settled(&p, &kicked(&p), n).unwrap()).unwrap());
+        let [early, late] =
+            [5.0, 400.0].map(|n| observe(&mut settled(&p, &moving_block(&p), n).unwrap()).unwrap());
         assert_eq!((early.period, late.period), (Some(1), Some(1)));
         assert_eq!(early.impacts.iter().sum::<f64>(), 3.0);
         assert_ne!(early.relation(&late), Relation::Different);
@@ -343,12 +344,13 @@ mod tests {
             impacts: 3000,
             rests: false,
         };
-        let class =
-            |approaching, first, second| Class::of(&attractor(approaching), Some(&spectrum(first, second)));
-        assert_eq!(class(false, 0.05, 0.0), Class::Chaotic);
-        assert_eq!(class(false, 0.95e-3, 0.0), Class::QuasiPeriodic);
-        assert_eq!(class(true, 0.0, 0.0), Class::Settling);
-        assert_eq!(class(false, 0.0, -0.1), Class::Settling);
-        assert_eq!(Class::of(&attractor(false), None), Class::Aperiodic);
+        let class = |approaching, first, second| {
+            MotionClass::of(&attractor(approaching), Some(&spectrum(first, second)))
+        };
+        assert_eq!(class(false, 0.05, 0.0), MotionClass::Chaotic);
+        assert_eq!(class(false, 0.95e-3, 0.0), MotionClass::QuasiPeriodic);
+        assert_eq!(class(true, 0.0, 0.0), MotionClass::Settling);
+        assert_eq!(class(false, 0.0, -0.1), MotionClass::Settling);
+        assert_eq!(MotionClass::of(&attractor(false), None), MotionClass::Aperiodic);
     }
 }

@@ -5,20 +5,20 @@
 //! motion is forgotten: two directions are lost for good, and their exponents are -∞. An impact with κ = 0 loses one.
 //!
 //! ```
-//! use vibro_analysis::lyapunov::{Options, spectrum};
+//! use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
 //! use vibro_impact::{Parameters, Simulator, State};
 //!
 //! let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
 //! let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0)?.without_energy_accounts();
 //! simulator.advance_to(400.0 * Parameters::default().period())?; // onto the stable two-impact motion
-//! let found = spectrum(&mut simulator, &Options::default())?;
+//! let found = spectrum(&mut simulator, &SpectrumOptions::default())?;
 //! assert!(found.exponents[0].abs() < 1e-9 && found.exponents[1] < 0.0);
 //! # Ok::<(), vibro_analysis::Error>(())
 //! ```
 
 use super::error::Result;
+use super::smooth_pieces::{PieceEnd, augmented, smooth_pieces};
 use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
-use super::walk::{Break, augmented, walk};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
 use vibro_impact::model::Model;
@@ -29,7 +29,7 @@ const LOOK: u32 = 10;
 
 /// How a spectrum is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Options {
+pub struct SpectrumOptions {
     /// Periods in which the variations turn into their directions before anything is counted.
     pub align: u32,
     /// Most periods counted (1500 in the paper).
@@ -40,7 +40,7 @@ pub struct Options {
     pub threshold: f64,
 }
 
-impl Default for Options {
+impl Default for SpectrumOptions {
     /// 1500 periods after 50, all of them.
     fn default() -> Self {
         Self { align: 50, periods: 1500, window: 200, threshold: 0.0 }
@@ -77,7 +77,7 @@ pub struct Convergence {
 ///
 /// # Errors
 /// As [`Simulator::advance`]; [`Error::Undefined`] without a drive, which sets the period.
-pub fn spectrum(simulator: &mut Simulator, options: &Options) -> Result<Spectrum> {
+pub fn spectrum(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Spectrum> {
     Ok(convergence(simulator, options)?.spectrum)
 }
 
@@ -85,7 +85,7 @@ pub fn spectrum(simulator: &mut Simulator, options: &Options) -> Result<Spectrum
 ///
 /// # Errors
 /// As [`spectrum`].
-pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Convergence> {
+pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Convergence> {
     let p = *simulator.parameters();
     if p.drive_frequency == 0.0 {
         return Err(Error::Undefined {
@@ -108,10 +108,10 @@ pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Conve
     let mut running = Vec::with_capacity(options.periods as usize);
     let mut settled = false;
     for i in 1..=options.align + options.periods {
-        walk(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
-            impacts += u64::from(matches!(piece.end, Break::Impact { .. }));
+        smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
+            impacts += u64::from(matches!(piece.end, PieceEnd::Impact { .. }));
             rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
-            let rank = tangent.variation.lead(&mut tangent.frame, piece);
+            let rank = tangent.variation.propagate(&mut tangent.frame, piece);
             if let Rank::Limited(most) = rank {
                 tangent.rank = tangent.rank.min(most);
                 tangent.renew();
@@ -145,9 +145,9 @@ pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Conve
 ///
 /// # Errors
 /// As [`spectrum`].
-pub fn dimensionless(simulator: &mut Simulator, options: &Options) -> Result<Convergence> {
+pub fn dimensionless(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Convergence> {
     let rate = simulator.parameters().box_frequency();
-    let options = Options { threshold: options.threshold * rate, ..*options };
+    let options = SpectrumOptions { threshold: options.threshold * rate, ..*options };
     let mut found = convergence(simulator, &options)?;
     for exponents in found.running.iter_mut().chain([&mut found.spectrum.exponents]) {
         *exponents = exponents.map(|e| e / rate);

@@ -4,7 +4,7 @@
 //! root within a smooth piece, isolated by the same proof as the events, or at an impact that turns v2 round (in the
 //! motion with two impacts a period every maximum is such a corner).
 
-use super::walk::{Break, Piece, TERMS, along, augmented, walk};
+use super::smooth_pieces::{Piece, PieceEnd, TERMS, along, augmented, smooth_pieces};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Result;
 use vibro_impact::events::first_crossing;
@@ -76,7 +76,7 @@ impl Turns {
             time += radius;
         };
         along(model, piece.mode, &piece.start, piece.span, visit);
-        if let Break::Impact { after, .. } = &piece.end {
+        if let PieceEnd::Impact { after, .. } = &piece.end {
             let v2 = after[3] + after[4];
             if self.rising && v2 < 0.0 {
                 let (time, value) = (piece.time + piece.span, after[0] + after[1]);
@@ -103,10 +103,10 @@ pub fn record(simulator: &mut Simulator, periods: u32, visit: &mut dyn FnMut(&Pe
         period.maxima.clear();
         period.impacts.clear();
         period.rests = false;
-        walk(simulator, &model, begin + length * f64::from(i), &mut |piece| {
+        smooth_pieces(simulator, &model, begin + length * f64::from(i), &mut |piece| {
             turns.piece(&model, piece, &mut period.maxima);
             period.rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
-            if let Break::Impact { side, .. } = piece.end {
+            if let PieceEnd::Impact { side, .. } = piece.end {
                 period.impacts.push(side > 0.0);
             }
         })?;
@@ -120,7 +120,7 @@ pub fn record(simulator: &mut Simulator, periods: u32, visit: &mut dyn FnMut(&Pe
 mod tests {
     use super::*;
     use crate::motion::settled;
-    use crate::section::kicked;
+    use crate::section::moving_block;
     use vibro_impact::steady::exact_orbit;
 
     /// The transient has died out to this part of L.
@@ -137,7 +137,7 @@ mod tests {
     fn second_method_the_exact_orbits_amplitude_at_a_corner() {
         let p = Parameters::default();
         let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
-        let mut simulator = settled(&p, &kicked(&p), 600.0).unwrap();
+        let mut simulator = settled(&p, &moving_block(&p), 600.0).unwrap();
         record(&mut simulator, 3, &mut |period| {
             assert_eq!(period.impacts.len(), 2);
             let [top] = period.maxima[..] else { panic!("{:?}", period.maxima) };
@@ -152,7 +152,7 @@ mod tests {
         const PERIODS: u32 = 6;
         for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
             let p = at(f10, kappa);
-            let mut simulator = settled(&p, &kicked(&p), 50.0).unwrap();
+            let mut simulator = settled(&p, &moving_block(&p), 50.0).unwrap();
             let mut other = simulator.clone();
             let mut exact = Vec::new();
             record(&mut simulator, PERIODS, &mut |period| exact.extend(period.maxima.clone())).unwrap();
@@ -171,7 +171,7 @@ mod tests {
         // the box carries it.
         let groups = vibro_impact::Groups { beta2: 0.0, alpha23: 0.0, ..vibro_impact::Groups::basic() };
         let p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
-        let mut simulator = settled(&p, &kicked(&p), 40.0).unwrap();
+        let mut simulator = settled(&p, &moving_block(&p), 40.0).unwrap();
         let mut count = 0;
         record(&mut simulator, 20, &mut |period| {
             count += period.maxima.len();

@@ -23,9 +23,9 @@ pub fn state(p: &Parameters, s: &Section) -> State {
 }
 
 /// A start with the block on its way to a stop.
-pub const KICK: Section = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+pub const MOVING_BLOCK: Section = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 /// The same in SI.
-pub fn kicked(p: &Parameters) -> State {
-    state(p, &KICK)
+pub fn moving_block(p: &Parameters) -> State {
+    state(p, &MOVING_BLOCK)
 }

@@ -23,7 +23,7 @@ pub struct Start {
 ///
 /// This is the one place through which sweeps of independent motions go: neighbours go [together](advance_together), those of
 /// one system share its tables.
-pub fn lead(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
+pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
     let some = |starts: &[Start]| {
         let mut simulators: Vec<Simulator> = Vec::with_capacity(starts.len());
         let mut started = Vec::with_capacity(starts.len());
@@ -71,11 +71,11 @@ mod tests {
         /// Round-off, which the two ways differ in, and what the impacts of the periods led make of it, in chaos too.
         const ROUNDING: f64 = 1e-9;
         const PERIODS: u32 = 10;
-        let led = lead(&starts, PERIODS, &|| ());
+        let led = propagate(&starts, PERIODS, &|| ());
         assert_eq!(led.len(), starts.len());
         for (start, led) in starts.iter().zip(led) {
             // In other company the same bits.
-            let alone = lead(std::slice::from_ref(start), PERIODS, &|| ()).remove(0);
+            let alone = propagate(std::slice::from_ref(start), PERIODS, &|| ()).remove(0);
             assert_eq!(led.as_ref().ok(), alone.as_ref().ok());
             let one = Simulator::new(&start.parameters, &start.state, 0.0).and_then(|s| {
                 let mut s = s.without_energy_accounts();

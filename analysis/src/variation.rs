@@ -4,7 +4,7 @@
 //! (δcos θ, δsin θ) = δθ (-sin θ, cos θ) for the phase of the drive. In these coordinates an impact changes w, w' and,
 //! by the damper's force alone, the centre's rate, so that a merge into rest is a projection without cancellation.
 
-use super::walk::{Break, Piece};
+use super::smooth_pieces::{Piece, PieceEnd};
 use vibro_impact::flow::{Series, WHOLE};
 use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
 
@@ -86,7 +86,7 @@ impl Transition {
 
     /// Leads variations over `span` s.
     #[inline(always)]
-    pub(crate) fn lead(&self, frame: &mut Frame, span: f64) {
+    pub(crate) fn propagate(&self, frame: &mut Frame, span: f64) {
         let steps = span / self.spacing;
         let mut node = steps.round() as usize;
         let part = steps - node as f64;
@@ -140,7 +140,7 @@ impl Variation {
 
     /// Leads a frame along a piece and through the event at its end. The instruction set is the best at hand; no operation
     /// is fused, so all give the same bits.
-    pub(crate) fn lead(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
+    pub(crate) fn propagate(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
         let model = &self.model;
         let transition = match piece.mode {
             SmoothMode::Flight => &self.flight,
@@ -150,10 +150,10 @@ impl Variation {
         };
         pulp::Arch::new().dispatch(
             #[inline(always)]
-            || transition.lead(frame, piece.span),
+            || transition.propagate(frame, piece.span),
         );
         // At a release the fields of rest and flight agree (the contact force is zero there): nothing jumps.
-        let Break::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
+        let PieceEnd::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
         self.jump(frame, *rate, after);
         if *rests {
             for v in frame.iter_mut() {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibro::figures::canvas;
 use vibro::studies;
-use vibro_analysis::Settings;
+use vibro_analysis::ParameterSet;
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Builds VibroImpact3DOF.fmu, runs it beside the native library and draws what happened.
@@ -129,7 +129,7 @@ fn refresh() -> fmu_build::Result<()> {
     let folder = "modelDescription/documentation";
     files.insert(format!("{folder}/run.svg"), canvas::svg(&Picture(&run))?.into_bytes());
     files.insert(format!("{folder}/run.png"), canvas::png(&Picture(&run))?);
-    let response = studies::force(&Settings::basic(), (0.0, 4.0), &[0.4], &[-0.4])?;
+    let response = studies::force(&ParameterSet::basic(), (0.0, 4.0), &[0.4], &[-0.4])?;
     if let Some(figure) = &response.figure {
         files.insert(format!("{folder}/response.svg"), canvas::svg(figure)?.into_bytes());
     }

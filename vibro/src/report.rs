@@ -7,16 +7,17 @@ mod statements;
 
 pub use statement::{Statement, Verdict};
 
+use super::long_study::{LongStudy, StudyKind};
 use super::studies::{self, Study};
-use super::work::{Kind, Work};
+use crate::part_folder::PartFolder;
+use crate::{Error, Result};
 use std::path::Path;
-use vibro_analysis::Result;
-use vibro_analysis::basin::{self, Axis};
+use vibro_analysis::basin::{self, InitialValueRange};
 use vibro_analysis::bifurcation::Sweep;
-use vibro_analysis::lyapunov::Options;
-use vibro_analysis::parts::{Parts, Task};
-use vibro_analysis::plane::{Method, PAIRS, PlaneAxis};
-use vibro_analysis::{Settings, find_group};
+use vibro_analysis::lyapunov::SpectrumOptions;
+use vibro_analysis::parts::Task;
+use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
+use vibro_analysis::{ParameterSet, find_group};
 
 /// Values of table 2: of each window and band that the diagrams show.
 const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
@@ -36,11 +37,11 @@ const SHORT: usize = 8;
 /// What is going to be computed.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    settings: Settings,
+    set: ParameterSet,
     quick: bool,
-    coarse: Work,
-    fine: Work,
-    basin: Work,
+    coarse: LongStudy,
+    fine: LongStudy,
+    basin: LongStudy,
 }
 
 /// What has been found.
@@ -59,23 +60,24 @@ impl Plan {
     ///
     /// # Errors
     /// None for the ranges used.
-    pub fn new(settings: &Settings, quick: bool) -> Result<Self> {
+    pub fn new(set: &ParameterSet, quick: bool) -> Result<Self> {
         let (discard, keep, periods) = if quick { (200, 200, 300) } else { (400, 800, 1500) };
-        let options = Options { periods, ..Options::default() };
-        let sweep = |name: &str, range, count| -> Result<Work> {
-            let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+        let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
+        let sweep = |name: &str, range, count| -> Result<LongStudy> {
+            let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
             let sweep = Sweep { axis, discard, keep, exponents: Some(options) };
-            Ok(Work::new(name, Kind::Sweep { sweep, at: Vec::new() }, settings))
+            Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new() }, set))
         };
         let cells = if quick { 40 } else { 200 };
-        let (x, y) = (Axis::parse("x1=-1:1", cells)?, Axis::parse("v2=-2:2", cells)?);
-        let there = settings.with(find_group("f10")?, COEXISTING)?;
+        let initial = |range: &str| Ok::<_, Error>(range.parse::<InitialValueRange>()?.cells(cells));
+        let (x, y) = (initial("x1=-1:1")?, initial("v2=-2:2")?);
+        let there = set.with(find_group("f10")?, COEXISTING)?;
         Ok(Self {
-            settings: settings.clone(),
+            set: set.clone(),
             quick,
             coarse: sweep("figure-14", (0.5, 5.0), if quick { 91 } else { 451 })?,
             fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
-            basin: Work::new("basin", Kind::Basin(basin::Request { x, y, discard }), &there),
+            basin: LongStudy::new("basin", StudyKind::Basin(basin::Request { x, y, discard }), &there),
         })
     }
 
@@ -89,8 +91,8 @@ impl Plan {
     /// # Errors
     /// What the studies refuse, and what the disk does.
     pub fn run(&self, home: &Path, done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
-        let (s, force) = (&self.settings, find_group("f10")?);
-        let open = |work: &Work| Parts::open(&home.join(&work.name), work);
+        let (s, force) = (&self.set, find_group("f10")?);
+        let open = |study: &LongStudy| PartFolder::open(&home.join(&study.name), study);
         let step = |studies: Vec<Study>| {
             done(false);
             studies
@@ -105,22 +107,19 @@ impl Plan {
             studies::force(s, range("f10")?, &[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2])?,
         ]));
         let cells = if self.quick { 60 } else { 300 };
-        let axis = |name: &str| -> Result<PlaneAxis> {
+        let axis = |name: &str| -> Result<ParameterAxis> {
             let group = find_group(name)?;
-            PlaneAxis::new(group, group.shown, cells)
+            Ok(ParameterAxis::new(group, group.shown, cells)?)
         };
         let pairs = PAIRS.iter().map(|(x, y)| Ok((axis(x)?, axis(y)?))).collect::<Result<Vec<_>>>()?;
         all.extend(step(vec![studies::planes(s, &pairs, Method::MultipleScales, &|| ())?]));
         let (thirteen, modulation) = studies::histories_of(s, force, MODULATED)?;
         all.extend(step(vec![thirteen]));
         // Always all parts: None is for shards only.
-        let found = |work: &Work| work.diagram(&Task { parts: &open(work)?, done, ..Task::ALL });
+        let found = |study: &LongStudy| study.diagram(&Task { store: &open(study)?, done, ..Task::ALL });
         let (Some((sweep, coarse)), Some((fine_sweep, fine))) = (found(&self.coarse)?, found(&self.fine)?)
         else {
-            return Err(vibro_analysis::Error::Output {
-                what: "the report",
-                problem: "a part is missing".into(),
-            });
+            return Err(Error::Output { what: "the report", problem: "a part is missing".into() });
         };
         all.push(studies::sweep(s, &sweep, &coarse, "figure-14")?);
         all.push(studies::sweep(s, &fine_sweep, &fine, "figure-14-fine")?);
@@ -142,12 +141,12 @@ impl Plan {
         let errors = studies::accuracy(s, &EPSILONS)?;
         let errors_table = errors.tables.first().map(|t| t.1.clone()).unwrap_or_default();
         all.extend(step(vec![errors]));
-        all.extend(step(vec![studies::strong_case(&Settings::strong()?)?]));
+        all.extend(step(vec![studies::strong_case(&ParameterSet::strong()?)?]));
         all.extend(
-            self.basin.run(&Task { parts: &open(&self.basin)?, done, ..Task::ALL })?.into_iter().flatten(),
+            self.basin.run(&Task { store: &open(&self.basin)?, done, ..Task::ALL })?.into_iter().flatten(),
         );
         let statements = statements::all(&statement::Found {
-            settings: s,
+            set: s,
             coarse: &coarse,
             fine: &fine,
             modulation,

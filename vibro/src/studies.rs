@@ -1,4 +1,4 @@
-//! The studies of the command line: each makes tables and figures from [`Settings`](super::Settings).
+//! The studies of the command line: each makes tables and figures from [`ParameterSet`](super::ParameterSet).
 
 mod basin;
 mod compare;
@@ -9,9 +9,9 @@ mod plane;
 mod response;
 mod stability;
 mod steady;
+mod steady_motion;
 mod strong;
 mod sweep;
-mod theory;
 
 pub use basin::basins;
 pub use compare::{accuracy, force_overlay, histories};

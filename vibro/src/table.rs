@@ -1,6 +1,6 @@
 //! Tables for CSV files.
 
-use vibro_analysis::{Error, Result};
+use crate::{Error, Result};
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]

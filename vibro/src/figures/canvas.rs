@@ -1,10 +1,10 @@
 //! What all pictures share: the embedded font, the palette, and rendering to PNG and SVG on any machine alike.
 
+use crate::{Error, Result};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::sync::Once;
-use vibro_analysis::{Error, Result};
 
 /// Font of all labels, embedded so that no font has to be installed.
 pub const FONT: &str = "DejaVu Sans";

@@ -1,14 +1,14 @@
 //! The page: one file, pictures inside, no script.
 
-use super::super::figures::canvas;
-use super::super::studies::Study;
-use super::super::table::Table;
 use super::statement::{Statement, Verdict};
+use crate::Result;
+use crate::figures::canvas;
+use crate::studies::Study;
+use crate::table::Table;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
-use vibro_analysis::Result;
-use vibro_analysis::{Settings, short};
+use vibro_analysis::{ParameterSet, short};
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;max-width:1200px;margin:2em auto;padding:0 1em}\
 h1,h2,h3{line-height:1.2}table{border-collapse:collapse;width:100%}td,th{border:1px solid #ccc;padding:.4em .6em;\
@@ -32,7 +32,7 @@ fn readable(cell: &str) -> String {
 }
 
 pub(super) fn page(
-    settings: &Settings,
+    set: &ParameterSet,
     quick: bool,
     statements: &[Statement],
     spectra: &Table,
@@ -47,7 +47,7 @@ pub(super) fn page(
     body.push_str(&format!(
         "<p class=\"note\"><b>The parameters are not the paper's own.</b> Its text has lost the numbers of its data set; \
          here: {}. So a number of the paper can be met only in kind and about in place.{}</p>\n",
-        text(&settings.caption()),
+        text(&set.caption()),
         if quick { " This is the quick look: fewer values and periods than the paper's." } else { "" }
     ));
     body.push_str("<h2>The paper's statements and what is found</h2>\n<table><tr><th>where</th><th>the paper</th><th>found here</th><th>verdict</th></tr>\n");

@@ -1,7 +1,7 @@
 //! What a statement of the paper is held against, and the outcome.
 
-use super::super::studies::Modulation;
-use vibro_analysis::Settings;
+use crate::studies::Modulation;
+use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::Diagram;
 
 /// How a statement compares.
@@ -49,7 +49,7 @@ pub struct Statement {
 
 /// What the statements are compared with.
 pub(super) struct Found<'a> {
-    pub(super) settings: &'a Settings,
+    pub(super) set: &'a ParameterSet,
     pub(super) coarse: &'a Diagram,
     pub(super) fine: &'a Diagram,
     pub(super) modulation: Modulation,

@@ -2,12 +2,12 @@
 //!
 //! The paper's data set is lost (model.md section 8), so agreement means: the same kind of thing at about the same place.
 
-use super::super::studies::periodic_ranges;
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
 use super::statement::{Found, Statement, Verdict};
-use vibro_analysis::Result;
-use vibro_analysis::attractor::{Class, ZERO_EXPONENT};
-use vibro_analysis::bifurcation::{Diagram, Point};
+use crate::Result;
+use crate::studies::periodic_ranges;
+use vibro_analysis::attractor::{MotionClass, ZERO_EXPONENT};
+use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::short;
 
 /// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
@@ -69,12 +69,12 @@ fn figure_thirteen(found: &Found) -> Result<Vec<Statement>> {
     Ok(list)
 }
 
-fn within(points: &[Option<Point>], from: f64, to: f64) -> impl Iterator<Item = &Point> {
+fn within(points: &[Option<SweepPoint>], from: f64, to: f64) -> impl Iterator<Item = &SweepPoint> {
     points.iter().flatten().filter(move |p| p.value > from - 1e-9 && p.value < to + 1e-9)
 }
 
 /// Values of both sweeps, ascending, at which something holds.
-fn listed(found: &Found, holds: impl Fn(&Point) -> bool) -> Vec<String> {
+fn listed(found: &Found, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> {
     let all = found.coarse.up.iter().chain(&found.fine.up).flatten().filter(|p| holds(p));
     let mut values: Vec<f64> = all.map(|p| p.value).collect();
     values.sort_by(f64::total_cmp);
@@ -84,7 +84,7 @@ fn listed(found: &Found, holds: impl Fn(&Point) -> bool) -> Vec<String> {
 }
 
 /// Whether the block meets the stops at all: a motion without impacts coexists with those of the paper at small forces.
-fn meets(p: &Point) -> bool {
+fn meets(p: &SweepPoint) -> bool {
     p.attractor.impacts.iter().sum::<f64>() > 0.0
 }
 
@@ -106,22 +106,24 @@ fn windows(found: &Found) -> Vec<Statement> {
     let matched = matched.count();
     let covered = paper.iter().filter(|(a, b)| {
         let all: Vec<_> = within(&found.coarse.up, *a, *b).collect();
-        let regular = all.iter().filter(|p| p.class != Class::Chaotic).count();
+        let regular = all.iter().filter(|p| p.class != MotionClass::Chaotic).count();
         regular as f64 >= MOSTLY * all.len() as f64
     });
     let covered = covered.count();
-    let chaotic = |a: f64, b: f64| within(&found.fine.up, a, b).filter(|p| p.class == Class::Chaotic).count();
+    let chaotic =
+        |a: f64, b: f64| within(&found.fine.up, a, b).filter(|p| p.class == MotionClass::Chaotic).count();
     let bands = [(0.5, 0.9), (2.8, 2.95), (3.4, 3.8), (4.0, 5.0)];
-    let both =
-        |a, b| chaotic(a, b) + within(&found.coarse.up, a, b).filter(|p| p.class == Class::Chaotic).count();
+    let both = |a, b| {
+        chaotic(a, b) + within(&found.coarse.up, a, b).filter(|p| p.class == MotionClass::Chaotic).count()
+    };
     let separated = bands.iter().filter(|(a, b)| both(*a, *b) > 0).count();
-    let quasi = |points: &[Option<Point>]| -> Vec<bool> {
-        points.iter().flatten().map(|p| p.class == Class::QuasiPeriodic).collect()
+    let quasi = |points: &[Option<SweepPoint>]| -> Vec<bool> {
+        points.iter().flatten().map(|p| p.class == MotionClass::QuasiPeriodic).collect()
     };
     let (first, second) = (quasi(&found.coarse.up), quasi(&found.fine.up));
     // A torus lives on a range; a single value is where a bifurcation happens.
     let range = [&first, &second].into_iter().any(|q| q.windows(2).any(|w| w[0] && w[1]));
-    let quasi = listed(found, |p| p.class == Class::QuasiPeriodic);
+    let quasi = listed(found, |p| p.class == MotionClass::QuasiPeriodic);
     vec![
         Statement {
             place: "section 4, figure 14a",
@@ -152,21 +154,21 @@ fn windows(found: &Found) -> Vec<Statement> {
 }
 
 fn exponents(found: &Found) -> Vec<Statement> {
-    let points: Vec<&Point> = found.coarse.up.iter().chain(&found.fine.up).flatten().collect();
-    let of = |p: &Point, i: usize| p.spectrum.as_ref().map_or(f64::NAN, |s| s.exponents[i]);
-    let share = |list: &[&Point], holds: &dyn Fn(&Point) -> bool| {
+    let points: Vec<&SweepPoint> = found.coarse.up.iter().chain(&found.fine.up).flatten().collect();
+    let of = |p: &SweepPoint, i: usize| p.spectrum.as_ref().map_or(f64::NAN, |s| s.exponents[i]);
+    let share = |list: &[&SweepPoint], holds: &dyn Fn(&SweepPoint) -> bool| {
         let count = list.iter().filter(|p| holds(p)).count();
         (count, list.len(), count as f64 / list.len().max(1) as f64)
     };
-    let pick = |chaotic: bool| -> Vec<&Point> {
-        points.iter().filter(|p| (p.class == Class::Chaotic) == chaotic).copied().collect()
+    let pick = |chaotic: bool| -> Vec<&SweepPoint> {
+        points.iter().filter(|p| (p.class == MotionClass::Chaotic) == chaotic).copied().collect()
     };
     let (regular, chaotic) = (pick(false), pick(true));
     let zero = share(&regular, &|p| of(p, 0).abs() <= ZERO_EXPONENT);
     let second = share(&chaotic, &|p| of(p, 1).abs() <= ZERO_EXPONENT);
     let third = points.iter().map(|p| of(p, 2)).fold(f64::NEG_INFINITY, f64::max);
     let negative = share(&points, &|p| of(p, 2) < 0.0);
-    let double = listed(found, |p| p.class != Class::Chaotic && of(p, 1) > -ZERO_EXPONENT && meets(p));
+    let double = listed(found, |p| p.class != MotionClass::Chaotic && of(p, 1) > -ZERO_EXPONENT && meets(p));
     vec![
         Statement {
             place: "section 4, figure 14b",
@@ -199,8 +201,8 @@ fn exponents(found: &Found) -> Vec<Statement> {
 }
 
 /// Classes met between two values, in order, each with its first value.
-fn order(points: &[Option<Point>], from: f64, to: f64) -> Vec<(f64, Class)> {
-    let mut met: Vec<(f64, Class)> = Vec::new();
+fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionClass)> {
+    let mut met: Vec<(f64, MotionClass)> = Vec::new();
     for p in within(points, from, to) {
         if met.last().is_none_or(|l| l.1 != p.class) {
             met.push((p.value, p.class));
@@ -212,11 +214,11 @@ fn order(points: &[Option<Point>], from: f64, to: f64) -> Vec<(f64, Class)> {
 fn route(found: &Found) -> Vec<Statement> {
     let met = order(&found.fine.up, 2.0, 2.95);
     let words: Vec<_> = met.iter().map(|m| format!("{} from {}", m.1.name(), short(m.0))).collect();
-    let has = |n: u32| met.iter().any(|m| m.1 == Class::Periodic(n));
+    let has = |n: u32| met.iter().any(|m| m.1 == MotionClass::Periodic(n));
     let sequence = [1, 2, 4].iter().all(|n| has(*n));
     let band: Vec<_> = Diagram::windows(&found.fine.up)
         .into_iter()
-        .filter(|w| w.2 == Class::Chaotic && w.0 > 2.0 && w.0 < 2.95)
+        .filter(|w| w.2 == MotionClass::Chaotic && w.0 > 2.0 && w.0 < 2.95)
         .map(|w| (w.0, w.1))
         .collect();
     let words_of = |band: &[(f64, f64)]| {
@@ -227,8 +229,9 @@ fn route(found: &Found) -> Vec<Statement> {
     };
     let share = |from: f64, to: f64| {
         let periodic: Vec<_> = within(&found.fine.up, from, to).filter(|p| p.class.is_periodic()).collect();
-        let two_or_four =
-            periodic.iter().filter(|p| [Class::Periodic(2), Class::Periodic(4)].contains(&p.class));
+        let two_or_four = periodic
+            .iter()
+            .filter(|p| [MotionClass::Periodic(2), MotionClass::Periodic(4)].contains(&p.class));
         two_or_four.count() as f64 / periodic.len().max(1) as f64
     };
     let (first, second) = (share(2.9, 3.4), share(3.8, 4.0));
@@ -260,9 +263,10 @@ fn route(found: &Found) -> Vec<Statement> {
 
 fn overlay(found: &Found) -> Result<Vec<Statement>> {
     let mut gaps = Vec::new();
-    let symmetric = |p: &&Point| p.class == Class::Periodic(1) && p.attractor.is_symmetric() && meets(p);
+    let symmetric =
+        |p: &&SweepPoint| p.class == MotionClass::Periodic(1) && p.attractor.is_symmetric() && meets(p);
     for p in within(&found.coarse.up, 0.9, 2.3).filter(symmetric) {
-        let Some(theory) = upper(found.settings, p.value)?.filter(|t| t.admissibility.all()) else {
+        let Some(theory) = upper(found.set, p.value)?.filter(|t| t.admissibility.all()) else {
             continue;
         };
         let top = p.maxima.iter().map(|m| m.0).fold(0.0, f64::max);
@@ -271,12 +275,13 @@ fn overlay(found: &Found) -> Result<Vec<Statement>> {
     let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
     let below = gaps.iter().filter(|g| **g < 0.0).count();
     let class = |value: f64| {
-        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+        let near =
+            |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
         found.coarse.up.iter().flatten().min_by(near).map(|p| p.class)
     };
     let ends = [1.0, 2.1].map(class);
-    let single = ends.iter().filter(|c| **c == Some(Class::Periodic(1))).count();
-    let name = |c: &Option<Class>| c.map_or("nothing".into(), Class::name);
+    let single = ends.iter().filter(|c| **c == Some(MotionClass::Periodic(1))).count();
+    let name = |c: &Option<MotionClass>| c.map_or("nothing".into(), MotionClass::name);
     Ok(vec![
         Statement {
             place: "section 4, figure 16",

@@ -1,14 +1,14 @@
 //! Pictures and tables of basins of attraction.
 
-use super::super::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
-use super::super::table::{Table, exact};
 use super::Study;
-use vibro_analysis::Settings;
-use vibro_analysis::attractor::Class;
-use vibro_analysis::basin::{Axis as Start, Basin, Goal, Request};
+use crate::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
+use crate::table::{Table, exact};
+use crate::{Error, Result};
+use vibro_analysis::ParameterSet;
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
 use vibro_analysis::section::COORDINATES;
-use vibro_analysis::{Error, Result};
 
 /// Colours of attractors and of their mirror images; more share the last.
 const PAIRS: [[Colour; 2]; 4] =
@@ -18,8 +18,8 @@ const PAIRS: [[Colour; 2]; 4] =
 ///
 /// # Errors
 /// [`Error::Output`].
-pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str) -> Result<Study> {
-    let label = |axis: &Start| {
+pub fn basins(set: &ParameterSet, request: &Request, basin: &Basin, name: &str) -> Result<Study> {
+    let label = |axis: &InitialValueAxis| {
         let (symbol, unit) = match axis.coordinate {
             i @ 0..3 => (format!("X{}", ["₁", "₂", "₃"][i]), "units of L"),
             i => (format!("dX{}/dτ", ["₁", "₂", "₃"][i - 3]), "units of L"),
@@ -27,10 +27,10 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
         Axis::over(format!("{symbol} at τ = 0 ({unit})"), axis.from, axis.to)
     };
     let colour = |number: usize, mirror: bool| PAIRS[number.min(PAIRS.len() - 1)][usize::from(mirror)];
-    let code = |goal: &Goal| match goal {
-        Goal::Outside => 0,
-        Goal::Attractor(n) => 1 + 2 * (*n).min(100) as u8,
-        Goal::Mirror(n) => 2 + 2 * (*n).min(100) as u8,
+    let code = |destination: &Destination| match destination {
+        Destination::Outside => 0,
+        Destination::Attractor(n) => 1 + 2 * (*n).min(100) as u8,
+        Destination::Mirror(n) => 2 + 2 * (*n).min(100) as u8,
     };
     let mut colours = vec![Some(Colour(235, 235, 235))];
     let mut layers = Vec::new();
@@ -50,7 +50,7 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
     for (number, attractor) in shown {
         colours.extend([Some(colour(number, false)), Some(colour(number, true))]);
         let [own, mirror] = basin.shares(number as u16);
-        let class = Class::of(attractor, None).name();
+        let class = MotionClass::of(attractor, None).name();
         let title = format!("{}: {class}", number + 1);
         if number < PAIRS.len() {
             layers.push(Layer::band(&title, colour(number, false), 1.0, Vec::new()));
@@ -68,14 +68,14 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
         row.extend([own, mirror].map(exact));
         table.rows.push(row);
     }
-    if basin.goals.contains(&Goal::Outside) {
+    if basin.cells.contains(&Destination::Outside) {
         layers.push(Layer::band("no start: outside the stops", Colour(235, 235, 235), 1.0, Vec::new()));
     }
     let cells = Shape::Cells {
         x: (request.x.from, request.x.to),
         y: (request.y.from, request.y.to),
         columns: request.x.count,
-        cells: basin.goals.iter().map(code).collect(),
+        cells: basin.cells.iter().map(code).collect(),
         colours,
     };
     layers.insert(0, Layer::new("", GREY, cells));
@@ -87,7 +87,7 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
                 "{} × {} starts, the other initial values zero; {} periods discarded. Past the paper.",
                 request.x.count, request.y.count, request.discard
             ),
-            settings.caption(),
+            set.caption(),
         ],
         panels: vec![panel],
         columns: 1,
@@ -97,12 +97,12 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut put = |row: [&str; 4]| writer.write_record(row).map_err(Error::output("a table"));
     put([COORDINATES[request.x.coordinate], COORDINATES[request.y.coordinate], "attractor", "mirror_image"])?;
-    for (j, row) in basin.goals.chunks(request.x.count).enumerate() {
-        for (i, goal) in row.iter().enumerate() {
-            let (number, mirror) = match goal {
-                Goal::Outside => (String::new(), String::new()),
-                Goal::Attractor(n) => ((n + 1).to_string(), "false".into()),
-                Goal::Mirror(n) => ((n + 1).to_string(), "true".into()),
+    for (j, row) in basin.cells.chunks(request.x.count).enumerate() {
+        for (i, destination) in row.iter().enumerate() {
+            let (number, mirror) = match destination {
+                Destination::Outside => (String::new(), String::new()),
+                Destination::Attractor(n) => ((n + 1).to_string(), "false".into()),
+                Destination::Mirror(n) => ((n + 1).to_string(), "true".into()),
             };
             put([&exact(request.x.value(i)), &exact(request.y.value(j)), &number, &mirror])?;
         }

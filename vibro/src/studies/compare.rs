@@ -1,19 +1,19 @@
-//! Theory against simulation (figures 8, 16, 17).
+//! SteadyMotion against simulation (figures 8, 16, 17).
 
-use super::super::figures::canvas::palette::FAMILY;
-use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
-use super::super::table::{Table, exact};
 use super::steady::{comparison_panel, four_panels};
+use super::steady_motion::{MotionSample, SteadyMotion, simulated};
 use super::sweep::{maxima_table, overlay};
-use super::theory::{Point, Theory, simulated};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::FAMILY;
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use crate::table::{Table, exact};
 use rayon::prelude::*;
-use vibro_analysis::Result;
 use vibro_analysis::bifurcation::{Sweep, diagram};
 use vibro_analysis::motion::{amplitude, record, settled};
 use vibro_analysis::parts::Task;
-use vibro_analysis::plane::PlaneAxis;
-use vibro_analysis::{Settings, find_group, short};
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
@@ -28,7 +28,10 @@ const KEPT: u32 = 200;
 const NAMES: [&str; 4] = ["B", "A1", "A2", "A3"];
 
 /// The simulated steady motion from a start near the theory's: amplitudes B, A1, A2, A3 in units of L, and its record.
-pub(super) fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 4], Vec<Point>)> {
+pub(super) fn simulate(
+    parameters: &Parameters,
+    near: &SteadyMotion,
+) -> Result<([f64; 4], Vec<MotionSample>)> {
     let p = parameters;
     let start = start(p, near);
     let mut simulator = settled(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
@@ -40,7 +43,7 @@ pub(super) fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 
 }
 
 /// The theory's state at t = 0, SI, drawn inside the stops: an approximation may pass them a little.
-fn start(p: &Parameters, theory: &Theory) -> State {
+fn start(p: &Parameters, theory: &SteadyMotion) -> State {
     let at = theory.history(p, 1.0);
     let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));
     let (length, speed) = (p.stop_gap, p.stop_gap * p.box_frequency());
@@ -80,16 +83,16 @@ pub(super) fn amplitude_table(
 ///
 /// # Errors
 /// What theory or simulator refuse.
-pub fn histories(settings: &Settings) -> Result<Study> {
-    let p = settings.parameters();
-    let Some(theory) = Theory::multiple_scales(settings.groups())? else {
+pub fn histories(set: &ParameterSet) -> Result<Study> {
+    let p = set.parameters();
+    let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else {
         return Ok(no_motion("compare-8", "multiple scales"));
     };
     let (amplitudes, points) = simulate(p, &theory)?;
     let (table, remarks) = amplitude_table("multiple_scales", theory.amplitudes(p), amplitudes);
     let figure = four_panels(
         "Multiple scales against simulation (cf. figure 8)",
-        settings,
+        set,
         (&theory.history(p, f64::from(SHOWN)), "multiple scales"),
         (&points, "simulation"),
     );
@@ -109,17 +112,17 @@ pub fn histories(settings: &Settings) -> Result<Study> {
 /// # Errors
 /// Ranges that are not allowed; what theory or simulator refuse.
 pub fn force_overlay(
-    settings: &Settings,
+    set: &ParameterSet,
     range: (f64, f64),
     count: usize,
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
-    let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+    let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
     let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None };
-    let found = diagram(settings, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
+    let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
-    let mut study = overlay(settings, &sweep, &found, "compare-16")?;
+    let mut study = overlay(set, &sweep, &found, "compare-16")?;
     study.tables.push(("compare-16-maxima".into(), maxima_table(&axis, &found)?));
     Ok(study)
 }
@@ -127,8 +130,8 @@ pub fn force_overlay(
 /// One ε of figure 17: both motions over a period, both sets of amplitudes.
 struct Run {
     epsilon: f64,
-    theory: Vec<Point>,
-    points: Vec<Point>,
+    theory: Vec<MotionSample>,
+    points: Vec<MotionSample>,
     predicted: [f64; 4],
     amplitudes: [f64; 4],
 }
@@ -137,12 +140,12 @@ struct Run {
 ///
 /// # Errors
 /// Values of ε that are not allowed; what theory or simulator refuse.
-pub fn accuracy(settings: &Settings, epsilons: &[f64]) -> Result<Study> {
+pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let group = find_group("epsilon")?;
     let run = |&epsilon: &f64| -> Result<Option<Run>> {
-        let settings = settings.with(group, epsilon)?;
-        let p = settings.parameters();
-        let Some(theory) = Theory::multiple_scales(settings.groups())? else { return Ok(None) };
+        let set = set.with(group, epsilon)?;
+        let p = set.parameters();
+        let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else { return Ok(None) };
         let (amplitudes, points) = simulate(p, &theory)?;
         let once = points.into_iter().filter(|p| p.time <= 1.0).collect();
         let (theory, predicted) = (theory.history(p, 1.0), theory.amplitudes(p));
@@ -192,7 +195,7 @@ pub fn accuracy(settings: &Settings, epsilons: &[f64]) -> Result<Study> {
         title: "Accuracy of multiple scales (cf. figure 17)".into(),
         caption: vec![
             "Errors are relative to the simulation; ε differs between the panels.".into(),
-            settings.caption(),
+            set.caption(),
         ],
         panels,
         columns: 2,

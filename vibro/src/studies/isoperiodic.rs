@@ -1,14 +1,14 @@
 //! Pictures and tables of simulated motion over a plane of two groups.
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
-use super::super::table::exact;
 use super::Study;
-use vibro_analysis::Settings;
-use vibro_analysis::attractor::Class;
-use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, Motion, Point, Request};
-use vibro_analysis::plane;
-use vibro_analysis::{Error, Result};
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
+use crate::table::exact;
+use crate::{Error, Result};
+use vibro_analysis::ParameterSet;
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, PlanePoint, Request, SettledMotion};
+use vibro_analysis::plane::SteadyStateClass;
 
 const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);
@@ -18,16 +18,16 @@ const MINT: Colour = Colour(150, 220, 190);
 type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 
 /// Kinds of motion as the first panel tells them apart; the last takes what no other does.
-const KINDS: [Entry<Motion>; 10] = [
+const KINDS: [Entry<SettledMotion>; 10] = [
     ("(a) without impacts", PALE, |m| m.impacts == [0.0; 2] && !m.rests),
     ("(a) 1T, two symmetric impacts", BLUE, |m| m.is_two_impact()),
-    ("(a) 1T, others", SKY, |m| m.class == Class::Periodic(1)),
-    ("(a) 2T", GREEN, |m| m.class == Class::Periodic(2)),
-    ("(a) 3T", PURPLE, |m| m.class == Class::Periodic(3)),
-    ("(a) 4T", MINT, |m| m.class == Class::Periodic(4)),
-    ("(a) longer periods", ORANGE, |m| matches!(m.class, Class::Periodic(_))),
-    ("(a) periodic, settling", GREY, |m| m.class == Class::Settling),
-    ("(a) quasi-periodic", YELLOW, |m| m.class == Class::QuasiPeriodic),
+    ("(a) 1T, others", SKY, |m| m.class == MotionClass::Periodic(1)),
+    ("(a) 2T", GREEN, |m| m.class == MotionClass::Periodic(2)),
+    ("(a) 3T", PURPLE, |m| m.class == MotionClass::Periodic(3)),
+    ("(a) 4T", MINT, |m| m.class == MotionClass::Periodic(4)),
+    ("(a) longer periods", ORANGE, |m| matches!(m.class, MotionClass::Periodic(_))),
+    ("(a) periodic, settling", GREY, |m| m.class == MotionClass::Settling),
+    ("(a) quasi-periodic", YELLOW, |m| m.class == MotionClass::QuasiPeriodic),
     // Without exponents no more is known than that there is no period.
     ("(a) chaotic, or no period found", BLACK, |_| true),
 ];
@@ -51,12 +51,12 @@ const TOLD: usize = 8;
 ///
 /// # Errors
 /// [`Error::Output`].
-pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
+pub fn isoperiodic(set: &ParameterSet, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
     let (x, y) = (&request.x, &request.y);
     let border = border(request, plane);
-    let here = vec![((x.group.get)(settings.groups()), (y.group.get)(settings.groups()))];
+    let here = vec![((x.group.get)(set.groups()), (y.group.get)(set.groups()))];
     // Code 0 leaves the paper: refused.
-    let panel = |title: &str, entries: Vec<(&str, Colour)>, code: &dyn Fn(&Motion) -> usize| {
+    let panel = |title: &str, entries: Vec<(&str, Colour)>, code: &dyn Fn(&SettledMotion) -> usize| {
         let cells: Vec<u8> =
             plane.points.iter().map(|p| p.motion.map_or(0, |m| 1 + code(&m) as u8)).collect();
         let colours = std::iter::once(None).chain(entries.iter().map(|e| Some(e.1))).collect();
@@ -80,7 +80,7 @@ pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, 
     let impacts = IMPACTS.iter().map(|k| (k.0, k.1)).collect();
     // The last entry takes everything.
     let panels = vec![
-        panel("(a) Class of the motion", kinds, &|m| KINDS.iter().take_while(|k| !k.2(*m)).count()),
+        panel("(a) MotionClass of the motion", kinds, &|m| KINDS.iter().take_while(|k| !k.2(*m)).count()),
         panel("(b) Impacts per drive period", impacts, &|m| {
             let all = m.impacts[0] + m.impacts[1];
             IMPACTS.iter().take_while(|k| !k.2(all)).count()
@@ -99,7 +99,7 @@ pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, 
     }
     let figure = Figure {
         title: format!("Simulated motion over {pair}"),
-        caption: vec![method, format!("Past the paper. Elsewhere {}", settings.caption())],
+        caption: vec![method, format!("Past the paper. Elsewhere {}", set.caption())],
         panels,
         columns: 2,
         panel: (1700, 1400),
@@ -118,7 +118,7 @@ pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, 
 /// The limit of the points where the exact orbit is stable, along the edges of their cells.
 fn border(request: &Request, plane: &Isoperiodic) -> Vec<Path> {
     let (columns, rows) = (request.x.count, request.y.count);
-    let stable = |i: usize, j: usize| plane.points[j * columns + i].theory == plane::Class::Stable;
+    let stable = |i: usize, j: usize| plane.points[j * columns + i].theory == SteadyStateClass::Stable;
     let part = |(from, to): (f64, f64), i: usize, count: usize| from + (to - from) * i as f64 / count as f64;
     let at = |i: usize, j: usize| (part(request.x.edges(), i, columns), part(request.y.edges(), j, rows));
     let across = (1..rows).flat_map(|j| {
@@ -150,8 +150,8 @@ fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
         "on_exact_orbit",
     ])?;
     for (j, row) in plane.points.chunks(x.count).enumerate() {
-        for (i, Point { theory, motion }) in row.iter().enumerate() {
-            let word = |tell: &dyn Fn(&Motion) -> String| motion.as_ref().map_or(String::new(), tell);
+        for (i, PlanePoint { theory, motion }) in row.iter().enumerate() {
+            let word = |tell: &dyn Fn(&SettledMotion) -> String| motion.as_ref().map_or(String::new(), tell);
             put([
                 &exact(x.value(i)),
                 &exact(y.value(j)),

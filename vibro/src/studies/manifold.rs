@@ -1,13 +1,13 @@
 //! The slow invariant manifold: its shape (figure 2), its admissible part (7), its fixed points (9).
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, GREY, ORANGE, VERMILLION};
-use super::super::figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
-use super::super::table::{Table, exact};
 use super::Study;
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, GREY, ORANGE, VERMILLION};
+use crate::figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
+use crate::table::{Table, exact};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::Group;
-use vibro_analysis::Result;
-use vibro_analysis::{Settings, find_group, short};
+use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::steady::Roots;
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales, sawtooth};
 
@@ -31,7 +31,7 @@ fn both(roots: Option<Roots<FixedPoint>>) -> Vec<(&'static str, FixedPoint)> {
 }
 
 /// The fixed points as marks: filled where all tests hold.
-fn points(points: &[(&'static str, FixedPoint)], colour: super::super::figures::chart::Colour) -> Vec<Layer> {
+fn points(points: &[(&'static str, FixedPoint)], colour: crate::figures::chart::Colour) -> Vec<Layer> {
     let of = |all: bool| {
         points
             .iter()
@@ -60,8 +60,8 @@ fn shown(system: &MultipleScales, roots: &[(&'static str, FixedPoint)]) -> (f64,
 ///
 /// # Errors
 /// What multiple scales refuses.
-pub fn shapes(settings: &Settings) -> Result<Study> {
-    let system = MultipleScales::new(settings.groups())?;
+pub fn shapes(set: &ParameterSet) -> Result<Study> {
+    let system = MultipleScales::new(set.groups())?;
     let m = system.manifold();
     let roots = both(system.fixed_points());
     let (from, to) = shown(&system, &roots);
@@ -109,7 +109,7 @@ pub fn shapes(settings: &Settings) -> Result<Study> {
         &table,
         Figure {
             title: "The slow invariant manifold (cf. figure 2)".into(),
-            caption: vec![settings.caption()],
+            caption: vec![set.caption()],
             panels,
             columns: 3,
             panel: PANEL,
@@ -148,8 +148,8 @@ fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
 ///
 /// # Errors
 /// What multiple scales refuses.
-pub fn branches(settings: &Settings) -> Result<Study> {
-    let system = MultipleScales::new(settings.groups())?;
+pub fn branches(set: &ParameterSet) -> Result<Study> {
+    let system = MultipleScales::new(set.groups())?;
     let m = system.manifold();
     let roots = both(system.fixed_points());
     let (from, mut to) = shown(&system, &roots);
@@ -214,7 +214,7 @@ pub fn branches(settings: &Settings) -> Result<Study> {
         &table,
         Figure {
             title: "Admissible part of the slow invariant manifold (cf. figure 7)".into(),
-            caption: vec![settings.caption()],
+            caption: vec![set.caption()],
             panels,
             columns: 2,
             panel: super::PANEL,
@@ -227,14 +227,14 @@ pub fn branches(settings: &Settings) -> Result<Study> {
 ///
 /// # Errors
 /// Values that are not allowed, and what multiple scales refuses.
-pub fn families(settings: &Settings, name: &str, values: &[f64]) -> Result<Study> {
+pub fn families(set: &ParameterSet, name: &str, values: &[f64]) -> Result<Study> {
     let group = find_group(name)?;
     let mut table =
         Table::new(&[group.name, "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
     let mut panels = Vec::new();
     for (index, &value) in values.iter().enumerate() {
-        let settings = settings.with(group, value)?;
-        panels.push(member(&settings, group, value, index, &mut table)?);
+        let set = set.with(group, value)?;
+        panels.push(member(&set, group, value, index, &mut table)?);
     }
     study(
         "manifold-9",
@@ -246,7 +246,7 @@ pub fn families(settings: &Settings, name: &str, values: &[f64]) -> Result<Study
         &table,
         Figure {
             title: format!("Fixed points for some {} (cf. figure 9)", group.symbol),
-            caption: vec![format!("{} differs between the panels; else:", group.symbol), settings.caption()],
+            caption: vec![format!("{} differs between the panels; else:", group.symbol), set.caption()],
             panels,
             columns: 2,
             panel: super::PANEL,
@@ -255,8 +255,8 @@ pub fn families(settings: &Settings, name: &str, values: &[f64]) -> Result<Study
     )
 }
 
-fn member(settings: &Settings, group: &Group, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
-    let system = MultipleScales::new(settings.groups())?;
+fn member(set: &ParameterSet, group: &Group, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
+    let system = MultipleScales::new(set.groups())?;
     let m = system.manifold();
     let roots = both(system.fixed_points());
     for (name, p) in &roots {

@@ -1,18 +1,18 @@
 //! Simulated motions as they are: time histories (figure 13), phase portraits (figure 15), exponents on their way.
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
-use super::super::table::{Table, exact};
-use super::theory::{Point as Instant, simulated};
+use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
+use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::Group;
-use vibro_analysis::Result;
-use vibro_analysis::bifurcation::{Diagram, Point};
-use vibro_analysis::lyapunov::{Convergence, Options, dimensionless};
+use vibro_analysis::bifurcation::{Diagram, SweepPoint};
+use vibro_analysis::lyapunov::{Convergence, SpectrumOptions, dimensionless};
 use vibro_analysis::motion::{Flight, record, settled};
-use vibro_analysis::section::{Section, kicked, state};
-use vibro_analysis::{Settings, short};
+use vibro_analysis::section::{Section, moving_block, state};
+use vibro_analysis::{ParameterSet, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
@@ -26,7 +26,7 @@ const WANDERING: u32 = 60;
 /// Symbols of the seven exponents.
 const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
 
-/// W, X1, X3 over time or their portraits: indices into [`Instant`]'s quantities.
+/// W, X1, X3 over time or their portraits: indices into [`MotionSample`]'s quantities.
 const SHOWN: [(usize, &str, Colour); 3] = [(1, "W", VERMILLION), (2, "X₁", BLUE), (4, "X₃", GREEN)];
 
 /// What is worth knowing of a motion with modulation.
@@ -40,7 +40,7 @@ pub struct Modulation {
     pub resonant: f64,
 }
 
-fn modulation(points: &[Instant], flights: &[Flight], periods: u32) -> Modulation {
+fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modulation {
     let first = points.first().map_or(0.0, |p| p.time);
     let mut tops = vec![[0.0f64; 2]; periods as usize];
     for p in points {
@@ -65,18 +65,18 @@ fn modulation(points: &[Instant], flights: &[Flight], periods: u32) -> Modulatio
     Modulation { box_amplitude: range(0), secondary_amplitude: range(1), resonant }
 }
 
-/// Figure 13: histories and portraits at the settings' own f10 and at `other`.
+/// Figure 13: histories and portraits at the parameter set's own f10 and at `other`.
 ///
 /// # Errors
 /// What the simulator refuses.
-pub fn histories_of(settings: &Settings, group: &'static Group, other: f64) -> Result<(Study, Modulation)> {
+pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Result<(Study, Modulation)> {
     let mut table = Table::new(&[group.name, "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
     let mut panels = Vec::new();
     let mut found = None;
-    let own = (group.get)(settings.groups());
+    let own = (group.get)(set.groups());
     for (value, periods, letters) in [(own, STEADY, "abc"), (other, MODULATED, "def")] {
-        let p = settings.parameters_of(&settings.vary(group, value))?;
-        let mut simulator = settled(&p, &kicked(&p), TRANSIENT)?;
+        let p = set.parameters_of(&set.vary(group, value))?;
+        let mut simulator = settled(&p, &moving_block(&p), TRANSIENT)?;
         let flights = record(&mut simulator, periods)?;
         let points = simulated(&flights, &p);
         let first = points.first().map_or(0.0, |p| p.time);
@@ -98,7 +98,7 @@ pub fn histories_of(settings: &Settings, group: &'static Group, other: f64) -> R
     let Some(modulation) = found else { unreachable!("two values") };
     let figure = Figure {
         title: "Simulated motions (cf. figure 13)".into(),
-        caption: vec![format!("{TRANSIENT} periods discarded. {}", settings.caption())],
+        caption: vec![format!("{TRANSIENT} periods discarded. {}", set.caption())],
         panels,
         columns: 3,
         panel: (1500, 1100),
@@ -123,7 +123,7 @@ pub fn histories_of(settings: &Settings, group: &'static Group, other: f64) -> R
     Ok((study, modulation))
 }
 
-fn history(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
+fn history(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
     let first = points.first().map_or(0.0, |p| p.time);
     let end = points.last().map_or(1.0, |p| p.time - first);
     let path = |q: usize| -> Path { points.iter().map(|p| (p.time - first, p.x[q])).collect() };
@@ -139,7 +139,7 @@ fn history(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], wid
     }
 }
 
-fn portrait(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
+fn portrait(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
     let path = |q: usize| -> Path { points.iter().map(|p| (p.x[q], p.v[q])).collect() };
     let curve = |(q, name, colour): &(usize, &str, Colour)| {
         Layer::line(name, *colour, Dash::Solid, path(*q)).stroke(width)
@@ -167,7 +167,7 @@ fn inside(p: &Parameters, s: &Section) -> State {
 /// # Errors
 /// What the simulator refuses.
 pub fn portraits(
-    settings: &Settings,
+    set: &ParameterSet,
     group: &'static Group,
     diagram: &Diagram,
     values: &[f64],
@@ -175,9 +175,10 @@ pub fn portraits(
     let mut table = Table::new(&[group.name, "class", "time", "X2", "dX2"]);
     let mut panels = Vec::new();
     for (letter, value) in ('a'..).zip(values) {
-        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+        let near =
+            |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
         let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
-        let p = settings.parameters_of(&settings.vary(group, point.value))?;
+        let p = set.parameters_of(&set.vary(group, point.value))?;
         let start = inside(&p, &point.attractor.sections[0]);
         let mut simulator = Simulator::new(&p, &start, 0.0)?.without_energy_accounts();
         let periods = point.attractor.period.unwrap_or(WANDERING);
@@ -207,7 +208,7 @@ pub fn portraits(
                 "Motions of the sweep with {} rising, over their period, or over {WANDERING} periods.",
                 group.symbol
             ),
-            format!("Elsewhere {}", settings.caption()),
+            format!("Elsewhere {}", set.caption()),
         ],
         panels,
         columns: 3,
@@ -229,16 +230,16 @@ pub fn portraits(
 /// # Errors
 /// What the simulator refuses.
 pub fn running(
-    settings: &Settings,
+    set: &ParameterSet,
     group: &'static Group,
     values: &[f64],
     discard: u32,
-    options: &Options,
+    options: &SpectrumOptions,
     name: &str,
 ) -> Result<Study> {
     let run = |value: &f64| -> Result<(f64, Convergence)> {
-        let p = settings.parameters_of(&settings.vary(group, *value))?;
-        let mut simulator = settled(&p, &kicked(&p), f64::from(discard))?;
+        let p = set.parameters_of(&set.vary(group, *value))?;
+        let mut simulator = settled(&p, &moving_block(&p), f64::from(discard))?;
         Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
@@ -281,7 +282,7 @@ pub fn running(
     }
     let figure = Figure {
         title: "Lyapunov exponents on their way".into(),
-        caption: vec![format!("Elsewhere {}", settings.caption())],
+        caption: vec![format!("Elsewhere {}", set.caption())],
         columns: panels.len().clamp(1, 2),
         panels,
         panel: PANEL,

@@ -1,15 +1,15 @@
 //! Frequency and force response curves (figures 10, 11).
 
-use super::super::figures::canvas::palette::{BLACK, FAMILY, GREY};
-use super::super::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
-use super::super::table::{Table, exact};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
+use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::Group;
-use vibro_analysis::Result;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::{Response, ResponsePoint, response};
-use vibro_analysis::{Settings, find_group, short};
+use vibro_analysis::{ParameterSet, find_group, short};
 
 /// Nodes per sheet and interval of solutions.
 const NODES: usize = 400;
@@ -41,7 +41,7 @@ struct Family {
 }
 
 fn family(
-    settings: &Settings,
+    set: &ParameterSet,
     along: &'static Group,
     range: (f64, f64),
     name: &str,
@@ -49,8 +49,8 @@ fn family(
 ) -> Result<Family> {
     let group = find_group(name)?;
     let member = |&value: &f64| {
-        let settings = settings.with(group, value)?;
-        let curves = METHODS.iter().map(|&m| response(&settings, along, range, m, NODES));
+        let set = set.with(group, value)?;
+        let curves = METHODS.iter().map(|&m| Ok(response(&set, along, range, m, NODES)?));
         Ok((value, curves.collect::<Result<Vec<_>>>()?))
     };
     Ok(Family { group, members: values.par_iter().map(member).collect::<Result<_>>()? })
@@ -150,9 +150,9 @@ fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third
     }
 }
 
-fn caption(settings: &Settings) -> Vec<String> {
+fn caption(set: &ParameterSet) -> Vec<String> {
     let exact = "Coloured: multiple scales. Black: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
-    vec![exact.into(), settings.caption()]
+    vec![exact.into(), set.caption()]
 }
 
 /// What tells figures 10 and 11 apart.
@@ -167,7 +167,7 @@ struct Words {
 
 /// C and A3 of two families of curves.
 fn quartet(
-    settings: &Settings,
+    set: &ParameterSet,
     along: &'static Group,
     range: (f64, f64),
     families: &[Family; 2],
@@ -179,7 +179,7 @@ fn quartet(
     });
     let figure = Figure {
         title: words.title.into(),
-        caption: caption(settings),
+        caption: caption(set),
         panels: panels.collect(),
         columns: 2,
         panel: PANEL,
@@ -200,32 +200,32 @@ fn quartet(
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn frequency(settings: &Settings, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
+pub fn frequency(set: &ParameterSet, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
     let along = find_group("sigma1")?;
-    let forces = family(settings, along, range, "f10", f10)?;
-    let dampings = family(settings, along, range, "gamma1", gamma1)?;
+    let forces = family(set, along, range, "f10", f10)?;
+    let dampings = family(set, along, range, "gamma1", gamma1)?;
     let words = Words {
         name: "response-frequency",
         title: "Frequency response (cf. figure 10)",
         what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
         families: ["for some excitation amplitudes", "for some dampings"],
     };
-    quartet(settings, along, range, &[forces, dampings], &words)
+    quartet(set, along, range, &[forces, dampings], &words)
 }
 
 /// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn force(settings: &Settings, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
+pub fn force(set: &ParameterSet, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
     let along = find_group("f10")?;
-    let above = family(settings, along, range, "sigma1", positive)?;
-    let below = family(settings, along, range, "sigma1", negative)?;
+    let above = family(set, along, range, "sigma1", positive)?;
+    let below = family(set, along, range, "sigma1", negative)?;
     let words = Words {
         name: "response-force",
         title: "Force response (cf. figure 11)",
         what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
         families: ["above resonance", "below resonance"],
     };
-    quartet(settings, along, range, &[above, below], &words)
+    quartet(set, along, range, &[above, below], &words)
 }

@@ -1,14 +1,14 @@
 //! Stability regions of the periodic motion (figure 5) and Masri's plane (figure 6).
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, SKY, VERMILLION};
-use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
-use super::super::table::{Table, exact};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, SKY, VERMILLION};
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
+use crate::table::{Table, exact};
 use rayon::prelude::*;
-use vibro_analysis::Result;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::response;
-use vibro_analysis::{Settings, find_group, short};
+use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::parameters::Groups;
 use vibro_impact::steady::continuation;
 use vibro_impact::steady::multiple_scales::{Manifold, MultipleScales};
@@ -30,9 +30,9 @@ fn steps(from: f64, to: f64, count: u32) -> Vec<f64> {
 }
 
 /// The least and largest C (A2 in its units) of stable exact orbits along the force. `None` where there is none.
-fn exact_limits(settings: &Settings) -> Result<Option<[f64; 2]>> {
+fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     let along = find_group("f10")?;
-    let found = response(settings, along, FORCES, Method::ExactOrbit, NODES)?;
+    let found = response(set, along, FORCES, Method::ExactOrbit, NODES)?;
     let pairs = found.curves.iter().flat_map(|c| c.windows(2)).filter(|w| w[0].stable);
     let sizes = pairs.flat_map(|w| [w[0].c, w[1].c]);
     let (least, most) = sizes.fold((f64::INFINITY, 0.0_f64), |(a, b), c| (a.min(c), b.max(c)));
@@ -43,7 +43,7 @@ fn exact_limits(settings: &Settings) -> Result<Option<[f64; 2]>> {
 ///
 /// # Errors
 /// What the theories refuse.
-pub fn regions(settings: &Settings) -> Result<Study> {
+pub fn regions(set: &ParameterSet) -> Result<Study> {
     let mut table = Table::new(&["plane", "value", "theory", "C_from", "C_to", "C_Gmax"]);
     let kappas = steps(0.0, 1.0, POINTS);
     let manifolds = kappas.iter().map(|&k| Manifold::new(k)).collect::<vibro_impact::Result<Vec<_>>>()?;
@@ -54,7 +54,7 @@ pub fn regions(settings: &Settings) -> Result<Study> {
         let (from, to, geometric) = limits(m);
         table.rows.push(row("kappa", m.kappa(), "multiple scales", &[from, to, geometric]));
     }
-    let own = Manifold::new(settings.groups().kappa)?;
+    let own = Manifold::new(set.groups().kappa)?;
     let (from, to, geometric) = limits(&own);
     for epsilon in steps(0.0, LARGEST_EPSILON, 10) {
         table.rows.push(row("epsilon", epsilon, "multiple scales", &[from, to, geometric]));
@@ -66,7 +66,7 @@ pub fn regions(settings: &Settings) -> Result<Study> {
     ];
     for (plane, (name, values)) in ranges.into_iter().enumerate() {
         let group = find_group(name)?;
-        let limit = |&v: &f64| Ok((v, exact_limits(&settings.with(group, v)?)?));
+        let limit = |&v: &f64| Ok((v, exact_limits(&set.with(group, v)?)?));
         for (value, found) in values.par_iter().map(limit).collect::<Result<Vec<_>>>()? {
             let Some([low, high]) = found else { continue };
             marks[plane][0].push((value, low));
@@ -118,7 +118,7 @@ pub fn regions(settings: &Settings) -> Result<Study> {
         title: "Stability of the periodic motion (cf. figure 5)".into(),
         caption: vec![
             "Multiple scales to leading order: the limits do not depend on ε. The exact orbit is followed along f̂₁₀.".into(),
-            settings.caption(),
+            set.caption(),
         ],
         panels,
         columns: 2,
@@ -150,8 +150,8 @@ fn row(plane: &str, value: f64, theory: &str, numbers: &[f64]) -> Vec<String> {
 ///
 /// # Errors
 /// What the theories refuse.
-pub fn masri(settings: &Settings) -> Result<Study> {
-    let masri = Groups { gamma1: 2.0 * MASRI_ZETA / MASRI_EPSILON, sigma1: 0.0, ..*settings.groups() };
+pub fn masri(set: &ParameterSet) -> Result<Study> {
+    let masri = Groups { gamma1: 2.0 * MASRI_ZETA / MASRI_EPSILON, sigma1: 0.0, ..*set.groups() };
     let groups = |kappa| Groups {
         kappa,
         epsilon: MASRI_EPSILON,
@@ -170,7 +170,7 @@ pub fn masri(settings: &Settings) -> Result<Study> {
             table.rows.push(vec![exact(kappa), "multiple scales".into(), exact(xi(high)), exact(xi(low))]);
         }
     }
-    let marks = exact_masri(settings, groups, xi)?;
+    let marks = exact_masri(set, groups, xi)?;
     for (kappa, low, high) in &marks {
         table.rows.push(vec![exact(*kappa), "exact orbit".into(), exact(*low), exact(*high)]);
     }
@@ -194,7 +194,7 @@ pub fn masri(settings: &Settings) -> Result<Study> {
         title: "Stability region on Masri's plane (cf. figure 6)".into(),
         caption: vec![
             "The scale of ξ is ours: the paper's factor [67] cannot be recovered from its text.".into(),
-            format!("α̂₂₃, σ̂₃₀ and γ̂₃, which move the exact orbit's limits only: {}", settings.origin()),
+            format!("α̂₂₃, σ̂₃₀ and γ̂₃, which move the exact orbit's limits only: {}", set.origin()),
         ],
         panels: vec![panel],
         columns: 1,
@@ -214,13 +214,13 @@ pub fn masri(settings: &Settings) -> Result<Study> {
 
 /// κ and the least and largest ξ of stable exact orbits.
 fn exact_masri(
-    settings: &Settings,
+    set: &ParameterSet,
     groups: impl Fn(f64) -> Groups + Sync,
     xi: impl Fn(f64) -> f64 + Sync,
 ) -> Result<Vec<(f64, f64, f64)>> {
     let kappas = steps(0.05, 0.95, EXACT_POINTS);
     let limit = |&kappa: &f64| -> Result<Option<(f64, f64, f64)>> {
-        let path = |f10| settings.parameters_of(&Groups { f10, ..groups(kappa) });
+        let path = |f10| set.parameters_of(&Groups { f10, ..groups(kappa) });
         let branch = continuation::exact_orbit(path, FORCES, NODES)?;
         let stable: Vec<f64> = branch
             .curves

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use vibro::figures::canvas;
+use vibro::part_folder::write_whole;
 use vibro::studies::Study;
 use vibro::table::Table;
-use vibro_analysis::parts::write_whole;
-use vibro_analysis::{Error, Result, Settings};
+use vibro::{Error, Result};
+use vibro_analysis::ParameterSet;
 
 /// Writes pictures and tables.
 pub fn write(studies: &[Study], folder: &Path) -> Result<()> {
@@ -29,7 +30,7 @@ pub fn write(studies: &[Study], folder: &Path) -> Result<()> {
 }
 
 /// Says what was drawn and where, in the first line; then the numbers worth reading.
-pub fn print(studies: &[Study], settings: &Settings, folder: &Path) -> Result<()> {
+pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path) -> Result<()> {
     let mut text = String::new();
     let drawn: Vec<&str> = studies.iter().filter(|s| s.figure.is_some()).map(|s| s.name.as_str()).collect();
     // Writing to a string cannot fail.
@@ -45,7 +46,7 @@ pub fn print(studies: &[Study], settings: &Settings, folder: &Path) -> Result<()
             let _ = writeln!(text, "  {remark}");
         }
     }
-    let _ = writeln!(text, "parameters: {}", settings.caption());
+    let _ = writeln!(text, "parameters: {}", set.caption());
     for table in studies.iter().filter_map(|s| s.shown.as_ref()) {
         text.push('\n');
         text.push_str(&side_by_side(table));

@@ -13,7 +13,7 @@ const PIECE_TIMES_RATE: f64 = 1.2;
 
 /// How a piece ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Break {
+pub(crate) enum PieceEnd {
     /// At an impact.
     Impact {
         /// +1 upper, -1 lower.
@@ -40,7 +40,7 @@ pub(crate) struct Piece {
     pub(crate) time: f64,
     /// Its length, s.
     pub(crate) span: f64,
-    pub(crate) end: Break,
+    pub(crate) end: PieceEnd,
 }
 
 /// The augmented state of a simulator.
@@ -84,7 +84,7 @@ pub(crate) fn along(
 ///
 /// # Errors
 /// As [`Simulator::advance`].
-pub(crate) fn walk(
+pub(crate) fn smooth_pieces(
     simulator: &mut Simulator,
     model: &Model,
     end: f64,
@@ -101,16 +101,16 @@ pub(crate) fn walk(
             Event::Rest { .. } => rests = true,
         })?;
         if let Some(at) = release {
-            visit(&Piece { mode: way, start, time, span: at - time, end: Break::Release });
+            visit(&Piece { mode: way, start, time, span: at - time, end: PieceEnd::Release });
             start = along(model, way, &start, at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
         let Some((at, side, speed)) = hit else {
-            visit(&Piece { mode: way, start, time, span: end - time, end: Break::End });
+            visit(&Piece { mode: way, start, time, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
         let after = augmented(simulator);
-        let end = Break::Impact { side, rate: side * speed, after, rests };
+        let end = PieceEnd::Impact { side, rate: side * speed, after, rests };
         visit(&Piece { mode: way, start, time, span: at - time, end });
     }
 }

@@ -14,7 +14,7 @@ const JUST_BEFORE: f64 = 1e-7;
 
 /// Displacements in units of L and velocities in units of L ω10, with U and W.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct MotionSample {
     /// Drive periods.
     pub time: f64,
     /// U = X1 + ε X2, W = X2 - X1, X1, X2, X3.
@@ -25,7 +25,7 @@ pub struct Point {
 
 /// The steady state that figures show: the upper root where admissible, else whatever admissible root, else the upper.
 #[derive(Clone, Copy, Debug)]
-pub enum Theory {
+pub enum SteadyMotion {
     /// Paper section 3.
     MultipleScales(FixedPoint),
     /// Paper section 5.
@@ -34,7 +34,7 @@ pub enum Theory {
     Exact(ExactOrbit),
 }
 
-impl Theory {
+impl SteadyMotion {
     /// Of multiple scales.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ impl Theory {
     }
 
     /// The motion over some periods of the drive from phase 0, with both sides of each impact.
-    pub fn history(&self, parameters: &Parameters, periods: f64) -> Vec<Point> {
+    pub fn history(&self, parameters: &Parameters, periods: f64) -> Vec<MotionSample> {
         let count = (SAMPLES as f64 * periods).ceil() as usize;
         let mut phases: Vec<f64> = (0..=count).map(|i| TAU * periods * i as f64 / count as f64).collect();
         let first = self.impact().rem_euclid(PI);
@@ -107,7 +107,7 @@ impl Theory {
         phases.into_iter().map(|phase| self.at(parameters, phase)).collect()
     }
 
-    fn at(&self, parameters: &Parameters, phase: f64) -> Point {
+    fn at(&self, parameters: &Parameters, phase: f64) -> MotionSample {
         let p = parameters;
         let rate = p.drive_frequency / p.box_frequency();
         let motion = match self {
@@ -120,7 +120,7 @@ impl Theory {
         };
         let [x1, x2, x3] = motion.x;
         let [v1, v2, v3] = motion.dx.map(|v| rate * v);
-        Point {
+        MotionSample {
             time: phase / TAU,
             x: [motion.u, motion.w, x1, x2, x3],
             v: [rate * motion.du, rate * motion.dw, v1, v2, v3],
@@ -133,17 +133,17 @@ fn best<T: Copy>(candidates: impl Iterator<Item = T>, stable: impl Fn(&T) -> boo
     all.iter().find(|c| stable(c)).or(all.first()).copied()
 }
 
-fn point(p: &Parameters, time: f64, x: &[f64; 3], v: &[f64; 3]) -> Point {
+fn point(p: &Parameters, time: f64, x: &[f64; 3], v: &[f64; 3]) -> MotionSample {
     let (length, epsilon) = (p.stop_gap, p.block_mass / p.box_mass);
     let speed = length * p.box_frequency();
     let five = |a: &[f64; 3], unit: f64| {
         [a[0] + epsilon * a[1], a[1] - a[0], a[0], a[1], a[2]].map(|value| value / unit)
     };
-    Point { time, x: five(x, length), v: five(v, speed) }
+    MotionSample { time, x: five(x, length), v: five(v, speed) }
 }
 
 /// A simulated record in the same form, its time turned so that whole numbers are whole drive periods.
-pub fn simulated(flights: &[Flight], parameters: &Parameters) -> Vec<Point> {
+pub fn simulated(flights: &[Flight], parameters: &Parameters) -> Vec<MotionSample> {
     let begin = flights.first().and_then(|f| f.first()).map_or(0.0, |i| i.phase / TAU);
     let instants = flights.iter().flatten();
     let time = |t: f64| t + begin - begin.round();
