@@ -12,7 +12,7 @@ use vibro_analysis::bifurcation::{Sweep, diagram};
 use vibro_analysis::isoperiodic::{StartRule, Request, isoperiodic};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
-use vibro_analysis::section::moving_block;
+use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::trajectories::{Start, propagate};
 use vibro_analysis::{ParameterSet, find_group, lyapunov};
 use vibro_impact::reference::{Reference, Tolerance};

@@ -3,7 +3,7 @@
 use super::attractor::{Attractor, Relation, observe};
 use super::error::{Error, Result};
 use super::parts::Task;
-use super::section::{COORDINATES, state};
+use super::stroboscopic::{COORDINATES, dimensional};
 use super::trajectories::{Start, propagate};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
@@ -83,14 +83,14 @@ pub struct Request {
     pub discard: u32,
 }
 
-/// What a start leads to.
+/// Where the motion from a start ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Destination {
-    /// The attractor of this number.
+    /// On the attractor of this number.
     Attractor(u16),
-    /// Its mirror image.
+    /// On the mirror image of the attractor of this number.
     Mirror(u16),
-    /// The start is outside the stops.
+    /// There is no motion: the start is outside the stops.
     Outside,
 }
 
@@ -113,13 +113,13 @@ impl Basin {
     }
 }
 
-/// The start of a cell; the other initial values are zero.
+/// The start at the centre of a cell; the initial values that are on no axis are zero.
 fn start(p: &Parameters, request: &Request, column: usize, row: usize) -> State {
     let mut s = [0.0; 6];
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
         s[axis.coordinate] = axis.value(i);
     }
-    state(p, &s)
+    dimensional(p, &s)
 }
 
 /// Number of parts: the rows.

@@ -1,18 +1,18 @@
 //! Bifurcation diagrams: the local maxima of X2 over one group, upwards and downwards, with period, class and exponents.
 //!
-//! As in the paper (model.md section 7): at each value so many drive periods are discarded and so many kept, and the last
-//! state is the start of the next value. The motion from value to value is one chain and cannot be divided; what is
-//! observe_at at each value is independent of the other values, so that threads and machines share it.
+//! As in the paper, section 4: at each value a number of drive periods is discarded and a number kept, and the last state is
+//! the start of the next value. The motion from value to value is one chain and cannot be divided. What is observed at each
+//! value is independent of the other values, so that threads and machines share that part.
 
 use super::attractor::{Attractor, MotionClass, Relation, observe};
 use super::error::{Error, Result};
 use super::lyapunov::{self, Spectrum};
-use super::maxima::record;
-use super::motion::settled;
+use super::maxima::record_periods;
+use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
 use super::plane::ParameterAxis;
-use super::section::moving_block;
+use super::stroboscopic::moving_block;
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Parameters, check_together};
 use vibro_impact::simulator::{Simulator, State};
@@ -59,7 +59,8 @@ pub struct Diagram {
     pub down: Vec<Option<SweepPoint>>,
 }
 
-/// The start of what is kept at one value: parameters and the state after the transient.
+/// The start of what is kept at one value: the system and its state after the discarded periods, or no state where the
+/// simulator refused.
 #[derive(Clone, Copy, Debug)]
 struct SettledStart {
     value: f64,
@@ -67,7 +68,8 @@ struct SettledStart {
     state: Option<State>,
 }
 
-/// The chain of states from value to value. Where the simulator refuses, the next value starts anew.
+/// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
+/// starts with [`moving_block`].
 fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledStart>> {
     let count = sweep.axis.count;
     let mut state = moving_block(set.parameters());
@@ -79,7 +81,7 @@ fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledS
         let p = set.parameters_of(&groups)?;
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> vibro_impact::Result<(State, State)> {
-            let mut simulator = settled(&p, &state, discard)?;
+            let mut simulator = settled_simulator(&p, &state, discard)?;
             let before = simulator.state();
             simulator.advance_to(all * p.period())?;
             Ok((before, simulator.state()))
@@ -94,7 +96,7 @@ fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledS
     Ok(starts)
 }
 
-/// What is observe_at at one value; nothing where the simulator refuses to go on.
+/// Observes the motion at one value; `None` where the simulator refuses.
 fn observe_at(start: &SettledStart, sweep: &Sweep) -> Result<Option<SweepPoint>> {
     let Some(state) = &start.state else { return Ok(None) };
     match point(start, state, sweep) {
@@ -107,7 +109,7 @@ fn point(start: &SettledStart, state: &State, sweep: &Sweep) -> Result<SweepPoin
     let p = &start.parameters;
     let mut simulator = Simulator::new(p, state, 0.0)?.without_energy_accounts();
     let mut tops: Vec<i64> = Vec::new();
-    record(&mut simulator, sweep.keep, &mut |period| {
+    record_periods(&mut simulator, sweep.keep, &mut |period| {
         tops.extend(period.maxima.iter().map(|m| (m.value / p.stop_gap / RESOLUTION).round() as i64));
     })?;
     tops.sort_unstable();
@@ -131,14 +133,14 @@ pub fn count(sweep: &Sweep) -> usize {
 /// # Errors
 /// Ranges that are not allowed; what the parts' folder refuses.
 pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
-    // A sweep that is all there needs no chain.
+    // A sweep of which all parts are there needs no chain.
     let starts = std::sync::OnceLock::new();
     let chains = || -> Result<[Vec<SettledStart>; 2]> {
         let (up, down) = rayon::join(|| chain(set, sweep, true), || chain(set, sweep, false));
         Ok([up?, down?])
     };
     if task.store.missing(count(sweep)) > 0 {
-        // Set once, here.
+        // Nothing else sets the cell, so that this cannot fail.
         let _ = starts.set(chains()?);
     }
     let blocks = sweep.axis.count.div_ceil(BLOCK);
@@ -146,7 +148,7 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
         let fresh;
         let both = match starts.get() {
             Some(both) => both,
-            // A part that is there but cannot be read.
+            // Reached only for a part that is there but cannot be read.
             None => {
                 fresh = chains()?;
                 &fresh

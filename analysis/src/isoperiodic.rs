@@ -1,7 +1,7 @@
 //! Simulated motion over a plane of two groups: its period, impacts and class (an isoperiodic diagram), beside the exact
 //! orbit with two symmetric impacts a period, which needs no simulation.
 //!
-//! Every point is a motion of its own from the same start, so that all of them go through [`propagate`].
+//! Every point is a motion of its own, so that a whole row goes through [`propagate`] at once.
 
 use super::attractor::{MotionClass, observe};
 use super::error::{Error, Result};
@@ -9,23 +9,23 @@ use super::lyapunov::{self, SpectrumOptions};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
 use super::plane::{self, ParameterAxis, SteadyStateClass, check_pair};
-use super::section::{COORDINATES, MOVING_BLOCK, Section, section, state};
+use super::stroboscopic::{COORDINATES, MOVING_BLOCK, StroboscopicState, dimensional, dimensionless};
 use super::trajectories::{Start, propagate};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Parameters, check_together};
 use vibro_impact::simulator::{Simulator, State};
 
-/// Where the motions of a plane start.
+/// The rule by which the motions of a plane get their starts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StartRule {
-    /// In one state.
-    State(Section),
-    /// On the exact orbit where it is stable, elsewhere in the bifurcation study's [start](MOVING_BLOCK).
+    /// All start in one state.
+    State(StroboscopicState),
+    /// Each starts on the exact orbit where that is stable, elsewhere with the [moving block](MOVING_BLOCK).
     Orbit,
 }
 
 impl Default for StartRule {
-    /// The bifurcation study's start.
+    /// The [moving block](MOVING_BLOCK), which is the bifurcation study's start too.
     fn default() -> Self {
         Self::State(MOVING_BLOCK)
     }
@@ -76,7 +76,7 @@ pub struct Request {
     pub exponents: Option<SpectrumOptions>,
 }
 
-/// What a start has settled on.
+/// The motion that a start has settled on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SettledMotion {
     /// Its class.
@@ -121,12 +121,12 @@ pub struct Isoperiodic {
 pub struct Agreement {
     /// Where the exact orbit is stable.
     pub stable: usize,
-    /// Of these, where the simulated motion is this orbit. What is missing starts in the basin of another motion.
+    /// The number of these at which the simulated motion is this orbit. The others start in the basin of another motion.
     pub reached: usize,
     /// Where the simulated motion is of the exact orbit's [kind](SettledMotion::is_two_impact).
     pub two_impact: usize,
-    /// Of these, where it is the exact orbit, and that is stable. What is missing contradicts the theory.
-    pub foretold: usize,
+    /// The number of these at which it is the exact orbit and that is stable. Any other contradicts the theory.
+    pub predicted: usize,
 }
 
 impl Isoperiodic {
@@ -140,7 +140,7 @@ impl Isoperiodic {
             stable: count(&stable),
             reached: count(&|p| stable(p) && orbit(p)),
             two_impact: count(&kind),
-            foretold: count(&|p| kind(p) && orbit(p)),
+            predicted: count(&|p| kind(p) && orbit(p)),
         }
     }
 }
@@ -159,13 +159,13 @@ pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result
     check_pair(&request.x, &request.y)?;
     if let StartRule::State(start) = &request.start {
         let p = set.parameters();
-        Simulator::new(p, &state(p, start), 0.0)?;
+        Simulator::new(p, &dimensional(p, start), 0.0)?;
     }
     let rows = task.complete(count(request), |j| Ok(row(set, request, j)))?;
     Ok(rows.map(|rows| Isoperiodic { points: rows.concat() }))
 }
 
-/// One system of a row.
+/// The system at one point of a row, before it is simulated.
 struct Site {
     theory: SteadyStateClass,
     /// The stable exact orbit's state at time 0.
@@ -176,8 +176,9 @@ struct Site {
 
 fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Site {
     let none = Site { theory: SteadyStateClass::Undefined, orbit: None, start: None };
-    let groups =
-        set.varied(request.y.group, request.y.value(row)).vary(request.x.group, request.x.value(column));
+    let groups = set
+        .with_groups_only(request.y.group, request.y.value(row))
+        .vary(request.x.group, request.x.value(column));
     if check_together(&groups).is_err() {
         return none;
     }
@@ -185,9 +186,9 @@ fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Sit
     let (theory, orbit) = plane::exact(&parameters).unwrap_or((SteadyStateClass::Undefined, None));
     let orbit = orbit.map(|o| o.initial_state()).map(|o| State { x: o.x, v: o.v });
     let state = match (&request.start, orbit) {
-        (StartRule::State(start), _) => state(&parameters, start),
+        (StartRule::State(start), _) => dimensional(&parameters, start),
         (StartRule::Orbit, Some(orbit)) => orbit,
-        (StartRule::Orbit, None) => state(&parameters, &MOVING_BLOCK),
+        (StartRule::Orbit, None) => dimensional(&parameters, &MOVING_BLOCK),
     };
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
@@ -197,7 +198,7 @@ fn row(set: &ParameterSet, request: &Request, j: usize) -> Vec<PlanePoint> {
     let starts: Vec<Start> = sites.iter().filter_map(|s| s.start).collect();
     let mut ends = propagate(&starts, request.discard, &|| ()).into_iter();
     let point = |Site { theory, orbit, start }| {
-        // There is an end for each start.
+        // There is one end for each start, in the same order.
         let end = start.and_then(|s| Some((s.parameters, ends.next()?.ok()?)));
         let motion =
             end.and_then(|(p, end)| motion(&p, &end, orbit.as_ref(), request.exponents.as_ref()).ok());
@@ -225,7 +226,9 @@ fn motion(
         rests: found.rests,
         symmetric,
         exponent: spectrum.map(|s| s.exponents[0]),
-        on_orbit: found.period == Some(1) && symmetric && orbit.is_some_and(|o| found.passes(&section(p, o))),
+        on_orbit: found.period == Some(1)
+            && symmetric
+            && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
     })
 }
 

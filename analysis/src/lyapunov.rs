@@ -1,8 +1,9 @@
 //! The seven Lyapunov exponents: six coordinates and the phase of the drive, whose exponent is exactly zero.
 //!
-//! Between events the variations are led by exact transition matrices, at impacts by Müller's jump; they are made
-//! orthonormal once a drive period (paper section 4; model.md section 7). Where the block comes to rest, the relative
-//! motion is forgotten: two directions are lost for good, and their exponents are -∞. An impact with κ = 0 loses one.
+//! Between events the variations are propagated by exact transition matrices, at impacts they jump (docs/theory.md (84)), and
+//! once a drive period they are made orthonormal (docs/theory.md (85); paper, section 4). Where the block comes to rest, its
+//! relative motion is lost: two directions become zero, and their exponents are -∞ from then on. An impact with κ = 0 makes
+//! one direction zero.
 //!
 //! ```
 //! use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
@@ -24,8 +25,8 @@ use vibro_impact::error::Error;
 use vibro_impact::model::Model;
 use vibro_impact::simulator::Simulator;
 
-/// Between two looks at the running deviation, in drive periods.
-const LOOK: u32 = 10;
+/// Drive periods between two checks of the running deviation.
+const CHECK: u32 = 10;
 
 /// How a spectrum is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,7 +65,7 @@ pub struct Spectrum {
     pub rests: bool,
 }
 
-/// A spectrum and the way to it.
+/// A spectrum and its values on the way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
     /// The outcome.
@@ -114,22 +115,22 @@ pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Resu
             let rank = tangent.variation.propagate(&mut tangent.frame, piece);
             if let Rank::Limited(most) = rank {
                 tangent.rank = tangent.rank.min(most);
-                tangent.renew();
+                tangent.renormalize();
             }
         })?;
         let (sine, cosine) = simulator.drive_phase().sin_cos();
         on_circle(&mut tangent.frame, (cosine, sine));
-        tangent.renew();
+        tangent.renormalize();
         if i <= options.align {
-            // What is lost stays lost.
+            // A direction that has become zero stays zero; all others begin anew.
             tangent.logs = tangent.logs.map(|l| if l == f64::NEG_INFINITY { l } else { 0.0 });
             (impacts, rests) = (0, false);
             continue;
         }
         let counted = i - options.align;
         running.push(tangent.logs.map(|l| l / (f64::from(counted) * length)));
-        let look = options.threshold > 0.0 && counted >= options.window && counted.is_multiple_of(LOOK);
-        if look && deviation(&running, options.window) < options.threshold {
+        let check = options.threshold > 0.0 && counted >= options.window && counted.is_multiple_of(CHECK);
+        if check && deviation(&running, options.window) < options.threshold {
             settled = true;
             break;
         }
@@ -156,30 +157,31 @@ pub fn dimensionless(simulator: &mut Simulator, options: &SpectrumOptions) -> Re
     Ok(found)
 }
 
-/// The variations on their way.
+/// The variations of a motion and the logarithms of their growth.
 struct Tangent {
     variation: Variation,
     frame: Frame,
-    /// Directions not lost.
+    /// Directions that are not zero.
     rank: usize,
     /// Logarithms of the growth so far.
     logs: [f64; DIMENSION],
 }
 
 impl Tangent {
-    fn renew(&mut self) {
+    /// Makes the variations orthonormal and adds the logarithms of their lengths.
+    fn renormalize(&mut self) {
         let (frame, rank) = (&mut self.frame, self.rank);
         let lengths = pulp::Arch::new().dispatch(
             #[inline(always)]
             || orthonormalize(frame, rank),
         );
         for (sum, length) in self.logs.iter_mut().zip(lengths) {
-            *sum += length.ln(); // -∞ for a direction that is lost
+            *sum += length.ln(); // -∞ for a direction that has become zero
         }
     }
 }
 
-/// The largest standard deviation over the last `window` values.
+/// The largest standard deviation of a running exponent over the last `window` periods, those at -∞ left out.
 fn deviation(running: &[[f64; DIMENSION]], window: u32) -> f64 {
     let last = &running[running.len().saturating_sub(window as usize)..];
     let count = last.len().max(1) as f64;

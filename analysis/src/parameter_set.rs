@@ -1,4 +1,4 @@
-//! The parameters of an analysis as a user gives them: in SI or as groups, by name, from a file or one by one.
+//! The parameters of an analysis as a user gives them: by name, in SI or as dimensionless groups.
 
 use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -144,7 +144,7 @@ pub fn number(name: Name, text: &str) -> Result<f64> {
 }
 
 impl ParameterSet {
-    /// BASIC (model.md section 8): a reconstruction, never the paper's own data set.
+    /// The set BASIC, docs/theory.md, end of section 4: ε, κ and f̂10 are the paper's, the other groups a reconstruction.
     pub fn basic() -> Self {
         Self {
             parameters: Parameters::default(),
@@ -156,7 +156,8 @@ impl ParameterSet {
         }
     }
 
-    /// A set for the paper's section 5 (m3 = m1, strong coupling), ours: the paper's numbers are lost.
+    /// The set STRONG, for the paper's section 5 (m3 = m1, strong coupling). Its numbers are chosen for this program, since
+    /// the copy of the paper this work was built from lacks the displayed ones.
     ///
     /// # Errors
     /// None for these numbers.
@@ -177,7 +178,7 @@ impl ParameterSet {
         &self.parameters
     }
 
-    /// In which words a caption speaks of the origin of these numbers.
+    /// Where these numbers come from, in the words of a caption.
     pub fn origin(&self) -> String {
         if self.changed {
             format!("what was not set is {}", self.base.name())
@@ -207,8 +208,8 @@ impl ParameterSet {
         self.tie(g, group.name)
     }
 
-    /// The same parameter set with one group changed and no SI counterpart in step: the start of another variation.
-    pub(super) fn varied(&self, group: &Group, value: f64) -> Self {
+    /// The set with one group changed, for [`Self::vary`] over a second group. Its physical parameters do not follow.
+    pub(super) fn with_groups_only(&self, group: &Group, value: f64) -> Self {
         Self { groups: self.vary(group, value), ..self.clone() }
     }
 

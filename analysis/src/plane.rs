@@ -13,11 +13,11 @@ use vibro_impact::steady::strong_coupling::StrongCoupling;
 /// Which theory of the steady state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Paper section 3.
+    /// Multiple scales: paper, section 3; docs/theory.md section 6.
     MultipleScales,
-    /// Paper section 5.
+    /// Strong coupling: paper, section 5; docs/theory.md section 8.
     StrongCoupling,
-    /// Past the paper: no small parameter.
+    /// The exact orbit of docs/theory.md section 9, which needs no small parameter; not in the paper.
     ExactOrbit,
 }
 
@@ -50,7 +50,7 @@ pub struct ParameterAxis {
     pub count: usize,
 }
 
-/// An axis as a file has it.
+/// An axis as a file holds it: the group by its name.
 #[derive(Serialize, Deserialize)]
 struct Written {
     group: String,
@@ -97,7 +97,7 @@ pub const PAIRS: [(&str, &str); 6] = [
 ];
 
 impl Method {
-    /// In words.
+    /// Its name in tables and captions.
     pub fn name(self) -> &'static str {
         match self {
             Self::MultipleScales => "multiple scales",
@@ -108,7 +108,7 @@ impl Method {
 }
 
 impl SteadyStateClass {
-    /// In a word, for tables.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -221,7 +221,7 @@ pub fn plane(
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()
         .map(|j| {
-            let row = set.varied(y.group, y.value(j));
+            let row = set.with_groups_only(y.group, y.value(j));
             let class = |i| classify(set, &row.vary(x.group, x.value(i)), method);
             let classes = (0..x.count).map(class).collect();
             done();

@@ -24,7 +24,7 @@ pub struct ResponsePoint {
     pub stable: bool,
     /// Whether the block keeps clear of the stops between its impacts.
     pub clear: bool,
-    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin.
+    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin (docs/theory.md (56)).
     pub right: bool,
     /// What is special here.
     pub special: Option<Special>,

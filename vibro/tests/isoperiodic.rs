@@ -8,7 +8,7 @@ use vibro_analysis::isoperiodic::{Isoperiodic, Request, StartRule, isoperiodic};
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{self, Method, ParameterAxis, SteadyStateClass};
-use vibro_analysis::section::moving_block;
+use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
@@ -99,7 +99,7 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
     assert!(well_inside > 60, "{well_inside}");
     // From the bifurcation study's start some motions end elsewhere, but none ends where the theory has no stable orbit.
     let kicked = found(&request(x, y, StartRule::default(), 300)).agreement();
-    assert_eq!(kicked.foretold, kicked.two_impact, "{kicked:?}");
+    assert_eq!(kicked.predicted, kicked.two_impact, "{kicked:?}");
     assert!(
         kicked.reached as f64 > 0.9 * kicked.stable as f64 && kicked.reached < kicked.stable,
         "{kicked:?}"

@@ -96,7 +96,7 @@ fn second_method_hysteresis_and_mirror_images() {
     let p = found.up[at(2.2)].as_ref().unwrap();
     assert!(!p.attractor.is_symmetric());
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.2).unwrap();
-    let image = p.attractor.mirrored[0];
+    let image = p.attractor.mirror_states[0];
     let mut state = State { x: [image[0], image[1], image[2]], v: [image[3], image[4], image[5]] };
     state.x[1] = state.x[0] + (state.x[1] - state.x[0]).clamp(-1.0, 1.0);
     let mut other = Simulator::new(set.parameters(), &state, 0.0).unwrap();

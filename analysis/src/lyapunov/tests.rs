@@ -1,7 +1,7 @@
 //! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's multipliers, two trajectories.
 
-use super::super::motion::settled;
-use super::super::section::moving_block;
+use super::super::motion::settled_simulator;
+use super::super::stroboscopic::moving_block;
 use super::super::variation::unit_frame;
 use super::*;
 use vibro_impact::parameters::{Groups, Parameters, Scales};
@@ -53,7 +53,7 @@ fn invariant_sum_is_divergence_and_determinants() {
         [(0.6, 0.75), (1.5, 0.75), (2.7, 0.75), (3.6, 0.75), (4.5, 0.75), (3.0, 0.9), (1.5, 0.5)]
     {
         let p = groups(f10, kappa);
-        let mut simulator = settled(&p, &moving_block(&p), 200.0).unwrap();
+        let mut simulator = settled_simulator(&p, &moving_block(&p), 200.0).unwrap();
         let options = SpectrumOptions { align: 0, periods: 300, ..SpectrumOptions::default() };
         let found = spectrum(&mut simulator, &options).unwrap();
         assert!(!found.rests, "f10 = {f10}");
@@ -107,7 +107,7 @@ fn second_method_two_trajectories_in_chaos() {
     const WIDEST: f64 = 0.2;
     for f10 in [3.6, 4.5] {
         let p = groups(f10, 0.75);
-        let mut one = settled(&p, &moving_block(&p), 200.0).unwrap();
+        let mut one = settled_simulator(&p, &moving_block(&p), 200.0).unwrap();
         let options = SpectrumOptions { periods: PERIODS, ..SpectrumOptions::default() };
         let found = spectrum(&mut one.clone(), &options).unwrap();
         assert!(found.exponents[0] > 0.01, "f10 = {f10}: {:?}", found.exponents);
@@ -149,7 +149,8 @@ fn closed_form_rest_and_dead_impacts_lose_directions() {
     // κ = 0 with rest: two directions are lost; the rest of the spectrum stays finite and holds the phase's zero.
     let p = groups(3.0, 0.0);
     let found =
-        spectrum(&mut settled(&p, &moving_block(&p), 200.0).unwrap(), &SpectrumOptions::default()).unwrap();
+        spectrum(&mut settled_simulator(&p, &moving_block(&p), 200.0).unwrap(), &SpectrumOptions::default())
+            .unwrap();
     let lost = found.exponents.iter().filter(|e| **e == f64::NEG_INFINITY).count();
     assert_eq!((found.rests, lost), (true, 2), "{found:?}");
     assert!(found.exponents[..5].iter().all(|e| e.is_finite()), "{found:?}");
@@ -168,7 +169,7 @@ fn closed_form_variations_through_rest() {
     const DIFFERENCE: f64 = 1e-3;
     for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
         let p = groups(f10, kappa);
-        let mut simulator = settled(&p, &moving_block(&p), f64::from(periods)).unwrap();
+        let mut simulator = settled_simulator(&p, &moving_block(&p), f64::from(periods)).unwrap();
         let model = Model::new(&p).unwrap();
         // Go on until a rest has been passed through.
         let start = simulator.snapshot();
@@ -221,12 +222,12 @@ fn closed_form_variations_through_rest() {
 fn closed_form_early_stop_by_the_deviation() {
     let p = Parameters::default();
     let all = convergence(
-        &mut settled(&p, &moving_block(&p), 400.0).unwrap(),
+        &mut settled_simulator(&p, &moving_block(&p), 400.0).unwrap(),
         &SpectrumOptions { align: 0, ..SpectrumOptions::default() },
     )
     .unwrap();
     let options = SpectrumOptions { align: 0, threshold: 1e-4, ..SpectrumOptions::default() };
-    let early = convergence(&mut settled(&p, &moving_block(&p), 400.0).unwrap(), &options).unwrap();
+    let early = convergence(&mut settled_simulator(&p, &moving_block(&p), 400.0).unwrap(), &options).unwrap();
     let count = early.running.len();
     assert!(early.spectrum.settled && (200..1500).contains(&count), "{count}");
     assert_eq!(early.running[..], all.running[..count], "the same way, only shorter");

@@ -1,4 +1,4 @@
-//! The paper's statements of sections 3 to 5, each with a rule by which agreement is decided.
+//! The paper's statements of states 3 to 5, each with a rule by which agreement is decided.
 //!
 //! The paper's data set is lost (model.md section 8), so agreement means: the same kind of thing at about the same place.
 

@@ -8,7 +8,7 @@ use crate::{Error, Result};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
-use vibro_analysis::section::COORDINATES;
+use vibro_analysis::stroboscopic::COORDINATES;
 
 /// Colours of attractors and of their mirror images; more share the last.
 const PAIRS: [[Colour; 2]; 4] =

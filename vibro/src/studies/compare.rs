@@ -10,7 +10,7 @@ use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::bifurcation::{Sweep, diagram};
-use vibro_analysis::motion::{amplitude, record, settled};
+use vibro_analysis::motion::{amplitude, record_flights, settled_simulator};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group, short};
@@ -34,8 +34,8 @@ pub(super) fn simulate(
 ) -> Result<([f64; 4], Vec<MotionSample>)> {
     let p = parameters;
     let start = start(p, near);
-    let mut simulator = settled(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
-    let flights = record(&mut simulator, SHOWN)?;
+    let mut simulator = settled_simulator(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
+    let flights = record_flights(&mut simulator, SHOWN)?;
     let epsilon = p.block_mass / p.box_mass;
     let q = [[1.0, epsilon, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let amplitudes = q.map(|q| amplitude(&flights, p, q) / p.stop_gap);

@@ -185,7 +185,7 @@ fn remarks(plane: &Isoperiodic) -> Vec<String> {
         .take(TOLD)
         .map(|(n, c)| format!("{n} {:.1} %", percent(*c, plane.points.len())))
         .collect();
-    let Agreement { stable, reached, two_impact, foretold } = plane.agreement();
+    let Agreement { stable, reached, two_impact, predicted } = plane.agreement();
     let mut lines = vec![
         format!("{}{}", told.join(", "), if classes.len() > TOLD { ", others less" } else { "" }),
         format!(
@@ -193,8 +193,8 @@ fn remarks(plane: &Isoperiodic) -> Vec<String> {
             percent(reached, stable)
         ),
         format!(
-            "{two_impact} motions are symmetric with two impacts a period and without rest; {foretold} of them ({:.1} %) are the stable exact orbit",
-            percent(foretold, two_impact)
+            "{two_impact} motions are symmetric with two impacts a period and without rest; {predicted} of them ({:.1} %) are the stable exact orbit",
+            percent(predicted, two_impact)
         ),
     ];
     let resting = motions().filter(|m| m.rests).count();

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use vibro_analysis::Group;
 use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::lyapunov::{Convergence, SpectrumOptions, dimensionless};
-use vibro_analysis::motion::{Flight, record, settled};
-use vibro_analysis::section::{Section, moving_block, state};
+use vibro_analysis::motion::{Flight, record_flights, settled_simulator};
+use vibro_analysis::stroboscopic::{StroboscopicState, dimensional, moving_block};
 use vibro_analysis::{ParameterSet, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
@@ -76,8 +76,8 @@ pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Re
     let own = (group.get)(set.groups());
     for (value, periods, letters) in [(own, STEADY, "abc"), (other, MODULATED, "def")] {
         let p = set.parameters_of(&set.vary(group, value))?;
-        let mut simulator = settled(&p, &moving_block(&p), TRANSIENT)?;
-        let flights = record(&mut simulator, periods)?;
+        let mut simulator = settled_simulator(&p, &moving_block(&p), TRANSIENT)?;
+        let flights = record_flights(&mut simulator, periods)?;
         let points = simulated(&flights, &p);
         let first = points.first().map_or(0.0, |p| p.time);
         for i in &points {
@@ -155,8 +155,8 @@ fn portrait(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)
 }
 
 /// A state from its section; rounding may have put the block past a stop by a digit.
-fn inside(p: &Parameters, s: &Section) -> State {
-    let mut state = state(p, s);
+fn inside(p: &Parameters, s: &StroboscopicState) -> State {
+    let mut state = dimensional(p, s);
     let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);
     state.x[1] = state.x[0] + w;
     state
@@ -179,10 +179,10 @@ pub fn portraits(
             |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
         let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
         let p = set.parameters_of(&set.vary(group, point.value))?;
-        let start = inside(&p, &point.attractor.sections[0]);
+        let start = inside(&p, &point.attractor.states[0]);
         let mut simulator = Simulator::new(&p, &start, 0.0)?.without_energy_accounts();
         let periods = point.attractor.period.unwrap_or(WANDERING);
-        let points = simulated(&record(&mut simulator, periods)?, &p);
+        let points = simulated(&record_flights(&mut simulator, periods)?, &p);
         for i in &points {
             table.rows.push(vec![
                 exact(point.value),
@@ -239,7 +239,7 @@ pub fn running(
 ) -> Result<Study> {
     let run = |value: &f64| -> Result<(f64, Convergence)> {
         let p = set.parameters_of(&set.vary(group, *value))?;
-        let mut simulator = settled(&p, &moving_block(&p), f64::from(discard))?;
+        let mut simulator = settled_simulator(&p, &moving_block(&p), f64::from(discard))?;
         Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
