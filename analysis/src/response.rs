@@ -91,7 +91,7 @@ fn collect<P>(
     point: impl Fn(f64, &P) -> ((f64, f64, [f64; 3]), bool, Groups),
 ) -> Vec<Vec<ResponsePoint>> {
     let convert = |p: &continuation::BranchPoint<P>| {
-        let ((c, b, a), clear, g) = point(p.value, &p.state);
+        let ((c, b, a), clear, g) = point(p.value, &p.solution);
         let rho = std::f64::consts::FRAC_2_PI * (1.0 - g.kappa) / (1.0 + g.kappa);
         let right = c * (1.0 + rho * rho) >= 1.0;
         ResponsePoint {

@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn sine_against_the_library() {
+    fn second_method_sine_by_the_library() {
         let mut p = [0.0; DEGREE + 1];
         add_sine(&mut p, 2.0, 0.75, 1.1);
         for t in [0.0, 0.3, 1.0] {
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn maximum_against_closed_form() {
+    fn closed_form_of_a_maximum() {
         for i in 0..40 {
             let a = 0.2 * f64::from(i);
             let mut best = 0.0;
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn bound_tells_touching_from_crossing() {
+    fn closed_form_of_touching_and_crossing() {
         let p = cosine(-0.3, 0.7); // maximum 1 inside
         assert!(stays_within(&p, 0.0, 1.0 + TOLERANCE));
         assert!(!stays_within(&p, 0.0, 1.0 - 1e-12));
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn running_along_a_limit_ends() {
+    fn invariant_work_on_a_polynomial_along_its_limit() {
         // One and noise: within a few ulps of the limit everywhere.
         let mut p = [0.0; DEGREE + 1];
         for (k, c) in p.iter_mut().enumerate() {
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_are_the_same_polynomial() {
+    fn invariant_halves_are_the_same_polynomial() {
         let p = cosine(0.4, 0.6);
         let (left, right) = halves(&to_bernstein(&p));
         assert!((left[0] - evaluate(&p, 0.0).0).abs() < TOLERANCE);

@@ -76,7 +76,7 @@ mod tests {
     const TOLERANCE: f64 = 1e-14;
 
     #[test]
-    fn brent_against_closed_form() {
+    fn closed_form_of_brents_roots() {
         let root = brent(|x| x * x * x - 2.0, 0.0, 2.0, TOLERANCE).unwrap();
         assert!((root - 2f64.cbrt()).abs() < TOLERANCE);
         let root = brent(|x| (x - 0.3).tanh() * 1e-9, -50.0, 80.0, TOLERANCE).unwrap();

@@ -1,10 +1,10 @@
 //! Branches of steady states in one parameter, with their special points.
 //!
-//! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no predictor: it is two sheets
-//! over the parameter, joined where the discriminant is zero. Each interval of solutions is sampled with the
-//! spacing of a cosine, in which both sheets pass smoothly through their folds; between neighbours every change of a
-//! test function's sign is then located to [`LOCATION`]. A pair of changes that both fall between two neighbours is
-//! seen in the discriminant, not in the other tests; more nodes resolve them.
+//! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no predictor and no corrector: it is two
+//! sheets over the parameter, joined where the discriminant is zero. Each interval with real roots is sampled at nodes spaced
+//! as a cosine, in which both sheets pass smoothly through their folds. Between neighbouring nodes every change of a
+//! test function's sign (docs/theory.md (81)) is then located to [`LOCATION`]. Two changes between the same two nodes are
+//! noticed in the discriminant and missed in the other tests; more nodes resolve them.
 //!
 //! ```
 //! use vibro_impact::steady::{Bifurcation, continuation::{self, Special}};
@@ -26,7 +26,7 @@ use crate::error::{Error, Result};
 use crate::parameters::{Field, Groups, Parameters};
 use scan::Scan;
 
-/// Special points are located to this much in the parameter, absolutely below 1 and relatively above.
+/// Special points are located to this much in the parameter: absolutely for values below 1, relatively above.
 pub const LOCATION: f64 = 1e-11;
 
 /// Fewest nodes of a scan.
@@ -38,10 +38,10 @@ const FEWEST_NODES: usize = 3;
 pub enum Special {
     /// The discriminant is zero: the two sheets join (a saddle-node of orbits).
     Fold,
-    /// A multiplier or an eigenvalue pair crosses: see [`Bifurcation`]. A pair of the slow flow that crosses the
-    /// imaginary axis counts as [`Bifurcation::NeimarkSacker`], which it is for the motion.
+    /// A multiplier crosses the unit circle, or a pair of eigenvalues of the slow flow the imaginary axis. The latter
+    /// counts as [`Bifurcation::NeimarkSacker`], which it is for the motion.
     Bifurcation(Bifurcation),
-    /// The block touches a stop between its impacts: beyond, the motion is not of this kind.
+    /// The block touches a stop between its impacts. Beyond this point the motion is not of this kind.
     Grazing,
     /// The impact vanishes: p = 0 (or C = 0). The branch ends.
     Vanishing,
@@ -73,9 +73,9 @@ pub struct BranchPoint<P> {
     /// Which root of the quadratic.
     pub sheet: Sheet,
     /// The steady state.
-    pub state: P,
-    /// Whether the piece of branch from here to the next point is stable and admissible; at a curve's last point, the
-    /// piece before.
+    pub solution: P,
+    /// Whether the piece of the branch from here to the next point is stable and admissible; at a curve's last point, the
+    /// piece before it.
     pub stable: bool,
     /// What is special here.
     pub special: Option<Special>,
@@ -105,10 +105,10 @@ impl<P> Branch<P> {
     }
 }
 
-/// What a quadratic must tell to be continued: one value of the parameter, both sheets.
+/// What [`branch`] must know of a quadratic at one value of the parameter, on both sheets.
 pub trait Family: Sized {
     /// A steady state.
-    type State: Copy;
+    type Solution: Copy;
 
     /// Negative without solutions, zero at a fold.
     fn discriminant(&self) -> f64;
@@ -120,20 +120,20 @@ pub trait Family: Sized {
     ///
     /// # Errors
     /// When it cannot be computed.
-    fn state(&self, sheet: Sheet) -> Result<Option<Self::State>>;
+    fn solution(&self, sheet: Sheet) -> Result<Option<Self::Solution>>;
 
     /// Whether it is stable and admissible.
-    fn is_stable(state: &Self::State) -> bool;
+    fn is_stable(solution: &Self::Solution) -> bool;
 
     /// Whether the block keeps clear of the stops between its impacts.
-    fn is_clear(state: &Self::State) -> bool;
+    fn is_clear(solution: &Self::Solution) -> bool;
 
-    /// Functions that are zero at bifurcations, smooth along a sheet.
-    fn tests(state: &Self::State) -> [f64; 3];
+    /// Functions that are zero at bifurcations and smooth along a sheet, docs/theory.md (81).
+    fn tests(solution: &Self::Solution) -> [f64; 3];
 
-    /// Names the bifurcation at a zero of test `index`; `None` when it is no bifurcation (a pole, or a pair of real
-    /// multipliers with product 1).
-    fn confirm(state: &Self::State, index: usize) -> Option<Bifurcation>;
+    /// Names the bifurcation at a zero of test `index`; `None` when the sign changes without one, as at a pole or where two
+    /// real multipliers have the product 1.
+    fn confirm(solution: &Self::Solution, index: usize) -> Option<Bifurcation>;
 }
 
 /// A path that varies one physical parameter.
@@ -192,7 +192,7 @@ pub fn branch<F: Family>(
     family: impl Fn(f64) -> Result<F>,
     range: (f64, f64),
     nodes: usize,
-) -> Result<Branch<F::State>> {
+) -> Result<Branch<F::Solution>> {
     let (from, to) = range;
     if !(from.is_finite() && to.is_finite() && from < to) {
         return Err(Error::Range { name: "continuation parameter", from, to });

@@ -2,12 +2,12 @@
 //!
 //! | module | what it holds | valid for |
 //! |---|---|---|
-//! | [`multiple_scales`] | the paper's sections 3–4 | ε → 0, weak coupling (k23 of order ε²) |
-//! | [`strong_coupling`] | the paper's section 5, in closed form | ε → 0, k23 of order ε |
-//! | [`exact_orbit`] | the exact orbit of the full system | any parameters |
+//! | [`multiple_scales`] | the paper's sections 3–4; docs/theory.md, sections 6 and 7 | ε → 0, weak coupling (k23 of order ε²) |
+//! | [`strong_coupling`] | the paper's section 5 in closed form; docs/theory.md, section 8 | ε → 0, k23 of order ε |
+//! | [`exact_orbit`] | the exact orbit of the full system; docs/theory.md, sections 9 and 10 | any parameters |
 //! | [`continuation`] | branches of any of these in one parameter | – |
 //!
-//! Nothing here calls the simulator: each is the other's oracle.
+//! Nothing here calls the simulator and the simulator calls nothing here, so the tests hold each against the other.
 //!
 //! ```
 //! use vibro_impact::{Groups, Parameters, steady};
@@ -30,23 +30,33 @@ mod tests;
 
 pub use quadratic::{Roots, Sheet};
 
-use crate::error::{Error, Result};
-use crate::parameters::Groups;
+use crate::error::Result;
+use crate::parameters::{GROUPS, Groups, Range};
 use nalgebra::Complex;
-use quadratic::circle_roots;
+use quadratic::Quadratic;
 
 /// Half-width of the angle around ±π/2 within which a complex pair on the unit circle is called a period
 /// doubling, rad. Such a crossing has codimension two, so only a pair this near is told from its neighbours.
 pub const QUARTER_TURN_TOLERANCE: f64 = 1e-6;
 
-/// The three independent tests of an approximate steady state (paper 3.2, model.md section 4).
+/// Penetration of a stop, in units of L, that counts as round-off: a flight is known to a few 1e-15 per Taylor piece.
+const PENETRATION_ROUNDING: f64 = 1e-12;
+
+/// An impedance this much smaller than its terms is zero but for rounding.
+const IMPEDANCE_ROUNDING: f64 = 1e-14;
+
+/// Most QR sweeps for the eigenvalues of a matrix; a handful suffice, and NaN would never end.
+const EIGENVALUE_SWEEPS: usize = 300;
+
+/// The three independent tests of an approximate steady state (paper, section 3.2; docs/theory.md, section 7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Admissibility {
-    /// The block leaves the stop it meets and never passes either: |W| ≤ 1 over the cycle.
+    /// The block leaves the stop it meets and never passes either: |W| ≤ 1 over the cycle, docs/theory.md (48) and (68).
     pub geometric: bool,
-    /// Stable fixed point: all eigenvalues of the slow flow's Jacobian have negative real parts.
+    /// Stable fixed point: all eigenvalues of the slow flow's Jacobian have negative real parts, docs/theory.md (51) and (66).
     pub fixed_point: bool,
-    /// Stable periodic motion: all half-cycle multipliers of impact phase and block speed lie inside the unit circle.
+    /// Stable periodic motion: all half-cycle multipliers of impact phase and block speed lie inside the unit circle,
+    /// docs/theory.md (55) and (67).
     pub periodic_motion: bool,
 }
 
@@ -57,7 +67,7 @@ impl Admissibility {
     }
 }
 
-/// What happens when a multiplier μ of the half-cycle map crosses the unit circle (model.md section 6).
+/// What happens when a multiplier μ of the half-cycle map crosses the unit circle (docs/theory.md, table in section 10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Bifurcation {
@@ -66,7 +76,7 @@ pub enum Bifurcation {
     /// μ = -1: the orbit keeps its period, but its two impacts become unequal.
     SymmetryBreaking,
     /// μ = ±i: the full cycle has the double multiplier -1. A symmetric orbit meets it only where two conditions
-    /// hold at once; its usual way to period doubling leads over [`Self::SymmetryBreaking`].
+    /// hold at once; it usually breaks its symmetry first ([`Self::SymmetryBreaking`]).
     PeriodDoubling,
     /// Another complex pair of modulus one.
     NeimarkSacker,
@@ -86,10 +96,10 @@ impl Bifurcation {
     }
 }
 
-/// An approximate motion at one phase: dimensionless displacements (unit L) and their derivatives with
-/// respect to the phase; multiply these by Ω1 for d/dτ, by ω1 for d/dt.
+/// An approximate steady motion at one phase: dimensionless displacements (unit L) and their derivatives with
+/// respect to the phase; multiply these by Ω1 for d/dτ, by ω1 L for m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct SteadyMotion {
     /// U = X1 + ε X2.
     pub u: f64,
     /// W = X2 - X1, of leading order: |W| = 1 at the impacts.
@@ -104,31 +114,52 @@ pub struct Motion {
     pub dx: [f64; 3],
 }
 
-/// Refuses groups outside the range in which the approximations mean anything.
-fn check_groups(groups: &Groups) -> Result<()> {
-    const ANY: (f64, f64, &str) = (f64::MIN, f64::MAX, "a finite number");
-    const NOT_NEGATIVE: (f64, f64, &str) = (0.0, f64::MAX, "a finite number >= 0");
-    let g = groups;
-    let table = [
-        ("epsilon", g.epsilon, (0.0, 1.0, "0 <= epsilon <= 1")),
-        ("kappa", g.kappa, (0.0, 1.0, "0 <= kappa <= 1")),
-        ("f10", g.f10, ANY),
-        ("sigma1", g.sigma1, ANY),
-        ("gamma1", g.gamma1, NOT_NEGATIVE),
-        ("beta2", g.beta2, NOT_NEGATIVE),
-        ("sigma30", g.sigma30, ANY),
-        ("gamma3", g.gamma3, NOT_NEGATIVE),
-        ("mu13", g.mu13, (f64::MIN_POSITIVE, f64::MAX, "a finite number > 0")),
-    ];
-    for (name, value, (min, max, allowed)) in table {
-        if !(min..=max).contains(&value) {
-            return Err(Error::OutOfRange { name, value, allowed });
+impl SteadyMotion {
+    /// From the leading-order values and slopes of U, X2 and X3, docs/theory.md (29).
+    fn new(epsilon: f64, (u, du): (f64, f64), (x2, dx2): (f64, f64), (x3, dx3): (f64, f64)) -> Self {
+        let (block, box_share) = inverse_mass_factors(epsilon);
+        Self {
+            u,
+            w: x2 - u,
+            x: [u - box_share * x2, block * x2, x3],
+            du,
+            dw: dx2 - du,
+            dx: [du - box_share * dx2, block * dx2, dx3],
         }
+    }
+}
+
+/// 1/(1+ε) and ε/(1+ε) to second order, 1 - ε + ε² and ε - ε²: docs/theory.md (29).
+fn inverse_mass_factors(epsilon: f64) -> (f64, f64) {
+    (1.0 - epsilon + epsilon * epsilon, epsilon - epsilon * epsilon)
+}
+
+/// Refuses groups outside the range in which the approximations mean anything. These are the ranges of [`GROUPS`] with two
+/// exceptions: ε may be zero, which is the limit that the approximations are about, and `alpha23` is not read, since
+/// `beta2` says the same.
+fn check_groups(groups: &Groups) -> Result<()> {
+    for group in GROUPS.iter().filter(|group| group.name != "alpha23") {
+        let range = match group.name {
+            "epsilon" => Range { open_min: false, allowed: "0 <= epsilon <= 1", ..group.range },
+            _ => group.range,
+        };
+        range.check(group.name, (group.get)(groups))?;
     }
     Ok(())
 }
 
-/// Eigenvalues of a real 2 × 2 matrix from its trace and determinant, the larger real part first.
+/// Largest modulus of two multipliers.
+fn spectral_radius([first, second]: [Complex<f64>; 2]) -> f64 {
+    first.norm().max(second.norm())
+}
+
+/// The one of two multipliers with the larger modulus, the first when both are equal.
+fn largest([first, second]: [Complex<f64>; 2]) -> Complex<f64> {
+    if first.norm_sqr() >= second.norm_sqr() { first } else { second }
+}
+
+/// Eigenvalues of a real 2 × 2 matrix from its trace and determinant, the larger real part first. Of two real ones that of
+/// larger modulus is found first, without cancellation, and the other from the determinant.
 fn eigenvalue_pair(trace: f64, determinant: f64) -> [Complex<f64>; 2] {
     let half = 0.5 * trace;
     let discriminant = half * half - determinant;

@@ -1,5 +1,7 @@
 //! The quadratic behind every steady state of this module, its two roots and their names.
 
+use nalgebra::Complex;
+
 /// The two roots of the quadratic behind every steady state of this module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roots<T> {
@@ -33,33 +35,81 @@ pub enum Sheet {
     Upper,
 }
 
-/// Roots of `|αC + α₀|² = f²` in C, from `square = |α|²`, `cross = Re(α ᾱ₀)`, `turn = Im(α ᾱ₀)` and
-/// `constant = |α₀|² - f²`. The discriminant is formed as (|α|f - |turn|)(|α|f + |turn|), which keeps its
-/// digits near the fold. `None` without real roots.
-pub fn circle_roots(square: f64, cross: f64, turn: f64, constant: f64, f: f64) -> Option<Roots<f64>> {
-    let reach = square.sqrt() * f.abs();
-    let discriminant = (reach - turn.abs()) * (reach + turn.abs());
-    if !(discriminant >= 0.0 && square > 0.0) {
-        return None;
+/// The quadratic `|αC + α₀|² = f²` in the real amplitude C: docs/theory.md (43) and (44) for multiple scales, (64) for strong
+/// coupling, and with the impulse p for C (73) and (74) for the exact orbit. `αC + α₀ = f e^{iδ}` gives the phase δ of the drive
+/// at the upper impact besides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Quadratic {
+    /// α, the force per amplitude.
+    pub alpha: Complex<f64>,
+    /// α₀, the force at amplitude zero.
+    pub alpha0: Complex<f64>,
+    /// f, the amplitude of the force; its sign does not matter here.
+    pub force: f64,
+    /// |α₀|² - f². The caller forms it, since it may know f² more directly than by squaring f.
+    pub constant: f64,
+}
+
+impl Quadratic {
+    /// The complex force αC + α₀ that holds the motion at amplitude C.
+    pub fn balance(&self, c: f64) -> Complex<f64> {
+        self.alpha * c + self.alpha0
     }
-    let far = -(cross + discriminant.sqrt().copysign(cross));
-    let first = far / square;
-    let second = if far == 0.0 { 0.0 } else { constant / far };
-    Some(Roots { lower: first.min(second), upper: first.max(second) })
+
+    /// α times the conjugate of α₀.
+    pub fn product(&self) -> Complex<f64> {
+        self.alpha * self.alpha0.conj()
+    }
+
+    /// Coefficients (a, b, c) of a C² + b C + c = 0, docs/theory.md (44).
+    pub fn coefficients(&self) -> (f64, f64, f64) {
+        (self.alpha.norm_sqr(), 2.0 * self.product().re, self.constant)
+    }
+
+    /// b² - 4ac as the product of docs/theory.md (44), which keeps its digits near the fold, where it is zero.
+    pub fn discriminant(&self) -> f64 {
+        let reach = self.alpha.norm() * self.force.abs();
+        let turn = self.product().im.abs();
+        4.0 * (reach - turn) * (reach + turn)
+    }
+
+    /// Both roots; `None` when none is real, or when α is zero.
+    ///
+    /// The root of larger modulus is found without cancellation and the other one from their product. The discriminant is
+    /// formed as a product as in [`discriminant`](Self::discriminant).
+    pub fn roots(&self) -> Option<Roots<f64>> {
+        let (square, Complex { re: cross, im: turn }) = (self.alpha.norm_sqr(), self.product());
+        let reach = square.sqrt() * self.force.abs();
+        let quarter_discriminant = (reach - turn.abs()) * (reach + turn.abs());
+        if !(quarter_discriminant >= 0.0 && square > 0.0) {
+            return None;
+        }
+        let far = -(cross + quarter_discriminant.sqrt().copysign(cross));
+        let first = far / square;
+        let second = if far == 0.0 { 0.0 } else { self.constant / far };
+        Some(Roots { lower: first.min(second), upper: first.max(second) })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Roots of order one after a few roundings, and relatively for the small one.
+    const ROUNDING: f64 = 1e-15;
+
     #[test]
-    fn quadratic_against_its_product_form() {
-        // |αC + α₀|² with α = 1: (C - 1)(C - 1e-9) needs the far root first.
+    fn closed_form_roots_of_very_different_size() {
+        // With α = 1 the quadratic is (C - 1)(C - 1e-9), of which the small root needs the large one first.
         let (x, y) = (1.0_f64, 1e-9_f64);
         let (cross, constant) = (-0.5 * (x + y), x * y);
-        // α = 1, α₀ = cross + i·turn with turn = 0: f² = cross² - constant.
-        let f = (cross * cross - constant).sqrt();
-        let roots = circle_roots(1.0, cross, 0.0, constant, f).unwrap();
-        assert!((roots.upper - x).abs() < 1e-15 && (roots.lower / y - 1.0).abs() < 1e-15);
+        let quadratic = Quadratic {
+            alpha: Complex::new(1.0, 0.0),
+            alpha0: Complex::new(cross, 0.0),
+            force: (cross * cross - constant).sqrt(),
+            constant,
+        };
+        let roots = quadratic.roots().unwrap();
+        assert!((roots.upper - x).abs() < ROUNDING && (roots.lower / y - 1.0).abs() < ROUNDING);
     }
 }

@@ -1,47 +1,37 @@
-//! Strong coupling and comparable masses (paper section 5) in closed form (model.md section 5; past the paper).
+//! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md, section 8; past the paper).
 //!
-//! With β̂² = k23/(m2 ω10²) and μ13 = m1/m3 of order one, the block swings on its spring between the stops: the sawtooth Z
-//! becomes Z*, and X3 moves the block. In phasors (a quantity is Im(z e^{is}), s the phase since the impact at the
-//! upper stop) the impact law gives u = C(-ρ* + i + qξ) - i, and the solvability conditions
-//! f̂ e^{iδ} = αC + α₀, a quadratic in C. At β̂ = 0 this is [`multiple_scales`](super::multiple_scales).
+//! With β² = k23/(m2 ω10²) and μ13 = m1/m3 of order one, the block swings on its spring between the stops: the modified
+//! sawtooth Z*, docs/theory.md (59), takes the place of the sawtooth, and X3 moves the block. In phasors (a quantity is
+//! Im(z e^{is}) with the phase s since the impact at the upper stop) the impact law and the balance of harmonics leave a quadratic in
+//! C, (63) and (64). At β = 0 this is [`multiple_scales`](super::multiple_scales).
 //!
-//! Past model.md, all three tests:
-//! - geometric: W = C Z* + ρ*C sin s - (C-1) cos s keeps to |W| ≤ 1, and νC > 0: the block moves *into* the stop. (For
-//!   1 < β̂ < 2 that means C < 0.)
-//! - fixed point: the slow flow of the phasors is u' = (-iσ̂1 - γ̂1/2)u + (2/π)ν c + f̂/(2i) and
-//!   x3' = (-i(σ̂1 - σ̂30/2 - μ13β̂²(1-q)/2) - γ̂3/2)x3 + ½μ13β̂²c₁ c with c = C e^{-iδ} slaved to u - q x3.
-//! - periodic motion: the half-cycle map of the block between the given U and X3 has determinant κ² and trace
-//!   2κ cos πβ̂ - (1+κ)(X2'' - U'')/W'⁻ · sin(πβ̂)/β̂, at the impact.
+//! All three tests have a closed form or a small matrix:
+//! - geometric: |W| ≤ 1 by (68), and νC > 0, so that the block moves *into* the stop. For 1 < β < 2 that means C < 0.
+//! - fixed point: the eigenvalues of the slow flow of the phasors, (65) and (66).
+//! - periodic motion: the half-cycle map of the block with U and X3 held, (67).
 
-use super::circle_roots;
 use super::multiple_scales::{sawtooth, sawtooth_slope};
-use super::{Admissibility, Bifurcation, Motion, Roots, check_groups, eigenvalue_pair};
+use super::{
+    Admissibility, Bifurcation, EIGENVALUE_SWEEPS, IMPEDANCE_ROUNDING, PENETRATION_ROUNDING, Quadratic,
+    Roots, SteadyMotion, check_groups, eigenvalue_pair, inverse_mass_factors, largest, spectral_radius,
+};
 use crate::error::{Error, Result};
 use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, add_sine, raise_to_maximum, stays_within};
 use crate::parameters::Groups;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Distance of β̂ from a positive integer that is refused: closer than this, C loses more than half its digits.
+/// Distance of β from a positive integer below which a set is refused: closer than this, C loses more than half its digits.
 const INTEGER_DISTANCE: f64 = 1e-7;
 
-/// Below this β̂ the sawtooth Z and Z* differ by less than round-off (β̂²).
+/// Below this β the sawtooth Z and the modified one Z* differ by less than round-off, which is of order β².
 const SAWTOOTH_BETA: f64 = 1e-8;
 
-/// Largest β̂: the approximation takes it as of order one.
+/// Largest β: the approximation takes it as of order one.
 const LARGEST_BETA: f64 = 1e3;
 
-/// Penetration in units of L that counts as round-off.
-const CLEARANCE: f64 = 1e-12;
-
-/// An impedance this much smaller than its terms is zero but for rounding.
-const RESONANCE: f64 = 1e-14;
-
-/// QR sweeps for four eigenvalues; a handful suffice, and NaN would never end.
-const EIGENVALUE_SWEEPS: usize = 300;
-
-/// The modified sawtooth Z*(s) = sin(β̂ (π/2) Z(s))/sin(β̂ π/2) of period 2π and its derivative (after the kink, at a
-/// kink); Z for β̂ = 0. Singular at even β̂ > 0.
+/// The modified sawtooth Z*(s) = sin(β (π/2) Z(s))/sin(β π/2) of period 2π, docs/theory.md (59), and its derivative (at a
+/// kink that after it); the sawtooth Z for β = 0. Singular at even β > 0.
 pub fn modified_sawtooth(beta: f64, s: f64) -> (f64, f64) {
     let (z, slope) = (sawtooth(s), sawtooth_slope(s));
     if beta < SAWTOOTH_BETA {
@@ -57,16 +47,19 @@ pub fn modified_sawtooth(beta: f64, s: f64) -> (f64, f64) {
 pub struct StrongCoupling {
     groups: Groups,
     beta: f64,
+    /// ν, ρ*, q and c₁ of docs/theory.md (60).
     nu: f64,
     rho: f64,
     q: f64,
     c1: f64,
+    /// ξ of docs/theory.md (62): the phasor of X3 per C.
     xi: Complex<f64>,
-    alpha: Complex<f64>,
-    alpha0: Complex<f64>,
+    /// f̂ e^{iδ} = αC + α₀ with the phase δ of the force at the upper impact, docs/theory.md (64).
+    quadratic: Quadratic,
 }
 
-/// One steady state with its three tests. Amplitudes in units of L, phases in rad, eigenvalues in units of τ1.
+/// One steady state with its three tests. Amplitudes in units of L, phases in rad, eigenvalues per unit of the slow time
+/// τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrongPoint {
     /// C, the factor of Z*; negative where ν is.
@@ -77,9 +70,9 @@ pub struct StrongPoint {
     pub a3: f64,
     /// δ, the phase of the force when the block meets the upper stop, in (-π, π].
     pub drive_phase: f64,
-    /// Phasor of U from the upper impact on: U = Im(u e^{is}).
+    /// Phasor y of U since the upper impact, docs/theory.md (63): U = Im(u e^{is}).
     pub u: Complex<f64>,
-    /// Phasor of X3: X3 = Im(x3 e^{is}).
+    /// Phasor y₃ of X3, docs/theory.md (62): X3 = Im(x3 e^{is}).
     pub x3: Complex<f64>,
     /// The three tests.
     pub admissibility: Admissibility,
@@ -102,8 +95,8 @@ impl StrongCoupling {
     /// Prepares the closed form.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] within 1e-7 of β̂ = 1, 2, 3, …
-    /// (the block resonates with a harmonic of its impacts), above β̂ = 1000, and for an undamped X3 at resonance.
+    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] within 1e-7 of β = 1, 2, 3, …
+    /// (the block resonates with a harmonic of its impacts), above β = 1000, and for an undamped X3 at resonance.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
@@ -116,7 +109,7 @@ impl StrongCoupling {
         }
         let (nu, c1) = slopes(beta);
         let rho = nu * (1.0 - g.kappa) / (1.0 + g.kappa);
-        // β̂² - 1 as a product keeps its digits near β̂ = 1.
+        // β² - 1 as a product keeps its digits near β = 1.
         let off = (beta - 1.0) * (beta + 1.0);
         let (q, coupling) = (g.beta2 / off, g.mu13 * g.beta2);
         let impedance = Complex::new(g.sigma30 - 2.0 * g.sigma1 - coupling / off, g.gamma3);
@@ -125,46 +118,49 @@ impl StrongCoupling {
             _ => Complex::new(0.0, coupling * c1) / impedance,
         };
         let terms = g.sigma30.abs() + 2.0 * g.sigma1.abs() + (coupling / off).abs();
-        if coupling > 0.0 && impedance.norm() <= RESONANCE * terms {
+        if coupling > 0.0 && impedance.norm() <= IMPEDANCE_ROUNDING * terms {
             return undefined("gamma3", g.gamma3, "gamma3 > 0 where the secondary oscillator resonates");
         }
         let s = Complex::new(-2.0 * g.sigma1, g.gamma1);
         let per_c = Complex::new(-rho, 1.0) + q * xi;
-        let alpha = s * per_c - Complex::new(0.0, 4.0 / PI * nu);
-        Ok(Self { groups: g, beta, nu, rho, q, c1, xi, alpha, alpha0: Complex::new(s.im, -s.re) })
+        let alpha0 = Complex::new(s.im, -s.re);
+        let quadratic = Quadratic {
+            alpha: s * per_c - Complex::new(0.0, 4.0 / PI * nu),
+            alpha0,
+            force: g.f10,
+            constant: alpha0.norm_sqr() - g.f10 * g.f10,
+        };
+        Ok(Self { groups: g, beta, nu, rho, q, c1, xi, quadratic })
     }
 
-    /// β̂.
+    /// β = √(k23/m2)/ω10.
     pub fn beta(&self) -> f64 {
         self.beta
     }
 
-    /// ν = β̂ cot(β̂π/2): half the jump of Z*' at a kink, negative for 1 < β̂ < 2.
+    /// ν = β cot(βπ/2), docs/theory.md (60): half the jump of Z*' at a kink, negative for 1 < β < 2.
     pub fn nu(&self) -> f64 {
         self.nu
     }
 
-    /// ρ* = ν(1-κ)/(1+κ), ν = β̂ cot(β̂π/2).
+    /// ρ* = ν(1-κ)/(1+κ), docs/theory.md (60).
     pub fn rho(&self) -> f64 {
         self.rho
     }
 
-    /// The slow invariant manifold: |u - q x3| as a function of C, √((C-1)² + ρ*²C²).
+    /// The slow invariant manifold, docs/theory.md (63): |u - q x3| as a function of C, √((C-1)² + ρ*²C²).
     pub fn manifold(&self, c: f64) -> f64 {
         (c - 1.0).hypot(self.rho * c)
     }
 
-    /// Coefficients (a, b, c) of the quadratic a C² + b C + c = 0.
+    /// Coefficients (a, b, c) of the quadratic a C² + b C + c = 0, docs/theory.md (44) and (64).
     pub fn quadratic(&self) -> (f64, f64, f64) {
-        let (f, cross) = (self.groups.f10, (self.alpha * self.alpha0.conj()).re);
-        (self.alpha.norm_sqr(), 2.0 * cross, self.alpha0.norm_sqr() - f * f)
+        self.quadratic.coefficients()
     }
 
     /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative without solutions.
     pub fn discriminant(&self) -> f64 {
-        let reach = self.alpha.norm() * self.groups.f10.abs();
-        let turn = (self.alpha * self.alpha0.conj()).im.abs();
-        4.0 * (reach - turn) * (reach + turn)
+        self.quadratic.discriminant()
     }
 
     /// Both steady states, by C; `None` when the quadratic has no real root.
@@ -172,17 +168,14 @@ impl StrongCoupling {
     /// # Errors
     /// [`Error::NoConvergence`] when the eigenvalues of the slow flow are not found.
     pub fn solutions(&self) -> Result<Option<Roots<StrongPoint>>> {
-        let (a, b, c) = self.quadratic();
-        let turn = (self.alpha * self.alpha0.conj()).im;
-        let Some(roots) = circle_roots(a, 0.5 * b, turn, c, self.groups.f10) else {
-            return Ok(None);
-        };
+        let Some(roots) = self.quadratic.roots() else { return Ok(None) };
         Ok(Some(Roots { lower: self.at(roots.lower)?, upper: self.at(roots.upper)? }))
     }
 
+    /// The steady state at the root C of the quadratic.
     fn at(&self, c: f64) -> Result<StrongPoint> {
         let g = &self.groups;
-        let force = (self.alpha * c + self.alpha0) * if g.f10 < 0.0 { -1.0 } else { 1.0 };
+        let force = self.quadratic.balance(c) * if g.f10 < 0.0 { -1.0 } else { 1.0 };
         let u = c * (Complex::new(-self.rho, 1.0) + self.q * self.xi) - Complex::new(0.0, 1.0);
         let eigenvalues = self.eigenvalues(c)?;
         let multipliers = self.multipliers(c);
@@ -206,25 +199,26 @@ impl StrongCoupling {
         Ok(point)
     }
 
-    /// Jacobian of the slow flow of (Re u, Im u, Re x3, Im x3), in the frame of the impact's phase.
+    /// Jacobian of the slow flow of (Re u, Im u, Re x3, Im x3) in the frame of the impact's phase, docs/theory.md (65) and (66).
     fn jacobian(&self, c: f64) -> Matrix4<f64> {
         let (g, rho, q) = (&self.groups, self.rho, self.q);
         let coupling = g.mu13 * g.beta2;
-        // dc = K d(u - q x3): C and δ follow the impact law.
+        // The matrix P of docs/theory.md (66): C and δ follow the impact law.
         let slope = (1.0 + rho * rho) * c - 1.0;
-        let k = Matrix2::new(rho * c, 1.0 - c, c, rho * c) / -slope;
+        let p = Matrix2::new(rho * c, 1.0 - c, c, rho * c) / -slope;
         let complex = |re: f64, im: f64| Matrix2::new(re, -im, im, re);
         let off = (self.beta - 1.0) * (self.beta + 1.0);
         let own = -(g.sigma1 - 0.5 * g.sigma30 + 0.5 * coupling / off);
         let (drive, swing) = (2.0 / PI * self.nu, 0.5 * coupling * self.c1);
         let mut jacobian = Matrix4::zeros();
-        jacobian.fixed_view_mut::<2, 2>(0, 0).copy_from(&(complex(-0.5 * g.gamma1, -g.sigma1) + k * drive));
-        jacobian.fixed_view_mut::<2, 2>(0, 2).copy_from(&(k * (-q * drive)));
-        jacobian.fixed_view_mut::<2, 2>(2, 0).copy_from(&(k * swing));
-        jacobian.fixed_view_mut::<2, 2>(2, 2).copy_from(&(complex(-0.5 * g.gamma3, own) - k * (q * swing)));
+        jacobian.fixed_view_mut::<2, 2>(0, 0).copy_from(&(complex(-0.5 * g.gamma1, -g.sigma1) + p * drive));
+        jacobian.fixed_view_mut::<2, 2>(0, 2).copy_from(&(p * (-q * drive)));
+        jacobian.fixed_view_mut::<2, 2>(2, 0).copy_from(&(p * swing));
+        jacobian.fixed_view_mut::<2, 2>(2, 2).copy_from(&(complex(-0.5 * g.gamma3, own) - p * (q * swing)));
         jacobian
     }
 
+    /// Eigenvalues of the slow flow at the root C.
     fn eigenvalues(&self, c: f64) -> Result<[Complex<f64>; 4]> {
         let jacobian = self.jacobian(c);
         let lost = Error::NoConvergence { what: "eigenvalues of the slow flow" };
@@ -235,6 +229,7 @@ impl StrongCoupling {
         Ok(schur.complex_eigenvalues().into())
     }
 
+    /// Half-cycle multipliers at the root C, docs/theory.md (67).
     fn multipliers(&self, c: f64) -> [Complex<f64>; 2] {
         let (kappa, beta) = (self.groups.kappa, self.beta);
         let k = 1.0 + kappa;
@@ -247,7 +242,7 @@ impl StrongCoupling {
     }
 }
 
-/// ν = β̂ cot(β̂π/2) and c₁ = (4/π) ν/(1-β̂²), without cancellation at β̂ = 0 and β̂ = 1.
+/// ν = β cot(βπ/2) and c₁ = (4/π) ν/(1-β²), docs/theory.md (60), without cancellation at β = 0 and β = 1.
 fn slopes(beta: f64) -> (f64, f64) {
     let x = beta * FRAC_PI_2;
     if beta == 0.0 {
@@ -264,25 +259,17 @@ fn slopes(beta: f64) -> (f64, f64) {
 
 impl StrongPoint {
     /// U, W, X1, X2, X3 and their derivatives at the phase s (rad) since the impact at the upper stop.
-    pub fn motion(&self, s: f64) -> Motion {
-        let e = self.model.groups.epsilon;
+    pub fn motion(&self, s: f64) -> SteadyMotion {
         let (z, dz) = modified_sawtooth(self.model.beta, s);
         let turn = Complex::cis(s);
         let (u, x3) = (self.u * turn, self.x3 * turn);
-        let (x2, dx2) = (self.c * z + self.model.q * x3.im, self.c * dz + self.model.q * x3.re);
-        let (one, less) = (1.0 - e + e * e, e - e * e);
-        Motion {
-            u: u.im,
-            w: x2 - u.im,
-            x: [u.im - less * x2, one * x2, x3.im],
-            du: u.re,
-            dw: dx2 - u.re,
-            dx: [u.re - less * dx2, one * dx2, x3.re],
-        }
+        // docs/theory.md (61).
+        let block = (self.c * z + self.model.q * x3.im, self.c * dz + self.model.q * x3.re);
+        SteadyMotion::new(self.model.groups.epsilon, (u.im, u.re), block, (x3.im, x3.re))
     }
 
     /// The same at the phase Ω1 τ of the drive (rad): the force is f̂10 sin(Ω1 τ).
-    pub fn motion_at_drive(&self, drive_phase: f64) -> Motion {
+    pub fn motion_at_drive(&self, drive_phase: f64) -> SteadyMotion {
         self.motion(drive_phase - self.drive_phase)
     }
 
@@ -291,7 +278,7 @@ impl StrongPoint {
         let beta = self.model.beta;
         let count = (PI * beta.max(1.0) / RATE_STEP).ceil();
         let h = PI / count;
-        // At most a few thousand pieces, since β̂ ≤ 1000.
+        // These are at most a few thousand pieces, since β ≤ 1000.
         (0..count as u32).map(move |i| {
             let s = f64::from(i) * h;
             let mut p = [0.0; DEGREE + 1];
@@ -308,11 +295,13 @@ impl StrongPoint {
         })
     }
 
+    /// Whether |W| ≤ 1 over the cycle but for round-off, proved by Bernstein bounds: docs/theory.md (68).
     fn is_clear(&self) -> bool {
-        let limit = 1.0 + CLEARANCE;
+        let limit = 1.0 + PENETRATION_ROUNDING;
         self.pieces(self.c, self.model.q * self.x3 - self.u).all(|w| stays_within(&w, -limit, limit))
     }
 
+    /// Largest |C Z* + Im(z e^{is})| over a cycle.
     fn amplitude(&self, c: f64, z: Complex<f64>) -> f64 {
         let mut best = 0.0;
         self.pieces(c, z).for_each(|p| raise_to_maximum(&p, &mut best));
@@ -321,25 +310,23 @@ impl StrongPoint {
 
     /// Amplitude of X1, its largest |value| over a cycle, in units of L: an exact extremum.
     pub fn a1(&self) -> f64 {
-        let e = self.model.groups.epsilon;
-        let less = e - e * e;
-        self.amplitude(-less * self.c, self.u - less * self.model.q * self.x3)
+        let (_, box_share) = inverse_mass_factors(self.model.groups.epsilon);
+        self.amplitude(-box_share * self.c, self.u - box_share * self.model.q * self.x3)
     }
 
     /// Amplitude of X2, its largest |value| over a cycle, in units of L: an exact extremum.
     pub fn a2(&self) -> f64 {
-        let e = self.model.groups.epsilon;
-        (1.0 - e + e * e) * self.amplitude(self.c, self.model.q * self.x3)
+        let (block, _) = inverse_mass_factors(self.model.groups.epsilon);
+        block * self.amplitude(self.c, self.model.q * self.x3)
     }
 
     /// Largest modulus of the half-cycle multipliers.
     pub fn spectral_radius(&self) -> f64 {
-        self.multipliers[0].norm().max(self.multipliers[1].norm())
+        spectral_radius(self.multipliers)
     }
 
     /// The bifurcation that the largest multiplier announces.
     pub fn bifurcation(&self) -> Bifurcation {
-        let [first, second] = self.multipliers;
-        Bifurcation::of(if first.norm_sqr() >= second.norm_sqr() { first } else { second })
+        Bifurcation::of(largest(self.multipliers))
     }
 }

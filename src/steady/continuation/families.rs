@@ -1,4 +1,4 @@
-//! The three quadratics as families: their roots, tests and names of bifurcations.
+//! The three quadratics as families: their roots, their test functions and the names of their bifurcations.
 
 use super::super::exact_orbit::{ExactOrbit, OrbitFamily};
 use super::super::multiple_scales::{FixedPoint, MultipleScales};
@@ -8,16 +8,17 @@ use super::Family;
 use crate::error::Result;
 use nalgebra::Complex;
 
-/// Distance from the unit circle (or, relatively, the imaginary axis) within which a located pair counts as on it. A
-/// location is good to 1e-12, and multipliers near a double one move with the square root of the parameter.
+/// Distance from the unit circle, or relatively from the imaginary axis, within which a located pair counts as on it. A
+/// location is good to 1e-12, and multipliers near a double one move with the square root of the parameter, so by 1e-6.
 const ON_CIRCLE: f64 = 1e-5;
 
-/// Tests of half-cycle multipliers: Π(μ+1) for symmetry breaking, Π(1-μᵢμⱼ) over pairs for a complex pair on
-/// the circle.
+/// t_SB of docs/theory.md (81), Π(1+μ) over the half-cycle multipliers: zero where the symmetry breaks.
 fn breaking(multipliers: &[Complex<f64>]) -> f64 {
     multipliers.iter().map(|m| m + 1.0).product::<Complex<f64>>().re
 }
 
+/// The real part of the product of `factor` over all pairs: with 1-μᵢμⱼ it is t_NS of docs/theory.md (81), zero where a complex
+/// pair is on the unit circle; with λᵢ+λⱼ it is zero where a complex pair of eigenvalues is on the imaginary axis.
 fn pairs(values: &[Complex<f64>], factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>) -> f64 {
     let mut product = Complex::new(1.0, 0.0);
     for (i, &a) in values.iter().enumerate() {
@@ -35,12 +36,13 @@ fn complex_on_circle(multipliers: &[Complex<f64>]) -> Option<Bifurcation> {
     ((nearest.norm() - 1.0).abs() < ON_CIRCLE).then(|| Bifurcation::of(*nearest))
 }
 
+/// Whether a multiplier is the target, 1 or -1; near a double one it moves with the square root of the parameter.
 fn near(multipliers: &[Complex<f64>], target: f64) -> bool {
     multipliers.iter().any(|m| (m - target).norm() < ON_CIRCLE.sqrt())
 }
 
 impl Family for OrbitFamily {
-    type State = ExactOrbit;
+    type Solution = ExactOrbit;
 
     fn discriminant(&self) -> f64 {
         self.discriminant()
@@ -50,26 +52,26 @@ impl Family for OrbitFamily {
         self.impulses().map(|r| r.get(sheet))
     }
 
-    fn state(&self, sheet: Sheet) -> Result<Option<ExactOrbit>> {
+    fn solution(&self, sheet: Sheet) -> Result<Option<ExactOrbit>> {
         self.orbit(sheet)
     }
 
-    fn is_stable(state: &ExactOrbit) -> bool {
-        state.is_stable()
+    fn is_stable(solution: &ExactOrbit) -> bool {
+        solution.is_stable()
     }
 
-    fn is_clear(state: &ExactOrbit) -> bool {
-        state.is_clear()
+    fn is_clear(solution: &ExactOrbit) -> bool {
+        solution.is_clear()
     }
 
     /// A multiplier 1 occurs at the fold alone, so it needs no test.
-    fn tests(state: &ExactOrbit) -> [f64; 3] {
-        let m = state.multipliers();
+    fn tests(solution: &ExactOrbit) -> [f64; 3] {
+        let m = solution.multipliers();
         [breaking(&m), pairs(&m, |a, b| 1.0 - a * b), 1.0]
     }
 
-    fn confirm(state: &ExactOrbit, index: usize) -> Option<Bifurcation> {
-        let m = state.multipliers();
+    fn confirm(solution: &ExactOrbit, index: usize) -> Option<Bifurcation> {
+        let m = solution.multipliers();
         match index {
             0 => near(&m, -1.0).then_some(Bifurcation::SymmetryBreaking),
             _ => complex_on_circle(&m),
@@ -77,12 +79,13 @@ impl Family for OrbitFamily {
     }
 }
 
-/// Tests of an approximation: its two half-cycle multipliers and its four slow eigenvalues.
+/// Test functions of an approximation, from its two half-cycle multipliers and its four slow eigenvalues.
 fn slow_tests(multipliers: &[Complex<f64>; 2], eigenvalues: &[Complex<f64>; 4]) -> [f64; 3] {
     let saddle: Complex<f64> = multipliers.iter().map(|m| 1.0 - m).product();
     [breaking(multipliers), saddle.re, pairs(eigenvalues, |a, b| a + b)]
 }
 
+/// The bifurcation at a zero of one of [`slow_tests`].
 fn slow_confirm(
     multipliers: &[Complex<f64>; 2],
     eigenvalues: &[Complex<f64>; 4],
@@ -97,7 +100,7 @@ fn slow_confirm(
 }
 
 impl Family for MultipleScales {
-    type State = FixedPoint;
+    type Solution = FixedPoint;
 
     fn discriminant(&self) -> f64 {
         self.discriminant()
@@ -107,30 +110,30 @@ impl Family for MultipleScales {
         self.fixed_points().map(|r| r.get(sheet).c)
     }
 
-    fn state(&self, sheet: Sheet) -> Result<Option<FixedPoint>> {
+    fn solution(&self, sheet: Sheet) -> Result<Option<FixedPoint>> {
         Ok(self.fixed_points().map(|r| r.get(sheet)).filter(|p| p.c > 0.0))
     }
 
-    fn is_stable(state: &FixedPoint) -> bool {
-        state.admissibility.all()
+    fn is_stable(solution: &FixedPoint) -> bool {
+        solution.admissibility.all()
     }
 
-    fn is_clear(state: &FixedPoint) -> bool {
-        state.admissibility.geometric
+    fn is_clear(solution: &FixedPoint) -> bool {
+        solution.admissibility.geometric
     }
 
-    fn tests(state: &FixedPoint) -> [f64; 3] {
-        slow_tests(&state.multipliers, &state.eigenvalues)
+    fn tests(solution: &FixedPoint) -> [f64; 3] {
+        slow_tests(&solution.multipliers, &solution.eigenvalues)
     }
 
-    fn confirm(state: &FixedPoint, index: usize) -> Option<Bifurcation> {
-        slow_confirm(&state.multipliers, &state.eigenvalues, index)
+    fn confirm(solution: &FixedPoint, index: usize) -> Option<Bifurcation> {
+        slow_confirm(&solution.multipliers, &solution.eigenvalues, index)
     }
 }
 
 impl StrongCoupling {
-    /// C of a root, negative where the block would move away from the stop it meets; of two such roots the sheets are
-    /// ordered by |C|, so that they do not change places where ν does its sign.
+    /// A sheet's solution with its C, signed so that it is positive where the block moves into the stop it meets (νC > 0). The
+    /// sheets are ordered by that signed C, so that they do not change places where ν changes its sign.
     fn inward(&self, sheet: Sheet) -> Result<Option<(f64, StrongPoint)>> {
         let sign = if self.nu() < 0.0 { -1.0 } else { 1.0 };
         let order = |r: Roots<StrongPoint>| {
@@ -141,7 +144,7 @@ impl StrongCoupling {
 }
 
 impl Family for StrongCoupling {
-    type State = StrongPoint;
+    type Solution = StrongPoint;
 
     fn discriminant(&self) -> f64 {
         self.discriminant()
@@ -151,23 +154,23 @@ impl Family for StrongCoupling {
         self.inward(sheet).ok().flatten().map(|(c, _)| c)
     }
 
-    fn state(&self, sheet: Sheet) -> Result<Option<StrongPoint>> {
+    fn solution(&self, sheet: Sheet) -> Result<Option<StrongPoint>> {
         Ok(self.inward(sheet)?.filter(|(c, _)| *c > 0.0).map(|(_, p)| p))
     }
 
-    fn is_stable(state: &StrongPoint) -> bool {
-        state.admissibility.all()
+    fn is_stable(solution: &StrongPoint) -> bool {
+        solution.admissibility.all()
     }
 
-    fn is_clear(state: &StrongPoint) -> bool {
-        state.admissibility.geometric
+    fn is_clear(solution: &StrongPoint) -> bool {
+        solution.admissibility.geometric
     }
 
-    fn tests(state: &StrongPoint) -> [f64; 3] {
-        slow_tests(&state.multipliers, &state.eigenvalues)
+    fn tests(solution: &StrongPoint) -> [f64; 3] {
+        slow_tests(&solution.multipliers, &solution.eigenvalues)
     }
 
-    fn confirm(state: &StrongPoint, index: usize) -> Option<Bifurcation> {
-        slow_confirm(&state.multipliers, &state.eigenvalues, index)
+    fn confirm(solution: &StrongPoint, index: usize) -> Option<Bifurcation> {
+        slow_confirm(&solution.multipliers, &solution.eigenvalues, index)
     }
 }

@@ -1,4 +1,4 @@
-//! The scan along the parameter: intervals of solutions, nodes, special points, and the joining of sheets.
+//! The scan along the parameter: intervals with real roots, nodes, special points, and the joining of sheets.
 
 use super::super::Sheet;
 use super::{BranchPoint, Curve, Family, LOCATION, Special};
@@ -17,26 +17,27 @@ pub struct Interval {
     fold_to: bool,
 }
 
-/// A stretch of one sheet, then of a curve, in order.
+/// A connected piece of one sheet, and once joined of a curve, its points in order.
 pub type Run<P> = Vec<BranchPoint<P>>;
 
-/// A family along its parameter and how finely to look.
+/// A family over its parameter and the number of nodes per interval.
 pub struct Scan<M> {
     family: M,
     nodes: usize,
 }
 
-/// Width to which a location is pushed.
+/// Width of the interval in which a special point is enclosed before its location counts as found.
 fn width(value: f64) -> f64 {
     0.1 * LOCATION * value.abs().max(1.0)
 }
 
 impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
+    /// A scan of the family that `family` gives at each value of the parameter.
     pub fn new(family: M, nodes: usize) -> Self {
         Self { family, nodes }
     }
 
-    /// The last value on the way from `inside`, where the condition holds, to `outside`, where it does not.
+    /// By bisection, the last value on the way from `inside`, where the condition holds, to `outside`, where it does not.
     fn edge(&self, mut inside: f64, mut outside: f64, holds: impl Fn(&F) -> Result<bool>) -> Result<f64> {
         while (outside - inside).abs() > width(inside) {
             let middle = 0.5 * (inside + outside);
@@ -57,7 +58,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let v = if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
             nodes.push((v, discriminant(v)?));
         }
-        // A dip through zero and back between two nodes shows as an extremum of |discriminant| at a node.
+        // A pair of zeros between two nodes shows as a minimum of |discriminant| at a node.
         let mut hidden = Vec::new();
         for w in nodes.windows(3) {
             let sign = if w[1].1 < 0.0 { -1.0 } else { 1.0 };
@@ -115,22 +116,29 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(if at_low < at_high { low } else { high })
     }
 
+    /// The point of a sheet at a value of the parameter; `None` where the root is not positive.
     fn point(
         &self,
         value: f64,
         sheet: Sheet,
         special: Option<Special>,
-    ) -> Result<Option<BranchPoint<F::State>>> {
-        let state = (self.family)(value)?.state(sheet)?;
-        Ok(state.map(|state| BranchPoint { value, sheet, state, stable: F::is_stable(&state), special }))
+    ) -> Result<Option<BranchPoint<F::Solution>>> {
+        let solution = (self.family)(value)?.solution(sheet)?;
+        Ok(solution.map(|solution| BranchPoint {
+            value,
+            sheet,
+            solution,
+            stable: F::is_stable(&solution),
+            special,
+        }))
     }
 
     /// One sheet over an interval by increasing parameter: runs of steady states, broken where the root is not
     /// positive.
-    pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<Run<F::State>>> {
+    pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<Run<F::Solution>>> {
         let root = |f: &F| f.root(sheet).unwrap_or(f64::NAN) > 0.0;
         let (half, n) = (0.5 * (interval.to - interval.from), self.nodes);
-        let mut runs: Vec<Run<F::State>> = Vec::new();
+        let mut runs: Vec<Run<F::Solution>> = Vec::new();
         let mut before: Option<(f64, bool)> = None;
         for i in 0..=n {
             let value = match i {
@@ -167,30 +175,44 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs)
     }
 
-    /// Appends a point to the last run, with the special points between.
-    fn extend(&self, runs: &mut [Run<F::State>], next: BranchPoint<F::State>) -> Result<()> {
+    /// Appends a point to the last run, with the special points between it and the run's last one.
+    fn extend(&self, runs: &mut [Run<F::Solution>], next: BranchPoint<F::Solution>) -> Result<()> {
         let Some(run) = runs.last_mut() else { return Ok(()) };
         let Some(&last) = run.last() else {
             run.push(next);
             return Ok(());
         };
         if next.value <= last.value {
-            // An edge that coincides with its node: the special one of the two stays.
+            // The edge of the sheet coincides with its node: of the two points the special one stays.
             if last.special.is_none() {
                 run.pop();
                 run.push(next);
             }
             return Ok(());
         }
+        let mut found = self.bifurcations(&last, &next)?;
+        found.extend(self.grazing(&last, &next)?);
+        found.sort_by(|a, b| a.value.total_cmp(&b.value));
+        run.extend(found);
+        run.push(next);
+        Ok(())
+    }
+
+    /// The bifurcations between two neighbours on a sheet, where a test function changes its sign.
+    fn bifurcations(
+        &self,
+        last: &BranchPoint<F::Solution>,
+        next: &BranchPoint<F::Solution>,
+    ) -> Result<Vec<BranchPoint<F::Solution>>> {
         let mut found = Vec::new();
-        let (a, b) = (F::tests(&last.state), F::tests(&next.state));
+        let (a, b) = (F::tests(&last.solution), F::tests(&next.solution));
         for index in 0..a.len() {
             if (a[index] > 0.0) == (b[index] > 0.0) {
                 continue;
             }
             let failure = Cell::new(None);
             let test = |v: f64| match self.point(v, next.sheet, None) {
-                Ok(Some(p)) => F::tests(&p.state)[index],
+                Ok(Some(p)) => F::tests(&p.solution)[index],
                 Ok(None) => f64::NAN,
                 Err(e) => {
                     failure.set(Some(e));
@@ -204,32 +226,39 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let Some(point) = zero.map(|v| self.point(v, next.sheet, None)).transpose()?.flatten() else {
                 continue;
             };
-            if let Some(kind) = F::confirm(&point.state, index) {
+            if let Some(kind) = F::confirm(&point.solution, index) {
                 found.push(BranchPoint { special: Some(Special::Bifurcation(kind)), ..point });
             }
         }
-        let (was, is) = (F::is_clear(&last.state), F::is_clear(&next.state));
-        if was != is {
-            let clear = |f: &F| Ok(f.state(next.sheet)?.is_some_and(|s| F::is_clear(&s)));
-            let (inside, outside) = if was { (last.value, next.value) } else { (next.value, last.value) };
-            let edge = self.edge(inside, outside, clear)?;
-            found.extend(self.point(edge, next.sheet, Some(Special::Grazing))?);
+        Ok(found)
+    }
+
+    /// The point between two neighbours on a sheet at which the block begins to touch a stop between its impacts, if there is
+    /// one.
+    fn grazing(
+        &self,
+        last: &BranchPoint<F::Solution>,
+        next: &BranchPoint<F::Solution>,
+    ) -> Result<Option<BranchPoint<F::Solution>>> {
+        let (was_clear, is_clear) = (F::is_clear(&last.solution), F::is_clear(&next.solution));
+        if was_clear == is_clear {
+            return Ok(None);
         }
-        found.sort_by(|a, b| a.value.total_cmp(&b.value));
-        run.extend(found);
-        run.push(next);
-        Ok(())
+        let clear = |f: &F| Ok(f.solution(next.sheet)?.is_some_and(|s| F::is_clear(&s)));
+        let (inside, outside) = if was_clear { (last.value, next.value) } else { (next.value, last.value) };
+        let edge = self.edge(inside, outside, clear)?;
+        self.point(edge, next.sheet, Some(Special::Grazing))
     }
 
     /// Joins runs end to end at their folds: those of the upper sheet by increasing, of the lower by decreasing parameter.
-    pub fn join(&self, mut runs: Vec<Run<F::State>>) -> Result<Vec<Curve<F::State>>> {
-        let fold = |point: Option<&BranchPoint<F::State>>| {
+    pub fn join(&self, mut runs: Vec<Run<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
+        let fold = |point: Option<&BranchPoint<F::Solution>>| {
             point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
         };
-        let (first, last) = (|r: &Run<F::State>| fold(r.first()), |r: &Run<F::State>| fold(r.last()));
+        let (first, last) = (|r: &Run<F::Solution>| fold(r.first()), |r: &Run<F::Solution>| fold(r.last()));
         let mut i = 0;
         while i < runs.len() {
-            let follows = |(j, run): (usize, &Run<F::State>)| {
+            let follows = |(j, run): (usize, &Run<F::Solution>)| {
                 j != i && last(&runs[i]).is_some() && first(run) == last(&runs[i])
             };
             let Some(j) = runs.iter().enumerate().position(follows) else {
@@ -241,21 +270,21 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             runs[i].extend(tail.into_iter().skip(1));
         }
         runs.iter_mut().try_for_each(|run| self.mark_stability(run))?;
-        let curve = |points: Run<F::State>| {
+        let curve = |points: Run<F::Solution>| {
             let closed = points.len() > 1 && first(&points).is_some() && first(&points) == last(&points);
             Curve { points, closed }
         };
         Ok(runs.into_iter().map(curve).collect())
     }
 
-    /// At a special point, stability is that of the piece that follows, or at the end of the piece before.
-    fn mark_stability(&self, run: &mut Run<F::State>) -> Result<()> {
+    /// Gives each special point the stability of the piece that follows, and the last point that of the piece before it.
+    fn mark_stability(&self, run: &mut Run<F::Solution>) -> Result<()> {
         for i in 0..run.len() {
             if run[i].special.is_none() {
                 continue;
             }
             let Some(other) = run.get(i + 1).or(i.checked_sub(1).and_then(|j| run.get(j))) else { continue };
-            // A fold belongs to both sheets; the neighbour knows on which the piece lies.
+            // A fold belongs to both sheets; its neighbour tells on which one the piece lies.
             let sheet = if run[i].special == Some(Special::Fold) { other.sheet } else { run[i].sheet };
             let middle = 0.5 * (run[i].value + other.value);
             let stable = self.point(middle, sheet, None)?.is_some_and(|p| p.stable);

@@ -1,4 +1,5 @@
-//! The flight between impacts in units of L and of the drive's phase: matrices, Taylor pieces, exact.
+//! The flight between impacts in units of L and of the drive's phase (docs/theory.md, section 9): Taylor pieces, exact to
+//! round-off, and the matrices made from them.
 
 use crate::error::{Error, Result};
 use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
@@ -9,7 +10,8 @@ use std::f64::consts::PI;
 /// A state (x1, x2, x3, v1, v2, v3) in units of L and ω1 L.
 pub type Vector6 = nalgebra::Vector6<f64>;
 
-/// Most Taylor pieces in half a period. A mode this much faster than the drive makes the orbit as sensitive.
+/// Most Taylor pieces in half a period. It bounds the work, and a mode so much faster than the drive that it needs more
+/// would make the orbit as sensitive.
 const MOST_PIECES: u32 = 1 << 16;
 
 /// Largest response, in units of L per unit of impulse or force, that still counts as no resonance: beyond it
@@ -27,35 +29,43 @@ const INVERSE: [f64; DEGREE + 1] = {
     table
 };
 
-/// Coefficients of the flight: x1'' = -k1 x1 - c1 x1' + F sin φ, x2'' = -k2 (x2-x3),
-/// x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), with ' = d/dφ.
+/// Coefficients of the flight, docs/theory.md (69): x1'' = -k1 x1 - c1 x1' + F sin θ, x2'' = -k2 (x2-x3),
+/// x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), where a prime is a derivative with respect to the drive's phase θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
+    /// κ₁ and d₁ of docs/theory.md (69).
     pub k1: f64,
     pub c1: f64,
+    /// κ₂.
     pub k2: f64,
+    /// κ₃, d₃ and κ₃₂.
     pub k3: f64,
     pub c3: f64,
     pub k32: f64,
+    /// F.
     pub force: f64,
+    /// ε = m2/m1.
     pub epsilon: f64,
+    /// Restitution coefficient.
     pub kappa: f64,
     /// Taylor pieces in half a period, a power of two.
     pub pieces: u32,
 }
 
-/// The flight over half a period and its answer to the alternating unit impulses.
+/// The flight over half a period and its periodic answer to alternating unit impulses, docs/theory.md (72).
 #[derive(Clone, Copy, Debug)]
 pub struct HalfPeriod {
-    /// exp(Aπ) of the box (x1, v1).
+    /// M = exp(πA) of the box (x1, v1).
     pub one: Matrix2<f64>,
-    /// exp(Aπ) of block and secondary oscillator (x2, x3, v2, v3).
+    /// M of block and secondary oscillator (x2, x3, v2, v3).
     pub pair: Matrix4<f64>,
-    /// G⁺ = (I+Φ)⁻¹ g.
+    /// G⁺ = (I+M)⁻¹ g.
     pub after: Vector6,
 }
 
 impl Flight {
+    /// The flight of a parameter set.
+    ///
     /// # Errors
     /// As [`Parameters::validate`]; [`Error::Undefined`] without drive frequency; [`Error::PrecisionLost`] when a
     /// mode is more than about 15,000 times faster than the drive.
@@ -83,7 +93,7 @@ impl Flight {
             kappa: p.stop_restitution,
             pieces: 1,
         };
-        // Norms of A with velocities scaled by the root of the stiffness; the drive itself has rate 1.
+        // Bounds on the norm of A with velocities scaled by the root of the stiffness; the drive itself has the rate 1.
         let box_rate = flight.k1.sqrt() + flight.c1;
         let pair_rate = (flight.k2 + flight.k3 + flight.k32).sqrt() + flight.c3;
         let rate = box_rate.max(pair_rate).max(1.0);
@@ -107,8 +117,8 @@ impl Flight {
         PI / f64::from(self.pieces)
     }
 
-    /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state at `phase`, with the
-    /// force `force` sin φ.
+    /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state `s` at `phase`, with the
+    /// force `force` sin θ. The coefficients follow order by order from the equations of motion, as in docs/theory.md (8).
     pub fn piece(&self, s: &Vector6, phase: f64, h: f64, force: f64) -> [Polynomial; 3] {
         let (sin, cos) = if force == 0.0 { (0.0, 0.0) } else { phase.sin_cos() };
         let h2 = h * h;
@@ -137,7 +147,7 @@ impl Flight {
         Vector6::new(x1, x2, x3, v1 / h, v2 / h, v3 / h)
     }
 
-    /// exp(Aπ) and the periodic answer to unit impulses of alternating sign.
+    /// M = exp(πA) and the periodic answer to unit impulses of alternating sign, docs/theory.md (72).
     ///
     /// # Errors
     /// [`Error::Undefined`] when an undamped mode oscillates an odd number of times per drive period.
@@ -149,7 +159,7 @@ impl Flight {
             j.into_iter().for_each(|j| s[j] = 1.0);
             Self::state(&self.piece(&s, 0.0, h, 0.0), 1.0, h)
         };
-        // Box and the other two do not feel each other in flight: their columns travel together.
+        // In flight the box and the other two do not act on each other, so two columns come from one piece.
         let columns = [free(0, Some(1)), free(2, None), free(3, Some(4)), free(5, None)];
         let mut one = Matrix2::new(columns[0][0], columns[2][0], columns[0][3], columns[2][3]);
         let mut pair = Matrix4::from_fn(|row, column| columns[column][[1, 2, 4, 5][row]]);
@@ -173,7 +183,7 @@ impl Flight {
         }
     }
 
-    /// Amplitude and phase H of the box under the force alone: x1 = Im(H e^{iφ}). The other two rest.
+    /// H of docs/theory.md (71), amplitude and phase of the box under the force alone: x1 = Im(H e^{iθ}). The other two rest.
     ///
     /// # Errors
     /// [`Error::Undefined`] for the undamped box at resonance.
@@ -191,7 +201,7 @@ impl Flight {
         })
     }
 
-    /// Accelerations at a state under the force `force` sin φ of value `force`.
+    /// Accelerations of the free bodies at a state where the drive's force has the value `force`.
     fn accelerations(&self, s: &Vector6, force: f64) -> [f64; 3] {
         let stretch = s[1] - s[2];
         [
@@ -201,8 +211,9 @@ impl Flight {
         ]
     }
 
-    /// The half-cycle map -SΦ of perturbations just after an impact, with the saltation matrix
-    /// S = J + (f⁺ - J f⁻) nᵀ/(n·f⁻) of an impact at the upper stop.
+    /// The half-cycle map D_h = -S M of deviations from just after one impact to just after the next, docs/theory.md (79), with
+    /// the saltation matrix S of an impact at the upper stop, (78). `before` and `after` are the states at the impact and
+    /// `force` is the value of the drive's force there.
     pub fn half_map(
         &self,
         half: &HalfPeriod,
@@ -210,7 +221,7 @@ impl Flight {
         after: &Vector6,
         force: f64,
     ) -> SMatrix<f64, 6, 6> {
-        // Impact: w'⁺ = -κ w'⁻ with momentum conserved changes v1 by share1 w'⁻ and v2 by -share2 w'⁻.
+        // The impact law, docs/theory.md (27), changes v1 by share1 w'⁻ and v2 by -share2 w'⁻.
         let k = (1.0 + self.kappa) / (1.0 + self.epsilon);
         let (share1, share2) = (k * self.epsilon, k);
         let [a1, a2, a3] = self.accelerations(before, force);
@@ -226,21 +237,21 @@ impl Flight {
             b3 - a3,
         ]
         .map(|x| x / speed);
-        let mut phi = SMatrix::<f64, 6, 6>::zeros();
+        let mut free = SMatrix::<f64, 6, 6>::zeros();
         for (i, &row) in [0, 3].iter().enumerate() {
             for (j, &column) in [0, 3].iter().enumerate() {
-                phi[(row, column)] = half.one[(i, j)];
+                free[(row, column)] = half.one[(i, j)];
             }
         }
         for (i, &row) in [1, 2, 4, 5].iter().enumerate() {
             for (j, &column) in [1, 2, 4, 5].iter().enumerate() {
-                phi[(row, column)] = half.pair[(i, j)];
+                free[(row, column)] = half.pair[(i, j)];
             }
         }
-        let mut map = -phi;
+        let mut map = -free;
         for column in 0..6 {
-            let w = phi[(1, column)] - phi[(0, column)];
-            let dw = phi[(4, column)] - phi[(3, column)];
+            let w = free[(1, column)] - free[(0, column)];
+            let dw = free[(4, column)] - free[(3, column)];
             for row in 0..6 {
                 map[(row, column)] -= kick[row] * w;
             }

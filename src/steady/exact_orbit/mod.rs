@@ -1,17 +1,16 @@
-//! The exact symmetric orbit with two impacts per period, at any mass ratio (model.md section 6; past the paper).
+//! The exact symmetric orbit with two impacts per period, at any mass ratio (docs/theory.md, sections 9 and 10; past the paper).
 //!
 //! Such an orbit repeats itself with the opposite sign after half a period: s(t + π/ω1) = -s(t). Its impulsive part
-//! starts from p G⁺, G⁺ = (I+Φ)⁻¹ g with Φ = exp(Aπ/ω1) and g the velocities of a unit impulse; the force adds
-//! H sin. The impact law then leaves a quadratic in the impulse p, and the phase δ of the force at the impact. There
-//! is no small parameter and no truncation but that of double precision.
+//! starts from p G⁺, where G⁺ is the periodic answer to alternating unit impulses, docs/theory.md (72); the force adds the
+//! harmonic response H, (71). The impact law then leaves a quadratic in the impulse p, (74), and the phase δ of the force at the
+//! impact, (75). There is no small parameter and no truncation but that of double precision.
 
 mod flight;
 mod orbit;
 
 pub use orbit::ExactOrbit;
 
-use super::circle_roots;
-use super::{Roots, Sheet};
+use super::{Quadratic, Roots, Sheet};
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
 use flight::{Flight, HalfPeriod};
@@ -23,11 +22,12 @@ pub struct OrbitFamily {
     parameters: Parameters,
     flight: Flight,
     half: HalfPeriod,
-    /// w = Im(response e^{i(θ)}) of the force alone: -H of the box.
+    /// H_w of docs/theory.md (71): the gap under the force alone is w = Im(response e^{iθ}).
     response: Complex<f64>,
-    /// w and (w'⁺ + κ w'⁻)/(1+κ) at the impact per unit of impulse: Gw and R.
-    reach: f64,
-    rate: f64,
+    /// G_w of docs/theory.md (73): the gap at the impact per unit of impulse.
+    gap_answer: f64,
+    /// R of docs/theory.md (73): (w'⁺ + κ w'⁻)/(1+κ) at the impact per unit of impulse.
+    rate_answer: f64,
 }
 
 /// Both orbits of a parameter set, by their impulse p; a root with p ≤ 0 is no orbit and `None`.
@@ -52,34 +52,36 @@ impl OrbitFamily {
         let kappa = flight.kappa;
         let g = half.after;
         let after = g[4] - g[3];
-        // G⁻ = G⁺ - g, and g turns w' by -(1+ε).
+        // G⁻ = G⁺ - g, and g changes w' by -(1+ε).
         let before = after + 1.0 + flight.epsilon;
-        let (reach, rate) = (g[1] - g[0], (after + kappa * before) / (1.0 + kappa));
-        Ok(Self { parameters: *parameters, flight, half, response, reach, rate })
+        let (gap_answer, rate_answer) = (g[1] - g[0], (after + kappa * before) / (1.0 + kappa));
+        Ok(Self { parameters: *parameters, flight, half, response, gap_answer, rate_answer })
     }
 
-    /// Coefficients of a p² + b p + c = 0 for the impulse p in units of m2 ω1 L.
+    /// Coefficients (a, b, c) of a p² + b p + c = 0 for the impulse p in units of m2 ω1 L, docs/theory.md (74).
     pub fn quadratic(&self) -> (f64, f64, f64) {
-        let square = self.reach * self.reach + self.rate * self.rate;
-        (square, -2.0 * self.reach, 1.0 - self.response.norm_sqr())
+        self.circle().coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative without solutions.
+    /// Discriminant b² - 4ac of the quadratic, docs/theory.md (76): zero at the fold, negative without solutions.
     pub fn discriminant(&self) -> f64 {
-        let reach = self.reach.hypot(self.rate) * self.response.norm();
-        4.0 * (reach - self.rate.abs()) * (reach + self.rate.abs())
+        self.circle().discriminant()
     }
 
     /// The impulses of both roots in N·s, of either sign; `None` when the quadratic has no real root.
     pub fn impulses(&self) -> Option<Roots<f64>> {
         let unit = self.unit_of_impulse();
-        self.roots().map(|r| Roots { lower: unit * r.lower, upper: unit * r.upper })
+        self.circle().roots().map(|r| Roots { lower: unit * r.lower, upper: unit * r.upper })
     }
 
-    fn roots(&self) -> Option<Roots<f64>> {
-        // |p G - i|² = |Hw|² with G = rate + i reach.
-        let (square, twice, constant) = self.quadratic();
-        circle_roots(square, 0.5 * twice, self.rate, constant, self.response.norm())
+    /// docs/theory.md (73) as `|p (R + i G_w) - i|² = |H_w|²`.
+    fn circle(&self) -> Quadratic {
+        Quadratic {
+            alpha: Complex::new(self.rate_answer, self.gap_answer),
+            alpha0: Complex::new(0.0, -1.0),
+            force: self.response.norm(),
+            constant: 1.0 - self.response.norm_sqr(),
+        }
     }
 
     fn unit_of_impulse(&self) -> f64 {
@@ -100,19 +102,19 @@ impl OrbitFamily {
     /// # Errors
     /// [`Error::NoConvergence`] when the eigenvalues of the half-cycle map are not found.
     pub fn orbit(&self, sheet: Sheet) -> Result<Option<ExactOrbit>> {
-        let Some(p) = self.roots().map(|r| r.get(sheet)).filter(|&p| p > 0.0) else {
+        let Some(p) = self.circle().roots().map(|r| r.get(sheet)).filter(|&p| p > 0.0) else {
             return Ok(None);
         };
-        // Hw e^{iδ} = Q + iP
-        let turn = Complex::new(-p * self.rate, 1.0 - p * self.reach) / self.response;
+        // e^{iδ} of docs/theory.md (73).
+        let turn = Complex::new(-p * self.rate_answer, 1.0 - p * self.gap_answer) / self.response;
         if !turn.norm().is_finite() {
-            return Ok(None); // no force, no phase
+            return Ok(None); // Without force there is no phase.
         }
         ExactOrbit::new(self, sheet, p, turn.arg()).map(Some)
     }
 }
 
-/// Names the parameter that would have to change when eigenvalues fail.
+/// The error when the QR sweeps for the half-cycle map do not end.
 fn no_eigenvalues() -> Error {
     Error::NoConvergence { what: "eigenvalues of the half-cycle map" }
 }

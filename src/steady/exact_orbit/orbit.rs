@@ -1,6 +1,6 @@
 //! One exact orbit: its states, its clearance from the stops, its amplitudes and its multipliers.
 
-use super::super::{Bifurcation, Sheet};
+use super::super::{Bifurcation, EIGENVALUE_SWEEPS, PENETRATION_ROUNDING, Sheet};
 use super::flight::{Flight, Vector6};
 use super::{OrbitFamily, no_eigenvalues};
 use crate::error::Result;
@@ -10,14 +10,8 @@ use crate::state::State;
 use nalgebra::{Complex, SMatrix};
 use std::f64::consts::{PI, TAU};
 
-/// Penetration in units of L that counts as round-off: the flight is known to a few 1e-15 per piece.
-const CLEARANCE: f64 = 1e-12;
-
 /// Relative rounding of a difference of phases that still counts as none.
 const PHASE_ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// QR sweeps for six eigenvalues; a handful suffice, and NaN would never end.
-const EIGENVALUE_SWEEPS: usize = 300;
 
 /// Deflation threshold of the QR sweeps.
 const EIGENVALUE_PRECISION: f64 = f64::EPSILON;
@@ -28,8 +22,11 @@ pub struct ExactOrbit {
     parameters: Parameters,
     flight: Flight,
     sheet: Sheet,
+    /// p in units of m2 ω1 L.
     impulse: f64,
+    /// δ in [0, 2π).
     phase: f64,
+    /// σ⁻ and σ⁺ of docs/theory.md (77), the states just before and after the upper impact.
     before: Vector6,
     after: Vector6,
     clear: bool,
@@ -37,7 +34,7 @@ pub struct ExactOrbit {
 }
 
 impl ExactOrbit {
-    /// The orbit with impulse p (units of m2 ω1 L) and phase δ of the force at the upper impact.
+    /// The orbit with impulse p (units of m2 ω1 L) and phase δ of the force at the upper impact, docs/theory.md (77).
     pub(super) fn new(family: &OrbitFamily, sheet: Sheet, p: f64, phase: f64) -> Result<Self> {
         let flight = family.flight;
         let forced = -family.response * Complex::cis(phase);
@@ -61,7 +58,7 @@ impl ExactOrbit {
         };
         orbit.clear = orbit.pieces().all(|x| {
             let w: Polynomial = std::array::from_fn(|k| x[1][k] - x[0][k]);
-            stays_within(&w, -1.0 - CLEARANCE, 1.0 + CLEARANCE)
+            stays_within(&w, -1.0 - PENETRATION_ROUNDING, 1.0 + PENETRATION_ROUNDING)
         });
         Ok(orbit)
     }
@@ -111,7 +108,7 @@ impl ExactOrbit {
     /// The state at phase θ (rad) of the drive F10 sin θ; just after the impact at an impact. On the orbit,
     /// θ = ω1 t + [`Parameters::drive_phase`].
     pub fn state(&self, theta: f64) -> State {
-        // A phase that is an impact's but for rounding counts as the impact's.
+        // A phase that is that of an impact but for rounding counts as the impact's, and the state is the one after it.
         let rounding = PHASE_ROUNDING * (theta.abs() + TAU);
         let since = (theta - self.phase + rounding).rem_euclid(TAU);
         let (since, sign) = if since < PI { (since, 1.0) } else { (since - PI, -1.0) };
@@ -128,6 +125,7 @@ impl ExactOrbit {
         self.state(self.parameters.drive_phase)
     }
 
+    /// A state in units of L and ω1 L in SI units.
     fn si(&self, s: &Vector6) -> State {
         let length = self.parameters.stop_gap;
         let speed = length * self.parameters.drive_frequency;
@@ -135,7 +133,7 @@ impl ExactOrbit {
     }
 
     /// Whether |w| ≤ L between the impacts, to 1e-12 L: proved by Bernstein bounds of the Taylor pieces over half a
-    /// period; the other half is its mirror image. An orbit that fails is none of the real system.
+    /// period; the other half is its mirror image. A root that fails is no orbit of the system, which meets a stop earlier.
     pub fn is_clear(&self) -> bool {
         self.clear
     }
@@ -159,7 +157,8 @@ impl ExactOrbit {
         self.parameters.stop_gap * best
     }
 
-    /// The six multipliers of the half-cycle map, largest modulus first. Those of the full period are their squares.
+    /// The six multipliers of the half-cycle map, docs/theory.md (79), largest modulus first. Those of the full period are
+    /// their squares.
     pub fn multipliers(&self) -> [Complex<f64>; 6] {
         self.multipliers
     }

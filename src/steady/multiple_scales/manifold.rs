@@ -1,4 +1,5 @@
-//! The slow invariant manifold: which U and W of the sawtooth form meet the impact law at all.
+//! The slow invariant manifold: which U and W of the sawtooth form meet the impact law at all (paper, section 3.1;
+//! docs/theory.md, section 6), and how far they are admissible (section 7).
 
 use crate::error::{Error, Result};
 use crate::numerics::roots::brent;
@@ -7,10 +8,10 @@ use std::f64::consts::{PI, TAU};
 /// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.235.
 const C_GMAX_BRACKET: f64 = 10.0;
 
-/// C_Gmax is found to this much; the fixed-point test itself does not use it.
+/// C_Gmax is found to this much; the geometric test itself does not use it.
 const C_GMAX_TOLERANCE: f64 = 1e-14;
 
-/// The sawtooth function Z(s) = (2/π) asin(cos s) (15): 1 at s = 0, falling linearly to -1 at π, of period 2π.
+/// The sawtooth Z(s) = (2/π) asin(cos s), docs/theory.md (31): 1 at s = 0, falling linearly to -1 at π, of period 2π.
 pub fn sawtooth(s: f64) -> f64 {
     let s = s.rem_euclid(TAU);
     if s <= PI { 1.0 - 2.0 * s / PI } else { 2.0 * s / PI - 3.0 }
@@ -21,7 +22,7 @@ pub fn sawtooth_slope(s: f64) -> f64 {
     if s.rem_euclid(TAU) < PI { -2.0 / PI } else { 2.0 / PI }
 }
 
-/// The two branches of the manifold over B, met at C_min (32).
+/// The two branches of the manifold over B, docs/theory.md (37), which meet at C_min.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// C < C_min.
@@ -30,7 +31,7 @@ pub enum Branch {
     Right,
 }
 
-/// The slow invariant manifold B² = (C-1)² + ρ² C² (19) of a restitution coefficient κ. All quantities have unit 1
+/// The slow invariant manifold B² = (C-1)² + ρ² C², docs/theory.md (35), of a restitution coefficient κ. All quantities have unit 1
 /// (amplitudes in units of L).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
@@ -55,27 +56,27 @@ impl Manifold {
         self.kappa
     }
 
-    /// ρ = (2/π)(1-κ)/(1+κ).
+    /// ρ = (2/π)(1-κ)/(1+κ), docs/theory.md (34).
     pub fn rho(&self) -> f64 {
         self.rho
     }
 
-    /// C at the manifold's minimum, 1/(1+ρ²) (21).
+    /// C at the manifold's minimum, 1/(1+ρ²): docs/theory.md (36).
     pub fn c_min(&self) -> f64 {
         1.0 / (1.0 + self.rho * self.rho)
     }
 
-    /// The least B, ρ/√(1+ρ²) (21).
+    /// The least B, ρ/√(1+ρ²): docs/theory.md (36).
     pub fn b_min(&self) -> f64 {
         self.rho / (1.0 + self.rho * self.rho).sqrt()
     }
 
-    /// B(C) (19).
+    /// B as a function of C, docs/theory.md (35).
     pub fn b(&self, c: f64) -> f64 {
         (c - 1.0).hypot(self.rho * c)
     }
 
-    /// C on a branch over B (32); `None` for B < B_min.
+    /// C on a branch over B, docs/theory.md (37); `None` for B < B_min.
     pub fn c(&self, branch: Branch, b: f64) -> Option<f64> {
         let square = 1.0 + self.rho * self.rho;
         let root = (square * b * b - self.rho * self.rho).sqrt();
@@ -91,22 +92,22 @@ impl Manifold {
         if c < self.c_min() { Branch::Left } else { Branch::Right }
     }
 
-    /// Phase Φ of the impact after the zero of U: B sin Φ = C - 1, B cos Φ = -ρ C (20); in (-π, π].
+    /// Phase Φ of the impact after the zero of U, B sin Φ = C - 1 and B cos Φ = -ρ C: docs/theory.md (34); in (-π, π].
     pub fn impact_phase(&self, c: f64) -> f64 {
         (c - 1.0).atan2(-self.rho * c)
     }
 
-    /// dB/dC · B = (1+ρ²) C - 1: zero at C_min, negative on the left branch.
+    /// m = B dB/dC = (1+ρ²) C - 1, docs/theory.md (38): zero at C_min, negative on the left branch.
     pub(super) fn slope(&self, c: f64) -> f64 {
         (1.0 + self.rho * self.rho) * c - 1.0
     }
 
-    /// W a phase s ∈ [0, π] after the impact at the upper stop.
+    /// The gap W at a phase s ∈ [0, π] after the impact at the upper stop, docs/theory.md (39).
     pub fn w(&self, c: f64, s: f64) -> f64 {
         c * sawtooth(s) - (c - 1.0) * s.cos() + self.rho * c * s.sin()
     }
 
-    /// Largest |W| over the cycle, for C > 0 (paper 3.2).
+    /// Largest |W| over the cycle, for C > 0: docs/theory.md (48).
     ///
     /// W(s) + W(π-s) = 2ρC sin s ≥ 0 makes the maximum the larger of the two extrema. For C ≤ 1, or B ≤ 2C/π, W
     /// falls all the way from 1 to -1.
@@ -121,14 +122,14 @@ impl Manifold {
         (c * (1.0 - 2.0 * s / PI) + b * (1.0 - q * q).sqrt()).max(1.0)
     }
 
-    /// Whether a motion of amplitude C keeps to |W| ≤ 1 and meets the stops from inside: the geometric test.
+    /// The geometric test: whether a motion of amplitude C keeps to |W| ≤ 1 and meets the stops from inside.
     pub fn is_geometric(&self, c: f64) -> bool {
         c > 0.0 && self.w_max(c) <= 1.0
     }
 
     /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07 at κ = 0.75.
     ///
-    /// W = C h(s) + cos s, so at W = 1 it rises with C: there is one such C.
+    /// At W = 1 the gap rises with C, so there is one such C; the search starts at docs/theory.md (49).
     pub fn c_gmax(&self) -> f64 {
         let excess = |c: f64| {
             let b = self.b(c);
@@ -144,18 +145,18 @@ impl Manifold {
         brent(excess, turning, C_GMAX_BRACKET, C_GMAX_TOLERANCE).unwrap_or(turning)
     }
 
-    /// C at which the half-cycle multiplier of the periodic motion is +1 (saddle-node): C_min.
+    /// C at which a half-cycle multiplier of the periodic motion is +1 (saddle-node), docs/theory.md (56): C_min.
     pub fn c_smin(&self) -> f64 {
         self.c_min()
     }
 
-    /// C at which that multiplier is -1 (symmetry breaking): π²/(π²-4) for every κ.
+    /// C at which a half-cycle multiplier is -1 (symmetry breaking), docs/theory.md (56): π²/(π²-4) for every κ.
     pub fn c_smax(&self) -> f64 {
         PI * PI / (PI * PI - 4.0)
     }
 
-    /// The matrix D of the half-cycle map of perturbations of impact phase and block speed (model.md section 4,
-    /// the paper's 3.3 to leading order in ε), U held. Rows: phase, speed.
+    /// The matrix D of the half-cycle map of perturbations of impact phase and block speed with U held, docs/theory.md (53); the
+    /// paper's section 3.3 to leading order in ε. The first row is the phase, the second the speed.
     ///
     /// # Errors
     /// [`Error::Undefined`] at C = 0, where the block does not move.
@@ -173,7 +174,7 @@ impl Manifold {
         Ok([[self.kappa, -b], [k * (c - 1.0) * self.kappa, self.kappa - k * (c - 1.0) * b]])
     }
 
-    /// Trace of D, 2κ - (1+κ)²(π²/4)(C-1)/C; its determinant is κ².
+    /// Trace of D, 2κ - (1+κ)²(π²/4)(C-1)/C, docs/theory.md (54); its determinant is κ².
     pub(super) fn transition_trace(&self, c: f64) -> f64 {
         let k = 1.0 + self.kappa;
         2.0 * self.kappa - k * k * (PI * PI / 4.0) * (c - 1.0) / c
@@ -186,27 +187,29 @@ mod tests {
 
     /// Closed forms, a few roundings.
     const ROUNDING: f64 = 1e-14;
-    /// model.md gives these with so many digits.
+    /// Half a unit of the last digit printed.
     const GOLDEN_RHO: f64 = 5e-7;
     const GOLDEN_C_MIN: f64 = 5e-6;
+    const GOLDEN_C_SMAX: f64 = 5e-5;
     const GOLDEN_C_MAX: f64 = 5e-3;
+    const GOLDEN_C_ELASTIC: f64 = 1e-8;
     /// Dense sampling misses a maximum by the square of its step.
     const SAMPLING: f64 = 1e-6;
 
     #[test]
-    fn golden_values_of_model_md() {
+    fn golden_manifold_values() {
         assert!((Manifold::new(0.0).unwrap().rho() - 2.0 / PI).abs() < ROUNDING);
         assert_eq!(Manifold::new(1.0).unwrap().rho(), 0.0);
         let manifold = Manifold::new(0.75).unwrap();
         assert!((manifold.rho() - 0.090946).abs() < GOLDEN_RHO);
         assert!((manifold.c_min() - 0.99180).abs() < GOLDEN_C_MIN);
-        assert!((manifold.c_smax() - 1.6815).abs() < 5e-5);
+        assert!((manifold.c_smax() - 1.6815).abs() < GOLDEN_C_SMAX);
         assert!((manifold.c_gmax() - 6.07).abs() < GOLDEN_C_MAX);
         assert!((manifold.b(manifold.c_gmax()) - 5.10).abs() < GOLDEN_C_MAX);
     }
 
     #[test]
-    fn branches_invert_the_manifold() {
+    fn closed_form_branches_invert_the_manifold() {
         for kappa in [0.0, 0.3, 0.75, 1.0] {
             let manifold = Manifold::new(kappa).unwrap();
             for c in [-0.5, 0.1, 0.6, 1.1, 2.0, 5.0] {
@@ -219,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn geometric_limit_against_sampling() {
+    fn second_method_geometric_limit_by_sampling() {
         for kappa in [0.05, 0.3, 0.75, 1.0] {
             let manifold = Manifold::new(kappa).unwrap();
             let limit = manifold.c_gmax();
@@ -231,14 +234,14 @@ mod tests {
             }
         }
         // κ = 1 by minimising (1 - cos s)/(1 - 2s/π - cos s) on a grid, which is the same limit.
-        assert!((Manifold::new(1.0).unwrap().c_gmax() - 8.235007738).abs() < 1e-8);
+        assert!((Manifold::new(1.0).unwrap().c_gmax() - 8.235007738).abs() < GOLDEN_C_ELASTIC);
         let plastic = Manifold::new(0.0).unwrap();
         assert_eq!(plastic.c_gmax(), 1.0);
         assert!(plastic.is_geometric(0.9999) && !plastic.is_geometric(1.001));
     }
 
     #[test]
-    fn impact_law_holds_on_the_manifold() {
+    fn invariant_impact_law_on_the_manifold() {
         let manifold = Manifold::new(0.6).unwrap();
         for c in [0.4, 1.2, 3.0] {
             let (b, phase) = (manifold.b(c), manifold.impact_phase(c));
@@ -249,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn multipliers_meet_the_unit_circle_at_the_limits() {
+    fn closed_form_of_the_limits_of_periodic_motion() {
         for kappa in [0.0, 0.4, 0.75, 0.95] {
             let manifold = Manifold::new(kappa).unwrap();
             for (c, multiplier) in [(manifold.c_smin(), 1.0), (manifold.c_smax(), -1.0)] {
@@ -260,11 +263,8 @@ mod tests {
                 assert!((1.0 - multiplier * trace + determinant).abs() < ROUNDING);
             }
         }
-        assert!(manifold_error(0.0));
-    }
-
-    fn manifold_error(c: f64) -> bool {
-        matches!(Manifold::new(0.5).unwrap().transition(c), Err(Error::Undefined { name: "C", .. }))
+        let resting = Manifold::new(0.5).unwrap().transition(0.0);
+        assert!(matches!(resting, Err(Error::Undefined { name: "C", .. })));
     }
 
     #[test]

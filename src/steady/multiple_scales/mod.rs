@@ -1,12 +1,11 @@
-//! Multiple scales with the sawtooth function (paper sections 3–4, model.md section 4).
+//! Multiple scales with the sawtooth function (paper, sections 3 and 4; docs/theory.md, sections 6 and 7).
 //!
 //! With η = Ω1 τ - ψ and Z the sawtooth, the steady state is U ≈ B sin η, X2 ≈ (1-ε+ε²) C Z(η-Φ),
-//! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3). Each fixed point of the slow flow is a root of a C² + b C + c = 0
-//! (29)–(31). The error is O(ε) in every amplitude.
+//! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3), docs/theory.md (32) and (33). Each fixed point of the slow flow is a
+//! root of a C² + b C + c = 0 (44). The error is O(ε) in every amplitude.
 //!
-//! Past the paper: on the manifold the second test has a closed form too. With m = (1+ρ²)C - 1 the block (B, ψ) of
-//! the Jacobian has the trace -γ̂1 - (8/π²) ρ C/m and the determinant (aC + b/2)/(4m), and the block (A3, ψ3) the
-//! eigenvalues -γ̂3/2 ± i(σ̂30 - 2σ̂1 + α̂23)/2. On the right branch, then, exactly the upper root is stable.
+//! Past the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on the right branch of the
+//! manifold, with damping, exactly the upper root of the quadratic is a stable fixed point.
 
 mod manifold;
 mod motion;
@@ -15,36 +14,35 @@ mod slow_flow;
 pub use manifold::{Branch, Manifold, sawtooth, sawtooth_slope};
 pub use slow_flow::SlowState;
 
-use super::circle_roots;
-use super::{Admissibility, Bifurcation, Roots, check_groups, eigenvalue_pair};
+use super::{
+    Admissibility, Bifurcation, IMPEDANCE_ROUNDING, Quadratic, Roots, check_groups, eigenvalue_pair,
+    inverse_mass_factors, largest, spectral_radius,
+};
 use crate::error::{Error, Result};
 use crate::parameters::Groups;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// 8/π²: the first Fourier coefficient of the sawtooth.
-const C8: f64 = 8.0 / (PI * PI);
+/// 8/π²: the first Fourier coefficient of the sawtooth, docs/theory.md (31).
+const SAWTOOTH_HARMONIC: f64 = 8.0 / (PI * PI);
 
-/// A resistance this much smaller than its terms is zero but for rounding.
-const RESONANCE: f64 = 1e-14;
-
-/// The slow flow of one parameter set, with everything that does not depend on the root prepared. The coupling
-/// α̂23 is taken as μ13 β², which equals [`Groups::alpha23`] for the paper's m3 = m2 and stays right for other m3.
+/// The slow flow of one parameter set, with everything that does not depend on the root prepared. The weak coupling is
+/// taken as α̂ = μ13 β², docs/theory.md (26), which equals [`Groups::alpha23`] for the paper's m3 = m2 and stays right for
+/// other m3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultipleScales {
     groups: Groups,
     manifold: Manifold,
-    /// α̂23 as the secondary oscillator feels it.
-    alpha23: f64,
-    /// f̂ e^{iδ} = αC + α₀ where δ is the phase of the force at the upper impact.
-    alpha: Complex<f64>,
-    alpha0: Complex<f64>,
-    /// A3/C (31).
+    /// α̂ = μ13 β²: the weak coupling as the secondary oscillator feels it.
+    coupling: f64,
+    /// f̂ e^{iδ} = αC + α₀ with the phase δ of the force at the upper impact, docs/theory.md (43).
+    quadratic: Quadratic,
+    /// A3/C, docs/theory.md (45).
     a3_per_c: f64,
 }
 
 /// One fixed point of the slow flow, with its three tests. Amplitudes in units of L, phases in rad, eigenvalues
-/// in units of the slow time τ1 = ετ.
+/// per unit of the slow time τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedPoint {
     /// C, the amplitude of the block's sawtooth.
@@ -53,7 +51,7 @@ pub struct FixedPoint {
     pub b: f64,
     /// A3, the amplitude of X3.
     pub a3: f64,
-    /// Φ: the block meets the upper stop at η = Φ.
+    /// Φ: the block meets the upper stop at η = Φ, docs/theory.md (35).
     pub impact_phase: f64,
     /// δ = Φ + ψ: phase of the force when the block meets the upper stop, in (-π, π].
     pub drive_phase: f64,
@@ -65,9 +63,9 @@ pub struct FixedPoint {
     pub branch: Branch,
     /// The three tests.
     pub admissibility: Admissibility,
-    /// Eigenvalues of the slow flow's Jacobian: of the block (B, ψ), then of (A3, ψ3).
+    /// Eigenvalues of the slow flow's Jacobian: those of (B, ψ), then those of (A3, ψ3), docs/theory.md (51).
     pub eigenvalues: [Complex<f64>; 4],
-    /// Half-cycle multipliers of the periodic motion: the eigenvalues of D.
+    /// Half-cycle multipliers of the periodic motion: the eigenvalues of D, docs/theory.md (53).
     pub multipliers: [Complex<f64>; 2],
     epsilon: f64,
 }
@@ -75,11 +73,11 @@ pub struct FixedPoint {
 /// For which amplitude f̂10 ≥ 0 of the force the quadratic has solutions, everything else held. Unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceRange {
-    /// The fold: real roots from here on.
+    /// The fold: the roots are real from here on.
     pub real_from: f64,
-    /// A root C > 0 from here on, without end.
+    /// There is a root C > 0 from here on, without upper end.
     pub positive_from: f64,
-    /// Two roots C > 0 up to here; equal to `positive_from` when there is never more than one.
+    /// There are two roots C > 0 up to here; equal to `positive_from` when there is never more than one.
     pub two_until: f64,
     /// The interval in which a root passes all three tests, if there is one; its lower end is excluded.
     pub admissible: Option<(f64, f64)>,
@@ -98,17 +96,17 @@ impl MultipleScales {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] when γ̂3 = 0 and
-    /// σ̂30 - 2σ̂1 + α̂23 = 0, where A3 has no bound.
+    /// σ̂30 - 2σ̂1 + α̂ = 0, where A3 has no bound.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
         let manifold = Manifold::new(g.kappa)?;
         let rho = manifold.rho();
-        let alpha23 = g.mu13 * g.beta2;
-        let detuning = g.sigma30 - 2.0 * g.sigma1 + alpha23;
-        let resistance = g.gamma3.hypot(detuning);
-        let terms = g.sigma30.abs() + 2.0 * g.sigma1.abs() + alpha23;
-        if alpha23 > 0.0 && resistance <= RESONANCE * terms {
+        let coupling = g.mu13 * g.beta2;
+        let detuning = g.sigma30 - 2.0 * g.sigma1 + coupling;
+        let impedance = g.gamma3.hypot(detuning);
+        let terms = g.sigma30.abs() + 2.0 * g.sigma1.abs() + coupling;
+        if coupling > 0.0 && impedance <= IMPEDANCE_ROUNDING * terms {
             return Err(Error::Undefined {
                 name: "gamma3",
                 value: g.gamma3,
@@ -117,13 +115,18 @@ impl MultipleScales {
             });
         }
         let s = Complex::new(-2.0 * g.sigma1, g.gamma1);
+        let alpha0 = Complex::new(s.im, -s.re);
         Ok(Self {
             groups: g,
             manifold,
-            alpha23,
-            alpha: s * Complex::new(-rho, 1.0) - Complex::new(0.0, C8),
-            alpha0: Complex::new(s.im, -s.re),
-            a3_per_c: if alpha23 == 0.0 { 0.0 } else { C8 * alpha23 / resistance },
+            coupling,
+            quadratic: Quadratic {
+                alpha: s * Complex::new(-rho, 1.0) - Complex::new(0.0, SAWTOOTH_HARMONIC),
+                alpha0,
+                force: g.f10,
+                constant: alpha0.norm_sqr() - g.f10 * g.f10,
+            },
+            a3_per_c: if coupling == 0.0 { 0.0 } else { SAWTOOTH_HARMONIC * coupling / impedance },
         })
     }
 
@@ -137,37 +140,32 @@ impl MultipleScales {
         &self.groups
     }
 
-    /// Coefficients (a, b, c) of the quadratic a C² + b C + c = 0 (30).
+    /// Coefficients (a, b, c) of the quadratic a C² + b C + c = 0, docs/theory.md (42) and (44).
     pub fn quadratic(&self) -> (f64, f64, f64) {
-        let f = self.groups.f10;
-        let cross = (self.alpha * self.alpha0.conj()).re;
-        (self.alpha.norm_sqr(), 2.0 * cross, self.alpha0.norm_sqr() - f * f)
+        self.quadratic.coefficients()
     }
 
     /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative without solutions.
     pub fn discriminant(&self) -> f64 {
-        let reach = self.alpha.norm() * self.groups.f10.abs();
-        let turn = (self.alpha * self.alpha0.conj()).im.abs();
-        4.0 * (reach - turn) * (reach + turn)
+        self.quadratic.discriminant()
     }
 
     /// Both fixed points, by C; `None` when the quadratic has no real root. Allocates nothing.
     pub fn fixed_points(&self) -> Option<Roots<FixedPoint>> {
-        let (a, b, c) = self.quadratic();
-        let turn = (self.alpha * self.alpha0.conj()).im;
-        let roots = circle_roots(a, 0.5 * b, turn, c, self.groups.f10)?;
+        let roots = self.quadratic.roots()?;
         Some(Roots { lower: self.at(roots.lower), upper: self.at(roots.upper) })
     }
 
-    /// The point of the manifold at C as if the force were just right for it.
+    /// The fixed point at amplitude C, which must be a root of the quadratic: the force's phase is taken from αC + α₀, whatever
+    /// its amplitude.
     fn at(&self, c: f64) -> FixedPoint {
         let g = &self.groups;
         let m = &self.manifold;
-        let force = self.alpha * c + self.alpha0;
+        let force = self.quadratic.balance(c);
         let sign = if g.f10 < 0.0 { -1.0 } else { 1.0 };
         let drive_phase = (sign * force.im).atan2(sign * force.re);
         let impact_phase = m.impact_phase(c);
-        let detuning = g.sigma30 - 2.0 * g.sigma1 + self.alpha23;
+        let detuning = g.sigma30 - 2.0 * g.sigma1 + self.coupling;
         let eigenvalues = self.eigenvalues(c);
         let multipliers = eigenvalue_pair(m.transition_trace(c), m.kappa() * m.kappa());
         FixedPoint {
@@ -177,7 +175,7 @@ impl MultipleScales {
             impact_phase,
             drive_phase,
             psi: drive_phase - impact_phase,
-            // χ = ψ - ψ3 + Φ; a negative C turns the phase round.
+            // docs/theory.md (45); a negative C turns the phase by π.
             psi3: drive_phase - detuning.atan2(g.gamma3) + if c < 0.0 { PI } else { 0.0 },
             branch: m.branch(c),
             admissibility: Admissibility {
@@ -191,17 +189,18 @@ impl MultipleScales {
         }
     }
 
-    /// The force f̂10 ≥ 0 that holds the motion at amplitude C: |αC + α₀|.
+    /// The force f̂10 ≥ 0 that holds the motion at amplitude C, |αC + α₀|: docs/theory.md (46).
     pub fn force(&self, c: f64) -> f64 {
-        (self.alpha * c + self.alpha0).norm()
+        self.quadratic.balance(c).norm()
     }
 
-    /// The ranges of f̂10 with solutions and with an admissible one, all other groups held (model.md section 9).
+    /// The ranges of f̂10 with solutions and with an admissible one, all other groups held: docs/theory.md (46) with the
+    /// limits (49) and (56) of C.
     ///
     /// # Errors
     /// [`Error::Undefined`] where α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²): the force does not decide the amplitude.
     pub fn force_range(&self) -> Result<ForceRange> {
-        let size = self.alpha.norm();
+        let size = self.quadratic.alpha.norm();
         if size == 0.0 {
             return Err(Error::Undefined {
                 name: "sigma1",
@@ -210,14 +209,14 @@ impl MultipleScales {
                 allowed: "sigma1 other than -4/pi^2 when kappa = 1 and gamma1 = 0",
             });
         }
-        let product = self.alpha * self.alpha0.conj();
+        let product = self.quadratic.product();
         let fold = product.im.abs() / size;
-        let vertex = -product.re / (size * size);
-        let zero = self.alpha0.norm(); // C = 0
+        let c_fold = -product.re / (size * size);
+        let at_zero = self.quadratic.alpha0.norm(); // C = 0
         let m = &self.manifold;
-        let (low, high) = (vertex.max(m.c_smin()), m.c_smax().min(m.c_gmax()));
+        let (low, high) = (c_fold.max(m.c_smin()), m.c_smax().min(m.c_gmax()));
         let damped = self.groups.gamma3 > 0.0 && m.kappa() < 1.0;
-        let (positive_from, two_until) = if vertex > 0.0 { (fold, zero) } else { (zero, zero) };
+        let (positive_from, two_until) = if c_fold > 0.0 { (fold, at_zero) } else { (at_zero, at_zero) };
         Ok(ForceRange {
             real_from: fold,
             positive_from,
@@ -228,37 +227,36 @@ impl MultipleScales {
 }
 
 impl FixedPoint {
-    /// Amplitude of X1, its largest |value| over a cycle, in units of L.
+    /// Amplitude of X1, its largest |value| over a cycle, in units of L: docs/theory.md (47).
     pub fn a1(&self) -> f64 {
-        // X1 = B sin θ - eC(1 - 2s/π), θ = s + Φ, over s ∈ [0, π]; turning points where B cos θ = -2eC/π.
-        let e = self.epsilon - self.epsilon * self.epsilon;
+        // X1 = B sin η - eC(1 - 2s/π) with e = ε - ε² and η = s + Φ, over s ∈ [0, π]; it turns where B cos η = -2eC/π.
+        let (_, e) = inverse_mass_factors(self.epsilon);
         let (b, c, phase) = (self.b, self.c, self.impact_phase);
         let mut best = (b * phase.sin() - e * c).abs();
         let q = -2.0 * e * c / (PI * b);
         if q.abs() <= 1.0 {
-            for theta in [q.acos(), -q.acos()] {
-                let s = (theta - phase).rem_euclid(2.0 * PI);
+            for eta in [q.acos(), -q.acos()] {
+                let s = (eta - phase).rem_euclid(2.0 * PI);
                 if s <= PI {
-                    best = best.max((b * theta.sin() - e * c * (1.0 - 2.0 * s / PI)).abs());
+                    best = best.max((b * eta.sin() - e * c * (1.0 - 2.0 * s / PI)).abs());
                 }
             }
         }
         best
     }
 
-    /// Amplitude of X2, (1-ε+ε²) |C|, in units of L.
+    /// Amplitude of X2, (1-ε+ε²) |C|, in units of L: docs/theory.md (47).
     pub fn a2(&self) -> f64 {
-        (1.0 - self.epsilon + self.epsilon * self.epsilon) * self.c.abs()
+        inverse_mass_factors(self.epsilon).0 * self.c.abs()
     }
 
     /// Largest modulus of the half-cycle multipliers.
     pub fn spectral_radius(&self) -> f64 {
-        self.multipliers[0].norm().max(self.multipliers[1].norm())
+        spectral_radius(self.multipliers)
     }
 
     /// The bifurcation that the largest multiplier announces.
     pub fn bifurcation(&self) -> Bifurcation {
-        let [first, second] = self.multipliers;
-        Bifurcation::of(if first.norm_sqr() >= second.norm_sqr() { first } else { second })
+        Bifurcation::of(largest(self.multipliers))
     }
 }

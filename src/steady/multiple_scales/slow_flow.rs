@@ -1,7 +1,7 @@
-//! The slow flow (26), its Jacobian and its eigenvalues.
+//! The slow flow, its Jacobian and its eigenvalues: docs/theory.md (40), (41), (50) and (51).
 
 use super::super::eigenvalue_pair;
-use super::{Branch, C8, MultipleScales};
+use super::{Branch, MultipleScales, SAWTOOTH_HARMONIC};
 use crate::error::{Error, Result};
 use nalgebra::{Complex, Matrix4};
 
@@ -18,7 +18,7 @@ pub struct SlowState {
     pub psi3: f64,
 }
 
-/// What the flow and its Jacobian share: C on the branch, its slope C_B = B/((1+ρ²)C-1), and χ.
+/// What the flow and its Jacobian share: C on the branch, its slope C_B = B/m, docs/theory.md (38), and χ, (41).
 struct Point {
     c: f64,
     c_b: f64,
@@ -41,33 +41,36 @@ impl MultipleScales {
         Ok(Point { c, c_b: state.b / self.manifold.slope(c), chi })
     }
 
-    /// Right-hand side (26): (B', ψ', A3', ψ3') per unit of τ1, with C on the given branch.
+    /// Right-hand side of the slow flow, docs/theory.md (40) and (41): (B', ψ', A3', ψ3') per unit of τ1, with C on the given
+    /// branch.
     ///
     /// # Errors
     /// [`Error::Undefined`] below B_min, at B = 0 and at A3 = 0, where amplitude and phase are no coordinates.
     pub fn slow_flow(&self, branch: Branch, state: &SlowState) -> Result<[f64; 4]> {
         let Point { c, chi, .. } = self.point(branch, state)?;
-        let (g, rho, a) = (&self.groups, self.manifold.rho(), self.alpha23);
+        let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);
         let b = state.b;
         Ok([
-            0.5 * (-g.gamma1 * b - C8 * rho * c * c / b + g.f10 * state.psi.sin()),
-            g.sigma1 + 0.5 * C8 * c * (c - 1.0) / (b * b) + g.f10 * state.psi.cos() / (2.0 * b),
-            0.5 * (-g.gamma3 * state.a3 + C8 * a * c * chi.cos()),
-            g.sigma1 - 0.5 * (g.sigma30 + a) + 0.5 * C8 * a * (c / state.a3) * chi.sin(),
+            0.5 * (-g.gamma1 * b - SAWTOOTH_HARMONIC * rho * c * c / b + g.f10 * state.psi.sin()),
+            g.sigma1
+                + 0.5 * SAWTOOTH_HARMONIC * c * (c - 1.0) / (b * b)
+                + g.f10 * state.psi.cos() / (2.0 * b),
+            0.5 * (-g.gamma3 * state.a3 + SAWTOOTH_HARMONIC * a * c * chi.cos()),
+            g.sigma1 - 0.5 * (g.sigma30 + a) + 0.5 * SAWTOOTH_HARMONIC * a * (c / state.a3) * chi.sin(),
         ])
     }
 
-    /// Its Jacobian, rows and columns in the order B, ψ, A3, ψ3 (paper appendix, re-derived).
+    /// Jacobian of the slow flow, docs/theory.md (50), with rows and columns in the order B, ψ, A3, ψ3.
     ///
     /// # Errors
     /// As [`Self::slow_flow`].
     pub fn jacobian(&self, branch: Branch, state: &SlowState) -> Result<Matrix4<f64>> {
         let Point { c, c_b, chi } = self.point(branch, state)?;
-        let (g, rho, a) = (&self.groups, self.manifold.rho(), self.alpha23);
+        let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);
         let (b, a3) = (state.b, state.a3);
         let (sin, cos) = state.psi.sin_cos();
         let (sin_chi, cos_chi) = chi.sin_cos();
-        let half = 0.5 * C8;
+        let half = 0.5 * SAWTOOTH_HARMONIC;
         let phase_b = -rho * c_b / (b * b); // dΦ/dB
         let (pull, turn) = (half * a * c * cos_chi, half * a * c * sin_chi);
         Ok(Matrix4::new(
@@ -91,14 +94,14 @@ impl MultipleScales {
         ))
     }
 
-    /// Eigenvalues at the fixed point with this C, in closed form (see the module). At C_min they are infinite.
+    /// Eigenvalues at the fixed point with this C in closed form, docs/theory.md (51). At C_min they are infinite.
     pub(super) fn eigenvalues(&self, c: f64) -> [Complex<f64>; 4] {
         let (g, m) = (&self.groups, self.manifold.slope(c));
-        let cross = (self.alpha * self.alpha0.conj()).re;
-        let trace = -g.gamma1 - C8 * self.manifold.rho() * c / m;
-        let determinant = (self.alpha.norm_sqr() * c + cross) / (4.0 * m);
+        let quadratic = &self.quadratic;
+        let trace = -g.gamma1 - SAWTOOTH_HARMONIC * self.manifold.rho() * c / m;
+        let determinant = (quadratic.alpha.norm_sqr() * c + quadratic.product().re) / (4.0 * m);
         let [first, second] = eigenvalue_pair(trace, determinant);
-        let turn = 0.5 * (g.sigma30 - 2.0 * g.sigma1 + self.alpha23);
+        let turn = 0.5 * (g.sigma30 - 2.0 * g.sigma1 + self.coupling);
         let third = Complex::new(-0.5 * g.gamma3, turn);
         [first, second, third, third.conj()]
     }

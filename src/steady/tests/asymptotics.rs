@@ -47,7 +47,7 @@ fn exact_amplitudes(g: &Groups) -> [f64; 4] {
 }
 
 #[test]
-fn multiple_scales_is_off_by_order_epsilon() {
+fn second_method_multiple_scales_is_off_by_order_epsilon() {
     check("multiple scales", |epsilon| {
         let g = Groups::weak(epsilon, 0.75, 1.5, 0.4, 1.0, 0.6, 0.0, 0.6);
         let p = multiple_scales::fixed_points(&g).unwrap().unwrap().upper;
@@ -56,7 +56,7 @@ fn multiple_scales_is_off_by_order_epsilon() {
 }
 
 #[test]
-fn strong_coupling_is_off_by_order_epsilon() {
+fn second_method_strong_coupling_is_off_by_order_epsilon() {
     check("strong coupling", |epsilon| {
         let g = Groups { epsilon, beta2: 0.3, mu13: 1.0, sigma30: 0.5, ..Groups::basic() };
         let p = strong_coupling::solve(&g).unwrap().unwrap().upper;
@@ -81,7 +81,7 @@ fn check_multipliers(orbit: &ExactOrbit, epsilon: f64, fast: [Complex<f64>; 2], 
 }
 
 #[test]
-fn multiplier_limits_of_multiple_scales() {
+fn second_method_multiplier_limits_of_multiple_scales() {
     let epsilon = 1e-4;
     for (f10, sigma1) in [(1.2, 0.4), (1.8, 0.5), (1.5, 0.3)] {
         let g = Groups::weak(epsilon, 0.75, f10, sigma1, 0.8, 0.6, 0.1, 0.6);
@@ -91,7 +91,7 @@ fn multiplier_limits_of_multiple_scales() {
 }
 
 #[test]
-fn multiplier_limits_of_strong_coupling() {
+fn second_method_multiplier_limits_of_strong_coupling() {
     let epsilon = 1e-4;
     for (beta2, mu13) in [(0.1, 1.0), (0.3, 1.0), (0.5, 0.7)] {
         let g = Groups { epsilon, beta2, mu13, sigma30: 0.5, ..Groups::basic() };

@@ -1,10 +1,12 @@
+//! Branches against closed forms of their special points, and against families whose branches are known.
+
 use crate::error::{Error, Result};
 use crate::parameters::{FIELDS, Groups, Parameters, Scales};
 use crate::steady::continuation::{self, Branch, Family, LOCATION, Special};
 use crate::steady::multiple_scales::{Manifold, MultipleScales};
 use crate::steady::{Bifurcation, Sheet, exact_orbit};
 
-/// model.md gives the stable range of the exact orbit with two or three decimals.
+/// Half a unit of the last digit printed for the stable range of the exact orbit.
 const GOLDEN_LOW: f64 = 5e-4;
 const GOLDEN_HIGH: f64 = 5e-3;
 /// At a located special point the multiplier itself; it moves at most a hundred times as fast as the parameter.
@@ -31,15 +33,15 @@ fn golden_stable_range_of_the_exact_orbit() {
     let breaking = values(&branch, BREAKING);
     assert!(breaking.len() == 1 && (breaking[0] - 2.04).abs() < GOLDEN_HIGH, "{breaking:?}");
     let at = branch.specials().find(|p| p.special == Some(BREAKING)).unwrap();
-    assert!((at.state.spectral_radius() - 1.0).abs() < MULTIPLIER);
-    assert_eq!(at.state.bifurcation(), Bifurcation::SymmetryBreaking);
-    // Below, a complex pair leaves the circle: past model.md, which gives the value only.
+    assert!((at.solution.spectral_radius() - 1.0).abs() < MULTIPLIER);
+    assert_eq!(at.solution.bifurcation(), Bifurcation::SymmetryBreaking);
+    // Below it a complex pair is outside the unit circle.
     let torus = values(&branch, Special::Bifurcation(Bifurcation::NeimarkSacker));
     assert!(torus.len() == 1 && (torus[0] - low).abs() < 1e-9, "{torus:?}");
 }
 
 #[test]
-fn fold_against_the_zero_of_the_closed_form() {
+fn closed_form_of_the_fold() {
     let branch = continuation::exact_orbit(force, (0.3, 3.0), 50).unwrap();
     let folds = values(&branch, Special::Fold);
     assert_eq!(folds.len(), 1);
@@ -49,11 +51,11 @@ fn fold_against_the_zero_of_the_closed_form() {
     let fold = ((1.0 - 0.25 * twice * twice / square) / per_force).sqrt();
     assert!((folds[0] - fold).abs() < LOCATION, "{} {fold}", folds[0]);
     let at = branch.specials().find(|p| p.special == Some(Special::Fold)).unwrap();
-    assert!(at.state.multipliers().iter().any(|m| (m - 1.0).norm() < AT_FOLD));
+    assert!(at.solution.multipliers().iter().any(|m| (m - 1.0).norm() < AT_FOLD));
 }
 
 #[test]
-fn one_curve_runs_over_both_sheets_through_the_fold() {
+fn invariant_one_curve_runs_over_both_sheets_through_the_fold() {
     let branch = continuation::exact_orbit(force, (0.3, 3.0), 80).unwrap();
     assert_eq!(
         branch.curves.len(),
@@ -67,15 +69,15 @@ fn one_curve_runs_over_both_sheets_through_the_fold() {
     assert!(points[fold + 1..].iter().all(|p| p.sheet == Sheet::Upper));
     // Impulses rise along the whole curve, without a jump.
     for w in points.windows(2) {
-        assert!(w[1].state.impulse() >= w[0].state.impulse() - 1e-7);
-        assert!(w[1].state.impulse() - w[0].state.impulse() < 0.02);
+        assert!(w[1].solution.impulse() >= w[0].solution.impulse() - 1e-7);
+        assert!(w[1].solution.impulse() - w[0].solution.impulse() < 0.02);
     }
     assert_eq!(points[0].special, Some(Special::Vanishing));
     assert_eq!(points[points.len() - 1].special, Some(Special::RangeEnd));
 }
 
 #[test]
-fn multiple_scales_limits_against_their_closed_forms() {
+fn closed_form_of_the_special_points_of_multiple_scales() {
     let path = |f10| Ok(Groups { f10, ..Groups::basic() });
     let branch = continuation::multiple_scales(path, (0.2, 12.0), 300).unwrap();
     let flow = MultipleScales::new(&Groups::basic()).unwrap();
@@ -102,7 +104,7 @@ fn multiple_scales_limits_against_their_closed_forms() {
 }
 
 #[test]
-fn every_change_of_stability_has_its_special_point() {
+fn invariant_every_change_of_stability_has_its_special_point() {
     let field = |name: &str| FIELDS.iter().find(|f| f.name == name).unwrap();
     for (name, range) in [
         ("drive.frequency", (0.85, 1.3)),
@@ -130,7 +132,7 @@ fn every_change_of_stability_has_its_special_point() {
 }
 
 #[test]
-fn located_pairs_are_on_the_circle() {
+fn invariant_located_multipliers_are_on_the_circle() {
     let mut seen = 0;
     for kappa in [0.4, 0.6, 0.75, 0.9] {
         for alpha23 in [0.1, 0.6, 2.0] {
@@ -139,7 +141,7 @@ fn located_pairs_are_on_the_circle() {
             };
             let branch = continuation::exact_orbit(path, (-1.5, 1.5), 300).unwrap();
             for p in branch.specials() {
-                let multipliers = p.state.multipliers();
+                let multipliers = p.solution.multipliers();
                 let on_circle = |m: &nalgebra::Complex<f64>| (m.norm() - 1.0).abs() < 1e-7;
                 match p.special {
                     Some(Special::Bifurcation(Bifurcation::SymmetryBreaking)) => {
@@ -159,7 +161,7 @@ fn located_pairs_are_on_the_circle() {
 }
 
 #[test]
-fn strong_coupling_branch_meets_multiple_scales_without_coupling() {
+fn second_method_branches_without_coupling() {
     let a = continuation::strong_coupling(
         |f10| Ok(Groups { f10, beta2: 0.0, ..Groups::basic() }),
         (0.3, 4.0),
@@ -205,7 +207,7 @@ impl Circle {
 }
 
 impl Family for Circle {
-    type State = f64;
+    type Solution = f64;
     fn discriminant(&self) -> f64 {
         self.size - (self.v - 1.0 / 3.0).powi(2)
     }
@@ -214,7 +216,7 @@ impl Family for Circle {
         let root = if sheet == Sheet::Upper { self.shift + root } else { self.shift - root };
         Some(root).filter(|r| !r.is_nan())
     }
-    fn state(&self, sheet: Sheet) -> Result<Option<f64>> {
+    fn solution(&self, sheet: Sheet) -> Result<Option<f64>> {
         Ok(self.root(sheet).filter(|&r| r > 0.0))
     }
     fn is_stable(state: &f64) -> bool {
@@ -232,7 +234,7 @@ impl Family for Circle {
 }
 
 #[test]
-fn an_isola_is_one_closed_curve() {
+fn closed_form_of_an_isola_as_one_closed_curve() {
     let branch = Circle::branch(1.0, 2.5, (-3.0, 3.0), 60);
     assert_eq!(branch.curves.len(), 1);
     let curve = &branch.curves[0];
@@ -249,15 +251,15 @@ fn an_isola_is_one_closed_curve() {
             && (zeros[1] - 1.0 / 3.0 + half).abs() < LOCATION
     );
     for w in curve.points.windows(2) {
-        let step = (w[1].value - w[0].value).hypot(w[1].state - w[0].state);
+        let step = (w[1].value - w[0].value).hypot(w[1].solution - w[0].solution);
         assert!(step < 0.06, "the curve jumps by {step}");
-        let middle = 0.5 * (w[0].state + w[1].state);
-        assert_eq!(w[0].stable, middle > 2.0, "{} {}", w[0].value, w[0].state);
+        let middle = 0.5 * (w[0].solution + w[1].solution);
+        assert_eq!(w[0].stable, middle > 2.0, "{} {}", w[0].value, w[0].solution);
     }
 }
 
 #[test]
-fn a_branch_narrower_than_the_nodes_is_found() {
+fn closed_form_of_a_branch_narrower_than_the_nodes() {
     let branch = Circle::branch(1e-8, 2.5, (0.0, 1.0), 20);
     assert_eq!(branch.curves.len(), 1);
     let folds = values(&branch, Special::Fold);
@@ -265,7 +267,7 @@ fn a_branch_narrower_than_the_nodes_is_found() {
 }
 
 #[test]
-fn a_broken_isola_is_one_open_curve() {
+fn closed_form_of_a_broken_isola_as_one_open_curve() {
     // The lower half dips under zero: the curve starts and ends where the root vanishes, over both folds.
     let branch = Circle::branch(1.0, 0.5, (-3.0, 3.0), 60);
     assert_eq!(branch.curves.len(), 1);

@@ -1,10 +1,13 @@
+//! The exact orbit against direct integration by a classical method, and against the laws it must keep.
+
 use crate::State;
 use crate::error::Error;
 use crate::parameters::{Groups, Parameters, Scales};
 use crate::steady::exact_orbit::*;
 use std::f64::consts::{PI, TAU};
 
-/// model.md prints p/m2 and the radius with nine decimals, amplitudes with seven, the second set with ten (eight).
+/// Golden numbers of an earlier prototype: p/m2 and the radius have nine decimals, amplitudes seven, the second set ten (its
+/// radius eight).
 const GOLDEN: f64 = 6e-10;
 /// The prototype sampled its amplitudes: each true maximum lies at or above its number.
 const GOLDEN_AMPLITUDE: f64 = 6e-8;
@@ -61,7 +64,7 @@ fn orbits() -> Vec<ExactOrbit> {
     all
 }
 
-/// Accelerations of the model, straight from model.md section 1.
+/// Accelerations straight from docs/theory.md (3), without the code under test.
 fn acceleration(p: &Parameters, theta: f64, s: &State) -> [f64; 3] {
     let ([x1, x2, x3], [v1, _, v3]) = (s.x, s.v);
     [
@@ -101,7 +104,7 @@ fn distance(p: &Parameters, a: &State, b: &State, sign: f64) -> f64 {
 }
 
 #[test]
-fn golden_orbit_of_basic() {
+fn golden_orbit_of_the_default_set() {
     let orbit = basic();
     assert!((orbit.impulse() / 0.1 - 1.597276346).abs() < GOLDEN, "{}", orbit.impulse() / 0.1);
     let golden = [0.3574008, 1.2801013, 0.9555490];
@@ -122,7 +125,7 @@ fn golden_orbit_of_the_second_set() {
 }
 
 #[test]
-fn impact_law_and_stop_hold() {
+fn invariant_impact_law_and_stop_of_the_exact_orbit() {
     for orbit in orbits() {
         let (p, a, b) = (orbit.parameters(), orbit.after_impact(), orbit.before_impact());
         let scale = p.stop_gap * p.drive_frequency * (1.0 + orbit.impulse() / orbit.parameters().block_mass);
@@ -139,7 +142,7 @@ fn impact_law_and_stop_hold() {
 }
 
 #[test]
-fn half_a_period_of_runge_kutta_mirrors_the_orbit() {
+fn second_method_half_a_period_by_runge_kutta() {
     for orbit in orbits() {
         let p = orbit.parameters();
         let end = integrate(p, orbit.drive_phase(), orbit.after_impact(), PI, 2000);
@@ -149,7 +152,7 @@ fn half_a_period_of_runge_kutta_mirrors_the_orbit() {
 }
 
 #[test]
-fn state_at_any_phase_against_runge_kutta() {
+fn second_method_state_at_any_phase_by_runge_kutta() {
     let orbit = solve(&odd()).unwrap().upper.unwrap();
     let p = orbit.parameters();
     for turn in [0.0, 0.3, 1.7, 3.1] {
@@ -163,7 +166,7 @@ fn state_at_any_phase_against_runge_kutta() {
 }
 
 #[test]
-fn amplitudes_and_clearance_against_sampling() {
+fn second_method_amplitudes_and_clearance_by_sampling() {
     for orbit in orbits() {
         let (gap, mut sampled, mut w) = (orbit.parameters().stop_gap, [0.0_f64; 3], 0.0_f64);
         for i in 0..4000 {
@@ -180,7 +183,7 @@ fn amplitudes_and_clearance_against_sampling() {
 }
 
 #[test]
-fn multipliers_against_the_differentiated_map() {
+fn second_method_multipliers_by_differences_of_the_map() {
     // Perturb the state after the impact, fly to the lower stop by Runge-Kutta, reflect, and difference.
     for p in [Parameters::default(), odd()] {
         let orbit = solve(&p).unwrap().upper.unwrap();
@@ -230,7 +233,7 @@ fn multipliers_against_the_differentiated_map() {
 }
 
 #[test]
-fn determinant_of_the_map_is_the_loss_of_volume() {
+fn closed_form_of_the_determinant_of_the_half_map() {
     // Each impact multiplies volumes by κ², the flight by exp(-∫ damping): an invariant of the six multipliers.
     for orbit in orbits() {
         let p = orbit.parameters();
@@ -243,7 +246,7 @@ fn determinant_of_the_map_is_the_loss_of_volume() {
 }
 
 #[test]
-fn energy_balance_over_half_a_period() {
+fn invariant_energy_balance_over_half_a_period() {
     // Work of the drive = damping losses + impact loss, integrated by Simpson's rule on the orbit itself.
     let orbit = solve(&odd()).unwrap().upper.unwrap();
     let p = *orbit.parameters();
@@ -286,7 +289,7 @@ fn wrong_parameters_are_errors() {
 }
 
 #[test]
-fn plastic_and_elastic_impacts() {
+fn invariant_plastic_and_elastic_impacts() {
     let plastic = solve(&Parameters { stop_restitution: 0.0, ..Parameters::default() }).unwrap();
     for orbit in plastic.lower.into_iter().chain(plastic.upper) {
         let a = orbit.after_impact();

@@ -1,4 +1,4 @@
-//! Tests that set the methods of `steady` against each other and against model.md.
+//! Tests that hold the methods of `steady` against each other, against golden numbers and against direct integration.
 
 mod asymptotics;
 mod continuation;

@@ -1,10 +1,12 @@
+//! Multiple scales against its own equations by other ways: differences, sampling, elimination.
+
 use crate::error::Error;
 use crate::parameters::Groups;
 use crate::steady::multiple_scales::*;
 use crate::steady::{Bifurcation, Roots};
 use std::f64::consts::PI;
 
-/// model.md prints nine decimals.
+/// The golden numbers have nine decimals.
 const GOLDEN: f64 = 5e-10;
 /// Ends of ranges are printed with three decimals.
 const GOLDEN_RANGE: f64 = 5e-4;
@@ -46,7 +48,7 @@ fn slow_state(p: &FixedPoint) -> SlowState {
 }
 
 #[test]
-fn golden_fixed_point_of_basic() {
+fn golden_fixed_point_of_the_default_set() {
     let p = basic().upper;
     assert!((p.c - 1.340127767).abs() < GOLDEN, "{}", p.c);
     assert!((p.b - 0.361305063).abs() < GOLDEN, "{}", p.b);
@@ -57,14 +59,14 @@ fn golden_fixed_point_of_basic() {
 }
 
 #[test]
-fn golden_force_range_of_basic() {
+fn golden_force_range_of_the_default_set() {
     let range = MultipleScales::new(&Groups::basic()).unwrap().force_range().unwrap();
     let (low, high) = range.admissible.unwrap();
     assert!((low - 0.891).abs() < GOLDEN_RANGE && (high - 2.136).abs() < GOLDEN_RANGE, "{low} {high}");
 }
 
 #[test]
-fn force_range_against_the_tests_themselves() {
+fn second_method_force_range_by_its_tests() {
     for g in sets() {
         let range = MultipleScales::new(&g).unwrap().force_range().unwrap();
         let count = |f10: f64| {
@@ -93,7 +95,7 @@ fn force_range_against_the_tests_themselves() {
 }
 
 #[test]
-fn fixed_points_are_zeros_of_the_slow_flow() {
+fn invariant_fixed_points_are_zeros_of_the_slow_flow() {
     for (flow, p) in states() {
         let rate = flow.slow_flow(p.branch, &slow_state(&p)).unwrap();
         let scale = 1.0 + p.c.abs() + flow.groups().f10.abs() / p.b;
@@ -104,7 +106,7 @@ fn fixed_points_are_zeros_of_the_slow_flow() {
 }
 
 #[test]
-fn jacobian_against_differences() {
+fn second_method_jacobian_by_differences() {
     let h = 1e-6;
     for (flow, p) in states() {
         if (p.c / flow.manifold().c_min() - 1.0).abs() < 0.05 {
@@ -132,7 +134,7 @@ fn jacobian_against_differences() {
 }
 
 #[test]
-fn closed_eigenvalues_against_the_jacobian() {
+fn second_method_eigenvalues_by_the_jacobian() {
     for (flow, p) in states() {
         let jacobian = flow.jacobian(p.branch, &slow_state(&p)).unwrap();
         let size = jacobian.norm();
@@ -144,7 +146,7 @@ fn closed_eigenvalues_against_the_jacobian() {
 }
 
 #[test]
-fn quadratic_against_the_paper_s_form() {
+fn second_method_quadratic_by_elimination() {
     for g in sets() {
         let flow = MultipleScales::new(&g).unwrap();
         let (rho, big_g) = (flow.manifold().rho(), g.gamma1.powi(2) + 4.0 * g.sigma1.powi(2));
@@ -164,7 +166,7 @@ fn quadratic_against_the_paper_s_form() {
 }
 
 #[test]
-fn periodic_motion_test_is_the_multipliers() {
+fn second_method_periodic_motion_by_the_multipliers() {
     for (_, p) in states().into_iter().filter(|(_, p)| p.c > 0.0) {
         assert_eq!(p.admissibility.periodic_motion, p.spectral_radius() < 1.0, "{p:?}");
     }
@@ -173,7 +175,7 @@ fn periodic_motion_test_is_the_multipliers() {
 }
 
 #[test]
-fn motion_meets_the_impact_law() {
+fn invariant_impact_law_of_the_multiple_scales_motion() {
     for (flow, p) in states() {
         let (at, before) = (p.motion(p.impact_phase), p.motion(p.impact_phase - 1e-9));
         assert!((at.w - 1.0).abs() < ROUNDING * (1.0 + p.c.abs()));
@@ -188,7 +190,7 @@ fn motion_meets_the_impact_law() {
 }
 
 #[test]
-fn amplitudes_against_sampling() {
+fn second_method_amplitudes_by_sampling() {
     for (_, p) in states() {
         let mut sampled = [0.0_f64; 3];
         for i in 0..40_000 {

@@ -19,7 +19,7 @@ impl Random {
 }
 
 #[test]
-fn exact_orbits_of_random_parameters_hold_or_are_refused() {
+fn invariant_exact_orbits_of_random_parameters_are_finite_or_refused() {
     let mut random = Random(1);
     let (mut found, mut refused) = (0, 0);
     for i in 0..4000 {
@@ -50,7 +50,7 @@ fn exact_orbits_of_random_parameters_hold_or_are_refused() {
 }
 
 #[test]
-fn approximations_of_random_groups_hold_or_are_refused() {
+fn invariant_approximations_of_random_groups_are_finite_or_refused() {
     let mut random = Random(2);
     let mut found = 0;
     for _ in 0..20_000 {

@@ -1,3 +1,5 @@
+//! Strong coupling against multiple scales at no coupling, against its own equations, quadrature and sampling.
+
 use crate::error::Error;
 use crate::parameters::Groups;
 use crate::steady::strong_coupling::*;
@@ -18,7 +20,7 @@ fn points(g: &Groups) -> Vec<StrongPoint> {
 }
 
 #[test]
-fn without_coupling_it_is_multiple_scales() {
+fn second_method_strong_coupling_without_coupling() {
     for kappa in [0.0, 0.5, 0.75, 1.0] {
         for (f10, sigma1) in [(1.5, 0.4), (2.5, -0.3), (-1.2, 0.1), (0.7, 0.5)] {
             let g = Groups { kappa, f10, sigma1, beta2: 0.0, ..Groups::basic() };
@@ -47,7 +49,7 @@ fn without_coupling_it_is_multiple_scales() {
 }
 
 #[test]
-fn the_limit_of_no_coupling_is_smooth() {
+fn invariant_limit_of_no_coupling_is_smooth() {
     let zero = solve(&Groups { beta2: 0.0, ..strong() }).unwrap().unwrap().upper;
     for exponent in [4, 8, 12, 20, 40, 200, 300] {
         let beta2 = 10f64.powi(-exponent);
@@ -62,7 +64,7 @@ fn the_limit_of_no_coupling_is_smooth() {
 }
 
 #[test]
-fn impact_law_and_equations_hold() {
+fn invariant_impact_law_and_equations_of_strong_coupling() {
     for g in
         [strong(), Groups { beta2: 2.0, f10: 3.0, ..strong() }, Groups { kappa: 0.2, beta2: 0.6, ..strong() }]
     {
@@ -84,7 +86,7 @@ fn impact_law_and_equations_hold() {
 }
 
 #[test]
-fn steady_states_are_zeros_of_the_slow_equations() {
+fn second_method_balance_of_harmonics_by_quadrature() {
     // The solvability conditions by numerical Fourier integrals of the motion instead of the closed form.
     let g = strong();
     for p in points(&g) {
@@ -107,7 +109,7 @@ fn steady_states_are_zeros_of_the_slow_equations() {
 }
 
 #[test]
-fn amplitudes_and_clearance_against_sampling() {
+fn second_method_amplitudes_and_clearance_by_sampling() {
     for g in
         [strong(), Groups { beta2: 0.85, f10: 2.0, ..strong() }, Groups { beta2: 2.5, f10: 4.0, ..strong() }]
     {
@@ -128,7 +130,7 @@ fn amplitudes_and_clearance_against_sampling() {
 }
 
 #[test]
-fn close_to_beta_one_the_motion_stays() {
+fn invariant_motion_near_beta_one() {
     // The singularity of β̂ = 1 is one of C alone: U tends to a limit from both sides.
     let u = |beta: f64| {
         let Roots { lower, upper } = solve(&Groups { beta2: beta * beta, ..strong() }).unwrap().unwrap();
