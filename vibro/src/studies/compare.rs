@@ -54,14 +54,7 @@ fn start(p: &Parameters, theory: &SteadyMotion) -> State {
 }
 
 pub(super) fn no_motion(name: &str, theory: &str) -> Study {
-    Study {
-        name: name.into(),
-        what: format!("no picture: {theory} has no motion with two symmetric impacts here"),
-        tables: Vec::new(),
-        shown: None,
-        figure: None,
-        remarks: Vec::new(),
-    }
+    Study::without_figure(name, format!("no picture: {theory} has no motion with two symmetric impacts here"))
 }
 
 pub(super) fn amplitude_table(
@@ -96,14 +89,8 @@ pub fn histories(set: &ParameterSet) -> Result<Study> {
         (&theory.history(p, f64::from(SHOWN)), "multiple scales"),
         (&points, "simulation"),
     );
-    Ok(Study {
-        name: "compare-8".into(),
-        what: "time histories and phase portraits as in figure 8, multiple scales against simulation".into(),
-        tables: vec![("compare-8".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
+    let what = "time histories and phase portraits as in figure 8, multiple scales against simulation";
+    Ok(Study::of("compare-8", what, &table, figure)?.with_remarks(remarks))
 }
 
 /// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the maxima of X2 of a sweep
@@ -131,9 +118,32 @@ pub fn force_overlay(
 struct Run {
     epsilon: f64,
     theory: Vec<MotionSample>,
-    points: Vec<MotionSample>,
+    simulation: Vec<MotionSample>,
     predicted: [f64; 4],
-    amplitudes: [f64; 4],
+    simulated: [f64; 4],
+}
+
+impl Run {
+    /// `None` where multiple scales has no motion.
+    fn new(set: &ParameterSet, epsilon: f64) -> Result<Option<Self>> {
+        let p = set.parameters();
+        let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else { return Ok(None) };
+        let (simulated, samples) = simulate(p, &theory)?;
+        let simulation = samples.into_iter().filter(|s| s.time <= 1.0).collect();
+        let (theory, predicted) = (theory.history(p, 1.0), theory.amplitudes(p));
+        Ok(Some(Self { epsilon, theory, simulation, predicted, simulated }))
+    }
+
+    /// Relative errors of B, A1, A2, A3.
+    fn errors(&self) -> [f64; 4] {
+        std::array::from_fn(|k| self.predicted[k] / self.simulated[k] - 1.0)
+    }
+
+    fn panel(&self, letter: char) -> Panel {
+        let title = format!("({letter}) U and W, ε = {}", short(self.epsilon));
+        let theory = (&self.theory[..], "multiple scales");
+        comparison_panel(&title, &[0, 1], false, theory, (&self.simulation, "simulation"))
+    }
 }
 
 /// Figure 17: U and W for some ε, and the errors of the amplitudes over ε with their slopes.
@@ -142,54 +152,16 @@ struct Run {
 /// Values of ε that are not allowed; what theory or simulator refuse.
 pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let group = find_group("epsilon")?;
-    let run = |&epsilon: &f64| -> Result<Option<Run>> {
-        let set = set.with(group, epsilon)?;
-        let p = set.parameters();
-        let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else { return Ok(None) };
-        let (amplitudes, points) = simulate(p, &theory)?;
-        let once = points.into_iter().filter(|p| p.time <= 1.0).collect();
-        let (theory, predicted) = (theory.history(p, 1.0), theory.amplitudes(p));
-        Ok(Some(Run { epsilon, theory, points: once, predicted, amplitudes }))
-    };
+    let run = |&epsilon: &f64| Run::new(&set.with(group, epsilon)?, epsilon);
     let runs = epsilons.par_iter().map(run).collect::<Result<Vec<_>>>()?;
     let runs: Vec<_> = runs.into_iter().flatten().collect();
     if runs.is_empty() {
         return Ok(no_motion("compare-17", "multiple scales"));
     }
-    let mut table = Table::new(&["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error"]);
-    let mut errors: [Path; 4] = Default::default();
-    for Run { epsilon, predicted: theory, amplitudes: simulation, .. } in &runs {
-        for (k, name) in NAMES.into_iter().enumerate() {
-            let error = theory[k] / simulation[k] - 1.0;
-            errors[k].push((*epsilon, 100.0 * error.abs()));
-            table.rows.push(vec![
-                exact(*epsilon),
-                name.into(),
-                exact(theory[k]),
-                exact(simulation[k]),
-                exact(error),
-            ]);
-        }
-    }
-    let mut panels = Vec::new();
-    let chosen = [0, runs.len() / 2, runs.len() - 1];
-    let mut shown: Vec<usize> = chosen.to_vec();
+    let mut shown = vec![0, runs.len() / 2, runs.len() - 1];
     shown.dedup();
-    for (letter, &i) in ('a'..).zip(&shown) {
-        let Run { epsilon, theory, points, .. } = &runs[i];
-        let title = format!("({letter}) U and W, ε = {}", short(*epsilon));
-        panels.push(comparison_panel(
-            &title,
-            &[0, 1],
-            false,
-            theory,
-            "multiple scales",
-            points,
-            "simulation",
-        ));
-    }
-    let letter = char::from(b'a' + shown.len() as u8);
-    let (panel, slopes) = error_panel(letter, &errors);
+    let mut panels: Vec<_> = ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter)).collect();
+    let (panel, slopes) = error_panel(char::from(b'a' + shown.len() as u8), &runs);
     panels.push(panel);
     let figure = Figure {
         title: "Accuracy of multiple scales (cf. figure 17)".into(),
@@ -202,16 +174,27 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
         panel: PANEL,
         shared_legend: true,
     };
-    Ok(Study {
-        name: "compare-17".into(),
-        what: "U and W for some ε and the amplitudes' errors over ε as in figure 17, multiple scales against simulation".into(),
-        tables: vec![("compare-17".into(), table.csv()?)], shown: None,
-        figure: Some(figure),
-        remarks: slopes,
-    })
+    let what = "U and W for some ε and the amplitudes' errors over ε as in figure 17, multiple scales against simulation";
+    Ok(Study::of("compare-17", what, &error_table(&runs), figure)?.with_remarks(slopes))
 }
 
-fn error_panel(letter: char, errors: &[Path; 4]) -> (Panel, Vec<String>) {
+fn error_table(runs: &[Run]) -> Table {
+    let mut table = Table::new(&["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error"]);
+    for run in runs {
+        let errors = run.errors();
+        for (k, name) in NAMES.into_iter().enumerate() {
+            let numbers = [run.predicted[k], run.simulated[k], errors[k]].map(exact);
+            table.rows.push([vec![exact(run.epsilon), name.into()], numbers.to_vec()].concat());
+        }
+    }
+    table
+}
+
+/// The errors over ε in per cent, and in words their slopes.
+fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
+    let percent =
+        |k: usize| -> Path { runs.iter().map(|r| (r.epsilon, 100.0 * r.errors()[k].abs())).collect() };
+    let errors: [Path; 4] = std::array::from_fn(percent);
     let symbols = ["B", "A₁", "A₂", "A₃"];
     let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
     let (mut layers, mut remarks) = (Vec::new(), Vec::new());

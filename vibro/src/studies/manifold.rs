@@ -103,7 +103,7 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
             ],
         },
     ];
-    study(
+    Study::of(
         "manifold-2",
         "sawtooth function, slow invariant manifold and ρ(κ) as in figure 2",
         &table,
@@ -116,17 +116,6 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
             shared_legend: false,
         },
     )
-}
-
-fn study(name: &str, what: &str, table: &Table, figure: Figure) -> Result<Study> {
-    Ok(Study {
-        name: name.into(),
-        what: what.into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
 }
 
 /// The ranges of C, on the left and on the right branch, at which a fixed point is stable for the force that holds it
@@ -208,7 +197,7 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
             layers: all,
         },
     ];
-    study(
+    Study::of(
         "manifold-7",
         "parts of the slow invariant manifold by the three tests as in figure 7",
         &table,
@@ -236,7 +225,7 @@ pub fn families(set: &ParameterSet, name: &str, values: &[f64]) -> Result<Study>
         let set = set.with(group, value)?;
         panels.push(member(&set, group, value, index, &mut table)?);
     }
-    study(
+    Study::of(
         "manifold-9",
         &format!(
             "fixed points on the slow invariant manifold for {} values of {} as in figure 9",

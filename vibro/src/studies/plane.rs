@@ -1,10 +1,10 @@
 //! Planes of two groups (figure 12).
 
 use super::Study;
+use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREY, ORANGE, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Shape};
-use crate::table::exact;
-use crate::{Error, Result};
+use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, plane};
@@ -52,7 +52,7 @@ pub fn planes(
     let remarks = planes.iter().map(shares).collect();
     let what =
         format!("existence and stability by {} on {} as in figure 12", method.name(), names.join(", "));
-    Ok(Study { name: "plane".into(), what, tables, shown: None, figure: Some(figure), remarks })
+    Ok(Study { tables, figure: Some(figure), ..Study::without_figure("plane", what).with_remarks(remarks) })
 }
 
 fn panel(set: &ParameterSet, index: usize, plane: &Plane, count: usize) -> Panel {
@@ -79,21 +79,17 @@ fn panel(set: &ParameterSet, index: usize, plane: &Plane, count: usize) -> Panel
     }
 }
 
-/// Written row by row: a million rows of cells as strings would be a hundred megabytes.
 fn csv(plane: &Plane) -> Result<(String, Vec<u8>)> {
     let (x, y) = (&plane.x, &plane.y);
     let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut put = |row: [&str; 3]| writer.write_record(row).map_err(Error::output("a table"));
-    put([x.group.name, y.group.name, "class"])?;
+    let mut csv = CsvRows::new([x.group.name, y.group.name, "class"])?;
     for (j, row) in plane.classes.chunks(x.count).enumerate() {
         let value = exact(y.value(j));
         for (class, x) in row.iter().zip(&xs) {
-            put([x, &value, class.name()])?;
+            csv.push([x, &value, class.name()])?;
         }
     }
-    let bytes = writer.into_inner().map_err(Error::output("a table"))?;
-    Ok((format!("plane-{}-{}", x.group.name, y.group.name), bytes))
+    Ok((format!("plane-{}-{}", x.group.name, y.group.name), csv.text()?))
 }
 
 fn shares(plane: &Plane) -> String {

@@ -212,7 +212,7 @@ pub(super) fn four_panels(
     second: (&[MotionSample], &str),
 ) -> Figure {
     let panel = |title: &str, quantities: &[usize], portrait: bool| {
-        comparison_panel(title, quantities, portrait, first.0, first.1, second.0, second.1)
+        comparison_panel(title, quantities, portrait, first, second)
     };
     Figure {
         title: title.into(),
@@ -234,10 +234,8 @@ pub(super) fn comparison_panel(
     title: &str,
     quantities: &[usize],
     portrait: bool,
-    first: &[MotionSample],
-    first_name: &str,
-    second: &[MotionSample],
-    second_name: &str,
+    (first, first_name): (&[MotionSample], &str),
+    (second, second_name): (&[MotionSample], &str),
 ) -> Panel {
     let mut layers = Vec::new();
     if quantities.contains(&1) && !portrait {

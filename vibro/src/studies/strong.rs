@@ -46,14 +46,8 @@ pub fn strong_case(set: &ParameterSet) -> Result<Study> {
     figure.shared_legend = false;
     figure.columns = 3;
     figure.panel = (1500, 1100);
-    Ok(Study {
-        name: "compare-19".into(),
-        what: "strong coupling as in figures 18 and 19, closed form against simulation".into(),
-        tables: vec![("compare-19".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
+    let what = "strong coupling as in figures 18 and 19, closed form against simulation";
+    Ok(Study::of("compare-19", what, &table, figure)?.with_remarks(remarks))
 }
 
 fn sawtooth_panel(beta: f64) -> Panel {
