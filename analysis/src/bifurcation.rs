@@ -181,6 +181,13 @@ impl Diagram {
         .collect()
     }
 
+    /// The motion at the value of the rising direction that is nearest to `value`; `None` where the simulator refused all.
+    pub fn nearest(&self, value: f64) -> Option<&SweepPoint> {
+        let near =
+            |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+        self.up.iter().flatten().min_by(near)
+    }
+
     /// Ranges of values with the same class, rising: from, to, class.
     pub fn windows(points: &[Option<SweepPoint>]) -> Vec<(f64, f64, MotionClass)> {
         let mut found: Vec<(f64, f64, MotionClass)> = Vec::new();

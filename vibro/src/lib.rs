@@ -2,6 +2,7 @@
 
 mod error;
 pub mod figures;
+pub mod html;
 pub mod long_study;
 pub mod parameter_file;
 pub mod part_folder;

@@ -144,28 +144,7 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
     let (from, mut to) = shown(&system, &roots);
     to = to.max(1.1 * m.c_gmax());
     let [left, right] = stable_fixed_points(&system);
-    let (low, high) = (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1));
-    let parts = [
-        ("geometric", 0.0, m.c_gmax()),
-        ("stable fixed point, left branch", left.0, left.1),
-        ("stable fixed point, right branch", right.0, right.1),
-        ("stable periodic motion", m.c_smin(), m.c_smax()),
-        ("all three", low, high),
-    ];
-    let mut table = Table::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
-    for (name, c0, c1) in parts {
-        let row = [c0, c1, m.b(c0), m.b(c1)];
-        let known = c0 < c1;
-        table.rows.push(
-            std::iter::once(name.to_string())
-                .chain(row.map(|v| if known { exact(v) } else { String::new() }))
-                .collect(),
-        );
-    }
-    for (name, p) in &roots {
-        let name = name.replace('₁', "1").replace('₂', "2");
-        table.rows.push(vec![name, exact(p.c), exact(p.c), exact(p.b), exact(p.b)]);
-    }
+    let (low, high) = admissible(m, right);
     let wide = |name: &str, colour, width, c0: f64, c1: f64| {
         Layer::line(name, colour, Dash::Solid, curve(m, c0.max(from), c1.min(to))).stroke(width)
     };
@@ -200,7 +179,7 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
     Study::of(
         "manifold-7",
         "parts of the slow invariant manifold by the three tests as in figure 7",
-        &table,
+        &part_table(m, [left, right], &roots),
         Figure {
             title: "Admissible part of the slow invariant manifold (cf. figure 7)".into(),
             caption: vec![set.caption()],
@@ -210,6 +189,38 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
             shared_legend: false,
         },
     )
+}
+
+/// The range of C that passes all three tests, given where fixed points on the right branch are stable; empty where its
+/// ends are not in order.
+fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
+    (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1))
+}
+
+/// The ranges of C that pass the tests, without numbers where there is none, and the fixed points.
+fn part_table(m: &Manifold, [left, right]: [(f64, f64); 2], roots: &[(&'static str, FixedPoint)]) -> Table {
+    let parts = [
+        ("geometric", (0.0, m.c_gmax())),
+        ("stable fixed point, left branch", left),
+        ("stable fixed point, right branch", right),
+        ("stable periodic motion", (m.c_smin(), m.c_smax())),
+        ("all three", admissible(m, right)),
+    ];
+    let mut table = Table::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
+    for (name, (c0, c1)) in parts {
+        let number = |value: f64| if c0 < c1 { exact(value) } else { String::new() };
+        let numbers = [c0, c1, m.b(c0), m.b(c1)].map(number);
+        table.rows.push([vec![name.into()], numbers.to_vec()].concat());
+    }
+    for (name, p) in roots {
+        table.rows.push(vec![ascii(name), exact(p.c), exact(p.c), exact(p.b), exact(p.b)]);
+    }
+    table
+}
+
+/// The name of a fixed point as tables have it.
+fn ascii(name: &str) -> String {
+    name.replace('₁', "1").replace('₂', "2")
 }
 
 /// Figure 9: the fixed points and the admissible part for several values of a group (f̂10 in the paper).
@@ -250,13 +261,12 @@ fn member(set: &ParameterSet, group: &Group, value: f64, index: usize, table: &m
     let roots = both(system.fixed_points());
     for (name, p) in &roots {
         let a = p.admissibility;
-        let name = name.replace('₁', "1").replace('₂', "2");
-        let mut row = vec![exact(value), name, exact(p.c), exact(p.b), exact(p.a3)];
+        let mut row = vec![exact(value), ascii(name), exact(p.c), exact(p.b), exact(p.a3)];
         row.extend([a.geometric, a.fixed_point, a.periodic_motion].map(|t| t.to_string()));
         table.rows.push(row);
     }
     let [_, right] = stable_fixed_points(&system);
-    let (low, high) = (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1));
+    let (low, high) = admissible(m, right);
     // The same axes in all panels, unless a fixed point lies beyond.
     let (from, to) = shown(&system, &roots);
     let (from, to) = (from.min(-1.0), to.max(2.4));

@@ -105,22 +105,14 @@ pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Re
         shared_legend: true,
     };
     let (most, least) = modulation.box_amplitude;
-    let remarks = vec![format!(
+    let remark = format!(
         "{} = {}: the amplitude of X1 goes from {least:.3} to {most:.3}; {:.0} % of the periods have one impact at each stop",
         group.name,
         short(other),
         100.0 * modulation.resonant
-    )];
-    let study = Study {
-        name: "figure-13".into(),
-        what: "time histories and phase portraits of a steady and of a modulated motion as in figure 13"
-            .into(),
-        tables: vec![("figure-13".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    };
-    Ok((study, modulation))
+    );
+    let what = "time histories and phase portraits of a steady and of a modulated motion as in figure 13";
+    Ok((Study::of("figure-13", what, &table, figure)?.with_remarks(vec![remark]), modulation))
 }
 
 fn history(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
@@ -175,31 +167,18 @@ pub fn portraits(
     let mut table = Table::new(&[group.name, "class", "time", "X2", "dX2"]);
     let mut panels = Vec::new();
     for (letter, value) in ('a'..).zip(values) {
-        let near =
-            |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
-        let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
-        let p = set.parameters_of(&set.vary(group, point.value))?;
-        let start = inside(&p, &point.attractor.states[0]);
-        let mut simulator = Simulator::new(&p, &start, 0.0)?.without_energy_accounts();
-        let periods = point.attractor.period.unwrap_or(WANDERING);
-        let points = simulated(&record_flights(&mut simulator, periods)?, &p);
-        for i in &points {
-            table.rows.push(vec![
-                exact(point.value),
-                point.class.name(),
-                exact(i.time),
-                exact(i.x[3]),
-                exact(i.v[3]),
-            ]);
+        let Some(point) = diagram.nearest(*value) else { continue };
+        let samples = continued(&set.parameters_of(&set.vary(group, point.value))?, point)?;
+        for sample in &samples {
+            let state = [sample.time, sample.x[3], sample.v[3]].map(exact);
+            table.rows.push([vec![exact(point.value), point.class.name()], state.to_vec()].concat());
         }
         let title = format!("({letter}) {} = {}: {}", group.symbol, short(point.value), point.class.name());
-        let (name, colour) = if point.attractor.period.is_some() {
-            ("X₂, returns", BLUE)
-        } else {
-            ("X₂, does not return", VERMILLION)
+        let (name, colour, width) = match point.attractor.period {
+            Some(_) => ("X₂, returns", BLUE, THIN),
+            None => ("X₂, does not return", VERMILLION, 2),
         };
-        let width = if point.attractor.period.is_some() { THIN } else { 2 };
-        panels.push(portrait(&title, &points, &[(3, name, colour)], width));
+        panels.push(portrait(&title, &samples, &[(3, name, colour)], width));
     }
     let figure = Figure {
         title: "Phase portraits of the block (cf. figure 15)".into(),
@@ -215,14 +194,15 @@ pub fn portraits(
         panel: (1400, 1150),
         shared_legend: true,
     };
-    Ok(Study {
-        name: "figure-15".into(),
-        what: "phase portraits of X₂ as in figure 15".into(),
-        tables: vec![("figure-15".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
+    Study::of("figure-15", "phase portraits of X₂ as in figure 15", &table, figure)
+}
+
+/// A motion of a sweep over its period, or over [`WANDERING`] periods, from the state it settled on.
+fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
+    let start = inside(p, &point.attractor.states[0]);
+    let mut simulator = Simulator::new(p, &start, 0.0)?.without_energy_accounts();
+    let periods = point.attractor.period.unwrap_or(WANDERING);
+    Ok(simulated(&record_flights(&mut simulator, periods)?, p))
 }
 
 /// The running exponents at some values of a group, from a moving block on.
@@ -243,43 +223,7 @@ pub fn running(
         Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
-    let mut header = vec![group.name, "period"];
-    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
-    let mut table = Table::new(&header);
-    let (mut panels, mut remarks) = (Vec::new(), Vec::new());
-    for (letter, (value, found)) in ('a'..).zip(&runs) {
-        let mut paths = vec![Path::new(); 7];
-        for (n, exponents) in (1..).zip(&found.running) {
-            for (path, e) in paths.iter_mut().zip(exponents) {
-                path.push((f64::from(n), *e));
-            }
-            let mut row = vec![exact(*value), n.to_string()];
-            row.extend(exponents.map(exact));
-            table.rows.push(row);
-        }
-        let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
-        let layers =
-            paths.into_iter().zip(EXPONENTS).zip(colours).enumerate().map(|(i, ((path, name), colour))| {
-                let dash = if i > 5 { Dash::Dashed } else { Dash::Solid };
-                Layer::line(name, colour, dash, path).stroke(THIN)
-            });
-        panels.push(Panel {
-            title: format!("({letter}) {} = {}", group.symbol, short(*value)),
-            x: Axis::over("drive periods", 0.0, f64::from(found.spectrum.periods)),
-            y: Axis::new("λ (per unit of τ)"),
-            layers: layers.collect(),
-        });
-        let s = &found.spectrum;
-        let shown = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
-        remarks.push(format!(
-            "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",
-            group.name,
-            short(*value),
-            shown.join(", "),
-            s.deviation,
-            s.periods
-        ));
-    }
+    let panels: Vec<_> = ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, group, run)).collect();
     let figure = Figure {
         title: "Lyapunov exponents on their way".into(),
         caption: vec![format!("Elsewhere {}", set.caption())],
@@ -288,12 +232,50 @@ pub fn running(
         panel: PANEL,
         shared_legend: true,
     };
-    Ok(Study {
-        name: name.into(),
-        what: "running Lyapunov exponents over the periods counted".into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
+    let what = "running Lyapunov exponents over the periods counted";
+    let remarks = runs.iter().map(|run| running_remark(group, run)).collect();
+    Ok(Study::of(name, what, &running_table(group, &runs), figure)?.with_remarks(remarks))
+}
+
+fn running_table(group: &Group, runs: &[(f64, Convergence)]) -> Table {
+    let mut header = vec![group.name, "period"];
+    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
+    let mut table = Table::new(&header);
+    for (value, found) in runs {
+        for (n, exponents) in (1..).zip(&found.running) {
+            let mut row = vec![exact(*value), n.to_string()];
+            row.extend(exponents.map(exact));
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+fn running_panel(letter: char, group: &Group, (value, found): &(f64, Convergence)) -> Panel {
+    let path = |i: usize| (1..).zip(&found.running).map(|(n, e)| (f64::from(n), e[i])).collect();
+    let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
+    let curve = |(i, (name, colour)): (usize, (&str, Colour))| {
+        let dash = if i > 5 { Dash::Dashed } else { Dash::Solid };
+        Layer::line(name, colour, dash, path(i)).stroke(THIN)
+    };
+    Panel {
+        title: format!("({letter}) {} = {}", group.symbol, short(*value)),
+        x: Axis::over("drive periods", 0.0, f64::from(found.spectrum.periods)),
+        y: Axis::new("λ (per unit of τ)"),
+        layers: EXPONENTS.into_iter().zip(colours).enumerate().map(curve).collect(),
+    }
+}
+
+fn running_remark(group: &Group, (value, found): &(f64, Convergence)) -> String {
+    let s = &found.spectrum;
+    // Adding zero turns -0 into 0.
+    let exponents = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
+    format!(
+        "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",
+        group.name,
+        short(*value),
+        exponents.join(", "),
+        s.deviation,
+        s.periods
+    )
 }

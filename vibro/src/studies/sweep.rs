@@ -1,10 +1,10 @@
 //! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
 
 use super::Study;
+use crate::Result;
 use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, Shape, THIN};
-use crate::table::{Table, exact};
-use crate::{Error, Result};
+use crate::table::{CsvRows, Table, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::plane::{Method, ParameterAxis};
@@ -29,7 +29,7 @@ const DECIMALS: usize = 4;
 /// The study of a sweep: maxima, impacts and exponents where there are some, with their tables.
 ///
 /// # Errors
-/// [`Error::Output`].
+/// [`Error::Output`](crate::Error::Output).
 pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let hysteresis = diagram.hysteresis();
     let axis = &sweep.axis;
@@ -54,17 +54,15 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
     if refused > 0 {
         remarks.push(format!("{refused} values left out: the simulator refused them"));
     }
+    let what = format!("local maxima of X₂ over {} as in figure 14, both directions", axis.group.symbol);
     Ok(Study {
-        name: name.into(),
-        what: format!("local maxima of X₂ over {} as in figure 14, both directions", axis.group.symbol),
         tables: vec![
             (name.into(), maxima_table(axis, diagram)?),
             (format!("{name}-points"), point_table(axis, diagram, &hysteresis).csv()?),
             (format!("{name}-windows"), window_table(axis, diagram).csv()?),
         ],
-        shown: None,
         figure: Some(figure),
-        remarks,
+        ..Study::without_figure(name, what).with_remarks(remarks)
     })
 }
 
@@ -177,23 +175,21 @@ fn impact_panel(axis: &ParameterAxis, diagram: &Diagram) -> Panel {
 
 const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
-/// Every maximum with its count; written directly, since there are hundreds of thousands.
+/// Every maximum with its count.
 ///
 /// # Errors
-/// [`Error::Output`].
+/// [`Error::Output`](crate::Error::Output).
 pub fn maxima_table(axis: &ParameterAxis, diagram: &Diagram) -> Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut put = |row: [&str; 4]| writer.write_record(row).map_err(Error::output("a table"));
-    put([axis.group.name, "direction", "X2_maximum", "count"])?;
+    let mut csv = CsvRows::new([axis.group.name, "direction", "X2_maximum", "count"])?;
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for point in points.iter().flatten() {
             let value = exact(point.value);
             for (x, count) in &point.maxima {
-                put([&value, direction, &format!("{x:.6}"), &count.to_string()])?;
+                csv.push([&value, direction, &format!("{x:.6}"), &count.to_string()])?;
             }
         }
     }
-    writer.into_inner().map_err(Error::output("a table"))
+    csv.text()
 }
 
 fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table {
@@ -253,16 +249,14 @@ fn window_remarks(axis: &ParameterAxis, diagram: &Diagram) -> Vec<String> {
 /// Table 2: spectra at selected values (the nearest of the sweep), value rising.
 ///
 /// # Errors
-/// [`Error::Output`].
+/// [`Error::Output`](crate::Error::Output).
 pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> Result<(Table, Study)> {
     let mut header = vec![sweep.axis.group.name];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7", "class"]);
     let mut table = Table::new(&header);
     let mut remarks = Vec::new();
     for value in values {
-        let near =
-            |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
-        let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
+        let Some(point) = diagram.nearest(*value) else { continue };
         let Some(s) = &point.spectrum else { continue };
         let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
         let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
@@ -272,14 +266,9 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
         row.push(point.class.name());
         table.rows.push(row);
     }
-    let study = Study {
-        name: name.into(),
-        what: "spectra of Lyapunov exponents at selected values as in table 2, per unit of τ".into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: None,
-        remarks,
-    };
+    let what = "spectra of Lyapunov exponents at selected values as in table 2, per unit of τ";
+    let tables = vec![(name.into(), table.csv()?)];
+    let study = Study { tables, ..Study::without_figure(name, what).with_remarks(remarks) };
     Ok((table, study))
 }
 
@@ -287,7 +276,7 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
 /// sweep itself.
 ///
 /// # Errors
-/// What the theories refuse, [`Error::Output`].
+/// What the theories refuse, [`Error::Output`](crate::Error::Output).
 pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let axis = &sweep.axis;
     let apart = diagram.hysteresis();
@@ -325,14 +314,8 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
         panel: (2700, 1600),
         shared_legend: true,
     };
-    Ok(Study {
-        name: name.into(),
-        what: "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16".into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
+    let what = "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16";
+    Study::of(name, what, &table, figure)
 }
 
 /// The ranges of periodic motion of a direction, single gaps of one class of value closed: from, to.
