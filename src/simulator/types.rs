@@ -130,6 +130,14 @@ impl DueEvent {
     }
 }
 
+impl WorkCounters {
+    /// The work in one number: sub-steps and root iterations, each of which takes about as long as the other.
+    #[inline(always)]
+    pub fn units(&self) -> u64 {
+        self.substeps + self.iterations
+    }
+}
+
 /// Counters of work done, for snapshots that catch lost efficiency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WorkCounters {
