@@ -1,12 +1,13 @@
-//! The paper's own numerics, as an independent second method (model.md section 7): RKF45 with error control in
-//! flight; on a violation of the constraint, back to the step's beginning and classical RK4 with bisection of the
+//! The paper's own numerics as an independent second method: RKF45 with error control in
+//! flight; when a step violates the constraint, back to the step's beginning and classical RK4 with bisection of the
 //! step until the stop is met within tolerance.
 //!
-//! It shares nothing with `flow`, `events` and `simulator` but plain data types, so that it can be their oracle in
-//! tests and the baseline in benches. It goes past the paper in three points, without which it would hang or miss:
-//! a step in whose interior the gap has a minimum that could reach the stop is searched too (still a heuristic: no
-//! proof), resting contact is a mode of its own, and chatter is closed once a rebound stays below
-//! [`Tolerance::rebound`].
+//! It shares nothing with `model`, `flow`, `events` and `simulator` but plain data types, so that it can be their oracle in
+//! tests and the baseline in benches. The impact law and the forces therefore stand here once more, on purpose. It goes past the
+//! paper in three points, without which it would not end or would miss impacts:
+//! - a step in whose interior the block could come to the stop and back is searched too, by a heuristic without proof;
+//! - resting contact is a mode of its own, docs/theory.md (13) to (15);
+//! - chatter is closed once a rebound stays below [`Tolerance::rebound`].
 //!
 //! Sources: E. Fehlberg, NASA TR R-315 (1969), table III (fourth order with a fifth-order estimate; the fifth-order
 //! result is carried on, as in Shampine and Watts's RKF45); Fritzkowski & Awrejcewicz, doi:10.1007/s11071-021-06838-w.
@@ -14,12 +15,16 @@
 mod law;
 
 use crate::error::{Error, Result};
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, Range};
 use crate::simulator::{Contact, Event, ImpactRecord, Loads, State};
 use law::{Law, Vector};
 
-/// Halvings of a step: past them its length is under the resolution of time.
+/// Most halvings of a step; after so many its length is under the resolution of time.
 const HALVINGS: u32 = 60;
+
+/// Least and largest tolerance: below, round-off prevails; above, the motion is no longer that of the system.
+const TOLERANCES: Range =
+    Range { min: 1e-15, max: 1e-2, open_min: false, allowed: "1e-15 <= tolerance <= 0.01" };
 
 /// Tolerances of the [`Reference`], unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,15 +46,9 @@ impl Tolerance {
     }
 
     fn validate(&self) -> Result<()> {
-        let allowed = "1e-15 <= tolerance <= 0.01";
-        for (name, value) in
-            [("tolerance.step", self.step), ("tolerance.gap", self.gap), ("tolerance.rebound", self.rebound)]
-        {
-            if !(1e-15..=1e-2).contains(&value) {
-                return Err(Error::OutOfRange { name, value, allowed });
-            }
-        }
-        Ok(())
+        TOLERANCES.check("tolerance.step", self.step)?;
+        TOLERANCES.check("tolerance.gap", self.gap)?;
+        TOLERANCES.check("tolerance.rebound", self.rebound)
     }
 }
 
@@ -59,14 +58,17 @@ pub struct Reference {
     law: Law,
     tolerance: Tolerance,
     time: f64,
-    /// What `time` lost to rounding (Kahan): 10⁶ small steps must not drift.
+    /// What `time` has lost to rounding (Kahan's summation), so that the clock does not drift over 10⁶ small steps.
     carry: f64,
+    /// x1, x2, x3 (m) and their rates (m/s).
     y: Vector,
     /// Side of the stop the block rests on: ±1, or 0 in flight.
     side: f64,
-    /// Drive acceleration at `time`: the last stage of a step is the first of the next.
+    /// Acceleration of the box by the drive at `time`. A step's last stage computes it for the next step's first.
     drive: f64,
+    /// Length of the next step, s.
     step: f64,
+    /// What a coordinate's error is measured by besides its own size: L, or L times a typical rate.
     scale: Vector,
     impacts: ImpactRecord,
 }
@@ -85,9 +87,7 @@ impl Reference {
             .zip(y)
             .chain([("time", time)])
         {
-            if !value.is_finite() {
-                return Err(Error::OutOfRange { name, value, allowed: "a finite number" });
-            }
+            Range::FINITE.check(name, value)?;
         }
         let law = Law::new(parameters, time);
         let gap = parameters.stop_gap;
@@ -116,9 +116,7 @@ impl Reference {
     /// [`Error::OutOfRange`] for a value that is not finite.
     pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
         for value in loads.derivatives.into_iter().flatten() {
-            if !value.is_finite() {
-                return Err(Error::OutOfRange { name: "load", value, allowed: "a finite number" });
-            }
+            Range::FINITE.check("load", value)?;
         }
         self.law.set_loads(loads, self.time);
         Ok(())
@@ -149,7 +147,7 @@ impl Reference {
         if self.side == 0.0 { 0.0 } else { self.law.force(&self.y, self.drive, self.time, self.side) }
     }
 
-    /// Counts and last values of the impacts so far. Impacts that a merge leaves out are not counted.
+    /// Counts and last values of the impacts so far. The impacts of a chatter run after it is closed are not counted.
     pub fn impacts(&self) -> &ImpactRecord {
         &self.impacts
     }
@@ -176,7 +174,7 @@ impl Reference {
             let left = end - self.time + self.carry;
             let h = self.step.min(left);
             let (next, drive, error) = self.fehlberg(h);
-            // Not `error > 1`: a NaN must be refused as well.
+            // A NaN must be refused as well, which `error > 1` alone would not do.
             if error.is_nan() || error > 1.0 {
                 self.step = h * (0.9 / error.sqrt().sqrt()).clamp(0.2, 1.0);
                 let floor = 4.0 * f64::EPSILON * self.time.abs();
@@ -189,13 +187,13 @@ impl Reference {
                 }
                 continue;
             }
-            if self.watch(&next, drive, h, on_event) {
+            if self.advance_to_event(&next, drive, h, on_event) {
                 continue;
             }
             let grown = h * (0.9 / error.sqrt().sqrt()).clamp(0.2, 5.0);
             if h < left {
                 self.step = grown;
-                self.pass(h);
+                self.add_time(h);
             } else {
                 self.step = self.step.max(grown);
                 (self.time, self.carry) = (end, 0.0);
@@ -205,8 +203,15 @@ impl Reference {
         Ok(())
     }
 
-    /// Looks for an event in the accepted step to `next`; when there is one, goes there instead.
-    fn watch(&mut self, next: &Vector, drive: f64, h: f64, on_event: &mut dyn FnMut(&Event)) -> bool {
+    /// Looks for an event in the accepted step to `next`. When there is one, it is applied at its time instead of the step, and
+    /// the answer is true.
+    fn advance_to_event(
+        &mut self,
+        next: &Vector,
+        drive: f64,
+        h: f64,
+        on_event: &mut dyn FnMut(&Event),
+    ) -> bool {
         if self.side != 0.0 {
             return self.law.force(next, drive, self.time + h, self.side) < 0.0 && self.release(h, on_event);
         }
@@ -215,7 +220,7 @@ impl Reference {
         let reach = gap + self.law.slack(next);
         let violated = w.abs() > reach;
         if !violated {
-            // A maximum of side·w inside the step: only where both end tangents pass the stop can it reach there.
+            // side·w may have a maximum inside the step. It can reach the stop only where the tangents of both ends do.
             let (w0, rate0) = (self.y[1] - self.y[0], self.y[4] - self.y[3]);
             side = rate0.signum();
             let peak = side * rate < 0.0 && side * (w0 + rate0 * h) > reach && side * (w - rate * h) > reach;
@@ -226,7 +231,7 @@ impl Reference {
         match self.bisect(side, h, violated) {
             Some((y, elapsed)) => {
                 self.y = y;
-                self.pass(elapsed);
+                self.add_time(elapsed);
                 self.drive = self.law.drive(self.time);
                 self.strike(side, on_event);
                 true
@@ -235,8 +240,8 @@ impl Reference {
         }
     }
 
-    /// Classical RK4 from the step's beginning, halving the step each time, up to the stop: state there and time
-    /// elapsed. Where the step's end is inside, the contact may turn out to be none.
+    /// Classical RK4 from the step's beginning, with a step that is halved each time, up to the stop: the state there and the
+    /// time elapsed. `None` where the block turns before the stop, which is possible only if the step's end was not `violated`.
     fn bisect(&self, side: f64, h: f64, violated: bool) -> Option<(Vector, f64)> {
         let (mut y, mut elapsed, mut step) = (self.y, 0.0, h);
         for _ in 0..HALVINGS {
@@ -256,11 +261,11 @@ impl Reference {
                 (y, elapsed) = (trial, elapsed + step);
             }
         }
-        // RKF45 went outside by less than the two methods differ: met here, if anywhere.
+        // RKF45 went past the stop by less than the two methods differ, so the stop is met here.
         (violated && side * (y[4] - y[3]) > 0.0).then_some((y, elapsed))
     }
 
-    /// The impact law at the stop; closes a chatter.
+    /// Applies the impact law, docs/theory.md (10) and (11), at the stop and closes a chatter run.
     fn strike(&mut self, side: f64, on_event: &mut dyn FnMut(&Event)) {
         let law = &self.law;
         let speed = side * (self.y[4] - self.y[3]);
@@ -275,7 +280,8 @@ impl Reference {
         self.rest_if_pressed(side, on_event);
     }
 
-    /// Merges box and block, momentum and centre of mass kept, when the rebound would be too low to follow.
+    /// Merges box and block into rest when the block is pressed to the stop and its rebound would stay below the tolerated
+    /// height; momentum and centre of mass are kept.
     fn rest_if_pressed(&mut self, side: f64, on_event: &mut dyn FnMut(&Event)) {
         let law = &self.law;
         let pressing = law.force(&self.y, self.drive, self.time, side) / law.reduced;
@@ -291,7 +297,8 @@ impl Reference {
         }
     }
 
-    /// A state given on a stop: an impact at once when it moves outward, rest when it is pressed.
+    /// Decides on a state that is on a stop at the start of an advance: an impact at once when the block moves outward, rest
+    /// when it is pressed.
     fn start_on_stop(&mut self, on_event: &mut dyn FnMut(&Event)) {
         let w = self.y[1] - self.y[0];
         if self.side != 0.0 || w.abs() < self.law.gap - self.law.slack(&self.y) {
@@ -305,7 +312,8 @@ impl Reference {
         }
     }
 
-    /// RK4 with bisection up to where the contact force has just passed zero, within tolerance.
+    /// RK4 with bisection up to the instant at which the contact force has just become negative, within tolerance: the release of
+    /// docs/theory.md (15).
     fn release(&mut self, h: f64, on_event: &mut dyn FnMut(&Event)) -> bool {
         let small = self.tolerance.step * self.law.reduced * self.scale[3] * self.scale[3] / self.law.gap;
         let (mut y, mut elapsed, mut step) = (self.y, 0.0, h);
@@ -322,15 +330,15 @@ impl Reference {
             }
         }
         self.y = y;
-        self.pass(elapsed);
+        self.add_time(elapsed);
         self.drive = self.law.drive(self.time);
         on_event(&Event::Release { time: self.time, side: self.side as i8 });
         self.side = 0.0;
         true
     }
 
-    /// `time += h`, compensated.
-    fn pass(&mut self, h: f64) {
+    /// Adds `h` to the time by Kahan's summation.
+    fn add_time(&mut self, h: f64) {
         let add = h - self.carry;
         let sum = self.time + add;
         self.carry = (sum - self.time) - add;
@@ -381,7 +389,7 @@ impl Reference {
 }
 
 /// y + h Σ weight·slope.
-#[inline(always)] // thirteen calls a step, each of another N
+#[inline(always)] // there are thirteen calls a step, each with its own N
 fn add<const N: usize>(y: &Vector, h: f64, terms: [(f64, &Vector); N]) -> Vector {
     let mut sum = [0.0; 6];
     for (weight, k) in terms {

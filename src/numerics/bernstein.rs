@@ -1,9 +1,11 @@
-//! Polynomials on [0, 1] in Bernstein form: bounds that prove a sign, and exact extrema.
+//! Polynomials on [0, 1] in Bernstein form: bounds that prove a sign, and extrema exact to round-off.
 //!
-//! A polynomial lies within the range of its Bernstein coefficients, and subdivision shrinks that range
-//! quadratically; so a sign is proved without sampling and every extremum is isolated before it is computed.
+//! A polynomial lies within the range of its Bernstein coefficients, and with each halving of its interval (de Casteljau's
+//! subdivision) the distance between the two shrinks by a factor of four. So a sign is proved without sampling. The number of
+//! sign changes of the coefficients' differences bounds the number of turning points (Descartes' rule), so every extremum is isolated
+//! before it is computed. See G. Farin, Curves and Surfaces for CAGD.
 
-/// Degree of the Taylor polynomials of the flight. With rate × step ≤ [`RATE_STEP`] the first neglected term of
+/// Degree of the Taylor polynomials of a flight piece. With rate × step ≤ [`RATE_STEP`] the first neglected term of
 /// displacement and of velocity is under 5e-16 of the amplitude.
 pub const DEGREE: usize = 16;
 
@@ -13,17 +15,21 @@ pub const RATE_STEP: f64 = 0.75;
 /// A polynomial in t ∈ [0, 1] by its monomial coefficients, lowest power first.
 pub type Polynomial = [f64; DEGREE + 1];
 
-/// Halvings after which a bound is as narrow as round-off: the gap shrinks by 4 with each.
+/// Halvings after which a bound is as narrow as round-off: its distance from the polynomial shrinks by four with each.
 const DEPTH: u32 = 30;
 
-/// Subdivisions one proof may use. A tangency needs some 50: two intervals for each of about 25 halvings.
+/// Most subdivisions of one proof. A tangency needs some 50: two intervals for each of about 25 halvings.
 const SUBDIVISIONS: u32 = 512;
 
-/// A bound above the best value by no more than this is round-off.
+/// A bound that exceeds the best value by no more than this, relatively, exceeds it by round-off.
 const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Newton steps; each is safeguarded by bisection, which alone would need 52.
+/// Most Newton steps; each is safeguarded by bisection, which alone would need 52.
 const NEWTON_STEPS: usize = 80;
+
+/// Accuracy of a turning point's place. Half the digits suffice, since the value there depends on the place only in second
+/// order.
+const TURNING_POINT: f64 = 1e-9;
 
 /// `C(i, k) / C(DEGREE, k)`: Bernstein coefficient i is the sum over k ≤ i of this times monomial coefficient k.
 const TO_BERNSTEIN: [[f64; DEGREE + 1]; DEGREE + 1] = {
@@ -41,7 +47,7 @@ const TO_BERNSTEIN: [[f64; DEGREE + 1]; DEGREE + 1] = {
     table
 };
 
-/// Value and derivative at t.
+/// Value and derivative at t, by Horner's rule.
 pub fn evaluate(polynomial: &Polynomial, t: f64) -> (f64, f64) {
     let (mut value, mut slope) = (0.0, 0.0);
     for &coefficient in polynomial.iter().rev() {
@@ -51,7 +57,7 @@ pub fn evaluate(polynomial: &Polynomial, t: f64) -> (f64, f64) {
     (value, slope)
 }
 
-/// Adds amplitude·sin(angle + rate t), rate ≤ [`RATE_STEP`].
+/// Adds the Taylor polynomial of amplitude·sin(angle + rate t); |rate| ≤ [`RATE_STEP`] keeps its truncation under round-off.
 pub fn add_sine(polynomial: &mut Polynomial, amplitude: f64, rate: f64, angle: f64) {
     let (sin, cos) = angle.sin_cos();
     let (mut now, mut next) = (amplitude * sin, amplitude * cos * rate);
@@ -61,11 +67,12 @@ pub fn add_sine(polynomial: &mut Polynomial, amplitude: f64, rate: f64, angle: f
     }
 }
 
+/// The Bernstein coefficients.
 fn to_bernstein(polynomial: &Polynomial) -> Polynomial {
     std::array::from_fn(|i| (0..=i).map(|k| TO_BERNSTEIN[i][k] * polynomial[k]).sum())
 }
 
-/// de Casteljau's subdivision at the middle.
+/// The Bernstein coefficients on both halves of the interval, by de Casteljau's subdivision.
 fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
     let (mut left, mut right) = (*b, *b);
     for level in 1..=DEGREE {
@@ -73,14 +80,23 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
         for i in 0..=DEGREE - level {
             right[i] = 0.5 * (right[i] + right[i + 1]);
         }
-        // `right[..=DEGREE - level]` now holds this level; the tail keeps the right half's coefficients.
+        // `right[..=DEGREE - level]` now holds this level; the rest already holds coefficients of the right half.
     }
     left[DEGREE] = right[0];
     (left, right)
 }
 
-/// Whether the polynomial stays within `low`..=`high` on [0, 1]: proved, not sampled. A polynomial that runs along a
-/// limit to round-off may exhaust the subdivisions and counts as not proved.
+/// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False when it leaves them, when a coefficient
+/// is NaN, and when it runs along a limit so closely that the proof would need more than 512 subdivisions.
+///
+/// ```
+/// use vibro_impact::numerics::bernstein::{DEGREE, stays_within};
+///
+/// let mut parabola = [0.0; DEGREE + 1];
+/// (parabola[1], parabola[2]) = (4.0, -4.0); // 4 t (1 - t), with the maximum 1
+/// assert!(stays_within(&parabola, 0.0, 1.0 + 1e-12));
+/// assert!(!stays_within(&parabola, 0.0, 0.999));
+/// ```
 pub fn stays_within(polynomial: &Polynomial, low: f64, high: f64) -> bool {
     fn proved(b: &Polynomial, low: f64, high: f64, budget: &mut u32) -> bool {
         let inside = |x: f64| x >= low && x <= high; // false for NaN
@@ -88,7 +104,7 @@ pub fn stays_within(polynomial: &Polynomial, low: f64, high: f64) -> bool {
             return true;
         }
         if *budget == 0 || !inside(b[0]) || !inside(b[DEGREE]) {
-            return false; // the ends are values of the polynomial
+            return false; // the coefficients at the ends are values of the polynomial
         }
         *budget -= 1;
         let (left, right) = halves(b);
@@ -103,10 +119,12 @@ pub fn raise_to_maximum(polynomial: &Polynomial, best: &mut f64) {
     raise(polynomial, &b, 0.0, 1.0, best, DEPTH);
 }
 
+/// [`raise_to_maximum`] on [from, to], where the polynomial has the Bernstein coefficients `b`. It is halved until the
+/// coefficients rise and fall at most once, or cannot exceed `best`.
 fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut f64, depth: u32) {
     *best = best.max(b[0].abs()).max(b[DEGREE].abs());
     let bound = b.iter().fold(0.0_f64, |bound, x| bound.max(x.abs()));
-    // A NaN coefficient would make no comparison true; the flight's coefficients are checked finite.
+    // Coefficients must not be NaN, which no comparison would show; those of a flight have been checked.
     if bound <= *best * (1.0 + BOUND_ROUNDING) || depth == 0 {
         return;
     }
@@ -151,8 +169,7 @@ fn turning_point(polynomial: &Polynomial, from: f64, to: f64) -> f64 {
         }
         let newton = t - first / second;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        // Half the digits suffice: the value at a turning point depends on its place only in second order.
-        if (next - t).abs() < 1e-9 {
+        if (next - t).abs() < TURNING_POINT {
             return next;
         }
         t = next;
@@ -215,7 +232,7 @@ mod tests {
             *c = f64::EPSILON * if k % 2 == 0 { 1.0 } else { -1.0 };
         }
         p[0] = 1.0;
-        stays_within(&p, -1.0, 1.0);
+        stays_within(&p, -1.0, 1.0); // either answer will do, within the subdivisions allowed
         let mut best = 0.0;
         raise_to_maximum(&p, &mut best);
         assert!((best - 1.0).abs() < 20.0 * f64::EPSILON);

@@ -1,10 +1,23 @@
-//! Brent's method.
+//! Roots of functions of one variable, by Brent's method (R. P. Brent, Algorithms for Minimization without Derivatives, 1973,
+//! chapter 4).
 
-/// Steps after which Brent's method gives up; bisection alone needs about 60 for a double.
+/// Most steps of Brent's method. Bisection alone needs about 60 for a root and an interval of like size, and Brent's method at
+/// most a few times as many.
 const BRENT_STEPS: usize = 200;
 
-/// Brent's method: the root of `f` between `a` and `b`, where `f` has opposite signs, to `tolerance` in the
-/// argument. `None` when there is no change of sign or `f` is not a number.
+/// A root of `f` between `a` and `b`, where `f` must have opposite signs, to `tolerance` (plus the rounding of the root) in the
+/// argument. `None` when there is no change of sign or `f` gives NaN.
+///
+/// The interval between the present root and `c` always encloses a change of sign, so the method ends where the function is
+/// not continuous too. A step of inverse interpolation is taken where it shrinks that interval fast enough, a bisection where it
+/// does not.
+///
+/// ```
+/// use vibro_impact::numerics::roots::brent;
+///
+/// let root = brent(|x| x * x - 2.0, 0.0, 2.0, 1e-15).expect("a change of sign");
+/// assert!((root - 2f64.sqrt()).abs() < 1e-15);
+/// ```
 pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> Option<f64> {
     let (mut a, mut b) = (a, b);
     let (mut fa, mut fb) = (f(a), f(b));
@@ -17,7 +30,9 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
     if fa.is_nan() || fb.is_nan() || (fa > 0.0) == (fb > 0.0) {
         return None;
     }
+    // b is the best approximation, a the one before it, and the root lies between b and c.
     let (mut c, mut fc) = (a, fa);
+    // This step and the one before it.
     let mut step = b - a;
     let mut before = step;
     for _ in 0..BRENT_STEPS {
@@ -36,6 +51,7 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
             return Some(b);
         }
         if before.abs() >= enough && fa.abs() > fb.abs() {
+            // The step p/q of linear interpolation where only two points are known, else of inverse quadratic interpolation.
             let s = fb / fa;
             let (mut p, mut q) = if a == c {
                 (2.0 * middle * s, 1.0 - s)
@@ -47,6 +63,7 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
                 q = -q;
             }
             p = p.abs();
+            // It is taken if it stays in the interval and is less than half the step before the last.
             if 2.0 * p < (3.0 * middle * q - (enough * q).abs()).min((before * q).abs()) {
                 before = step;
                 step = p / q;
@@ -72,7 +89,7 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
 mod tests {
     use super::*;
 
-    /// Brent's method is asked for this much in the argument.
+    /// What Brent's method is asked for, a hundred roundings of roots of order one.
     const TOLERANCE: f64 = 1e-14;
 
     #[test]

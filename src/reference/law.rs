@@ -1,4 +1,7 @@
-//! The equations of motion (paper, equations 1–3) as the reference method integrates them.
+//! The equations of motion as the reference method integrates them (paper, section 2; docs/theory.md (3), (13) and (14)).
+//!
+//! They stand in `model.rs` too, in other coordinates. Here they are written anew on purpose: a mistake in one of the two makes
+//! the tests that compare the methods fail.
 
 use crate::parameters::Parameters;
 use crate::simulator::Loads;
@@ -6,34 +9,39 @@ use crate::simulator::Loads;
 /// x1, x2, x3 (m) and x1', x2', x3' (m/s).
 pub(super) type Vector = [f64; 6];
 
-/// Slack of the constraint in units of round-off of the coordinates: a block set on the stop is not outside.
+/// Slack of the constraint relative to the coordinates: a block that was set on the stop is not outside it by rounding.
 const SLACK: f64 = 8.0 * f64::EPSILON;
 
-/// The equations of motion (paper, equations 1–3), divided by the masses.
+/// The equations of motion, docs/theory.md (3), divided by the masses.
 #[derive(Clone, Debug)]
 pub(super) struct Law {
     pub(super) m1: f64,
     pub(super) m2: f64,
-    /// m1 m2/(m1+m2).
+    /// The reduced mass m1 m2/(m1+m2), docs/theory.md (10).
     pub(super) reduced: f64,
     pub(super) gap: f64,
     pub(super) restitution: f64,
+    /// k1/m1 and c1/m1.
     stiffness1: f64,
     damping1: f64,
+    /// k23/m2 and k23/m3.
     coupling2: f64,
     coupling3: f64,
+    /// k3/m3 and c3/m3.
     stiffness3: f64,
     damping3: f64,
+    /// F10/m1, ω1 and the phase at time 0.
     amplitude: f64,
     frequency: f64,
     phase: f64,
-    /// Polynomial coefficients of the loads, m/s² per s^order, about `since`.
+    /// Polynomial coefficients of the loads over the masses, m/s² per s^order, in the time from `since`.
     loads: Option<[[f64; 4]; 3]>,
     masses: [f64; 3],
     since: f64,
 }
 
 impl Law {
+    /// The equations of a system whose parameters have been checked.
     pub(super) fn new(p: &Parameters, time: f64) -> Self {
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
         Self {
@@ -57,6 +65,7 @@ impl Law {
         }
     }
 
+    /// Sets the loads as polynomials in the time from `time`.
     pub(super) fn set_loads(&mut self, loads: &Loads, time: f64) {
         self.since = time;
         self.loads = (*loads != Loads::default()).then(|| {
@@ -104,7 +113,7 @@ impl Law {
         a
     }
 
-    /// Right-hand side of the mode: flight for `side` 0, else at rest on that stop.
+    /// Right-hand side of the mode: flight for `side` 0, else rest on that stop, docs/theory.md (13).
     #[inline]
     pub(super) fn slope(&self, y: &Vector, drive: f64, time: f64, side: f64) -> Vector {
         let mut a = self.accelerations(y, drive, time);
@@ -115,7 +124,7 @@ impl Law {
         [y[3], y[4], y[5], a[0], a[1], a[2]]
     }
 
-    /// Contact force that rest on stop `side` needs, N; negative where the block would leave.
+    /// Contact force of rest on stop `side`, docs/theory.md (14), N; negative where the block would leave.
     pub(super) fn force(&self, y: &Vector, drive: f64, time: f64, side: f64) -> f64 {
         let a = self.accelerations(y, drive, time);
         self.reduced * side * (a[1] - a[0])

@@ -1,4 +1,15 @@
-//! Many independent motions in one call.
+//! Many independent motions in one call, side by side in the machine's vectors where that pays.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `mod.rs` | [`advance_together`]: which motions run in lanes |
+//! | `lanes.rs` | the loop over sub-steps, and how a motion enters, leaves and comes back to its lane |
+//! | `lanes/rows.rs` | the motions' numbers, the same number of all motions side by side |
+//! | `lanes/substep.rs` | one sub-step of all lanes |
+//! | `lanes/passage.rs` | series of the free flight, the gap's first zero and the proofs about it, in lanes |
+//! | `vectors.rs` | vectors with operators |
+//!
+//! docs/numerics.md, "Many motions side by side", says why each part is right and what its bits agree with.
 
 mod lanes;
 pub(crate) mod vectors;
@@ -8,14 +19,31 @@ use super::{Simulator, check_time};
 use crate::error::{Error, Result};
 use crate::numerics::double_double::DoubleDouble;
 
-/// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does; on machines with AVX2 or AVX-512 the motions
-/// lie side by side in the vectors: one or two take longer than by `advance_to`, from some three on all together take less
-/// time than one after another, and eight or more less than half, unless rest takes up much of the motions. Those that keep
-/// their energy accounts or are under loads go one by one. Results in the simulators' order.
+/// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in the simulators' order; an
+/// error of one motion does not touch the others.
 ///
-/// A motion ends as accurately as one by one, impacts proved in the same way, but not on the same bits: the arithmetic is
-/// ordered otherwise, and the last digits that differ grow as all do in a motion with impacts. It does not depend on the other
-/// motions, their order or their number.
+/// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. One or two take longer than by
+/// `advance_to`; from some three on all together take less time than one after another, and eight or more less than half,
+/// unless rest takes up much of the motions. Those that keep their energy accounts or are under loads are advanced one by
+/// one.
+///
+/// A motion ends as accurately as by `advance_to`, with its impacts proved in the same way, but not on the same bits: the
+/// arithmetic is ordered otherwise, and differences in the last digits grow as all differences do in a motion with impacts.
+/// The result depends neither on the other motions nor on their order or number.
+///
+/// ```
+/// use vibro_impact::simulator::advance_together;
+/// use vibro_impact::{Parameters, Simulator, State};
+///
+/// let first = Simulator::new(&Parameters::default(), &State::default(), 0.0)?.without_energy_accounts();
+/// let start = |x2: f64| first.with_state(&State { x: [0.0, x2, 0.0], v: [0.0; 3] }, 0.0);
+/// let mut motions = [-0.5, 0.0, 0.5, 0.9].map(|x2| start(x2).expect("inside the box"));
+/// for result in advance_together(&mut motions, |_| 100.0) {
+///     result?;
+/// }
+/// assert!(motions.iter().all(|motion| motion.time() == 100.0));
+/// # Ok::<(), vibro_impact::Error>(())
+/// ```
 pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -> f64) -> Vec<Result<()>> {
     let mut results: Vec<Result<()>> = simulators.iter().map(|s| s.check_end(end(s))).collect();
     let mut waiting = Vec::new();
@@ -36,11 +64,36 @@ pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -
 }
 
 impl Simulator {
-    /// As an advance to `end` checks it.
+    /// Checks an end as an advance to it does.
     fn check_end(&self, end: f64) -> Result<()> {
         if end.is_finite() && end >= self.time() {
             return check_time(self.model.rate, end);
         }
         Err(Error::Step { time: self.time(), end })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::{Loads, State};
+    use crate::{Parameters, Simulator};
+
+    #[test]
+    fn invariant_accounts_and_loads_have_the_bits_of_one_by_one() {
+        /// Some hundred impacts, long enough for a difference in the last digit to grow.
+        const END: f64 = 300.0;
+        let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
+        let accounts = Simulator::new(&Parameters::default(), &start, 0.0).unwrap();
+        let mut loaded = accounts.clone().without_energy_accounts();
+        loaded.set_loads(&Loads { derivatives: [[0.0; 4], [0.02, 1e-5, 0.0, 0.0], [0.0; 4]] }).unwrap();
+        let in_a_lane = accounts.clone().without_energy_accounts();
+        let mut together = [in_a_lane, accounts.clone(), loaded.clone()];
+        assert!(advance_together(&mut together, |_| END).iter().all(Result::is_ok));
+        for (together, mut alone) in together[1..].iter().zip([accounts, loaded]) {
+            alone.advance_to(END).unwrap();
+            assert!(alone.impacts().upper > 0);
+            assert_eq!(alone.snapshot(), together.snapshot());
+        }
     }
 }

@@ -1,13 +1,13 @@
-//! Numbers of several motions side by side in one of the machine's vectors, with the usual operators. Each place of a
-//! vector is computed from the same place of the others alone.
+//! Numbers of several motions side by side in one of the machine's vectors, with the usual operators. Each lane of a
+//! result is computed from the same lane of the operands alone, so a motion's numbers never depend on its neighbours'.
 
 use pulp::{Simd, bytemuck};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// Motions side by side in memory: whole vectors of every machine.
+/// Motions side by side in memory: a whole number of vectors on every machine, two with AVX-512 and four with AVX2.
 pub(crate) const ROW: usize = 16;
 
-/// One number of each motion, as it lies in memory.
+/// One number of each motion in memory, aligned to a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Row(pub(crate) [f64; ROW]);
@@ -15,21 +15,21 @@ pub(crate) struct Row(pub(crate) [f64; ROW]);
 impl Row {
     pub(crate) const ZERO: Self = Self([0.0; ROW]);
 
-    /// Vectors of a row.
+    /// How many vectors a row has.
     #[inline(always)]
     pub(crate) fn vectors<S: Simd>() -> usize {
         ROW / S::F64_LANES
     }
 }
 
-/// A vector.
+/// A vector: one number of each of some neighbouring motions.
 #[derive(Clone, Copy)]
 pub(crate) struct Wide<S: Simd> {
     simd: S,
     x: S::f64s,
 }
 
-/// A truth value in each place of a vector.
+/// A truth value in each lane of a vector.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask<S: Simd> {
     simd: S,
@@ -37,6 +37,7 @@ pub(crate) struct Mask<S: Simd> {
 }
 
 impl<S: Simd> Wide<S> {
+    /// `x` in every lane.
     #[inline(always)]
     pub(crate) fn splat(simd: S, x: f64) -> Self {
         Self { simd, x: simd.splat_f64s(x) }
@@ -44,39 +45,39 @@ impl<S: Simd> Wide<S> {
 
     /// Vector `v` of a row.
     #[inline(always)]
-    pub(crate) fn of(simd: S, row: &Row, v: usize) -> Self {
+    pub(crate) fn load(simd: S, row: &Row, v: usize) -> Self {
         Self { simd, x: S::as_simd_f64s(&row.0).0[v] }
     }
 
     /// Vector `v` of each row.
     #[inline(always)]
-    pub(crate) fn of_each<const N: usize>(simd: S, rows: &[Row; N], v: usize) -> [Self; N] {
+    pub(crate) fn load_each<const N: usize>(simd: S, rows: &[Row; N], v: usize) -> [Self; N] {
         let mut all = [Self::splat(simd, 0.0); N];
         for (one, row) in all.iter_mut().zip(rows) {
-            *one = Self::of(simd, row, v);
+            *one = Self::load(simd, row, v);
         }
         all
     }
 
-    /// Σ_j rows[j] x_j.
+    /// Σ_j rows[j] x_j from vector `v` of each row, each product but the first added with one rounding.
     #[inline(always)]
     pub(crate) fn dot<const N: usize>(simd: S, rows: &[Row; N], v: usize, x: &[Self; N]) -> Self {
-        let mut sum = Self::of(simd, &rows[0], v) * x[0];
+        let mut sum = Self::load(simd, &rows[0], v) * x[0];
         for (row, x) in rows.iter().zip(x).skip(1) {
-            sum = Self::of(simd, row, v).mul_add(*x, sum);
+            sum = Self::load(simd, row, v).mul_add(*x, sum);
         }
         sum
     }
 
-    /// Becomes vector `v` of a row.
+    /// Writes vector `v` of a row.
     #[inline(always)]
-    pub(crate) fn put(self, row: &mut Row, v: usize) {
+    pub(crate) fn store(self, row: &mut Row, v: usize) {
         S::as_mut_simd_f64s(&mut row.0).0[v] = self.x;
     }
 
-    /// The same number everywhere.
+    /// `x` in every lane.
     #[inline(always)]
-    pub(crate) fn all(self, x: f64) -> Self {
+    pub(crate) fn uniform(self, x: f64) -> Self {
         Self::splat(self.simd, x)
     }
 
@@ -102,11 +103,13 @@ impl<S: Simd> Wide<S> {
         Self { x: self.simd.max_f64s(self.x, b.x), ..self }
     }
 
+    /// Where this is less than `b`; false for NaN.
     #[inline(always)]
-    pub(crate) fn less(self, b: Self) -> Mask<S> {
+    pub(crate) fn less_than(self, b: Self) -> Mask<S> {
         Mask { simd: self.simd, m: self.simd.less_than_f64s(self.x, b.x) }
     }
 
+    /// Where this is at most `b`; false for NaN.
     #[inline(always)]
     pub(crate) fn at_most(self, b: Self) -> Mask<S> {
         Mask { simd: self.simd, m: self.simd.less_than_or_equal_f64s(self.x, b.x) }
@@ -141,20 +144,21 @@ impl<S: Simd> Neg for Wide<S> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// The first place is the lowest bit's.
+    /// From a bit for each lane, the first lane's the lowest.
     #[inline(always)]
-    pub(crate) fn of(simd: S, bits: u64) -> Self {
-        const PLACES: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
-        let places = S::as_simd_u64s(&PLACES).0[0];
-        Self { simd, m: simd.equal_u64s(simd.and_u64s(simd.splat_u64s(bits), places), places) }
+    pub(crate) fn from_bits(simd: S, bits: u64) -> Self {
+        const BITS: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+        let lanes = S::as_simd_u64s(&BITS).0[0];
+        Self { simd, m: simd.equal_u64s(simd.and_u64s(simd.splat_u64s(bits), lanes), lanes) }
     }
 
+    /// `yes` in the lanes that hold true and `no` in the others.
     #[inline(always)]
     pub(crate) fn select(self, yes: Wide<S>, no: Wide<S>) -> Wide<S> {
         Wide { simd: self.simd, x: self.simd.select_f64s(self.m, yes.x, no.x) }
     }
 
-    /// A bit for each place that holds true, the first place's the lowest.
+    /// A bit for each lane that holds true, the first lane's the lowest.
     #[inline(always)]
     pub(crate) fn bits(self) -> u64 {
         if size_of::<S::m64s>() == 1 {
@@ -162,10 +166,10 @@ impl<S: Simd> Mask<S> {
         }
         let (ones, none) = (self.simd.splat_u64s(u64::MAX), self.simd.splat_u64s(0));
         let ones = self.simd.select_u64s(self.m, ones, none);
-        let places: &[u64] = bytemuck::cast_slice(std::slice::from_ref(&ones));
+        let lanes: &[u64] = bytemuck::cast_slice(std::slice::from_ref(&ones));
         let mut bits = 0;
-        for (place, ones) in places.iter().enumerate() {
-            bits |= (ones >> 63) << place;
+        for (lane, ones) in lanes.iter().enumerate() {
+            bits |= (ones >> 63) << lane;
         }
         bits
     }
@@ -198,7 +202,10 @@ impl<S: Simd> Not for Mask<S> {
     }
 }
 
-/// Sums in extended precision, place by place: the formulas of [`crate::numerics::double_double`].
+/// Sums in extended precision, lane by lane. The formulas are those of [`DoubleDouble::plus`], written again because the two
+/// compute on different types; `second_method_sums_are_double_double` holds them to the same bits.
+///
+/// [`DoubleDouble::plus`]: crate::numerics::double_double::DoubleDouble::plus
 #[derive(Clone, Copy)]
 pub(crate) struct WideDoubleDouble<S: Simd> {
     pub(crate) hi: Wide<S>,
@@ -206,6 +213,20 @@ pub(crate) struct WideDoubleDouble<S: Simd> {
 }
 
 impl<S: Simd> WideDoubleDouble<S> {
+    /// From the leading and trailing parts in vector `v` of two rows.
+    #[inline(always)]
+    pub(crate) fn load(simd: S, [hi, lo]: &[Row; 2], v: usize) -> Self {
+        Self { hi: Wide::load(simd, hi, v), lo: Wide::load(simd, lo, v) }
+    }
+
+    /// Writes vector `v` of two rows in the lanes of `chosen`; the others keep what `before` holds.
+    #[inline(always)]
+    pub(crate) fn store_where(self, chosen: Mask<S>, before: Self, [hi, lo]: &mut [Row; 2], v: usize) {
+        chosen.select(self.hi, before.hi).store(hi, v);
+        chosen.select(self.lo, before.lo).store(lo, v);
+    }
+
+    /// The sum with a vector of doubles.
     #[inline(always)]
     pub(crate) fn plus(self, b: Wide<S>) -> Self {
         let sum = self.hi + b;
@@ -213,5 +234,47 @@ impl<S: Simd> WideDoubleDouble<S> {
         let lo = ((self.hi - (sum - t)) + (b - t)) + self.lo;
         let hi = sum + lo;
         Self { hi, lo: lo - (hi - sum) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::double_double::DoubleDouble;
+    use proptest::prelude::*;
+
+    /// Sums of the terms of each lane from the same start.
+    struct Sums<'a>(f64, &'a [[f64; ROW]]);
+
+    impl pulp::WithSimd for Sums<'_> {
+        type Output = [DoubleDouble; ROW];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let mut parts = [Row([self.0; ROW]), Row::ZERO];
+            for v in 0..Row::vectors::<S>() {
+                for terms in self.1 {
+                    let sum = WideDoubleDouble::load(simd, &parts, v);
+                    let all = Mask::from_bits(simd, u64::MAX);
+                    let more = sum.plus(Wide::load(simd, &Row(*terms), v));
+                    more.store_where(all, sum, &mut parts, v);
+                }
+            }
+            std::array::from_fn(|lane| DoubleDouble { hi: parts[0].0[lane], lo: parts[1].0[lane] })
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn second_method_sums_are_double_double(
+            start in -1e3..1e3f64,
+            terms in prop::collection::vec(prop::array::uniform16(-1.0..1.0f64), 1..20),
+        ) {
+            let together = pulp::Arch::new().dispatch(Sums(start, &terms));
+            for (lane, together) in together.into_iter().enumerate() {
+                let alone = terms.iter().fold(DoubleDouble::new(start), |sum, terms| sum.plus(terms[lane]));
+                prop_assert_eq!(alone, together);
+            }
+        }
     }
 }

@@ -14,6 +14,14 @@ const MULTIPLIER: f64 = 1e-9;
 /// A fold is square-root sharp: multipliers there are good to the root of the location.
 const AT_FOLD: f64 = 1e-4;
 
+/// Rounding of an impulse between a fold and its neighbour, where it moves with the square root of the parameter.
+const IMPULSE_ROUNDING: f64 = 1e-7;
+/// Largest step of the impulse between the nodes of a curve without jumps.
+const IMPULSE_STEP: f64 = 0.02;
+/// A located multiplier that is nearly double moves with the square root of the parameter, so it is found to fewer digits.
+const LOCATED_PAIR: f64 = 1e-7;
+const LOCATED_BREAKING: f64 = 1e-6;
+
 fn force(f10: f64) -> Result<Parameters> {
     Groups { f10, ..Groups::basic() }.to_parameters(Scales::default())
 }
@@ -37,7 +45,7 @@ fn golden_stable_range_of_the_exact_orbit() {
     assert_eq!(at.solution.bifurcation(), Bifurcation::SymmetryBreaking);
     // Below it a complex pair is outside the unit circle.
     let torus = values(&branch, Special::Bifurcation(Bifurcation::NeimarkSacker));
-    assert!(torus.len() == 1 && (torus[0] - low).abs() < 1e-9, "{torus:?}");
+    assert!(torus.len() == 1 && (torus[0] - low).abs() < MULTIPLIER, "{torus:?}");
 }
 
 #[test]
@@ -69,8 +77,8 @@ fn invariant_one_curve_runs_over_both_sheets_through_the_fold() {
     assert!(points[fold + 1..].iter().all(|p| p.sheet == Sheet::Upper));
     // Impulses rise along the whole curve, without a jump.
     for w in points.windows(2) {
-        assert!(w[1].solution.impulse() >= w[0].solution.impulse() - 1e-7);
-        assert!(w[1].solution.impulse() - w[0].solution.impulse() < 0.02);
+        assert!(w[1].solution.impulse() >= w[0].solution.impulse() - IMPULSE_ROUNDING);
+        assert!(w[1].solution.impulse() - w[0].solution.impulse() < IMPULSE_STEP);
     }
     assert_eq!(points[0].special, Some(Special::Vanishing));
     assert_eq!(points[points.len() - 1].special, Some(Special::RangeEnd));
@@ -142,10 +150,10 @@ fn invariant_located_multipliers_are_on_the_circle() {
             let branch = continuation::exact_orbit(path, (-1.5, 1.5), 300).unwrap();
             for p in branch.specials() {
                 let multipliers = p.solution.multipliers();
-                let on_circle = |m: &nalgebra::Complex<f64>| (m.norm() - 1.0).abs() < 1e-7;
+                let on_circle = |m: &nalgebra::Complex<f64>| (m.norm() - 1.0).abs() < LOCATED_PAIR;
                 match p.special {
                     Some(Special::Bifurcation(Bifurcation::SymmetryBreaking)) => {
-                        assert!(multipliers.iter().any(|m| (m + 1.0).norm() < 1e-6));
+                        assert!(multipliers.iter().any(|m| (m + 1.0).norm() < LOCATED_BREAKING));
                         seen += 1;
                     }
                     Some(Special::Bifurcation(_)) => {

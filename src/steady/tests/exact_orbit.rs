@@ -21,6 +21,18 @@ const RUNGE_KUTTA: f64 = 1e-10;
 /// Multipliers of nearly double pairs lose half their digits; products keep them.
 const PRODUCT: f64 = 1e-11;
 
+/// Samples of an amplitude miss the maximum by the square of their spacing.
+const SAMPLING: f64 = 1e-5;
+/// A sampled gap that exceeds the stop by less than this touches it.
+const TOUCH: f64 = 1e-9;
+/// Step of the central differences, and their error in the characteristic polynomial.
+const STEP: f64 = 1e-5;
+const DIFFERENCE: f64 = 1e-6;
+/// Simpson's rule with 2000 nodes over half a period.
+const QUADRATURE: f64 = 1e-9;
+/// A plastic impact makes two multipliers zero; a double one is found to the root of the rounding.
+const LOST_MULTIPLIER: f64 = 1e-6;
+
 fn basic() -> ExactOrbit {
     solve(&Parameters::default()).unwrap().upper.unwrap()
 }
@@ -176,9 +188,12 @@ fn second_method_amplitudes_and_clearance_by_sampling() {
         }
         for (exact, sample) in orbit.amplitudes().into_iter().zip(sampled) {
             let excess = (exact - sample) / gap;
-            assert!(excess > -ROUNDING * 100.0 && excess < 1e-5 * (1.0 + exact / gap), "{exact} {sample}");
+            assert!(
+                excess > -ROUNDING * 100.0 && excess < SAMPLING * (1.0 + exact / gap),
+                "{exact} {sample}"
+            );
         }
-        assert_eq!(orbit.is_clear(), w < 1.0 + 1e-9, "{w}");
+        assert_eq!(orbit.is_clear(), w < 1.0 + TOUCH, "{w}");
     }
 }
 
@@ -210,7 +225,7 @@ fn second_method_multipliers_by_differences_of_the_map() {
             let v = back.v.map(|v| -v / speed);
             [x[0], x[1], x[2], v[0], v[1], v[2]]
         };
-        let h = 1e-5;
+        let h = STEP;
         let mut matrix = nalgebra::Matrix6::<f64>::zeros();
         for column in 0..6 {
             let shifted = |by: f64| {
@@ -227,7 +242,10 @@ fn second_method_multipliers_by_differences_of_the_map() {
             let from_map = (nalgebra::Matrix6::identity() * z - matrix).determinant();
             let product = exact.iter().fold(nalgebra::Complex::new(1.0, 0.0), |acc, m| acc * (z - m));
             assert!(product.im.abs() < PRODUCT);
-            assert!((from_map - product.re).abs() < 1e-6 * (1.0 + product.re.abs()), "{from_map} {product}");
+            assert!(
+                (from_map - product.re).abs() < DIFFERENCE * (1.0 + product.re.abs()),
+                "{from_map} {product}"
+            );
         }
     }
 }
@@ -267,7 +285,7 @@ fn invariant_energy_balance_over_half_a_period() {
     let b = orbit.before_impact();
     let mu = p.box_mass * p.block_mass / (p.box_mass + p.block_mass);
     let lost = 0.5 * (1.0 - p.stop_restitution.powi(2)) * mu * (b.v[1] - b.v[0]).powi(2);
-    assert!((work / lost - 1.0).abs() < 1e-9, "{work} {lost}");
+    assert!((work / lost - 1.0).abs() < QUADRATURE, "{work} {lost}");
 }
 
 #[test]
@@ -294,7 +312,7 @@ fn invariant_plastic_and_elastic_impacts() {
     for orbit in plastic.lower.into_iter().chain(plastic.upper) {
         let a = orbit.after_impact();
         assert!((a.v[1] - a.v[0]).abs() < ROUNDING * 10.0);
-        assert!(orbit.multipliers()[5].norm() < 1e-6);
+        assert!(orbit.multipliers()[5].norm() < LOST_MULTIPLIER);
     }
     let elastic =
         solve(&Parameters { stop_restitution: 1.0, ..Parameters::default() }).unwrap().upper.unwrap();

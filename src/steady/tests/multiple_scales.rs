@@ -17,6 +17,16 @@ const DIFFERENCE: f64 = 1e-6;
 /// nalgebra's QR against closed form; eigenvalues of order one, some nearly double.
 const EIGENVALUE: f64 = 1e-9;
 
+/// Step of the central differences.
+const STEP: f64 = 1e-6;
+/// Just before an impact, and by how much slopes of order one change until then, with the rounding of the phase.
+const BEFORE: f64 = 1e-9;
+const SLOPE: f64 = 1e-7;
+/// Rounding of an amplitude or of the gap by way of another phase.
+const PHASE_ROUNDING: f64 = 1e-12;
+/// Samples of an amplitude miss the maximum by the square of their spacing.
+const SAMPLING: f64 = 1e-7;
+
 fn basic() -> Roots<FixedPoint> {
     fixed_points(&Groups::basic()).unwrap().unwrap()
 }
@@ -107,7 +117,7 @@ fn invariant_fixed_points_are_zeros_of_the_slow_flow() {
 
 #[test]
 fn second_method_jacobian_by_differences() {
-    let h = 1e-6;
+    let h = STEP;
     for (flow, p) in states() {
         if (p.c / flow.manifold().c_min() - 1.0).abs() < 0.05 {
             continue; // the slope of C(B) has no bound at C_min
@@ -177,15 +187,15 @@ fn second_method_periodic_motion_by_the_multipliers() {
 #[test]
 fn invariant_impact_law_of_the_multiple_scales_motion() {
     for (flow, p) in states() {
-        let (at, before) = (p.motion(p.impact_phase), p.motion(p.impact_phase - 1e-9));
+        let (at, before) = (p.motion(p.impact_phase), p.motion(p.impact_phase - BEFORE));
         assert!((at.w - 1.0).abs() < ROUNDING * (1.0 + p.c.abs()));
         let kappa = flow.groups().kappa;
-        assert!((at.dw + kappa * before.dw).abs() < 1e-7 * (1.0 + p.c.abs()));
+        assert!((at.dw + kappa * before.dw).abs() < SLOPE * (1.0 + p.c.abs()));
         // momentum: U is smooth
-        assert!((at.du - before.du).abs() < 1e-7 * (1.0 + p.b));
+        assert!((at.du - before.du).abs() < SLOPE * (1.0 + p.b));
         // the same instant by the phase of the drive
         let drive = p.motion_at_drive(p.drive_phase);
-        assert!((drive.w.abs() - 1.0).abs() < 1e-12 * (1.0 + p.c.abs()));
+        assert!((drive.w.abs() - 1.0).abs() < PHASE_ROUNDING * (1.0 + p.c.abs()));
     }
 }
 
@@ -201,7 +211,7 @@ fn second_method_amplitudes_by_sampling() {
         }
         for (value, sample) in [p.a1(), p.a2(), p.a3].into_iter().zip(sampled) {
             assert!(
-                value >= sample - 1e-12 * (1.0 + value) && value - sample < 1e-7 * (1.0 + value),
+                value >= sample - PHASE_ROUNDING * (1.0 + value) && value - sample < SAMPLING * (1.0 + value),
                 "{p:?}"
             );
         }

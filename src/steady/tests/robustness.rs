@@ -3,6 +3,9 @@
 use crate::parameters::{FIELDS, Groups, Parameters};
 use crate::steady::{exact_orbit, multiple_scales, strong_coupling};
 
+/// Rounding of the gap between large coordinates.
+const GAP_ROUNDING: f64 = 1e-12;
+
 /// A linear congruential generator is random enough to pick parameters.
 struct Random(u64);
 
@@ -42,7 +45,7 @@ fn invariant_exact_orbits_of_random_parameters_are_finite_or_refused() {
             assert!(orbit.multipliers().iter().all(|m| m.re.is_finite() && m.im.is_finite()), "{p:?}");
             let amplitudes = orbit.amplitudes();
             let gap = (state.x[1] - state.x[0]).abs();
-            let rounding = 1e-12 * (p.stop_gap + amplitudes[0] + amplitudes[1]);
+            let rounding = GAP_ROUNDING * (p.stop_gap + amplitudes[0] + amplitudes[1]);
             assert!(!orbit.is_clear() || gap <= p.stop_gap + rounding, "{p:?}");
         }
     }

@@ -11,6 +11,24 @@ const ROUNDING: f64 = 1e-13;
 /// Eigenvalues by QR; a nearly double pair keeps half its digits.
 const EIGENVALUE: f64 = 1e-9;
 
+/// A nearly double pair of multipliers keeps half its digits.
+const MULTIPLIER: f64 = 1e-6;
+/// Just before an impact, and by how much slopes and the gap change until then, with the rounding of the phase.
+const BEFORE: f64 = 1e-10;
+const SLOPE: f64 = 1e-8;
+const GAP: f64 = 1e-9;
+/// Step of second differences, with rounding over its square.
+const STEP: f64 = 1e-4;
+const SECOND_DIFFERENCE: f64 = 1e-6;
+/// The midpoint rule with 20,000 nodes.
+const QUADRATURE: f64 = 1e-7;
+/// Samples of an amplitude miss the maximum by the square of their spacing, and exceed it by rounding only.
+const SAMPLING: f64 = 1e-6;
+const SAMPLE_ROUNDING: f64 = 1e-11;
+/// Distance of β from 1 on either side, and the difference of the amplitudes there: their slope is under fifty.
+const NEAR_ONE: f64 = 1e-5;
+const LIMIT: f64 = 1e-3;
+
 fn strong() -> Groups {
     Groups { beta2: 0.3, mu13: 1.0, sigma30: 0.5, ..Groups::basic() }
 }
@@ -34,7 +52,7 @@ fn second_method_strong_coupling_without_coupling() {
                 assert!((a.drive_phase - b.drive_phase).sin().abs() < ROUNDING);
                 assert_eq!(a.admissibility, b.admissibility, "{a:?}\n{b:?}");
                 for m in a.multipliers {
-                    assert!(b.multipliers.iter().any(|n| (m - n).norm() < 1e-6), "{a:?}\n{b:?}");
+                    assert!(b.multipliers.iter().any(|n| (m - n).norm() < MULTIPLIER), "{a:?}\n{b:?}");
                 }
                 for e in a.eigenvalues {
                     assert!(b.eigenvalues.iter().any(|f| (e - f).norm() < EIGENVALUE * 1e3));
@@ -70,16 +88,16 @@ fn invariant_impact_law_and_equations_of_strong_coupling() {
     {
         for p in points(&g) {
             let scale = 1.0 + p.c.abs() + p.b;
-            let (at, before) = (p.motion(0.0), p.motion(-1e-10));
+            let (at, before) = (p.motion(0.0), p.motion(-BEFORE));
             assert!((at.w - 1.0).abs() < ROUNDING * scale);
-            assert!((at.dw + g.kappa * before.dw).abs() < 1e-8 * scale);
-            assert!((p.motion(PI - 1e-12).w + 1.0).abs() < 1e-9 * scale);
+            assert!((at.dw + g.kappa * before.dw).abs() < SLOPE * scale);
+            assert!((p.motion(PI - 1e-12).w + 1.0).abs() < GAP * scale);
             // X2'' + β²(X2 - X3) = 0 in between, at leading order
-            let h = 1e-4;
+            let h = STEP;
             let x2 = |s: f64| p.motion(s).w + p.motion(s).u;
             for s in [0.5, 1.5, 2.5] {
                 let curvature = (x2(s + h) - 2.0 * x2(s) + x2(s - h)) / (h * h);
-                assert!((curvature + g.beta2 * (x2(s) - p.motion(s).x[2])).abs() < 1e-6 * scale);
+                assert!((curvature + g.beta2 * (x2(s) - p.motion(s).x[2])).abs() < SECOND_DIFFERENCE * scale);
             }
         }
     }
@@ -104,7 +122,7 @@ fn second_method_balance_of_harmonics_by_quadrature() {
         let force = g.f10 * nalgebra::Complex::cis(p.drive_phase);
         let u = nalgebra::Complex::new(-2.0 * g.sigma1, g.gamma1) * p.u - force - first;
         let x = nalgebra::Complex::new(g.sigma30 - 2.0 * g.sigma1, g.gamma3) * p.x3 + second;
-        assert!(u.norm() < 1e-7 * (1.0 + p.b) && x.norm() < 1e-7 * (1.0 + p.a3), "{u} {x}");
+        assert!(u.norm() < QUADRATURE * (1.0 + p.b) && x.norm() < QUADRATURE * (1.0 + p.a3), "{u} {x}");
     }
 }
 
@@ -122,9 +140,12 @@ fn second_method_amplitudes_and_clearance_by_sampling() {
                 }
             }
             for (exact, sample) in [p.a1(), p.a2()].into_iter().zip(sampled) {
-                assert!(exact > sample - 1e-11 * (1.0 + exact) && exact - sample < 1e-6 * (1.0 + exact));
+                assert!(
+                    exact > sample - SAMPLE_ROUNDING * (1.0 + exact)
+                        && exact - sample < SAMPLING * (1.0 + exact)
+                );
             }
-            assert_eq!(p.admissibility.geometric, sampled[2] < 1.0 + 1e-9 && p.motion(-1e-9).dw > 0.0);
+            assert_eq!(p.admissibility.geometric, sampled[2] < 1.0 + GAP && p.motion(-GAP).dw > 0.0);
         }
     }
 }
@@ -136,7 +157,8 @@ fn invariant_motion_near_beta_one() {
         let Roots { lower, upper } = solve(&Groups { beta2: beta * beta, ..strong() }).unwrap().unwrap();
         if upper.c.abs() > lower.c.abs() { upper.b } else { lower.b }
     };
-    assert!((u(1.0 + 1e-5) - u(1.0 - 1e-5)).abs() < 1e-3, "{} {}", u(1.0 + 1e-5), u(1.0 - 1e-5));
+    let (above, below) = (u(1.0 + NEAR_ONE), u(1.0 - NEAR_ONE));
+    assert!((above - below).abs() < LIMIT, "{above} {below}");
 }
 
 #[test]

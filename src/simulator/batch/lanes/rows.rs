@@ -1,6 +1,6 @@
-//! The motions under way, number by number: the same number of all motions lies side by side.
+//! The numbers of the motions under way, the same number of all motions side by side in a row.
 
-use super::Places;
+use super::LaneSet;
 use crate::flow::INTERVALS;
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
@@ -10,30 +10,39 @@ use crate::simulator::{Contact, Simulator};
 use pulp::Simd;
 use std::sync::Arc;
 
-/// `departing` of a motion that is not in flight.
+/// `departing` of a motion that is not in flight, larger than that of any that is.
 const GROUNDED: f64 = f64::INFINITY;
 
-/// What stays while a motion is under way.
+/// What stays the same while a motion is under way.
 pub(super) struct LaneSystems {
-    /// Of the motion in each lane, to see when the rows must be filled anew.
+    /// The tables of the motion in each lane. A new motion with the same tables finds the rows filled.
     pub(super) tables: [Option<Arc<ModeTables>>; ROW],
+    /// Weights of the coordinates in w at the end of each interval.
     pub(super) sample: [[Row; 8]; INTERVALS],
+    /// Rows of the matrix that gives the state after a whole sub-step.
     pub(super) full: [[Row; 8]; 8],
+    /// Weights of the coordinates' sizes in the bound on |w''| over a sub-step.
     pub(super) bound: [Row; 8],
+    /// End of the advance, leading and trailing part, s.
     pub(super) end: [Row; 2],
+    /// Lengths of a sub-step and of an interval, s.
     pub(super) substep: Row,
     pub(super) interval: Row,
+    /// L.
     pub(super) gap: Row,
-    /// The path that `Simulator::exceeds_reach` allows in an interval.
+    /// The largest path in an interval with which it is searched as a whole, as in `Simulator::exceeds_reach`, m.
     pub(super) reach: Row,
-    /// A run of impacts is not closed while the rebound's square is over this times a bound on the acceleration.
+    /// A chatter run is not closed while the square of the rebound speed exceeds this times a bound on the acceleration, m:
+    /// `Simulator::chatter_closing_limit`.
     pub(super) closing: Row,
-    /// κ, and what the approach speed is multiplied by for the box's change of speed, the impulse and (its square) the loss.
+    /// κ, and the factors of `Model::impact_factors`: of the approach speed for the box's change of velocity and for the
+    /// impulse, of its square for the energy lost.
     pub(super) restitution: Row,
     pub(super) kick: Row,
     pub(super) impulse: Row,
     pub(super) loss: Row,
-    /// The equations of motion in the time unit of half an interval.
+    /// Half an interval, s: the time unit of the coefficients below, which are those of docs/theory.md (6) and the drive's
+    /// frequency.
     pub(super) radius: Row,
     pub(super) k1: Row,
     pub(super) c1: Row,
@@ -42,7 +51,7 @@ pub(super) struct LaneSystems {
     pub(super) k3: Row,
     pub(super) c3: Row,
     pub(super) k32: Row,
-    pub(super) turn: Row,
+    pub(super) omega: Row,
 }
 
 impl LaneSystems {
@@ -71,11 +80,11 @@ impl LaneSystems {
             k3: row,
             c3: row,
             k32: row,
-            turn: row,
+            omega: row,
         }
     }
 
-    /// Fills a lane for a motion.
+    /// Fills a lane for a motion to `end`.
     pub(super) fn load_system(&mut self, lane: usize, simulator: &Simulator, end: DoubleDouble) {
         (self.end[0].0[lane], self.end[1].0[lane]) = (end.hi, end.lo);
         if self.tables[lane].as_ref().is_some_and(|tables| Arc::ptr_eq(tables, &simulator.flight)) {
@@ -114,29 +123,34 @@ impl LaneSystems {
             (&mut self.k3, r * r * m.k3),
             (&mut self.c3, r * m.c3),
             (&mut self.k32, r * r * m.k32),
-            (&mut self.turn, r * m.omega),
+            (&mut self.omega, r * m.omega),
         ] {
             row.0[lane] = value;
         }
     }
 }
 
-/// What changes from sub-step to sub-step; counts are whole numbers.
+/// What changes from sub-step to sub-step. Counts are whole numbers, exact in a double.
 pub(super) struct LaneStates {
+    /// The state x1, w, x3, their rates, cos θ and sin θ.
     pub(super) z: [Row; 8],
+    /// Time, leading and trailing part, s.
     pub(super) time: [Row; 2],
+    /// As `HybridState::departing`, or [`GROUNDED`].
     pub(super) departing: Row,
-    /// Sub-steps since cos θ and sin θ were taken anew.
-    pub(super) since: Row,
-    /// Energy lost at impacts.
+    /// Sub-steps since cos θ and sin θ were computed anew.
+    pub(super) since_renewal: Row,
+    /// Energy lost at impacts, leading and trailing part, J.
     pub(super) lost: [Row; 2],
+    /// Impacts at the upper and at the lower stop since the motion came into the lane.
     pub(super) upper: Row,
     pub(super) lower: Row,
+    /// As in `ImpactRecord`.
     pub(super) last_time: Row,
     pub(super) last_speed: Row,
     pub(super) last_impulse: Row,
     pub(super) total_impulse: Row,
-    /// WorkCounters.
+    /// As in `WorkCounters`, since the motion came into the lane.
     pub(super) substeps: Row,
     pub(super) expansions: Row,
     pub(super) iterations: Row,
@@ -149,7 +163,7 @@ impl LaneStates {
             z: [row; 8],
             time: [row; 2],
             departing: row,
-            since: row,
+            since_renewal: row,
             lost: [row; 2],
             upper: row,
             lower: row,
@@ -163,9 +177,9 @@ impl LaneStates {
         }
     }
 
-    /// Takes a motion over from its simulator.
+    /// Copies a motion from its simulator into a lane.
     #[inline(always)]
-    pub(super) fn take(&mut self, lane: usize, simulator: &Simulator, advance: &AdvanceState) {
+    pub(super) fn load_state(&mut self, lane: usize, simulator: &Simulator, advance: &AdvanceState) {
         let hybrid = &simulator.hybrid;
         for (row, z) in self.z.iter_mut().zip(advance.z) {
             row.0[lane] = z;
@@ -175,7 +189,7 @@ impl LaneStates {
             Contact::Flight => f64::from(hybrid.departing),
             _ => GROUNDED,
         };
-        self.since.0[lane] = f64::from(advance.since_renewal);
+        self.since_renewal.0[lane] = f64::from(advance.since_renewal);
         (self.lost[0].0[lane], self.lost[1].0[lane]) = (hybrid.sums.impact.hi, hybrid.sums.impact.lo);
         self.last_time.0[lane] = hybrid.record.last_time;
         self.last_speed.0[lane] = hybrid.record.last_speed;
@@ -193,15 +207,15 @@ impl LaneStates {
         }
     }
 
-    /// Gives a motion in flight back to its simulator.
+    /// Copies the motion in a lane back to its simulator. The lanes never change its mode.
     #[inline(always)]
-    pub(super) fn give(&self, lane: usize, simulator: &mut Simulator, advance: &mut AdvanceState) {
+    pub(super) fn store_state(&self, lane: usize, simulator: &mut Simulator, advance: &mut AdvanceState) {
         let hybrid = &mut simulator.hybrid;
         for (z, row) in advance.z.iter_mut().zip(&self.z) {
             *z = row.0[lane];
         }
         hybrid.time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
-        advance.since_renewal = self.since.0[lane] as u32;
+        advance.since_renewal = self.since_renewal.0[lane] as u32;
         let departing = self.departing.0[lane];
         if departing < GROUNDED {
             hybrid.departing = departing as u8;
@@ -220,28 +234,28 @@ impl LaneStates {
         simulator.work.events += upper + lower;
     }
 
-    /// The work done since the motion was taken over, as [`WorkCounters::units`](crate::simulator::WorkCounters::units).
-    pub(super) fn units(&self, lane: usize) -> u64 {
+    /// The work done since the motion came into the lane, as [`WorkCounters::units`](crate::simulator::WorkCounters::units).
+    pub(super) fn work_units(&self, lane: usize) -> u64 {
         (self.substeps.0[lane] + self.iterations.0[lane]) as u64
     }
 
-    /// The motions whose cos θ and sin θ have been rotated `often` times.
+    /// The lanes whose cos θ and sin θ have been rotated `often` times.
     #[inline(always)]
-    pub(super) fn stale<S: Simd>(&self, simd: S, often: f64) -> Places {
-        let mut stale = 0;
+    pub(super) fn due_for_renewal<S: Simd>(&self, simd: S, often: f64) -> LaneSet {
+        let mut due = 0;
         for v in 0..Row::vectors::<S>() {
-            let due = Wide::splat(simd, often).at_most(Wide::of(simd, &self.since, v));
-            stale |= due.bits() << (v * S::F64_LANES);
+            let reached = Wide::splat(simd, often).at_most(Wide::load(simd, &self.since_renewal, v));
+            due |= reached.bits() << (v * S::F64_LANES);
         }
-        stale
+        due
     }
 
-    /// Takes cos θ and sin θ anew.
+    /// Computes cos θ and sin θ of a lane anew from the extended phase.
     #[inline(never)]
-    pub(super) fn renew(&mut self, lane: usize, simulator: &Simulator) {
+    pub(super) fn renew_phase(&mut self, lane: usize, simulator: &Simulator) {
         let time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
         let (sin, cos) = simulator.hybrid.phase.angle(simulator.model.omega, time).sin_cos();
         (self.z[6].0[lane], self.z[7].0[lane]) = (cos, sin);
-        self.since.0[lane] = 0.0;
+        self.since_renewal.0[lane] = 0.0;
     }
 }

@@ -1,8 +1,8 @@
-//! A sub-step of all motions under way at once.
+//! One sub-step of all active lanes: free flight for the whole of it, or to its first impact and through that.
 
-use super::passage::{Flights, REACH};
+use super::passage::{CentredFlights, REACH};
 use super::rows::{LaneStates, LaneSystems};
-use super::{Places, places};
+use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
 use crate::model::{GAP, GAP_RATE};
 use crate::numerics::simd::product;
@@ -10,109 +10,123 @@ use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
 use pulp::Simd;
 
 /// What a sub-step leaves to the motions' own code.
-pub(super) struct Left {
-    /// They stay where they are: the proof of the common case fails.
-    pub(super) behind: Places,
-    /// They stand before an impact that ends in rest, or may.
-    pub(super) touching: Places,
-    /// The stop that they touch.
+pub(super) struct Unfinished {
+    /// The proof of the common case failed; these motions have not moved.
+    pub(super) unproved: LaneSet,
+    /// These stand at a stop, before an impact that ends in rest, or may; its law is not yet applied.
+    pub(super) at_stop: LaneSet,
+    /// The stop of these.
     pub(super) side: Row,
 }
 
-/// Takes each of the motions at `live` a sub-step on, to its end or through its first impact.
+/// Advances each of the `active` motions by a sub-step, to its end or through its first impact.
 #[inline(always)]
-pub(super) fn substep<S: Simd>(
+pub(super) fn flight_substep<S: Simd>(
     simd: S,
     systems: &LaneSystems,
-    moving: &mut LaneStates,
-    live: Places,
-) -> Left {
+    states: &mut LaneStates,
+    active: LaneSet,
+) -> Unfinished {
     let lanes = S::F64_LANES;
-    let mut aim = LocatedImpact { first: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
-    let (mut ready, mut near, mut close) = (0, 0, 0);
+    let mut searched = SearchedIntervals { index: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
+    let (mut ready, mut near, mut near_start) = (0, 0, 0);
+    // The lanes of one vector.
     let part = (1 << lanes) - 1;
     for v in 0..Row::vectors::<S>() {
-        if live >> (v * lanes) & part == 0 {
+        if active >> (v * lanes) & part == 0 {
             continue;
         }
-        let seen = sample_gap(simd, systems, moving, v, &mut aim);
-        ready |= seen.ready.bits() << (v * lanes);
-        near |= seen.near.bits() << (v * lanes);
-        close |= seen.close.bits() << (v * lanes);
+        let samples = sample_gap(simd, systems, states, v, &mut searched);
+        ready |= samples.ready.bits() << (v * lanes);
+        near |= samples.near.bits() << (v * lanes);
+        near_start |= samples.near_start.bits() << (v * lanes);
     }
-    ready &= live;
-    let aiming = near & ready;
+    ready &= active;
+    let searching = near & ready;
     let passing = ready & !near;
-    for lane in places(aiming & !close) {
-        let Some(tables) = &systems.tables[lane] else { continue };
-        let mut z = [0.0; 8];
-        for (z, row) in z.iter_mut().zip(&moving.z) {
-            *z = row.0[lane];
-        }
-        let there = product(simd, &tables.core.centre[aim.first.0[lane] as usize % INTERVALS], &z);
-        for (row, there) in aim.centre.iter_mut().zip(there) {
-            row.0[lane] = there;
-        }
+    for lane in lanes_of(searching & !near_start) {
+        searched.load_centre(simd, systems, states, lane);
     }
-    let (mut arrived, mut touching) = (0, 0);
+    let (mut arrived, mut at_stop) = (0, 0);
     for v in 0..Row::vectors::<S>() {
         if passing >> (v * lanes) & part != 0 {
-            advance_whole_substep(simd, systems, moving, v, passing >> (v * lanes) & part);
+            advance_whole_substep(simd, systems, states, v, passing >> (v * lanes) & part);
         }
-        if aiming >> (v * lanes) & part != 0 {
-            let (bits, close) = (aiming >> (v * lanes) & part, close >> (v * lanes) & part);
-            let (there, touch) = impact(simd, systems, moving, v, &aim, bits, close);
+        if searching >> (v * lanes) & part != 0 {
+            let chosen = (searching >> (v * lanes) & part, near_start >> (v * lanes) & part);
+            let (there, before_law) = advance_in_interval(simd, systems, states, v, &searched, chosen);
             arrived |= there << (v * lanes);
-            touching |= touch << (v * lanes);
+            at_stop |= before_law << (v * lanes);
         }
     }
-    Left { behind: live & !(passing | arrived), touching, side: aim.side }
+    Unfinished { unproved: active & !(passing | arrived), at_stop, side: searched.side }
 }
 
-/// Where the gap comes near a stop first.
-struct LocatedImpact {
-    /// The interval.
-    first: Row,
+/// Where each motion's gap comes near a stop first: the interval to be searched.
+struct SearchedIntervals {
+    /// The interval's index; [`INTERVALS`] where there is none.
+    index: Row,
+    /// The stop.
     side: Row,
-    /// The state at its centre.
+    /// The state at the interval's centre.
     centre: [Row; 8],
 }
 
-/// What the samples of a sub-step tell.
-struct GapSamples<S: Simd> {
-    /// Flight from inside or just off a stop, with a whole sub-step to go.
-    ready: Mask<S>,
-    /// There is an interval with a near end.
-    near: Mask<S>,
-    /// The start is such an end.
-    close: Mask<S>,
+impl SearchedIntervals {
+    /// Computes the state at the centre of a lane's interval from the tables of its own system; the matrix differs from
+    /// lane to lane with the interval's index.
+    #[inline(always)]
+    fn load_centre<S: Simd>(&mut self, simd: S, systems: &LaneSystems, states: &LaneStates, lane: usize) {
+        let Some(tables) = &systems.tables[lane] else { return };
+        let mut z = [0.0; 8];
+        for (z, row) in z.iter_mut().zip(&states.z) {
+            *z = row.0[lane];
+        }
+        let there = product(simd, &tables.core.centre[self.index.0[lane] as usize % INTERVALS], &z);
+        for (row, there) in self.centre.iter_mut().zip(there) {
+            row.0[lane] = there;
+        }
+    }
 }
 
-/// As `Simulator::sample_gap`.
+/// What the samples of the gap over a sub-step tell.
+struct GapSamples<S: Simd> {
+    /// Flight from inside or just off a stop, with a whole sub-step and an interval to go.
+    ready: Mask<S>,
+    /// An end of an interval is near a stop, so that interval is to be searched.
+    near: Mask<S>,
+    /// The search is to begin at the start of the sub-step.
+    near_start: Mask<S>,
+}
+
+/// Samples the gap at the ends of the intervals, as `Simulator::sample_gap` does: a gap that stays a margin, which bounds the
+/// bend of its path, away from the stops at both ends of an interval does not reach them in between.
 #[inline(always)]
 fn sample_gap<S: Simd>(
     simd: S,
     systems: &LaneSystems,
-    moving: &LaneStates,
+    states: &LaneStates,
     v: usize,
-    aim: &mut LocatedImpact,
+    searched: &mut SearchedIntervals,
 ) -> GapSamples<S> {
-    let of = |row: &Row| Wide::of(simd, row, v);
+    let load = |row: &Row| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
-    let z = Wide::of_each(simd, &moving.z, v);
-    let bound = bound(simd, systems, v, &z);
-    let interval = of(&systems.interval);
-    let turned = splat(0.5) * bound * interval;
-    let limit = (turned * interval).neg_mul_add(splat(0.25), of(&systems.gap));
-    let departing = of(&moving.departing);
+    let z = Wide::load_each(simd, &states.z, v);
+    let bound = acceleration_bound(simd, systems, v, &z);
+    let interval = load(&systems.interval);
+    // By how much the gap's rate changes at most within half an interval.
+    let change = splat(0.5) * bound * interval;
+    let limit = (change * interval).neg_mul_add(splat(0.25), load(&systems.gap));
+    let departing = load(&states.departing);
     let inside = departing.at_most(zero);
     let speed = z[GAP_RATE].abs();
     let leaving = !inside & departing.at_most(splat(1.0));
-    let tame = (speed * interval + turned * interval).at_most(of(&systems.reach));
-    let remaining = (of(&systems.end[0]) - of(&moving.time[0])) + (of(&systems.end[1]) - of(&moving.time[1]));
-    // With an interval to spare: a passage may lie that far behind the sub-step.
-    let whole = (of(&systems.substep) + interval).at_most(remaining);
+    let within_reach = (speed * interval + change * interval).at_most(load(&systems.reach));
+    let remaining =
+        (load(&systems.end[0]) - load(&states.time[0])) + (load(&systems.end[1]) - load(&states.time[1]));
+    // With an interval to spare, since a search may carry the motion past the end of the sub-step.
+    let whole = (load(&systems.substep) + interval).at_most(remaining);
 
     let mut index = splat(INTERVALS as f64);
     let mut gap = zero;
@@ -122,22 +136,22 @@ fn sample_gap<S: Simd>(
         index = near.select(splat(i as f64), index);
         gap = near.select(g, gap);
     }
-    index.put(&mut aim.first, v);
-    // Off a stop it may be too slow to be sure of leaving the first interval, or of leaving its end far behind.
-    let close =
-        (leaving & (speed.at_most(turned) | index.at_most(zero))) | (inside & limit.at_most(z[GAP].abs()));
-    let at = close.select(z[GAP], gap);
-    zero.less(at).select(splat(1.0), splat(-1.0)).put(&mut aim.side, v);
+    index.store(&mut searched.index, v);
+    // A block that leaves a stop may be too slow to be sure of leaving the first interval, or of leaving its end far behind.
+    let near_start =
+        (leaving & (speed.at_most(change) | index.at_most(zero))) | (inside & limit.at_most(z[GAP].abs()));
+    let nearest = near_start.select(z[GAP], gap);
+    zero.less_than(nearest).select(splat(1.0), splat(-1.0)).store(&mut searched.side, v);
     GapSamples {
-        ready: (leaving | inside) & tame & whole,
-        near: close | index.less(splat(INTERVALS as f64)),
-        close,
+        ready: (leaving | inside) & within_reach & whole,
+        near: near_start | index.less_than(splat(INTERVALS as f64)),
+        near_start,
     }
 }
 
-/// The bound on |w''| over a sub-step.
+/// The bound on |w''| over a sub-step from the state `z`.
 #[inline(always)]
-fn bound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Wide<S> {
+fn acceleration_bound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Wide<S> {
     let mut sizes = *z;
     for size in &mut sizes {
         *size = size.abs();
@@ -145,123 +159,188 @@ fn bound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) ->
     Wide::dot(simd, &systems.bound, v, &sizes)
 }
 
-/// The motions among `bits` pass over a whole sub-step.
+/// Advances the motions `chosen` in vector `v` by a whole sub-step without an impact.
 #[inline(always)]
 fn advance_whole_substep<S: Simd>(
     simd: S,
     systems: &LaneSystems,
-    moving: &mut LaneStates,
+    states: &mut LaneStates,
     v: usize,
-    bits: Places,
+    chosen: LaneSet,
 ) {
-    let of = |row: &Row| Wide::of(simd, row, v);
-    let chosen = Mask::of(simd, bits);
-    let z = Wide::of_each(simd, &moving.z, v);
-    for ((row, before), full) in moving.z.iter_mut().zip(z).zip(&systems.full) {
-        chosen.select(Wide::dot(simd, full, v, &z), before).put(row, v);
+    let load = |row: &Row| Wide::load(simd, row, v);
+    let chosen = Mask::from_bits(simd, chosen);
+    let z = Wide::load_each(simd, &states.z, v);
+    for ((row, before), full) in states.z.iter_mut().zip(z).zip(&systems.full) {
+        chosen.select(Wide::dot(simd, full, v, &z), before).store(row, v);
     }
-    let time = WideDoubleDouble { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
-    let later = time.plus(of(&systems.substep));
-    chosen.select(later.hi, time.hi).put(&mut moving.time[0], v);
-    chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
+    let time = WideDoubleDouble::load(simd, &states.time, v);
+    let later = time.plus(load(&systems.substep));
+    later.store_where(chosen, time, &mut states.time, v);
     let zero = Wide::splat(simd, 0.0);
-    chosen.select(zero, of(&moving.departing)).put(&mut moving.departing, v);
-    count(simd, moving, v, chosen);
+    chosen.select(zero, load(&states.departing)).store(&mut states.departing, v);
+    count_substep(simd, states, v, chosen);
 }
 
-/// Counts a sub-step.
+/// Counts a sub-step of the motions `chosen`.
 #[inline(always)]
-fn count<S: Simd>(simd: S, moving: &mut LaneStates, v: usize, chosen: Mask<S>) {
+fn count_substep<S: Simd>(simd: S, states: &mut LaneStates, v: usize, chosen: Mask<S>) {
     let zero = Wide::splat(simd, 0.0);
     let one = chosen.select(Wide::splat(simd, 1.0), zero);
-    add(simd, &mut moving.since, v, one);
-    add(simd, &mut moving.substeps, v, one);
+    add(simd, &mut states.since_renewal, v, one);
+    add(simd, &mut states.substeps, v, one);
 }
 
+/// Adds to vector `v` of a row.
 #[inline(always)]
 fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
-    (Wide::of(simd, row, v) + more).put(row, v);
+    (Wide::load(simd, row, v) + more).store(row, v);
 }
 
-/// The motions among `bits` go through their impact, if it is proved, or past the stop, if that is. Returns
-/// those that are there, and those of them that have the law of the impact yet before them.
+/// Advances the motions `chosen` in vector `v` through the impact in their searched interval, if it is proved to be the first,
+/// or past the stop, if that is proved. `near_start` are those whose interval begins with the sub-step. Returns the motions
+/// that have moved, and those of them that stand at the stop with the law of the impact not yet applied.
 #[inline(always)]
-fn impact<S: Simd>(
+fn advance_in_interval<S: Simd>(
     simd: S,
     systems: &LaneSystems,
-    moving: &mut LaneStates,
+    states: &mut LaneStates,
     v: usize,
-    aim: &LocatedImpact,
-    bits: Places,
-    close: Places,
-) -> (Places, Places) {
-    let of = |row: &Row| Wide::of(simd, row, v);
+    searched: &SearchedIntervals,
+    (chosen, near_start): (LaneSet, LaneSet),
+) -> (LaneSet, LaneSet) {
+    let load = |row: &Row| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
-    let (zero, half) = (splat(0.0), splat(0.5));
-    // From a start close to a stop the first part of the flight is expanded about the start itself; off the stop, the root
-    // there is divided out.
-    let start = Mask::of(simd, close);
-    let mut departing = of(&moving.departing);
-    let now = Wide::of_each(simd, &moving.z, v);
-    let mut centre = Wide::of_each(simd, &aim.centre, v);
-    for (centre, now) in centre.iter_mut().zip(now) {
-        *centre = start.select(now, *centre);
-    }
-    let (side, gap) = (of(&aim.side), of(&systems.gap));
-    let flights = Flights::expand(simd, systems, v, &centre);
-    let mut paths = flights.paths(side, gap);
-    if close != 0 {
-        paths.divide(start & zero.less(departing));
-    }
-    let from = start.select(zero, splat(-1.0));
-    let crossing = paths.crossing(from, gap);
-    // Where there is none the flight goes on to the end of what is known of it.
-    let mut stays = 0;
-    if bits & !crossing.found.bits() != 0 {
-        stays = bits & !crossing.found.bits() & paths.stay(from, gap).bits();
-    }
-    let (u, stays) = (crossing.u, Mask::of(simd, stays));
-    let u = stays.select(splat(REACH), u);
-    let mut z = flights.at(systems, simd, v, u);
-    let before = z;
-    // The law of `Model::impact`; a root whose speed round-off has turned negative is a touch.
-    let speed = (side * z[GAP_RATE]).max(zero);
-    let rebound = of(&systems.restitution) * speed;
-    z[3] = (side * of(&systems.kick)).mul_add(speed, z[3]);
-    z[GAP_RATE] = -(side * rebound);
-    z[GAP] = side * gap;
+    let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
+    let now = Wide::load_each(simd, &states.z, v);
+    let departing = load(&states.departing);
+    let arrival = arrive(simd, systems, v, searched, (chosen, near_start), &now, departing);
+    let side = load(&searched.side);
+    let rebound = rebound(simd, systems, v, side, &arrival.z);
     // Rest, and chatter that may be at its end, are left to `Simulator::apply_event_law`.
-    let slow = of(&systems.closing) * bound(simd, systems, v, &z);
-    let found = Mask::of(simd, bits) & crossing.found;
-    let through = found & slow.less(rebound * rebound);
-    let chosen = found | stays;
-    for (j, row) in moving.z.iter_mut().enumerate() {
-        chosen.select(through.select(z[j], before[j]), now[j]).put(row, v);
+    let slow = load(&systems.closing) * acceleration_bound(simd, systems, v, &rebound.z);
+    let through = arrival.found & slow.less_than(rebound.speed * rebound.speed);
+    let moved = arrival.found | arrival.stays_inside;
+    for (j, row) in states.z.iter_mut().enumerate() {
+        moved.select(through.select(rebound.z[j], arrival.z[j]), now[j]).store(row, v);
     }
-    let interval = of(&systems.interval);
-    let time = WideDoubleDouble { hi: of(&moving.time[0]), lo: of(&moving.time[1]) };
-    let base = start.select(zero, (of(&aim.first) + half) * interval);
-    let later = time.plus(base).plus(u * (half * interval));
-    chosen.select(later.hi, time.hi).put(&mut moving.time[0], v);
-    chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
-    let one = splat(1.0);
-    departing = chosen.select(through.select(one, zero), departing);
-    departing.put(&mut moving.departing, v);
-    count(simd, moving, v, chosen);
-    add(simd, &mut moving.expansions, v, chosen.select(one, zero));
-    add(simd, &mut moving.iterations, v, found.select(crossing.iterations, zero));
+    let interval = load(&systems.interval);
+    let time = WideDoubleDouble::load(simd, &states.time, v);
+    let centre = arrival.about_start.select(zero, (load(&searched.index) + half) * interval);
+    let later = time.plus(centre).plus(arrival.u * (half * interval));
+    later.store_where(moved, time, &mut states.time, v);
+    moved.select(through.select(one, zero), departing).store(&mut states.departing, v);
+    count_substep(simd, states, v, moved);
+    add(simd, &mut states.expansions, v, moved.select(one, zero));
+    add(simd, &mut states.iterations, v, arrival.found.select(arrival.iterations, zero));
+    record_impact(simd, systems, states, v, through, (side, rebound.approach), later);
+    (moved.bits(), (arrival.found & !through).bits())
+}
 
-    let lost = WideDoubleDouble { hi: of(&moving.lost[0]), lo: of(&moving.lost[1]) };
-    let more = lost.plus(of(&systems.loss) * speed * speed);
-    through.select(more.hi, lost.hi).put(&mut moving.lost[0], v);
-    through.select(more.lo, lost.lo).put(&mut moving.lost[1], v);
-    let impulse = of(&systems.impulse) * speed;
-    through.select(later.hi + later.lo, of(&moving.last_time)).put(&mut moving.last_time, v);
-    through.select(speed, of(&moving.last_speed)).put(&mut moving.last_speed, v);
-    through.select(impulse, of(&moving.last_impulse)).put(&mut moving.last_impulse, v);
-    add(simd, &mut moving.total_impulse, v, through.select(impulse, zero));
-    let above = zero.less(side);
-    add(simd, &mut moving.upper, v, (through & above).select(one, zero));
-    add(simd, &mut moving.lower, v, (through & !above).select(one, zero));
-    (chosen.bits(), (found & !through).bits())
+/// Where the flights in a searched interval lead.
+struct Arrival<S: Simd> {
+    /// The flight is expanded about the start of the sub-step instead of the interval's centre.
+    about_start: Mask<S>,
+    /// An impact is proved to be the first.
+    found: Mask<S>,
+    /// It is proved that there is none.
+    stays_inside: Mask<S>,
+    /// Time of arrival since the centre of the expansion, in half intervals.
+    u: Wide<S>,
+    /// The state there, before the law of an impact.
+    z: [Wide<S>; 8],
+    /// Newton steps.
+    iterations: Wide<S>,
+}
+
+/// Finds the first impact in the searched interval, or proves that there is none; then the flight goes on as far as its series
+/// serves.
+#[inline(always)]
+fn arrive<S: Simd>(
+    simd: S,
+    systems: &LaneSystems,
+    v: usize,
+    searched: &SearchedIntervals,
+    (chosen, near_start): (LaneSet, LaneSet),
+    now: &[Wide<S>; 8],
+    departing: Wide<S>,
+) -> Arrival<S> {
+    let splat = |x| Wide::splat(simd, x);
+    let zero = splat(0.0);
+    // From a start close to a stop the flight is expanded about the start itself. Off the stop, the gap's zero at the start is
+    // divided out.
+    let about_start = Mask::from_bits(simd, near_start);
+    let mut centre = Wide::load_each(simd, &searched.centre, v);
+    for (centre, now) in centre.iter_mut().zip(now) {
+        *centre = about_start.select(*now, *centre);
+    }
+    let (side, gap) = (Wide::load(simd, &searched.side, v), Wide::load(simd, &systems.gap, v));
+    let flights = CentredFlights::expand(simd, systems, v, &centre);
+    let mut excess = flights.excess(side, gap);
+    if near_start != 0 {
+        excess.divide_by_u(about_start & zero.less_than(departing));
+    }
+    let from = about_start.select(zero, splat(-1.0));
+    let crossing = excess.upward_crossing(from, gap);
+    let mut stays = 0;
+    if chosen & !crossing.found.bits() != 0 {
+        stays = chosen & !crossing.found.bits() & excess.stays_negative(from, gap).bits();
+    }
+    let stays_inside = Mask::from_bits(simd, stays);
+    let u = stays_inside.select(splat(REACH), crossing.u);
+    let z = flights.state_at(systems, simd, v, u);
+    let found = Mask::from_bits(simd, chosen) & crossing.found;
+    Arrival { about_start, found, stays_inside, u, z, iterations: crossing.iterations }
+}
+
+/// What the impact law makes of an arrival.
+struct Rebound<S: Simd> {
+    /// The approach speed |w'⁻|.
+    approach: Wide<S>,
+    /// The rebound speed |w'⁺|.
+    speed: Wide<S>,
+    /// The state after the impact.
+    z: [Wide<S>; 8],
+}
+
+/// The impact law, docs/theory.md (11), for states `z` at the stops `side`. `Model::impact` states it for one motion; it is
+/// written again for vectors of systems, and `second_method_together_as_one_by_one` in tests/batch.rs holds the two together.
+#[inline(always)]
+fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: &[Wide<S>; 8]) -> Rebound<S> {
+    let load = |row: &Row| Wide::load(simd, row, v);
+    let mut z = *z;
+    // A root whose speed round-off has turned negative is a touch.
+    let approach = (side * z[GAP_RATE]).max(Wide::splat(simd, 0.0));
+    let speed = load(&systems.restitution) * approach;
+    z[3] = (side * load(&systems.kick)).mul_add(approach, z[3]);
+    z[GAP_RATE] = -(side * speed);
+    z[GAP] = side * load(&systems.gap);
+    Rebound { approach, speed, z }
+}
+
+/// Records the impacts of the motions `through`, with their stop and approach speed, at `time`: the energy lost, docs/theory.md
+/// (12), and what `ImpactRecord::count` keeps.
+#[inline(always)]
+fn record_impact<S: Simd>(
+    simd: S,
+    systems: &LaneSystems,
+    states: &mut LaneStates,
+    v: usize,
+    through: Mask<S>,
+    (side, approach): (Wide<S>, Wide<S>),
+    time: WideDoubleDouble<S>,
+) {
+    let load = |row: &Row| Wide::load(simd, row, v);
+    let (zero, one) = (Wide::splat(simd, 0.0), Wide::splat(simd, 1.0));
+    let lost = WideDoubleDouble::load(simd, &states.lost, v);
+    let more = lost.plus(load(&systems.loss) * approach * approach);
+    more.store_where(through, lost, &mut states.lost, v);
+    let impulse = load(&systems.impulse) * approach;
+    through.select(time.hi + time.lo, load(&states.last_time)).store(&mut states.last_time, v);
+    through.select(approach, load(&states.last_speed)).store(&mut states.last_speed, v);
+    through.select(impulse, load(&states.last_impulse)).store(&mut states.last_impulse, v);
+    add(simd, &mut states.total_impulse, v, through.select(impulse, zero));
+    let upper = zero.less_than(side);
+    add(simd, &mut states.upper, v, (through & upper).select(one, zero));
+    add(simd, &mut states.lower, v, (through & !upper).select(one, zero));
 }

@@ -1,4 +1,4 @@
-//! What the lanes prove against the scalar proofs (second method), on random paths.
+//! What the lanes prove against the proofs for a single motion, on random polynomials, and their flights against its series.
 
 use super::*;
 use crate::events::first_crossing;
@@ -10,7 +10,7 @@ use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
 use proptest::prelude::*;
 
-/// Coefficients of a path, from straight ones to wild ones; the start, close below zero or far.
+/// Coefficients of a gap's polynomial: from nearly straight to strongly bent, starting just below zero or far below.
 fn path() -> impl Strategy<Value = [f64; CENTRED]> {
     let rest = prop::array::uniform10(-1.0..1.0f64);
     (rest, -4.0..0.0f64, -1.0..1.0f64, -4.0..0.5f64).prop_map(|(rest, start, slope, decay)| {
@@ -24,7 +24,7 @@ fn path() -> impl Strategy<Value = [f64; CENTRED]> {
     })
 }
 
-/// What the lanes find on the paths: the root, whether it is proved, and whether it is proved that there is none.
+/// What the lanes find on the paths: the zero, whether it is proved, and whether it is proved that there is none.
 struct Find<'a> {
     paths: &'a [[f64; CENTRED]; 8],
     from: f64,
@@ -39,29 +39,29 @@ impl pulp::WithSimd for Find<'_> {
         let mut found = [(0.0, false, false); 8];
         for v in 0..8 / S::F64_LANES {
             let zero = Wide::splat(simd, 0.0);
-            let mut paths = Paths { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
+            let mut excess = Excess { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
             for k in 0..CENTRED {
                 let mut row = Row::ZERO;
                 for lane in 0..8 {
                     row.0[lane] = self.paths[lane][k];
                 }
-                paths.c[k] = Wide::of(simd, &row, v);
+                excess.c[k] = Wide::load(simd, &row, v);
                 if k > 0 {
-                    paths.d[k - 1] = paths.c[k] * Wide::splat(simd, k as f64);
+                    excess.d[k - 1] = excess.c[k] * Wide::splat(simd, k as f64);
                 }
             }
             if self.divide {
-                paths.divide(Mask::of(simd, u64::MAX));
+                excess.divide_by_u(Mask::from_bits(simd, u64::MAX));
             }
-            // Far from the other stop.
+            // With the other stop far away.
             let (from, gap) = (Wide::splat(simd, self.from), Wide::splat(simd, 1e3));
-            let crossing = paths.crossing(from, gap);
-            let stay = paths.stay(from, gap).bits();
+            let crossing = excess.upward_crossing(from, gap);
+            let stay = excess.stays_negative(from, gap).bits();
             let mut u = Row::ZERO;
-            crossing.u.put(&mut u, 0);
+            crossing.u.store(&mut u, 0);
             for lane in 0..S::F64_LANES {
-                let place = |bits: u64| bits >> lane & 1 != 0;
-                found[v * S::F64_LANES + lane] = (u.0[lane], place(crossing.found.bits()), place(stay));
+                let holds = |bits: u64| bits >> lane & 1 != 0;
+                found[v * S::F64_LANES + lane] = (u.0[lane], holds(crossing.found.bits()), holds(stay));
             }
         }
         found
@@ -87,7 +87,7 @@ proptest! {
         close in any::<bool>(),
         divide in any::<bool>(),
     ) {
-        /// Roots of a path whose slope may be a hundredth of its coefficients.
+        /// Rounding of a zero where the slope may be a hundredth of the coefficients.
         const ROOT: f64 = 1e-12;
         let divide = close && divide;
         let from = if close { 0.0 } else { -1.0 };
@@ -95,7 +95,7 @@ proptest! {
         for (path, (u, proved, stays)) in paths.iter().zip(found) {
             let c = scaled(path, divide);
             let lo = from / REACH;
-            // A path that starts above zero has no business here: it is inside, by the samples or by its start.
+            // A path in the lanes starts inside; of the random ones those that do not are passed over.
             if value(&c, lo) >= 0.0 {
                 continue;
             }
@@ -110,13 +110,14 @@ proptest! {
     }
 }
 
-struct Ends<'a> {
+/// The state at u of the flight from z at the centre.
+struct States<'a> {
     systems: &'a LaneSystems,
     z: [f64; 8],
     u: f64,
 }
 
-impl pulp::WithSimd for Ends<'_> {
+impl pulp::WithSimd for States<'_> {
     type Output = [f64; 8];
 
     #[inline(always)]
@@ -125,11 +126,15 @@ impl pulp::WithSimd for Ends<'_> {
         for (wide, z) in z.iter_mut().zip(self.z) {
             *wide = Wide::splat(simd, z);
         }
-        let there =
-            Flights::expand(simd, self.systems, 0, &z).at(self.systems, simd, 0, Wide::splat(simd, self.u));
+        let there = CentredFlights::expand(simd, self.systems, 0, &z).state_at(
+            self.systems,
+            simd,
+            0,
+            Wide::splat(simd, self.u),
+        );
         there.map(|wide| {
             let mut row = Row::ZERO;
-            wide.put(&mut row, 0);
+            wide.store(&mut row, 0);
             row.0[0]
         })
     }
@@ -149,7 +154,7 @@ fn second_method_flights_are_the_series() {
     let z = [0.3, -0.4, 0.7, -0.2, 0.5, 0.9, 0.6, 0.8];
     for u in [-1.0, -0.3, 0.0, 0.8, REACH] {
         let series = Series::<16>::expand(&model, SmoothMode::Flight, &z, None, 0.5 * simulator.interval());
-        let there = pulp::Arch::new().dispatch(Ends { systems: &systems, z, u });
+        let there = pulp::Arch::new().dispatch(States { systems: &systems, z, u });
         for (a, b) in series.at(u).iter().zip(there) {
             assert!((a - b).abs() < ROUNDING, "{u}: {:?} {there:?}", series.at(u));
         }
