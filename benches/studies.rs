@@ -1,7 +1,7 @@
 //! Whole studies, as ratios to the paper's method (RKF45 with bisection, 1e-12) on the bare motion in the same run; writes
 //! its table to `benches/STUDIES.md`. `cargo bench --bench studies`
 //!
-//! Targets (issue 6): the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of 1051 values
+//! Targets: the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of 1051 values
 //! ≤ 5 s, a spectrum of seven exponents over 1500 periods ≤ 10 ms.
 
 use std::fmt::Write as _;

@@ -1,4 +1,5 @@
-//! Long studies as plain data, so that a folder of parts says what it is part of, and machines agree on it.
+//! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of different studies are never
+//! mixed and several machines work on the same one.
 
 use super::studies::{self, Study};
 use crate::Result;
@@ -14,9 +15,9 @@ use vibro_analysis::parts::Task;
 pub struct LongStudy {
     /// Stem of its files.
     pub name: String,
-    /// The version of the program: parts of another are not mixed.
+    /// The version of the program: parts of different versions are not mixed.
     pub version: String,
-    /// What it is.
+    /// What is computed.
     pub kind: StudyKind,
     /// The parameters.
     pub set: ParameterSet,
@@ -29,7 +30,7 @@ pub enum StudyKind {
     Sweep {
         /// The sweep.
         sweep: Sweep,
-        /// Values at which spectra are told and shown on their way.
+        /// Values at which spectra are listed and running exponents shown.
         at: Vec<f64>,
     },
     /// Basins over two initial values.
@@ -62,7 +63,7 @@ impl LongStudy {
         Ok(bifurcation::diagram(&self.set, &sweep, task)?.map(|d| (sweep, d)))
     }
 
-    /// Computes what belongs to the shard, and the tables and pictures where all parts are there.
+    /// Computes the parts of the shard; the tables and pictures too where all parts are there.
     ///
     /// # Errors
     /// As [`bifurcation::diagram`], [`basin::basin`] and [`isoperiodic::isoperiodic`].

@@ -30,11 +30,11 @@ const MODULATED: f64 = 0.6;
 const COEXISTING: f64 = 2.5;
 /// Values of f10 in figure 9.
 const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
-/// Values of f10 at which exponents are shown on their way.
+/// Values of f10 at which running exponents are shown.
 const RUNNING: [f64; 4] = [0.6, 1.5, 2.44, 3.6];
 /// Mass ratios of figure 17.
 const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
-/// Steps that are none of the long studies: one for each group of figures.
+/// Steps of the progress bar besides the parts of long studies: one for each group of figures.
 const SHORT: usize = 8;
 
 /// What is going to be computed.

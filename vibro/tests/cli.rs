@@ -173,7 +173,8 @@ fn responses_end_where_the_library_says() {
     let stable = rows.iter().filter(|r| r["theory"] == "multiple scales" && r["stable"] == "true");
     let values: Vec<f64> = stable.map(|r| r["value"].parse().unwrap()).collect();
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-    // model.md section 9: 0.891 … 2.136; the last stable point is the one before the located end.
+    // The admissible forces by docs/theory.md (46), (49) and (56): 0.891 … 2.136. The last stable point is the one before
+    // the located end.
     assert!((low - 0.891).abs() < 1e-3 && (2.10..=2.1356).contains(&high), "{low} {high}");
     let special = |name: &str, theory: &str| {
         let row =

@@ -1,4 +1,4 @@
-//! Long studies: the sweep against the exact orbit and the windows of model.md, the figures against their tables, and
+//! Long studies: the sweep against the exact orbit and known windows of the default set, the figures against their tables, and
 //! the real `vibro` interrupted, resumed, sharded, merged, on any number of threads.
 
 #[path = "common/mod.rs"]
@@ -35,11 +35,11 @@ fn near(points: &[Option<SweepPoint>], value: f64) -> &SweepPoint {
 }
 
 #[test]
-fn golden_windows_of_the_prototype() {
+fn golden_windows_of_the_default_set() {
     let options = lyapunov::SpectrumOptions { periods: 300, ..lyapunov::SpectrumOptions::default() };
     let (_, found) = sweep((0.6, 4.8), 85, Some(options)); // every 0.05
     let class = |value: f64| near(&found.up, value).class;
-    // model.md section 9, "BASIC with rising f10", away from the ends of its windows.
+    // Windows with rising f10 as an independent prototype found them, away from their ends.
     for value in [0.6, 0.7, 0.8, 3.55, 3.7, 4.1, 4.8] {
         assert_eq!(class(value), MotionClass::Chaotic, "{value}");
     }

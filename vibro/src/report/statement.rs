@@ -1,4 +1,4 @@
-//! What a statement of the paper is held against, and the outcome.
+//! A statement of the paper, what it is compared with, and the outcome.
 
 use crate::studies::Modulation;
 use vibro_analysis::ParameterSet;
@@ -7,11 +7,11 @@ use vibro_analysis::bifurcation::Diagram;
 /// How a statement compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is found again.
+    /// The statement holds for what was found.
     Agrees,
-    /// Part of it is.
+    /// Part of it holds.
     Partly,
-    /// It is not.
+    /// It does not hold.
     Differs,
 }
 

@@ -15,7 +15,7 @@ use vibro_analysis::short;
 const END: f64 = 0.1;
 /// A window of the paper counts as found when this part of its values is regular.
 const MOSTLY: f64 = 0.85;
-/// A modulation is strong when the least amplitude is under this part of the largest.
+/// A modulation is strong when the least amplitude is less than this part of the largest.
 const STRONG: f64 = 0.6;
 
 pub(super) fn all(found: &Found) -> Result<Vec<Statement>> {

@@ -16,7 +16,7 @@ const PAIRS: [[Colour; 2]; 4] =
 
 /// Starts outside the stops.
 const OUTSIDE: Colour = Colour(235, 235, 235);
-/// Most attractors that are shown and told: their numbers fit into the codes of a picture's cells.
+/// Most attractors that are shown and listed: their numbers fit into the codes of a picture's cells.
 const SHOWN: usize = 101;
 
 /// The study of a plane of starts.

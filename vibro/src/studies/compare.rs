@@ -17,7 +17,8 @@ use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// A transient dies as exp(-ε τ/…): this many periods over ε bring it under round-off for dampings of order one.
+/// A transient decays over a time of order 1/ε: this number of periods divided by ε brings it under round-off for dampings of
+/// order one.
 const SETTLING: f64 = 60.0;
 /// Periods shown of a simulated steady motion.
 pub(super) const SHOWN: u32 = 2;
@@ -42,7 +43,7 @@ pub(super) fn simulate(
     Ok((amplitudes, simulated(&flights, p)))
 }
 
-/// The theory's state at t = 0, SI, drawn inside the stops: an approximation may pass them a little.
+/// The theory's state at t = 0 in SI, with the block put between the stops, which an approximation may pass a little.
 fn start(p: &Parameters, theory: &SteadyMotion) -> State {
     let at = theory.history(p, 1.0);
     let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));

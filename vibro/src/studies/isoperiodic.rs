@@ -44,7 +44,7 @@ const IMPACTS: [Entry<f64>; 8] = [
     ("(b) over 4", Colour(68, 1, 84), |_| true),
 ];
 
-/// Most classes told on the screen.
+/// Most classes listed on the screen.
 const TOLD: usize = 8;
 
 /// The study of a plane of motions.

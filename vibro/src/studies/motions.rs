@@ -1,4 +1,4 @@
-//! Simulated motions as they are: time histories (figure 13), phase portraits (figure 15), exponents on their way.
+//! Simulated motions: time histories (figure 13), phase portraits (figure 15), running exponents.
 
 use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};

@@ -11,7 +11,7 @@ use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, plan
 
 const LIGHT: Colour = Colour(205, 205, 205);
 const PANEL: (u32, u32) = (1350, 1150);
-/// White paper: no motion.
+/// The colour of the background: no motion.
 const PAPER: Colour = Colour(255, 255, 255);
 
 /// Planes of pairs of groups, classified by one theory; `done` hears of each finished row.

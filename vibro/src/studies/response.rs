@@ -94,7 +94,7 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>;
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
-            // The paper shows the right branch only; a motion that passes a stop is none.
+            // As in the paper only the right branch is shown. A solution that passes a stop is no motion.
             let shown = pair.iter().all(|p| p.right && p.clear);
             if !shown {
                 state = None;

@@ -1,4 +1,5 @@
-//! The two-impact motion of a theory, as figures show it: dimensionless, over the phase of the drive.
+//! The motion with two symmetric impacts of a theory, as figures show it: dimensionless (docs/theory.md (20)), over the
+//! phase of the drive.
 
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::motion::Flight;
@@ -9,13 +10,13 @@ use vibro_impact::steady::strong_coupling::{self, StrongPoint};
 
 /// Samples per period of a curve.
 const SAMPLES: usize = 240;
-/// Before an impact, rad: far above rounding, far below what can be seen.
+/// Phase between an impact and the sample before it, rad: far above rounding, far below what can be seen.
 const JUST_BEFORE: f64 = 1e-7;
 
-/// Displacements in units of L and velocities in units of L ω10, with U and W.
+/// A motion at one time: displacements in units of L, velocities in units of L ω10, with U and W (docs/theory.md (28)).
 #[derive(Clone, Copy, Debug)]
 pub struct MotionSample {
-    /// Drive periods.
+    /// Time in drive periods.
     pub time: f64,
     /// U = X1 + ε X2, W = X2 - X1, X1, X2, X3.
     pub x: [f64; 5],
@@ -23,19 +24,19 @@ pub struct MotionSample {
     pub v: [f64; 5],
 }
 
-/// The steady state that figures show: the upper root where admissible, else whatever admissible root, else the upper.
+/// The steady state that figures show: the upper root if it is admissible, else the lower one if that is, else the upper.
 #[derive(Clone, Copy, Debug)]
 pub enum SteadyMotion {
-    /// Paper section 3.
+    /// Multiple scales: paper, section 3.
     MultipleScales(FixedPoint),
-    /// Paper section 5.
+    /// Strong coupling: paper, section 5.
     Strong(StrongPoint),
-    /// Past the paper.
+    /// The exact orbit of docs/theory.md section 9; not in the paper.
     Exact(ExactOrbit),
 }
 
 impl SteadyMotion {
-    /// Of multiple scales.
+    /// The steady state of multiple scales; `None` where it has no motion with impacts.
     ///
     /// # Errors
     /// As [`multiple_scales::fixed_points`].
@@ -45,7 +46,7 @@ impl SteadyMotion {
         Ok(best(positive, |p| p.admissibility.all()).map(Self::MultipleScales))
     }
 
-    /// Of strong coupling.
+    /// The steady state of strong coupling; `None` where there is none.
     ///
     /// # Errors
     /// As [`strong_coupling::solve`].
@@ -54,7 +55,7 @@ impl SteadyMotion {
         Ok(best(roots.into_iter().flatten(), |p| p.admissibility.all()).map(Self::Strong))
     }
 
-    /// The exact orbit.
+    /// The exact orbit; `None` where there is none.
     ///
     /// # Errors
     /// As [`exact_orbit::solve`].
@@ -142,7 +143,8 @@ fn point(p: &Parameters, time: f64, x: &[f64; 3], v: &[f64; 3]) -> MotionSample 
     MotionSample { time, x: five(x, length), v: five(v, speed) }
 }
 
-/// A simulated record in the same form, its time turned so that whole numbers are whole drive periods.
+/// A simulated record in the same form, with its time shifted by less than a period so that whole numbers are whole drive
+/// periods of phase zero.
 pub fn simulated(flights: &[Flight], parameters: &Parameters) -> Vec<MotionSample> {
     let begin = flights.first().and_then(|f| f.first()).map_or(0.0, |i| i.phase / TAU);
     let instants = flights.iter().flatten();

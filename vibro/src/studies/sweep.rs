@@ -21,7 +21,7 @@ const SHADES: [Colour; 4] =
 const FALLING: [Colour; 2] = [Colour(236, 160, 110), VERMILLION];
 /// Nodes of the branches drawn over maxima.
 const NODES: usize = 400;
-/// Most rows of windows told on the screen.
+/// Most windows listed on the screen.
 const TOLD: usize = 40;
 /// Decimals of an exponent in words: what a thousand periods give.
 const DECIMALS: usize = 4;

@@ -132,7 +132,7 @@ pub struct Lyapunov {
     /// Ends a spectrum when the running exponents' standard deviation over 200 periods, per unit of tau, is under this
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub threshold: f64,
-    /// Values of which spectra are told and shown on their way
+    /// Values of which spectra are listed and running exponents shown
     #[arg(long, value_name = "V,V,…", value_delimiter = ',', default_values_t = [0.6, 1.5, 2.45, 3.6], allow_hyphen_values = true)]
     pub at: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! Long studies: in parts on disk, as shards, merged, and all together.
+//! Long studies: computed in parts that are kept on disk, divided into shards, merged, and all at once.
 
 use crate::arguments::{Basin, Bifurcation, Common, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::output;
@@ -66,7 +66,7 @@ fn folder(out: &Path, study: &LongStudy) -> PathBuf {
     out.join(format!("{}.{PARTS}", study.name))
 }
 
-/// Computes a study or a share of it; draws it when all of it is there.
+/// Computes a study or a shard of it, and draws it when all its parts are there.
 fn perform(study: &LongStudy, common: &Common, shard: Option<Shard>) -> Result<()> {
     let (out, count) = (&common.out, study.count());
     let parts = PartFolder::open(&folder(out, study), study)?;

@@ -1,4 +1,4 @@
-//! Files into the folder, words onto the screen.
+//! Writes files into the folder and text to the screen.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -54,10 +54,10 @@ pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path) -> Result<()>
     say(text.trim_end_matches('\n'))
 }
 
-/// Writes words and a line's end onto standard output.
+/// Writes a line to standard output.
 pub fn say(words: &str) -> Result<()> {
     match std::io::stdout().write_all(format!("{words}\n").as_bytes()) {
-        // Who reads has read enough.
+        // The reader has closed the pipe, as `head` does.
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other.map_err(Error::file("writing", Path::new("standard output"))),
     }
@@ -113,7 +113,7 @@ fn side_by_side(table: &Table) -> String {
     text
 }
 
-/// Ten digits of a number; other words as they are.
+/// Ten digits of a number; other text as it is.
 fn readable(value: &str) -> String {
     match value.parse::<f64>() {
         Ok(x) if x == 0.0 || (1e-4..1e6).contains(&x.abs()) => format!("{x:.9}"),
