@@ -238,7 +238,7 @@ pub fn families(set: &ParameterSet, name: &str, values: &[f64]) -> Result<Study>
     }
     Study::of(
         "manifold-9",
-        &format!(
+        format!(
             "fixed points on the slow invariant manifold for {} values of {} as in figure 9",
             values.len(),
             group.symbol
