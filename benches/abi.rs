@@ -1,4 +1,4 @@
-//! The C interface in one process. Targets (issue 5): a step without impact ≤ 0.5 µs, ten Reals read or written ≤ 50 ns,
+//! The C interface in one process. Targets: a step without impact ≤ 0.5 µs, ten Reals read or written ≤ 50 ns,
 //! the FMU state taken and put back ≤ 200 ns. That none of these allocates is `cargo test --test allocation`.
 #![allow(unsafe_code)] // the C interface
 

@@ -1,10 +1,10 @@
-//! Steady states: one point of each theory, and a plane. Targets (issue 4): a fixed point with all tests ≤ 2 µs, an
+//! Steady states: one point of each theory, and a plane. Targets: a fixed point with all tests ≤ 2 µs, an
 //! exact orbit with multipliers ≤ 20 µs, a 1000 × 1000 plane by multiple scales in seconds on two cores.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use vibro_analysis::plane::{Method, PlaneAxis, plane};
-use vibro_analysis::{Settings, find_group};
+use vibro_analysis::plane::{Method, ParameterAxis, plane};
+use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 use vibro_impact::{Groups, Parameters};
 
@@ -24,13 +24,13 @@ fn points(c: &mut Criterion) {
 fn planes(c: &mut Criterion) {
     let axis = |name: &str| {
         let group = find_group(name).expect("a group");
-        PlaneAxis::new(group, group.shown, 1000).expect("an axis")
+        ParameterAxis::new(group, group.shown, 1000).expect("an axis")
     };
-    let (x, y, settings) = (axis("sigma1"), axis("f10"), Settings::basic());
+    let (x, y, set) = (axis("sigma1"), axis("f10"), ParameterSet::basic());
     let mut group = c.benchmark_group("plane");
     group.sample_size(10);
     group.bench_function("1000 x 1000 by multiple scales", |b| {
-        b.iter(|| plane(&settings, x, y, Method::MultipleScales, &|| ()))
+        b.iter(|| plane(&set, x, y, Method::MultipleScales, &|| ()))
     });
     group.finish();
 }

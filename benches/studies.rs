@@ -1,7 +1,7 @@
 //! Whole studies, as ratios to the paper's method (RKF45 with bisection, 1e-12) on the bare motion in the same run; writes
 //! its table to `benches/STUDIES.md`. `cargo bench --bench studies`
 //!
-//! Targets (issue 6): the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of 1051 values
+//! Targets: the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of 1051 values
 //! ≤ 5 s, a spectrum of seven exponents over 1500 periods ≤ 10 ms.
 
 use std::fmt::Write as _;
@@ -9,12 +9,12 @@ use std::hint::black_box;
 use std::time::Instant;
 use vibro_analysis::attractor::OBSERVED;
 use vibro_analysis::bifurcation::{Sweep, diagram};
-use vibro_analysis::isoperiodic::{Origin, Request, isoperiodic};
+use vibro_analysis::isoperiodic::{StartRule, Request, isoperiodic};
 use vibro_analysis::parts::Task;
-use vibro_analysis::plane::PlaneAxis;
-use vibro_analysis::section::kicked;
-use vibro_analysis::trajectories::{Start, lead};
-use vibro_analysis::{Settings, find_group, lyapunov};
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::trajectories::{Start, propagate};
+use vibro_analysis::{ParameterSet, find_group, lyapunov};
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::{Parameters, Simulator};
 
@@ -55,7 +55,7 @@ fn processor() -> Option<f64> {
 
 fn at(f10: f64) -> Parameters {
     let group = find_group("f10").expect("a group");
-    *Settings::basic().with(group, f10).expect("allowed").parameters()
+    *ParameterSet::basic().with(group, f10).expect("allowed").parameters()
 }
 
 /// Mean time of a drive period by the reference method over the values of the diagram, s.
@@ -65,7 +65,7 @@ fn reference() -> f64 {
     for f10 in values {
         let p = at(f10);
         let (wall, _) = timed(|| {
-            let start = kicked(&p);
+            let start = moving_block(&p);
             let mut r = Reference::new(&p, &start, 0.0, Tolerance::new(1e-12)).expect("valid");
             r.advance_to(REFERENCE_PERIODS * p.period()).expect("it arrives");
             black_box(r.state());
@@ -90,10 +90,10 @@ fn main() {
     };
     let group = find_group("f10").expect("a group");
     for (range, count) in [((0.5, 5.0), 451), ((1.9, 4.0), 1051)] {
-        let axis = PlaneAxis::new(group, range, count).expect("an axis");
+        let axis = ParameterAxis::new(group, range, count).expect("an axis");
         let sweep = Sweep { axis, discard: DISCARD, keep: KEEP, exponents: None };
         let time = timed(|| {
-            let found = diagram(&Settings::basic(), &sweep, &Task::ALL);
+            let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL);
             black_box(found.expect("allowed"));
         });
         let periods = 2.0 * count as f64 * f64::from(DISCARD + KEEP);
@@ -105,28 +105,28 @@ fn main() {
     }
     for f10 in [1.5, 2.45, 3.6] {
         let p = at(f10);
-        let mut settled = Simulator::new(&p, &kicked(&p), 0.0).expect("valid").without_energy_accounts();
+        let mut settled = Simulator::new(&p, &moving_block(&p), 0.0).expect("valid").without_energy_accounts();
         settled.advance_to(400.0 * p.period()).expect("it arrives");
-        let options = lyapunov::Options { align: 0, ..lyapunov::Options::default() };
+        let options = lyapunov::SpectrumOptions { align: 0, ..lyapunov::SpectrumOptions::default() };
         let time = timed(|| {
             black_box(lyapunov::spectrum(&mut settled.clone(), &options).expect("valid"));
         });
         row(&format!("seven exponents, 1500 periods, one thread, f10 = {f10}"), 1500.0, time);
     }
     let p = at(1.5);
-    let starts = vec![Start { parameters: p, state: kicked(&p) }; 4000];
+    let starts = vec![Start { parameters: p, state: moving_block(&p) }; 4000];
     let time = timed(|| {
-        black_box(lead(&starts, 400, &|| ()));
+        black_box(propagate(&starts, 400, &|| ()));
     });
     row("4000 independent motions, 400 periods each", 1_600_000.0, time);
     let axis = |name| {
         let group = find_group(name).expect("a group");
-        PlaneAxis::new(group, group.shown, 100).expect("an axis")
+        ParameterAxis::new(group, group.shown, 100).expect("an axis")
     };
     let (x, y) = (axis("sigma1"), axis("f10"));
-    let plane = Request { x, y, start: Origin::default(), discard: 300, exponents: None };
+    let plane = Request { x, y, start: StartRule::default(), discard: 300, exponents: None };
     let time = timed(|| {
-        let found = isoperiodic(&Settings::basic(), &plane, &Task::ALL);
+        let found = isoperiodic(&ParameterSet::basic(), &plane, &Task::ALL);
         black_box(found.expect("allowed"));
     });
     let periods = plane.discard + OBSERVED;

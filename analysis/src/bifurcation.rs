@@ -1,18 +1,18 @@
 //! Bifurcation diagrams: the local maxima of X2 over one group, upwards and downwards, with period, class and exponents.
 //!
-//! As in the paper (model.md section 7): at each value so many drive periods are discarded and so many kept, and the last
-//! state is the start of the next value. The motion from value to value is one chain and cannot be divided; what is
-//! learnt at each value is independent of the other values, so that threads and machines share it.
+//! As in the paper, section 4: at each value a number of drive periods is discarded and a number kept, and the last state is
+//! the start of the next value. The motion from value to value is one chain and cannot be divided. What is observed at each
+//! value is independent of the other values, so that threads and machines share that part.
 
-use super::attractor::{Attractor, Class, Relation, observe};
+use super::attractor::{Attractor, MotionClass, Relation, observe};
 use super::error::{Error, Result};
 use super::lyapunov::{self, Spectrum};
-use super::maxima::record;
-use super::motion::settled;
+use super::maxima::record_periods;
+use super::motion::settled_simulator;
+use super::parameter_set::ParameterSet;
 use super::parts::Task;
-use super::plane::PlaneAxis;
-use super::section::kicked;
-use super::settings::Settings;
+use super::plane::ParameterAxis;
+use super::stroboscopic::moving_block;
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Parameters, check_together};
 use vibro_impact::simulator::{Simulator, State};
@@ -26,18 +26,18 @@ const RESOLUTION: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
     /// The group and its values.
-    pub axis: PlaneAxis,
+    pub axis: ParameterAxis,
     /// Drive periods discarded at each value.
     pub discard: u32,
     /// Drive periods kept.
     pub keep: u32,
     /// How the exponents are computed, if they are.
-    pub exponents: Option<lyapunov::Options>,
+    pub exponents: Option<lyapunov::SpectrumOptions>,
 }
 
 /// The motion at one value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct SweepPoint {
     /// The group's value.
     pub value: f64,
     /// Local maxima of X2 (units of L, to six digits after the point), ascending, with the times each was met.
@@ -45,7 +45,7 @@ pub struct Point {
     /// What the motion has settled on.
     pub attractor: Attractor,
     /// Its class.
-    pub class: Class,
+    pub class: MotionClass,
     /// Its exponents in units of ω10, i.e. per unit of the dimensionless time τ.
     pub spectrum: Option<Spectrum>,
 }
@@ -54,60 +54,62 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagram {
     /// With the value rising.
-    pub up: Vec<Option<Point>>,
+    pub up: Vec<Option<SweepPoint>>,
     /// With the value falling, in the order of rising values.
-    pub down: Vec<Option<Point>>,
+    pub down: Vec<Option<SweepPoint>>,
 }
 
-/// The start of what is kept at one value: parameters and the state after the transient.
+/// The start of what is kept at one value: the system and its state after the discarded periods, or no state where the
+/// simulator refused.
 #[derive(Clone, Copy, Debug)]
-struct Station {
+struct SettledStart {
     value: f64,
     parameters: Parameters,
     state: Option<State>,
 }
 
-/// The chain of states from value to value. Where the simulator refuses, the next value starts anew.
-fn chain(settings: &Settings, sweep: &Sweep, upward: bool) -> Result<Vec<Station>> {
+/// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
+/// starts with [`moving_block`].
+fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledStart>> {
     let count = sweep.axis.count;
-    let mut state = kicked(settings.parameters());
-    let mut stations = Vec::with_capacity(count);
+    let mut state = moving_block(set.parameters());
+    let mut starts = Vec::with_capacity(count);
     for i in 0..count {
         let value = sweep.axis.value(if upward { i } else { count - 1 - i });
-        let groups = settings.vary(sweep.axis.group, value);
+        let groups = set.vary(sweep.axis.group, value);
         check_together(&groups)?;
-        let p = settings.parameters_of(&groups)?;
+        let p = set.parameters_of(&groups)?;
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> vibro_impact::Result<(State, State)> {
-            let mut simulator = settled(&p, &state, discard)?;
+            let mut simulator = settled_simulator(&p, &state, discard)?;
             let before = simulator.state();
             simulator.advance_to(all * p.period())?;
             Ok((before, simulator.state()))
         };
         let run = run();
-        stations.push(Station { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) });
-        state = run.map_or_else(|_| kicked(&p), |r| r.1);
+        starts.push(SettledStart { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) });
+        state = run.map_or_else(|_| moving_block(&p), |r| r.1);
     }
     if !upward {
-        stations.reverse();
+        starts.reverse();
     }
-    Ok(stations)
+    Ok(starts)
 }
 
-/// What is learnt at one value; nothing where the simulator refuses to go on.
-fn learnt(station: &Station, sweep: &Sweep) -> Result<Option<Point>> {
-    let Some(state) = &station.state else { return Ok(None) };
-    match point(station, state, sweep) {
+/// Observes the motion at one value; `None` where the simulator refuses.
+fn observe_at(start: &SettledStart, sweep: &Sweep) -> Result<Option<SweepPoint>> {
+    let Some(state) = &start.state else { return Ok(None) };
+    match point(start, state, sweep) {
         Err(Error::Model(_)) => Ok(None),
         other => other.map(Some),
     }
 }
 
-fn point(station: &Station, state: &State, sweep: &Sweep) -> Result<Point> {
-    let p = &station.parameters;
+fn point(start: &SettledStart, state: &State, sweep: &Sweep) -> Result<SweepPoint> {
+    let p = &start.parameters;
     let mut simulator = Simulator::new(p, state, 0.0)?.without_energy_accounts();
     let mut tops: Vec<i64> = Vec::new();
-    record(&mut simulator, sweep.keep, &mut |period| {
+    record_periods(&mut simulator, sweep.keep, &mut |period| {
         tops.extend(period.maxima.iter().map(|m| (m.value / p.stop_gap / RESOLUTION).round() as i64));
     })?;
     tops.sort_unstable();
@@ -116,8 +118,8 @@ fn point(station: &Station, state: &State, sweep: &Sweep) -> Result<Point> {
     let attractor = observe(&mut simulator)?;
     let exponents = |options| Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum);
     let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
-    let class = Class::of(&attractor, spectrum.as_ref());
-    Ok(Point { value: station.value, maxima, attractor, class, spectrum })
+    let class = MotionClass::of(&attractor, spectrum.as_ref());
+    Ok(SweepPoint { value: start.value, maxima, attractor, class, spectrum })
 }
 
 /// Number of parts of a sweep.
@@ -130,32 +132,32 @@ pub fn count(sweep: &Sweep) -> usize {
 ///
 /// # Errors
 /// Ranges that are not allowed; what the parts' folder refuses.
-pub fn diagram(settings: &Settings, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
-    // A sweep that is all there needs no chain.
-    let stations = std::sync::OnceLock::new();
-    let chains = || -> Result<[Vec<Station>; 2]> {
-        let (up, down) = rayon::join(|| chain(settings, sweep, true), || chain(settings, sweep, false));
+pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
+    // A sweep of which all parts are there needs no chain.
+    let starts = std::sync::OnceLock::new();
+    let chains = || -> Result<[Vec<SettledStart>; 2]> {
+        let (up, down) = rayon::join(|| chain(set, sweep, true), || chain(set, sweep, false));
         Ok([up?, down?])
     };
-    if task.parts.missing(count(sweep)) > 0 {
-        // Set once, here.
-        let _ = stations.set(chains()?);
+    if task.store.missing(count(sweep)) > 0 {
+        // Nothing else sets the cell, so that this cannot fail.
+        let _ = starts.set(chains()?);
     }
     let blocks = sweep.axis.count.div_ceil(BLOCK);
-    let make = |index: usize| -> Result<Vec<Option<Point>>> {
+    let make = |index: usize| -> Result<Vec<Option<SweepPoint>>> {
         let fresh;
-        let both = match stations.get() {
+        let both = match starts.get() {
             Some(both) => both,
-            // A part that is there but cannot be read.
+            // Reached only for a part that is there but cannot be read.
             None => {
                 fresh = chains()?;
                 &fresh
             }
         };
-        let stations = &both[index / blocks];
+        let starts = &both[index / blocks];
         let from = index % blocks * BLOCK;
-        let until = (from + BLOCK).min(stations.len());
-        stations[from..until].iter().map(|s| learnt(s, sweep)).collect()
+        let until = (from + BLOCK).min(starts.len());
+        starts[from..until].iter().map(|s| observe_at(s, sweep)).collect()
     };
     let Some(mut all) = task.complete(count(sweep), make)? else { return Ok(None) };
     let down = all.split_off(blocks).concat();
@@ -169,7 +171,8 @@ impl Diagram {
         let both = self.up.iter().zip(&self.down);
         both.map(|pair| match pair {
             (Some(a), Some(b)) => {
-                let wanders = |p: &Point| matches!(p.class, Class::Chaotic | Class::Aperiodic);
+                let wanders =
+                    |p: &SweepPoint| matches!(p.class, MotionClass::Chaotic | MotionClass::Aperiodic);
                 let both = wanders(a) && wanders(b);
                 !both && a.attractor.relation(&b.attractor) == Relation::Different
             }
@@ -178,9 +181,16 @@ impl Diagram {
         .collect()
     }
 
+    /// The motion at the value of the rising direction that is nearest to `value`; `None` where the simulator refused all.
+    pub fn nearest(&self, value: f64) -> Option<&SweepPoint> {
+        let near =
+            |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+        self.up.iter().flatten().min_by(near)
+    }
+
     /// Ranges of values with the same class, rising: from, to, class.
-    pub fn windows(points: &[Option<Point>]) -> Vec<(f64, f64, Class)> {
-        let mut found: Vec<(f64, f64, Class)> = Vec::new();
+    pub fn windows(points: &[Option<SweepPoint>]) -> Vec<(f64, f64, MotionClass)> {
+        let mut found: Vec<(f64, f64, MotionClass)> = Vec::new();
         for point in points.iter().flatten() {
             match found.last_mut().filter(|w| w.2 == point.class) {
                 Some(window) => window.1 = point.value,

@@ -1,12 +1,10 @@
-//! What can go wrong between the user's words and the files on disk.
-
-use std::path::{Path, PathBuf};
+//! What the analyses refuse.
 
 /// Errors of the analyses; every message names what was given and what is allowed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The model refuses.
+    /// The model or the simulator refuses.
     #[error(transparent)]
     Model(#[from] vibro_impact::Error),
     /// No parameter has this name.
@@ -39,51 +37,17 @@ pub enum Error {
         /// The form, with an example.
         expected: &'static str,
     },
-    /// A parameter file cannot be understood.
-    #[error("{}: {problem}", path.display())]
-    Config {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, and where.
-        problem: String,
-    },
-    /// Reading or writing a file failed.
-    #[error("{doing} {}: {source}", path.display())]
-    File {
-        /// What was being done.
-        doing: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// A picture or table could not be made.
-    #[error("making {what}: {problem}")]
-    Output {
-        /// What was being made.
-        what: &'static str,
-        /// The library's reason.
-        problem: String,
-    },
+    /// The [store](crate::parts::PartStore) of finished parts failed.
+    #[error(transparent)]
+    Store(Box<dyn std::error::Error + Send + Sync>),
 }
 
 /// Result with the analyses' error.
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// Whether the user's input is at fault, not the machine.
-    pub fn is_usage(&self) -> bool {
-        !matches!(self, Self::File { doing: "writing" | "making folder", .. } | Self::Output { .. })
-    }
-
-    /// For `map_err` on operations on a file.
-    pub fn file(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_path_buf();
-        move |source| Self::File { doing, path, source }
-    }
-
-    /// For `map_err` on the libraries that make pictures and tables.
-    pub fn output<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> Self {
-        move |e| Self::Output { what, problem: e.to_string() }
+    /// For `map_err` on what a [store](crate::parts::PartStore) does.
+    pub fn store(reason: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Store(Box::new(reason))
     }
 }

@@ -1,37 +1,37 @@
 //! Simulated motion over a plane of two groups: its period, impacts and class (an isoperiodic diagram), beside the exact
 //! orbit with two symmetric impacts a period, which needs no simulation.
 //!
-//! Every point is a motion of its own from the same start, so that all of them go through [`lead`].
+//! Every point is a motion of its own, so that a whole row goes through [`propagate`] at once.
 
-use super::attractor::{Class, observe};
+use super::attractor::{MotionClass, observe};
 use super::error::{Error, Result};
-use super::lyapunov::{self, Options};
+use super::lyapunov::{self, SpectrumOptions};
+use super::parameter_set::ParameterSet;
 use super::parts::Task;
-use super::plane::{self, PlaneAxis, check_pair};
-use super::section::{COORDINATES, KICK, Section, section, state};
-use super::settings::Settings;
-use super::trajectories::{Start, lead};
+use super::plane::{self, ParameterAxis, SteadyStateClass, check_pair};
+use super::stroboscopic::{COORDINATES, MOVING_BLOCK, StroboscopicState, dimensional, dimensionless};
+use super::trajectories::{Start, propagate};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Parameters, check_together};
 use vibro_impact::simulator::{Simulator, State};
 
-/// Where the motions of a plane start.
+/// The rule by which the motions of a plane get their starts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Origin {
-    /// In one state.
-    State(Section),
-    /// On the exact orbit where it is stable, elsewhere in the bifurcation study's [start](KICK).
+pub enum StartRule {
+    /// All start in one state.
+    State(StroboscopicState),
+    /// Each starts on the exact orbit where that is stable, elsewhere with the [moving block](MOVING_BLOCK).
     Orbit,
 }
 
-impl Default for Origin {
-    /// The bifurcation study's start.
+impl Default for StartRule {
+    /// The [moving block](MOVING_BLOCK), which is the bifurcation study's start too.
     fn default() -> Self {
-        Self::State(KICK)
+        Self::State(MOVING_BLOCK)
     }
 }
 
-impl std::str::FromStr for Origin {
+impl std::str::FromStr for StartRule {
     type Err = Error;
 
     /// Reads `orbit`, or `name=value,…`, what is not named being zero.
@@ -51,7 +51,7 @@ impl std::str::FromStr for Origin {
     }
 }
 
-impl std::fmt::Display for Origin {
+impl std::fmt::Display for StartRule {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self::State(start) = self else { return f.write_str("orbit") };
         let named = COORDINATES.iter().zip(start).filter(|(_, value)| **value != 0.0);
@@ -65,22 +65,22 @@ impl std::fmt::Display for Origin {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     /// Horizontal.
-    pub x: PlaneAxis,
+    pub x: ParameterAxis,
     /// Vertical.
-    pub y: PlaneAxis,
+    pub y: ParameterAxis,
     /// Where each motion starts.
-    pub start: Origin,
+    pub start: StartRule,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
     /// How exponents of motions with impacts and without a period are computed, if they are.
-    pub exponents: Option<Options>,
+    pub exponents: Option<SpectrumOptions>,
 }
 
-/// What a start has settled on.
+/// The motion that a start has settled on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct SettledMotion {
     /// Its class.
-    pub class: Class,
+    pub class: MotionClass,
     /// Impacts per drive period at the upper and at the lower stop.
     pub impacts: [f64; 2],
     /// Whether the block rests at a stop in the course of it.
@@ -93,27 +93,27 @@ pub struct Motion {
     pub on_orbit: bool,
 }
 
-impl Motion {
+impl SettledMotion {
     /// Whether it is of the exact orbit's kind: symmetric, with one impact at each stop in each drive period, and no rest.
     pub fn is_two_impact(&self) -> bool {
-        self.class == Class::Periodic(1) && self.symmetric && self.impacts == [1.0; 2] && !self.rests
+        self.class == MotionClass::Periodic(1) && self.symmetric && self.impacts == [1.0; 2] && !self.rests
     }
 }
 
 /// One point of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct PlanePoint {
     /// What the exact orbit is there.
-    pub theory: plane::Class,
+    pub theory: SteadyStateClass,
     /// The motion; `None` where the simulator refuses.
-    pub motion: Option<Motion>,
+    pub motion: Option<SettledMotion>,
 }
 
 /// A plane of motions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isoperiodic {
     /// Rows of constant y, from the first.
-    pub points: Vec<Point>,
+    pub points: Vec<PlanePoint>,
 }
 
 /// How far theory and simulation agree, in numbers of points.
@@ -121,26 +121,26 @@ pub struct Isoperiodic {
 pub struct Agreement {
     /// Where the exact orbit is stable.
     pub stable: usize,
-    /// Of these, where the simulated motion is this orbit. What is missing starts in the basin of another motion.
+    /// The number of these at which the simulated motion is this orbit. The others start in the basin of another motion.
     pub reached: usize,
-    /// Where the simulated motion is of the exact orbit's [kind](Motion::is_two_impact).
+    /// Where the simulated motion is of the exact orbit's [kind](SettledMotion::is_two_impact).
     pub two_impact: usize,
-    /// Of these, where it is the exact orbit, and that is stable. What is missing contradicts the theory.
-    pub foretold: usize,
+    /// The number of these at which it is the exact orbit and that is stable. Any other contradicts the theory.
+    pub predicted: usize,
 }
 
 impl Isoperiodic {
     /// How far theory and simulation agree.
     pub fn agreement(&self) -> Agreement {
-        let count = |holds: &dyn Fn(&Point) -> bool| self.points.iter().filter(|p| holds(p)).count();
-        let stable = |p: &Point| p.theory == plane::Class::Stable;
-        let orbit = |p: &Point| p.motion.is_some_and(|m| m.on_orbit);
-        let kind = |p: &Point| p.motion.is_some_and(|m| m.is_two_impact());
+        let count = |holds: &dyn Fn(&PlanePoint) -> bool| self.points.iter().filter(|p| holds(p)).count();
+        let stable = |p: &PlanePoint| p.theory == SteadyStateClass::Stable;
+        let orbit = |p: &PlanePoint| p.motion.is_some_and(|m| m.on_orbit);
+        let kind = |p: &PlanePoint| p.motion.is_some_and(|m| m.is_two_impact());
         Agreement {
             stable: count(&stable),
             reached: count(&|p| stable(p) && orbit(p)),
             two_impact: count(&kind),
-            foretold: count(&|p| kind(p) && orbit(p)),
+            predicted: count(&|p| kind(p) && orbit(p)),
         }
     }
 }
@@ -155,58 +155,64 @@ pub fn count(request: &Request) -> usize {
 ///
 /// # Errors
 /// [`Error::Form`] as [`check_pair`]; a start that the simulator refuses; what the parts' folder refuses.
-pub fn isoperiodic(settings: &Settings, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
+pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
     check_pair(&request.x, &request.y)?;
-    if let Origin::State(start) = &request.start {
-        let p = settings.parameters();
-        Simulator::new(p, &state(p, start), 0.0)?;
+    if let StartRule::State(start) = &request.start {
+        let p = set.parameters();
+        Simulator::new(p, &dimensional(p, start), 0.0)?;
     }
-    let rows = task.complete(count(request), |j| Ok(row(settings, request, j)))?;
+    let rows = task.complete(count(request), |j| Ok(row(set, request, j)))?;
     Ok(rows.map(|rows| Isoperiodic { points: rows.concat() }))
 }
 
-/// One system of a row.
+/// The system at one point of a row, before it is simulated.
 struct Site {
-    theory: plane::Class,
+    theory: SteadyStateClass,
     /// The stable exact orbit's state at time 0.
     orbit: Option<State>,
     /// `None` where the groups make no system.
     start: Option<Start>,
 }
 
-fn site(settings: &Settings, request: &Request, column: usize, row: usize) -> Site {
-    let none = Site { theory: plane::Class::Undefined, orbit: None, start: None };
-    let groups =
-        settings.varied(request.y.group, request.y.value(row)).vary(request.x.group, request.x.value(column));
+fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Site {
+    let none = Site { theory: SteadyStateClass::Undefined, orbit: None, start: None };
+    let groups = set
+        .with_groups_only(request.y.group, request.y.value(row))
+        .vary(request.x.group, request.x.value(column));
     if check_together(&groups).is_err() {
         return none;
     }
-    let Ok(parameters) = settings.parameters_of(&groups) else { return none };
-    let (theory, orbit) = plane::exact(&parameters).unwrap_or((plane::Class::Undefined, None));
+    let Ok(parameters) = set.parameters_of(&groups) else { return none };
+    let (theory, orbit) = plane::exact(&parameters).unwrap_or((SteadyStateClass::Undefined, None));
     let orbit = orbit.map(|o| o.initial_state()).map(|o| State { x: o.x, v: o.v });
     let state = match (&request.start, orbit) {
-        (Origin::State(start), _) => state(&parameters, start),
-        (Origin::Orbit, Some(orbit)) => orbit,
-        (Origin::Orbit, None) => state(&parameters, &KICK),
+        (StartRule::State(start), _) => dimensional(&parameters, start),
+        (StartRule::Orbit, Some(orbit)) => orbit,
+        (StartRule::Orbit, None) => dimensional(&parameters, &MOVING_BLOCK),
     };
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
 
-fn row(settings: &Settings, request: &Request, j: usize) -> Vec<Point> {
-    let sites: Vec<Site> = (0..request.x.count).map(|i| site(settings, request, i, j)).collect();
+fn row(set: &ParameterSet, request: &Request, j: usize) -> Vec<PlanePoint> {
+    let sites: Vec<Site> = (0..request.x.count).map(|i| site(set, request, i, j)).collect();
     let starts: Vec<Start> = sites.iter().filter_map(|s| s.start).collect();
-    let mut ends = lead(&starts, request.discard, &|| ()).into_iter();
+    let mut ends = propagate(&starts, request.discard, &|| ()).into_iter();
     let point = |Site { theory, orbit, start }| {
-        // There is an end for each start.
+        // There is one end for each start, in the same order.
         let end = start.and_then(|s| Some((s.parameters, ends.next()?.ok()?)));
         let motion =
             end.and_then(|(p, end)| motion(&p, &end, orbit.as_ref(), request.exponents.as_ref()).ok());
-        Point { theory, motion }
+        PlanePoint { theory, motion }
     };
     sites.into_iter().map(point).collect()
 }
 
-fn motion(p: &Parameters, end: &State, orbit: Option<&State>, exponents: Option<&Options>) -> Result<Motion> {
+fn motion(
+    p: &Parameters,
+    end: &State,
+    orbit: Option<&State>,
+    exponents: Option<&SpectrumOptions>,
+) -> Result<SettledMotion> {
     let mut simulator = Simulator::new(p, end, 0.0)?.without_energy_accounts();
     let found = observe(&mut simulator)?;
     let asked = exponents.filter(|_| found.period.is_none() && !found.is_free());
@@ -214,13 +220,15 @@ fn motion(p: &Parameters, end: &State, orbit: Option<&State>, exponents: Option<
     let spectrum = spectrum.map(|found| found.spectrum);
     let dies_out = found.is_free() && found.approaching;
     let symmetric = found.period.is_some() && found.is_symmetric();
-    Ok(Motion {
-        class: if dies_out { Class::Settling } else { Class::of(&found, spectrum.as_ref()) },
+    Ok(SettledMotion {
+        class: if dies_out { MotionClass::Settling } else { MotionClass::of(&found, spectrum.as_ref()) },
         impacts: found.impacts,
         rests: found.rests,
         symmetric,
         exponent: spectrum.map(|s| s.exponents[0]),
-        on_orbit: found.period == Some(1) && symmetric && orbit.is_some_and(|o| found.passes(&section(p, o))),
+        on_orbit: found.period == Some(1)
+            && symmetric
+            && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
     })
 }
 
@@ -231,11 +239,11 @@ mod tests {
     #[test]
     fn words_become_starts_and_starts_words() {
         for text in ["orbit", "v2=1", "x1=-0.25,v3=2", "x1=0"] {
-            assert_eq!(text.parse::<Origin>().unwrap().to_string(), text);
+            assert_eq!(text.parse::<StartRule>().unwrap().to_string(), text);
         }
-        assert_eq!("v2=1".parse::<Origin>().unwrap(), Origin::default());
+        assert_eq!("v2=1".parse::<StartRule>().unwrap(), StartRule::default());
         for wrong in ["", "x4=1", "v2", "v2=fast", "v2=inf"] {
-            assert!(wrong.parse::<Origin>().unwrap_err().to_string().contains("x1=0.2,v2=1"), "{wrong}");
+            assert!(wrong.parse::<StartRule>().unwrap_err().to_string().contains("x1=0.2,v2=1"), "{wrong}");
         }
     }
 }

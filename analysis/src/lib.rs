@@ -1,11 +1,45 @@
-//! What the command line shows: studies of the steady states, their tables and their pictures.
+//! What motions of the vibro-impact machine do: settled motions and their classes, Lyapunov exponents, sweeps, basins,
+//! planes, and steady states along a parameter.
 //!
-//! ```text
-//! settings (SI or groups, by name) → response, plane, compare (numbers) → figures (data of a picture) → draw → files
-//! simulator → walk (smooth pieces) → maxima, variation → bifurcation, lyapunov, basin, isoperiodic → studies → report
+//! Every study is a function from a [`ParameterSet`] and a request to plain data. Nothing is printed or written here, and
+//! results depend neither on the number of threads nor on how a study is divided.
+//!
+//! | module | what it computes | what its tests hold it against |
+//! |---|---|---|
+//! | [`ParameterSet`] | physical parameters and dimensionless groups by name, kept in step | conversion there and back |
+//! | [`stroboscopic`] | states at whole drive periods in units of L and L ω10 | – |
+//! | [`motion`] | a motion as samples cut at impacts, its amplitudes and maxima | amplitudes of the exact orbit |
+//! | `smooth_pieces` | the smooth pieces of a motion and what ends them | through `maxima` and `lyapunov` |
+//! | [`maxima`] | local maxima of X2, from the flow | amplitude of the exact orbit; interpolated samples; closed forms of a free block and of one mode |
+//! | `variation` | transition matrices of variations, jumps at impacts | through `lyapunov` |
+//! | [`lyapunov`] | the seven Lyapunov exponents | a linear system; multipliers of the exact orbit; divergence and determinants |
+//! | [`attractor`] | period, impacts, symmetry and class of a settled motion | constructed sequences; the stable exact orbit; the limit without impacts |
+//! | [`trajectories`] | many independent motions at once | the same motions one by one |
+//! | [`parts`] | long studies in parts, shared and continued | interrupted and divided work against whole work |
+//! | [`bifurcation`] | maxima, classes and exponents over one group, both directions | exact orbit and its limits of stability (tests of `vibro`) |
+//! | [`basin`] | attractors over two initial values | single simulations (tests of `vibro`) |
+//! | [`isoperiodic`] | simulated motion over two groups, beside the exact orbit | single simulations, the plane of the exact orbit (tests of `vibro`) |
+//! | [`plane`] | existence and stability of the two-impact motion over two groups | single solutions (tests of `vibro`) |
+//! | [`response`](mod@response) | steady states along one group | located limits of stability (tests of `vibro`) |
+//!
+//! # Example
+//!
 //! ```
+//! use vibro_analysis::attractor::{MotionClass, observe};
+//! use vibro_analysis::motion::settled_simulator;
+//! use vibro_analysis::stroboscopic::moving_block;
+//! use vibro_analysis::{ParameterSet, find_group};
 //!
-//! Every study is a function from [`Settings`] to plain data; printing and writing is the caller's.
+//! // The default set settles on a motion with the drive's period and one impact at each stop; a stronger drive makes chaos.
+//! let p = *ParameterSet::basic().parameters();
+//! let attractor = observe(&mut settled_simulator(&p, &moving_block(&p), 400.0)?)?;
+//! assert_eq!((attractor.period, attractor.impacts), (Some(1), [1.0, 1.0]));
+//!
+//! let p = *ParameterSet::basic().with(find_group("f10")?, 3.6)?.parameters();
+//! let attractor = observe(&mut settled_simulator(&p, &moving_block(&p), 400.0)?)?;
+//! assert_eq!(MotionClass::of(&attractor, None), MotionClass::Aperiodic);
+//! # Ok::<(), vibro_analysis::Error>(())
+//! ```
 
 pub mod attractor;
 pub mod basin;
@@ -15,15 +49,15 @@ pub mod isoperiodic;
 pub mod lyapunov;
 pub mod maxima;
 pub mod motion;
+mod parameter_set;
 pub mod parts;
 pub mod plane;
 pub mod response;
-pub mod section;
-mod settings;
+mod smooth_pieces;
+pub mod stroboscopic;
 pub mod trajectories;
 mod variation;
-mod walk;
 
 pub use error::{Error, Result};
-pub use settings::{Name, Settings, find_group, number, short};
+pub use parameter_set::{Name, ParameterSet, find_field, find_group, number, short};
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

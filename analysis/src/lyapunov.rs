@@ -1,35 +1,36 @@
 //! The seven Lyapunov exponents: six coordinates and the phase of the drive, whose exponent is exactly zero.
 //!
-//! Between events the variations are led by exact transition matrices, at impacts by Müller's jump; they are made
-//! orthonormal once a drive period (paper section 4; model.md section 7). Where the block comes to rest, the relative
-//! motion is forgotten: two directions are lost for good, and their exponents are -∞. An impact with κ = 0 loses one.
+//! Between events the variations are propagated by exact transition matrices, at impacts they jump (docs/theory.md (84)), and
+//! once a drive period they are made orthonormal (docs/theory.md (85); paper, section 4). Where the block comes to rest, its
+//! relative motion is lost: two directions become zero, and their exponents are -∞ from then on. An impact with κ = 0 makes
+//! one direction zero.
 //!
 //! ```
-//! use vibro_analysis::lyapunov::{Options, spectrum};
+//! use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
 //! use vibro_impact::{Parameters, Simulator, State};
 //!
 //! let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
 //! let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0)?.without_energy_accounts();
 //! simulator.advance_to(400.0 * Parameters::default().period())?; // onto the stable two-impact motion
-//! let found = spectrum(&mut simulator, &Options::default())?;
+//! let found = spectrum(&mut simulator, &SpectrumOptions::default())?;
 //! assert!(found.exponents[0].abs() < 1e-9 && found.exponents[1] < 0.0);
 //! # Ok::<(), vibro_analysis::Error>(())
 //! ```
 
 use super::error::Result;
+use super::smooth_pieces::{PieceEnd, augmented, smooth_pieces};
 use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
-use super::walk::{Break, augmented, walk};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
 use vibro_impact::model::Model;
 use vibro_impact::simulator::Simulator;
 
-/// Between two looks at the running deviation, in drive periods.
-const LOOK: u32 = 10;
+/// Drive periods between two checks of the running deviation.
+const CHECK: u32 = 10;
 
 /// How a spectrum is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Options {
+pub struct SpectrumOptions {
     /// Periods in which the variations turn into their directions before anything is counted.
     pub align: u32,
     /// Most periods counted (1500 in the paper).
@@ -40,7 +41,7 @@ pub struct Options {
     pub threshold: f64,
 }
 
-impl Default for Options {
+impl Default for SpectrumOptions {
     /// 1500 periods after 50, all of them.
     fn default() -> Self {
         Self { align: 50, periods: 1500, window: 200, threshold: 0.0 }
@@ -64,7 +65,7 @@ pub struct Spectrum {
     pub rests: bool,
 }
 
-/// A spectrum and the way to it.
+/// A spectrum and its values on the way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
     /// The outcome.
@@ -77,7 +78,7 @@ pub struct Convergence {
 ///
 /// # Errors
 /// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
-pub fn spectrum(simulator: &mut Simulator, options: &Options) -> Result<Spectrum> {
+pub fn spectrum(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Spectrum> {
     Ok(convergence(simulator, options)?.spectrum)
 }
 
@@ -85,7 +86,7 @@ pub fn spectrum(simulator: &mut Simulator, options: &Options) -> Result<Spectrum
 ///
 /// # Errors
 /// As [`spectrum`].
-pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Convergence> {
+pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Convergence> {
     let p = *simulator.parameters();
     if p.drive_frequency == 0.0 {
         return Err(Error::Undefined {
@@ -108,28 +109,28 @@ pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Conve
     let mut running = Vec::with_capacity(options.periods as usize);
     let mut settled = false;
     for i in 1..=options.align + options.periods {
-        walk(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
-            impacts += u64::from(matches!(piece.end, Break::Impact { .. }));
+        smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
+            impacts += u64::from(matches!(piece.end, PieceEnd::Impact { .. }));
             rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
-            let rank = tangent.variation.lead(&mut tangent.frame, piece);
+            let rank = tangent.variation.propagate(&mut tangent.frame, piece);
             if let Rank::Limited(most) = rank {
                 tangent.rank = tangent.rank.min(most);
-                tangent.renew();
+                tangent.renormalize();
             }
         })?;
         let (sine, cosine) = simulator.drive_phase().sin_cos();
         on_circle(&mut tangent.frame, (cosine, sine));
-        tangent.renew();
+        tangent.renormalize();
         if i <= options.align {
-            // What is lost stays lost.
+            // A direction that has become zero stays zero; all others begin anew.
             tangent.logs = tangent.logs.map(|l| if l == f64::NEG_INFINITY { l } else { 0.0 });
             (impacts, rests) = (0, false);
             continue;
         }
         let counted = i - options.align;
         running.push(tangent.logs.map(|l| l / (f64::from(counted) * length)));
-        let look = options.threshold > 0.0 && counted >= options.window && counted.is_multiple_of(LOOK);
-        if look && deviation(&running, options.window) < options.threshold {
+        let check = options.threshold > 0.0 && counted >= options.window && counted.is_multiple_of(CHECK);
+        if check && deviation(&running, options.window) < options.threshold {
             settled = true;
             break;
         }
@@ -145,9 +146,9 @@ pub fn convergence(simulator: &mut Simulator, options: &Options) -> Result<Conve
 ///
 /// # Errors
 /// As [`spectrum`].
-pub fn dimensionless(simulator: &mut Simulator, options: &Options) -> Result<Convergence> {
+pub fn dimensionless(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Convergence> {
     let rate = simulator.parameters().box_frequency();
-    let options = Options { threshold: options.threshold * rate, ..*options };
+    let options = SpectrumOptions { threshold: options.threshold * rate, ..*options };
     let mut found = convergence(simulator, &options)?;
     for exponents in found.running.iter_mut().chain([&mut found.spectrum.exponents]) {
         *exponents = exponents.map(|e| e / rate);
@@ -156,30 +157,31 @@ pub fn dimensionless(simulator: &mut Simulator, options: &Options) -> Result<Con
     Ok(found)
 }
 
-/// The variations on their way.
+/// The variations of a motion and the logarithms of their growth.
 struct Tangent {
     variation: Variation,
     frame: Frame,
-    /// Directions not lost.
+    /// Directions that are not zero.
     rank: usize,
     /// Logarithms of the growth so far.
     logs: [f64; DIMENSION],
 }
 
 impl Tangent {
-    fn renew(&mut self) {
+    /// Makes the variations orthonormal and adds the logarithms of their lengths.
+    fn renormalize(&mut self) {
         let (frame, rank) = (&mut self.frame, self.rank);
         let lengths = pulp::Arch::new().dispatch(
             #[inline(always)]
             || orthonormalize(frame, rank),
         );
         for (sum, length) in self.logs.iter_mut().zip(lengths) {
-            *sum += length.ln(); // -∞ for a direction that is lost
+            *sum += length.ln(); // -∞ for a direction that has become zero
         }
     }
 }
 
-/// The largest standard deviation over the last `window` values.
+/// The largest standard deviation of a running exponent over the last `window` periods, those at -∞ left out.
 fn deviation(running: &[[f64; DIMENSION]], window: u32) -> f64 {
     let last = &running[running.len().saturating_sub(window as usize)..];
     let count = last.len().max(1) as f64;

@@ -1,10 +1,10 @@
 //! Local maxima of X2 = x2/L, found from the flow and not from samples.
 //!
-//! X2 is continuous, its rate jumps at impacts. A maximum lies where the rate v2 passes from above to below zero: at a
-//! root within a smooth piece, isolated by the same proof as the events, or at an impact that turns v2 round (in the
-//! motion with two impacts a period every maximum is such a corner).
+//! X2 is continuous, while its rate v2 jumps at impacts. A maximum lies where v2 passes from above to below zero: at a root
+//! within a smooth piece, which [`first_crossing`] finds with the same proof as the simulator's events, or at an impact that
+//! reverses v2. In the motion with two symmetric impacts a period every maximum is such a corner.
 
-use super::walk::{Break, Piece, TERMS, along, augmented, walk};
+use super::smooth_pieces::{Piece, PieceEnd, TERMS, augmented, expand_along, smooth_pieces};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Result;
 use vibro_impact::events::first_crossing;
@@ -28,9 +28,9 @@ pub struct Maximum {
     pub corner: bool,
 }
 
-/// What happened in a drive period.
+/// What happened in one drive period.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Period {
+pub struct PeriodRecord {
     /// The state at its end.
     pub state: State,
     /// Local maxima of x2, in order.
@@ -41,22 +41,23 @@ pub struct Period {
     pub rests: bool,
 }
 
-/// Follows the sign of v2 along a motion.
-struct Turns {
+/// Follows the sign of v2 along a motion and collects the maxima of x2.
+struct MaximumFinder {
     rising: bool,
 }
 
-impl Turns {
-    /// By the best instruction set at hand; no operation is fused, so all give the same bits.
-    fn piece(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
+impl MaximumFinder {
+    /// Collects the maxima on a piece and at its end, by the best instruction set at hand. No operation is fused, so that
+    /// all instruction sets give the same bits.
+    fn search(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
         pulp::Arch::new().dispatch(
             #[inline(always)]
-            || self.piece_as(model, piece, found),
+            || self.search_as(model, piece, found),
         );
     }
 
     #[inline(always)]
-    fn piece_as(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
+    fn search_as(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
         let mut time = piece.time;
         let visit = |series: &Series<TERMS>, radius: f64| {
             let v2: [f64; TERMS] = std::array::from_fn(|k| series.lanes[k][3] + series.lanes[k][4]);
@@ -75,38 +76,43 @@ impl Turns {
             }
             time += radius;
         };
-        along(model, piece.mode, &piece.start, piece.span, visit);
-        if let Break::Impact { after, .. } = &piece.end {
+        expand_along(model, piece.mode, &piece.start, piece.span, visit);
+        if let PieceEnd::Impact { after, .. } = &piece.end {
             let v2 = after[3] + after[4];
             if self.rising && v2 < 0.0 {
                 let (time, value) = (piece.time + piece.span, after[0] + after[1]);
                 found.push(Maximum { time, value, corner: true });
             }
-            // Standing still is decided by what follows.
+            // Where v2 is zero after the impact, the next piece decides.
             self.rising = if v2 == 0.0 { self.rising } else { v2 > 0.0 };
         }
     }
 }
 
-/// Records the next drive periods of a motion without loads, one by one.
+/// Calls `visit` with a record of each of the next drive periods of a motion without loads. The record is reused, so
+/// `visit` copies what it needs.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`].
-pub fn record(simulator: &mut Simulator, periods: u32, visit: &mut dyn FnMut(&Period)) -> Result<()> {
+pub fn record_periods(
+    simulator: &mut Simulator,
+    periods: u32,
+    visit: &mut dyn FnMut(&PeriodRecord),
+) -> Result<()> {
     let parameters: Parameters = *simulator.parameters();
     let model = Model::new(&parameters)?;
     let (begin, length) = (simulator.time(), parameters.period());
     let z = augmented(simulator);
-    let mut turns = Turns { rising: z[3] + z[4] > 0.0 };
-    let mut period = Period::default();
+    let mut finder = MaximumFinder { rising: z[3] + z[4] > 0.0 };
+    let mut period = PeriodRecord::default();
     for i in 1..=periods {
         period.maxima.clear();
         period.impacts.clear();
         period.rests = false;
-        walk(simulator, &model, begin + length * f64::from(i), &mut |piece| {
-            turns.piece(&model, piece, &mut period.maxima);
+        smooth_pieces(simulator, &model, begin + length * f64::from(i), &mut |piece| {
+            finder.search(&model, piece, &mut period.maxima);
             period.rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
-            if let Break::Impact { side, .. } = piece.end {
+            if let PieceEnd::Impact { side, .. } = piece.end {
                 period.impacts.push(side > 0.0);
             }
         })?;
@@ -119,8 +125,8 @@ pub fn record(simulator: &mut Simulator, periods: u32, visit: &mut dyn FnMut(&Pe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::settled;
-    use crate::section::kicked;
+    use crate::motion::settled_simulator;
+    use crate::stroboscopic::moving_block;
     use vibro_impact::steady::exact_orbit;
 
     /// The transient has died out to this part of L.
@@ -137,8 +143,8 @@ mod tests {
     fn second_method_the_exact_orbits_amplitude_at_a_corner() {
         let p = Parameters::default();
         let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
-        let mut simulator = settled(&p, &kicked(&p), 600.0).unwrap();
-        record(&mut simulator, 3, &mut |period| {
+        let mut simulator = settled_simulator(&p, &moving_block(&p), 600.0).unwrap();
+        record_periods(&mut simulator, 3, &mut |period| {
             assert_eq!(period.impacts.len(), 2);
             let [top] = period.maxima[..] else { panic!("{:?}", period.maxima) };
             assert!(top.corner && (top.value - orbit.amplitudes()[1]).abs() < SETTLED, "{top:?}");
@@ -152,12 +158,13 @@ mod tests {
         const PERIODS: u32 = 6;
         for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
             let p = at(f10, kappa);
-            let mut simulator = settled(&p, &kicked(&p), 50.0).unwrap();
+            let mut simulator = settled_simulator(&p, &moving_block(&p), 50.0).unwrap();
             let mut other = simulator.clone();
             let mut exact = Vec::new();
-            record(&mut simulator, PERIODS, &mut |period| exact.extend(period.maxima.clone())).unwrap();
-            let flights = super::super::motion::record(&mut other, PERIODS).unwrap();
-            let sampled = super::super::motion::maxima(&flights, &p, [0.0, 1.0, 0.0]);
+            record_periods(&mut simulator, PERIODS, &mut |period| exact.extend(period.maxima.clone()))
+                .unwrap();
+            let flights = crate::motion::record_flights(&mut other, PERIODS).unwrap();
+            let sampled = crate::motion::maxima(&flights, &p, [0.0, 1.0, 0.0]);
             assert_eq!(exact.len(), sampled.len(), "f10 = {f10}, kappa = {kappa}");
             for (top, sample) in exact.iter().zip(sampled) {
                 assert!((top.value - sample).abs() < INTERPOLATION, "f10 = {f10}: {top:?} {sample}");
@@ -171,9 +178,9 @@ mod tests {
         // the box carries it.
         let groups = vibro_impact::Groups { beta2: 0.0, alpha23: 0.0, ..vibro_impact::Groups::basic() };
         let p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
-        let mut simulator = settled(&p, &kicked(&p), 40.0).unwrap();
+        let mut simulator = settled_simulator(&p, &moving_block(&p), 40.0).unwrap();
         let mut count = 0;
-        record(&mut simulator, 20, &mut |period| {
+        record_periods(&mut simulator, 20, &mut |period| {
             count += period.maxima.len();
             assert!(period.maxima.iter().all(|m| m.corner), "{:?}", period.maxima);
         })
@@ -192,7 +199,7 @@ mod tests {
         let start = State { x: [0.0, 0.3, -0.3], v: [0.0; 3] };
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts();
         let mut tops = Vec::new();
-        record(&mut simulator, 20, &mut |period| tops.extend(period.maxima.clone())).unwrap();
+        record_periods(&mut simulator, 20, &mut |period| tops.extend(period.maxima.clone())).unwrap();
         assert!(tops.len() >= 5);
         // The first one may be the start itself.
         for top in &tops[1..] {

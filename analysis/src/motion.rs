@@ -1,4 +1,4 @@
-//! Simulated motion for comparison with theory: settled, cut at impacts, with its extrema.
+//! Simulated motion for comparison with theory: after its transient, as samples cut at impacts, with amplitudes and maxima.
 
 use vibro_impact::error::Result;
 use vibro_impact::parameters::Parameters;
@@ -21,21 +21,22 @@ pub struct Instant {
 /// Motion between two impacts, its instants in order; the first is after an impact, the last before the next.
 pub type Flight = Vec<Instant>;
 
-/// A simulator that starts from a state and has forgotten it over `periods` drive periods.
+/// A simulator that started from a state and has been advanced over `periods` drive periods, in which the transient dies
+/// out.
 ///
 /// # Errors
 /// As [`Simulator::new`] and [`Simulator::advance_to`].
-pub fn settled(parameters: &Parameters, start: &State, periods: f64) -> Result<Simulator> {
+pub fn settled_simulator(parameters: &Parameters, start: &State, periods: f64) -> Result<Simulator> {
     let mut simulator = Simulator::new(parameters, start, 0.0)?.without_energy_accounts();
     simulator.advance_to(periods * parameters.period())?;
     Ok(simulator)
 }
 
-/// Records the next periods, cut at impacts.
+/// Samples the next drive periods, cut at impacts.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`].
-pub fn record(simulator: &mut Simulator, periods: u32) -> Result<Vec<Flight>> {
+pub fn record_flights(simulator: &mut Simulator, periods: u32) -> Result<Vec<Flight>> {
     let p = *simulator.parameters();
     let (begin, period) = (simulator.time(), p.period());
     let instant = |simulator: &Simulator, state| {
@@ -57,7 +58,7 @@ pub fn record(simulator: &mut Simulator, periods: u32) -> Result<Vec<Flight>> {
                     }
                 }),
             );
-            // A step of no length: the impact was at the end itself.
+            // The last impact was at the end itself: a step of no length is refused, and nothing is left to do.
             let reason = reason.or_else(|e| if now >= end { Ok(StopReason::End) } else { Err(e) })?;
             let after = simulator.state();
             match (reason, last) {
@@ -112,11 +113,11 @@ pub fn amplitude(flights: &[Flight], parameters: &Parameters, q: [f64; 3]) -> f6
     sizes.chain(tops).fold(0.0, f64::max)
 }
 
-/// Maximum of the cubic with these ends on [0, 1], where its slope falls through zero.
+/// Maximum on [0, 1] of the cubic with these values and slopes at its ends, where its slope falls through zero.
 fn hermite_top(x0: f64, v0: f64, x1: f64, v1: f64) -> f64 {
     let (c2, c3) = (3.0 * (x1 - x0) - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0));
     let (mut low, mut high) = (0.0, 1.0);
-    // The slope is a quadratic with one change of sign here; bisection cannot miss it.
+    // The slope is a quadratic that changes its sign once here, so that bisection finds the place.
     for _ in 0..50 {
         let t: f64 = 0.5 * (low + high);
         if v0 + t * (2.0 * c2 + 3.0 * t * c3) > 0.0 { low = t } else { high = t }
@@ -134,8 +135,8 @@ mod tests {
         let p = Parameters::default();
         let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
         let start = State { x: [0.0; 3], v: [0.3, 0.2, 0.0] };
-        let mut simulator = settled(&p, &start, 400.0).unwrap();
-        let flights = record(&mut simulator, 2).unwrap();
+        let mut simulator = settled_simulator(&p, &start, 400.0).unwrap();
+        let flights = record_flights(&mut simulator, 2).unwrap();
         assert_eq!(flights.len(), 5, "two impacts a period");
         for (body, expected) in orbit.amplitudes().into_iter().enumerate() {
             let q = [0, 1, 2].map(|i| f64::from(u8::from(i == body)));

@@ -1,7 +1,7 @@
 //! Existence and stability of the two-impact motion over a plane of two groups (figure 12).
 
 use super::error::{Error, Result};
-use super::settings::{Settings, find_group};
+use super::parameter_set::{ParameterSet, find_group};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Group, Groups, Parameters, check_together};
@@ -13,18 +13,18 @@ use vibro_impact::steady::strong_coupling::StrongCoupling;
 /// Which theory of the steady state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Paper section 3.
+    /// Multiple scales: paper, section 3; docs/theory.md section 6.
     MultipleScales,
-    /// Paper section 5.
+    /// Strong coupling: paper, section 5; docs/theory.md section 8.
     StrongCoupling,
-    /// Past the paper: no small parameter.
+    /// The exact orbit of docs/theory.md section 9, which needs no small parameter; not in the paper.
     ExactOrbit,
 }
 
 /// What a point of a plane is. A motion exists when its impacts lead into the stop (C > 0; p > 0) and the block
 /// passes neither stop in between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Class {
+pub enum SteadyStateClass {
     /// No symmetric motion with two impacts.
     None,
     /// There is one, or two, but unstable.
@@ -39,7 +39,7 @@ pub enum Class {
 /// when read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
-pub struct PlaneAxis {
+pub struct ParameterAxis {
     /// What varies.
     pub group: &'static Group,
     /// First value.
@@ -50,7 +50,7 @@ pub struct PlaneAxis {
     pub count: usize,
 }
 
-/// An axis as a file has it.
+/// An axis as a file holds it: the group by its name.
 #[derive(Serialize, Deserialize)]
 struct Written {
     group: String,
@@ -59,13 +59,13 @@ struct Written {
     count: usize,
 }
 
-impl From<PlaneAxis> for Written {
-    fn from(axis: PlaneAxis) -> Self {
+impl From<ParameterAxis> for Written {
+    fn from(axis: ParameterAxis) -> Self {
         Self { group: axis.group.name.into(), from: axis.from, to: axis.to, count: axis.count }
     }
 }
 
-impl TryFrom<Written> for PlaneAxis {
+impl TryFrom<Written> for ParameterAxis {
     type Error = Error;
 
     fn try_from(axis: Written) -> Result<Self> {
@@ -77,13 +77,13 @@ impl TryFrom<Written> for PlaneAxis {
 #[derive(Clone, Debug)]
 pub struct Plane {
     /// Horizontal axis.
-    pub x: PlaneAxis,
+    pub x: ParameterAxis,
     /// Vertical axis.
-    pub y: PlaneAxis,
+    pub y: ParameterAxis,
     /// The theory.
     pub method: Method,
     /// Classes by rows of constant y, from the first.
-    pub classes: Vec<Class>,
+    pub classes: Vec<SteadyStateClass>,
 }
 
 /// The pairs of figure 12: the six pairs among σ̂1, f̂10, γ̂1 and κ, horizontal first.
@@ -97,7 +97,7 @@ pub const PAIRS: [(&str, &str); 6] = [
 ];
 
 impl Method {
-    /// In words.
+    /// Its name in tables and captions.
     pub fn name(self) -> &'static str {
         match self {
             Self::MultipleScales => "multiple scales",
@@ -107,8 +107,8 @@ impl Method {
     }
 }
 
-impl Class {
-    /// In a word, for tables.
+impl SteadyStateClass {
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -128,7 +128,7 @@ impl Class {
     }
 }
 
-impl PlaneAxis {
+impl ParameterAxis {
     /// An axis, checked.
     ///
     /// # Errors
@@ -158,46 +158,46 @@ impl PlaneAxis {
 }
 
 /// The class of one set of groups.
-pub fn classify(settings: &Settings, groups: &Groups, method: Method) -> Class {
+pub fn classify(set: &ParameterSet, groups: &Groups, method: Method) -> SteadyStateClass {
     if check_together(groups).is_err() {
-        return Class::Undefined;
+        return SteadyStateClass::Undefined;
     }
     let class = match method {
         Method::MultipleScales => MultipleScales::new(groups).map(|m| {
             let roots = m.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
-            Class::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
+            SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
         }),
         Method::StrongCoupling => StrongCoupling::new(groups).and_then(|s| s.solutions()).map(|roots| {
             let roots = roots.into_iter().flat_map(|r| [r.upper, r.lower]);
-            Class::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
+            SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
         }),
-        Method::ExactOrbit => settings.parameters_of(groups).and_then(|p| exact(&p)).map(|found| found.0),
+        Method::ExactOrbit => set.parameters_of(groups).and_then(|p| exact(&p)).map(|found| found.0),
     };
-    class.unwrap_or(Class::Undefined)
+    class.unwrap_or(SteadyStateClass::Undefined)
 }
 
 /// The class by the exact orbit, and the stable orbit itself.
 ///
 /// # Errors
 /// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
-pub fn exact(p: &Parameters) -> vibro_impact::Result<(Class, Option<ExactOrbit>)> {
+pub fn exact(p: &Parameters) -> vibro_impact::Result<(SteadyStateClass, Option<ExactOrbit>)> {
     let family = OrbitFamily::new(p)?;
     let mut motions = [(false, false); 2];
     for (motion, sheet) in motions.iter_mut().zip([Sheet::Upper, Sheet::Lower]) {
         let Some(orbit) = family.orbit(sheet)? else { continue };
         if orbit.is_stable() {
-            return Ok((Class::Stable, Some(orbit))); // the other orbit does not change the class
+            return Ok((SteadyStateClass::Stable, Some(orbit))); // the other orbit does not change the class
         }
         *motion = (orbit.is_clear(), false);
     }
-    Ok((Class::of(motions), None))
+    Ok((SteadyStateClass::of(motions), None))
 }
 
 /// Two axes of a plane.
 ///
 /// # Errors
 /// [`Error::Form`] when both are the same or tied groups (α̂23 and β² are two names of one).
-pub fn check_pair(x: &PlaneAxis, y: &PlaneAxis) -> Result<()> {
+pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     let coupling = |g: &Group| ["alpha23", "beta2"].contains(&g.name);
     if x.group == y.group || (coupling(x.group) && coupling(y.group)) {
         let text = format!("{},{}", x.group.name, y.group.name);
@@ -211,18 +211,18 @@ pub fn check_pair(x: &PlaneAxis, y: &PlaneAxis) -> Result<()> {
 /// # Errors
 /// As [`check_pair`].
 pub fn plane(
-    settings: &Settings,
-    x: PlaneAxis,
-    y: PlaneAxis,
+    set: &ParameterSet,
+    x: ParameterAxis,
+    y: ParameterAxis,
     method: Method,
     done: &(dyn Fn() + Sync),
 ) -> Result<Plane> {
     check_pair(&x, &y)?;
-    let rows: Vec<Vec<Class>> = (0..y.count)
+    let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()
         .map(|j| {
-            let row = settings.varied(y.group, y.value(j));
-            let class = |i| classify(settings, &row.vary(x.group, x.value(i)), method);
+            let row = set.with_groups_only(y.group, y.value(j));
+            let class = |i| classify(set, &row.vary(x.group, x.value(i)), method);
             let classes = (0..x.count).map(class).collect();
             done();
             classes

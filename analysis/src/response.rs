@@ -1,8 +1,8 @@
 //! Response curves: steady states along one group, with their stability (figures 10, 11).
 
 use super::error::Result;
+use super::parameter_set::ParameterSet;
 use super::plane::Method;
-use super::settings::Settings;
 use vibro_impact::parameters::{Group, Groups, check_together};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Branch, Special};
@@ -24,7 +24,7 @@ pub struct ResponsePoint {
     pub stable: bool,
     /// Whether the block keeps clear of the stops between its impacts.
     pub clear: bool,
-    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin.
+    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin (docs/theory.md (56)).
     pub right: bool,
     /// What is special here.
     pub special: Option<Special>,
@@ -44,7 +44,7 @@ pub struct Response {
 /// # Errors
 /// The range of the group, and what the theory refuses.
 pub fn response(
-    settings: &Settings,
+    set: &ParameterSet,
     along: &'static Group,
     range: (f64, f64),
     method: Method,
@@ -52,29 +52,29 @@ pub fn response(
 ) -> Result<Response> {
     for value in [range.0, range.1] {
         along.check(value)?;
-        check_together(&settings.vary(along, value))?;
+        check_together(&set.vary(along, value))?;
     }
-    let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(settings.vary(along, value)) };
+    let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(set.vary(along, value)) };
     let curves = match method {
         Method::MultipleScales => {
             let branch = continuation::multiple_scales(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::multiple_scales::FixedPoint| {
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, settings.vary(along, value))
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, set.vary(along, value))
             };
             collect(&branch, point)
         }
         Method::StrongCoupling => {
             let branch = continuation::strong_coupling(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::strong_coupling::StrongPoint| {
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, settings.vary(along, value))
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, set.vary(along, value))
             };
             collect(&branch, point)
         }
         Method::ExactOrbit => {
-            let path = |value| settings.parameters_of(&groups(value)?);
+            let path = |value| set.parameters_of(&groups(value)?);
             let branch = continuation::exact_orbit(path, range, nodes)?;
             let point = |value: f64, o: &vibro_impact::steady::exact_orbit::ExactOrbit| {
-                let g = settings.vary(along, value);
+                let g = set.vary(along, value);
                 let gap = o.parameters().stop_gap;
                 let a = o.amplitudes().map(|a| a / gap);
                 let b = o.amplitude_of([1.0, g.epsilon, 0.0]) / gap;

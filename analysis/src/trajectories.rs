@@ -1,11 +1,11 @@
-//! Many independent motions at once.
+//! Many independent motions at once, on all threads and several to a thread.
 
 use super::error::Result;
 use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State, advance_together};
 
-/// Motions that one thread leads at a time.
+/// Motions that one thread advances together.
 const TOGETHER: usize = 16;
 
 /// Where a motion starts, at time 0.
@@ -17,14 +17,17 @@ pub struct Start {
     pub state: State,
 }
 
-/// Leads motions over whole drive periods, on all threads; `done` hears of each. The results are in the order of the
-/// starts and depend neither on the number of threads nor on a start's neighbours. Since the periods are whole, a motion may be continued from its
-/// result at time 0.
+/// Advances motions over `periods` whole drive periods, on all threads, and calls `done` after each. The results are in the
+/// order of the starts and depend neither on the number of threads nor on the other starts. Since the periods are whole, a
+/// motion may be continued from its result at time 0.
 ///
-/// This is the one place through which sweeps of independent motions go: neighbours go [together](advance_together), those of
-/// one system share its tables.
-pub fn lead(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
-    let some = |starts: &[Start]| {
+/// Starts that are neighbours in the list are [advanced together](advance_together), and neighbours of one system share its
+/// tables.
+///
+/// # Errors
+/// Each start has a result of its own: what [`Simulator::new`] or [`Simulator::advance_until`] refuses.
+pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
+    let together = |starts: &[Start]| {
         let mut simulators: Vec<Simulator> = Vec::with_capacity(starts.len());
         let mut started = Vec::with_capacity(starts.len());
         for Start { parameters, state } in starts {
@@ -47,7 +50,7 @@ pub fn lead(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Res
         };
         started.into_iter().map(state).collect::<Vec<Result<State>>>()
     };
-    starts.par_chunks(TOGETHER).flat_map_iter(some).collect()
+    starts.par_chunks(TOGETHER).flat_map_iter(together).collect()
 }
 
 #[cfg(test)]
@@ -68,28 +71,28 @@ mod tests {
                 starts.push(Start { parameters, state });
             }
         }
-        /// Round-off, which the two ways differ in, and what the impacts of the periods led make of it, in chaos too.
+        /// The two ways differ in round-off, which the impacts of ten periods amplify, in chaos too.
         const ROUNDING: f64 = 1e-9;
         const PERIODS: u32 = 10;
-        let led = lead(&starts, PERIODS, &|| ());
-        assert_eq!(led.len(), starts.len());
-        for (start, led) in starts.iter().zip(led) {
-            // In other company the same bits.
-            let alone = lead(std::slice::from_ref(start), PERIODS, &|| ()).remove(0);
-            assert_eq!(led.as_ref().ok(), alone.as_ref().ok());
+        let ends = propagate(&starts, PERIODS, &|| ());
+        assert_eq!(ends.len(), starts.len());
+        for (start, end) in starts.iter().zip(ends) {
+            // With other neighbours the bits are the same.
+            let single = propagate(std::slice::from_ref(start), PERIODS, &|| ()).remove(0);
+            assert_eq!(end.as_ref().ok(), single.as_ref().ok());
             let one = Simulator::new(&start.parameters, &start.state, 0.0).and_then(|s| {
                 let mut s = s.without_energy_accounts();
                 s.advance_to(f64::from(PERIODS) * start.parameters.period())?;
                 Ok(s.state())
             });
-            match (one, led) {
-                (Ok(one), Ok(led)) => {
-                    let pairs = one.x.iter().chain(&one.v).zip(led.x.iter().chain(&led.v));
+            match (one, end) {
+                (Ok(one), Ok(end)) => {
+                    let pairs = one.x.iter().chain(&one.v).zip(end.x.iter().chain(&end.v));
                     let d = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
                     assert!(d < ROUNDING, "{start:?}: {d:e}");
                 }
-                (Err(one), Err(led)) => assert_eq!(one.to_string(), led.to_string()),
-                (one, led) => panic!("{one:?} {led:?}"),
+                (Err(one), Err(end)) => assert_eq!(one.to_string(), end.to_string()),
+                (one, end) => panic!("{one:?} {end:?}"),
             }
         }
     }

@@ -1,25 +1,26 @@
-//! How a motion varies with its start: exact transition matrices between events, the jump at each event.
+//! How a motion varies with its start: exact transition matrices between events, and the jump at each event.
 //!
-//! A variation is carried in `centre of mass, w, x3` and their rates, lengths in L and times in 1/rate, with
-//! (δcos θ, δsin θ) = δθ (-sin θ, cos θ) for the phase of the drive. In these coordinates an impact changes w, w' and,
-//! by the damper's force alone, the centre's rate, so that a merge into rest is a projection without cancellation.
+//! A variation is carried in the centre of mass of box and block, w, x3 and their rates (docs/theory.md (83)), lengths in
+//! L and times in 1/rate, with (δcos θ, δsin θ) = δθ (-sin θ, cos θ) for the phase of the drive (docs/theory.md (82)). In
+//! these coordinates an impact changes w, w' and, by the damper's force alone, the rate of the centre, so that coming to rest
+//! is a projection without cancellation.
 
-use super::walk::{Break, Piece};
+use super::smooth_pieces::{Piece, PieceEnd};
 use vibro_impact::flow::{Series, WHOLE};
 use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
 
 /// Exponents of the system: six coordinates and the phase of the drive.
 pub(crate) const DIMENSION: usize = 7;
-/// Columns by lanes, or columns of variations by lanes.
+/// A matrix by columns, each with the lanes of an augmented state.
 type Matrix = [Augmented; LANES];
-/// Orthonormal columns, most expanding first.
+/// Orthonormal variations, the most expanding first.
 pub(crate) type Frame = [Augmented; DIMENSION];
 
-/// Times rate of a node of the grid; between nodes half of it either way.
+/// Distance of two nodes of the grid, times the model's rate; a time is at most half of it away from a node.
 const GRID_TIMES_RATE: f64 = 0.16;
-/// Nodes, for flights of up to 10/rate in one product.
+/// Number of nodes: flights of up to 10/rate need one product.
 const NODES: usize = 64;
-/// Coefficients between nodes: the rest is 0.08⁹/9! < 4e-16.
+/// Terms of the series around a node: the remainder is 0.08⁹/9! < 4e-16.
 const TERMS: usize = 9;
 
 const fn identity() -> Matrix {
@@ -32,7 +33,7 @@ const fn identity() -> Matrix {
     m
 }
 
-/// `a b`: columns of `b` led through `a`.
+/// The product `a b`.
 #[inline(always)]
 fn product<const N: usize>(a: &Matrix, b: &[Augmented; N]) -> [Augmented; N] {
     let mut c = [[0.0; LANES]; N];
@@ -49,7 +50,7 @@ fn product<const N: usize>(a: &Matrix, b: &[Augmented; N]) -> [Augmented; N] {
 /// The transition matrices of one mode over any time.
 #[derive(Clone, Debug)]
 pub(crate) struct Transition {
-    /// Generator's powers over factorials, times the node distance to the same power.
+    /// Powers of the generator over their factorials, times the same power of the node distance.
     terms: [Matrix; TERMS],
     nodes: Vec<Matrix>,
     spacing: f64,
@@ -84,9 +85,9 @@ impl Transition {
         Self { terms: std::array::from_fn(|k| coefficients[k]), nodes, spacing }
     }
 
-    /// Leads variations over `span` s.
+    /// Propagates variations over `span` s.
     #[inline(always)]
-    pub(crate) fn lead(&self, frame: &mut Frame, span: f64) {
+    pub(crate) fn propagate(&self, frame: &mut Frame, span: f64) {
         let steps = span / self.spacing;
         let mut node = steps.round() as usize;
         let part = steps - node as f64;
@@ -106,11 +107,13 @@ impl Transition {
     }
 }
 
+/// A variation in the coordinates of the model (docs/theory.md (83)).
 fn physical(v: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
     let (x1, rate1) = (v[0] - share * v[GAP], v[3] - share * v[GAP_RATE]);
     [gap * x1, gap * v[1], gap * v[2], speed * rate1, speed * v[4], speed * v[5], v[6], v[7]]
 }
 
+/// A variation of the model's coordinates in those used here (docs/theory.md (83)).
 fn varied(z: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
     let (centre, rate) = (z[0] + share * z[GAP], z[3] + share * z[GAP_RATE]);
     [centre / gap, z[1] / gap, z[2] / gap, rate / speed, z[4] / speed, z[5] / speed, z[6], z[7]]
@@ -138,9 +141,9 @@ impl Variation {
         Self { model: *model, flight: Transition::new(model, SmoothMode::Flight), rest: None }
     }
 
-    /// Leads a frame along a piece and through the event at its end. The instruction set is the best at hand; no operation
-    /// is fused, so all give the same bits.
-    pub(crate) fn lead(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
+    /// Propagates a frame along a piece and through the event at its end, by the best instruction set at hand. No operation
+    /// is fused, so that all instruction sets give the same bits.
+    pub(crate) fn propagate(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
         let model = &self.model;
         let transition = match piece.mode {
             SmoothMode::Flight => &self.flight,
@@ -150,10 +153,10 @@ impl Variation {
         };
         pulp::Arch::new().dispatch(
             #[inline(always)]
-            || transition.lead(frame, piece.span),
+            || transition.propagate(frame, piece.span),
         );
         // At a release the fields of rest and flight agree (the contact force is zero there): nothing jumps.
-        let Break::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
+        let PieceEnd::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
         self.jump(frame, *rate, after);
         if *rests {
             for v in frame.iter_mut() {
@@ -164,9 +167,8 @@ impl Variation {
         if self.model.restitution == 0.0 { Rank::Limited(DIMENSION - 1) } else { Rank::Kept }
     }
 
-    /// Müller's jump `J + (f⁺ - J f⁻) nᵀ/(n·f⁻)` of an impact with w' = `rate` before it (model.md section 6 and
-    /// P. Müller, Chaos, Solitons & Fractals 5, 1671, 1995). A touch (`rate` zero) changes no state; its derivative does not
-    /// exist and it is passed over.
+    /// The jump of variations at an impact with w' = `rate` before it, docs/theory.md (84). A contact with `rate` zero
+    /// changes no state; its jump does not exist, and the variations are left as they are.
     fn jump(&self, frame: &mut Frame, rate: f64, after: &Augmented) {
         if rate == 0.0 {
             return;
@@ -191,7 +193,8 @@ impl Variation {
     }
 }
 
-/// Takes away what rounding has put beside the circle of (cos θ, sin θ): a direction that does not exist and would not die.
+/// Projects the phase's variation onto the circle of (cos θ, sin θ), docs/theory.md (82). What rounding puts beside the
+/// circle belongs to no motion, and the flow would not damp it.
 #[inline(always)]
 pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     for v in frame.iter_mut() {
@@ -200,8 +203,8 @@ pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     }
 }
 
-/// Gram–Schmidt, each column against those before it, twice where much was taken away; returns the lengths. A column with
-/// nothing left, or past `rank`, becomes zero with length zero.
+/// Gram–Schmidt: makes each column orthogonal to those before it, twice where the first time took most of it away, and
+/// returns the lengths before scaling. A column with nothing left, or past `rank`, becomes zero with length zero.
 #[inline(always)]
 pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION] {
     let mut lengths = [0.0; DIMENSION];
@@ -242,9 +245,9 @@ fn dot(a: &Augmented, b: &Augmented) -> f64 {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-/// An orthonormal frame none of whose columns is special, so that none is lost that should stay.
+/// An orthonormal frame in general position: coming to rest makes no more directions zero than it must.
 pub(crate) fn generic_frame(z: &Augmented) -> Frame {
-    // A reflection of the unit frame along no axis.
+    // The unit frame reflected along a direction that is no coordinate's.
     const ALONG: [f64; DIMENSION] = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.53];
     let unit = unit_frame(z);
     let square: f64 = ALONG.iter().map(|a| a * a).sum();

@@ -81,7 +81,7 @@ pub enum Error {
     },
     /// A picture could not be drawn.
     #[error(transparent)]
-    Picture(#[from] vibro_analysis::Error),
+    Picture(#[from] vibro::Error),
     /// An option of the command line makes no sense.
     #[error("{name} = {value}: allowed is {allowed}")]
     Option {

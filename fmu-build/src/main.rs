@@ -1,14 +1,14 @@
 //! The packager's command line: arguments and printing only.
 
 use clap::{Parser, Subcommand};
-use fmu_build::picture::Picture;
+use fmu_build::picture::picture;
 use fmu_build::table::Table;
 use fmu_build::{archive, compile, package, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibro::figures::canvas;
 use vibro::studies;
-use vibro_analysis::Settings;
+use vibro_analysis::ParameterSet;
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Builds VibroImpact3DOF.fmu, runs it beside the native library and draws what happened.
@@ -116,8 +116,8 @@ fn native(step: f64, steps: u32, start: &[f64]) -> fmu_build::Result<()> {
 
 fn pictures(run: &run::Run, beside: &Path) -> fmu_build::Result<[PathBuf; 2]> {
     let paths = [beside.with_extension("svg"), beside.with_extension("png")];
-    archive::write_file(&paths[0], canvas::svg(&Picture(run))?.as_bytes())?;
-    archive::write_file(&paths[1], &canvas::png(&Picture(run))?)?;
+    archive::write_file(&paths[0], canvas::svg(&picture(run))?.as_bytes())?;
+    archive::write_file(&paths[1], &canvas::png(&picture(run))?)?;
     Ok(paths)
 }
 
@@ -127,9 +127,9 @@ fn refresh() -> fmu_build::Result<()> {
     package::build(&fmu)?;
     let run = run::run(&fmu, 200)?;
     let folder = "modelDescription/documentation";
-    files.insert(format!("{folder}/run.svg"), canvas::svg(&Picture(&run))?.into_bytes());
-    files.insert(format!("{folder}/run.png"), canvas::png(&Picture(&run))?);
-    let response = studies::force(&Settings::basic(), (0.0, 4.0), &[0.4], &[-0.4])?;
+    files.insert(format!("{folder}/run.svg"), canvas::svg(&picture(&run))?.into_bytes());
+    files.insert(format!("{folder}/run.png"), canvas::png(&picture(&run))?);
+    let response = studies::force(&ParameterSet::basic(), (0.0, 4.0), &[0.4], &[-0.4])?;
     if let Some(figure) = &response.figure {
         files.insert(format!("{folder}/response.svg"), canvas::svg(figure)?.into_bytes());
     }

@@ -2,6 +2,7 @@
 
 use crate::describe::{causality, variability};
 use std::fmt::Write;
+use vibro::html::escape;
 use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
 use vibro_fmi::fmi2::units::{ENUMERATION_TYPES, EnumerationType};
 use vibro_fmi::fmi2::variables::{Kind, VARIABLES, Variable};
@@ -41,10 +42,6 @@ pub fn page() -> String {
 fn inline(file: &str, name: &str) -> String {
     let picture = file.find("<svg").map_or("", |start| &file[start..]);
     picture.replacen("<svg", &format!("<svg role=\"img\" aria-label=\"{name}\""), 1)
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn variables() -> String {

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 use vibro_fmi::fmi2::variables;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{Event, Stop, StopReason};
+use vibro_impact::simulator::{DueEvent, Stop};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Communication steps per drive period: enough for a smooth picture and for amplitudes to three digits.
@@ -36,7 +36,7 @@ pub struct Sample {
 
 /// The motion on both sides of an impact; it falls between communication points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct ImpactSample {
     /// Time, s.
     pub time: f64,
     /// Just before.
@@ -54,8 +54,8 @@ pub struct Run {
     pub periods: u32,
     /// The motion at every communication point, the start included.
     pub samples: Vec<Sample>,
-    /// Every impact, from a native run that stops at each.
-    pub contacts: Vec<Contact>,
+    /// Every impact, from a native run that pauses before each.
+    pub impacts: Vec<ImpactSample>,
     /// Wall time of all `fmi2DoStep` together.
     pub stepping: Duration,
     /// Wall time of the whole run of the FMU: instantiate, initialize, step, read.
@@ -112,36 +112,22 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
         bar.at(u64::from(i));
     }
     instance.terminate()?;
-    let contacts = contacts(&parameters, native.time())?;
-    Ok(Run { parameters, periods, samples, contacts, stepping, whole })
+    let impacts = impacts(&parameters, native.time())?;
+    Ok(Run { parameters, periods, samples, impacts, stepping, whole })
 }
 
-/// The motion at every impact up to `end`.
-fn contacts(parameters: &Parameters, end: f64) -> Result<Vec<Contact>> {
+/// The motion at every impact up to `end`, from a native run that pauses before each event.
+fn impacts(parameters: &Parameters, end: f64) -> Result<Vec<ImpactSample>> {
     let mut simulator = Simulator::new(parameters, &State::default(), 0.0)?;
     let mut found = Vec::new();
-    loop {
-        let mut impact = None;
-        let reason = simulator.advance_until(
-            end,
-            Stop::AfterImpact,
-            Some(&mut |event| {
-                if let Event::Impact { time, side, impulse, .. } = *event {
-                    impact = Some((time, f64::from(side) * impulse));
-                }
-            }),
-        )?;
-        if let Some((time, impulse)) = impact {
-            let after = simulator.state();
-            let mut before = after;
-            before.v[0] -= impulse / parameters.box_mass;
-            before.v[1] += impulse / parameters.block_mass;
-            found.push(Contact { time, before, after });
-        }
-        if reason == StopReason::End {
-            return Ok(found);
+    while simulator.time() < end {
+        simulator.advance_until(end, Stop::BeforeEvent, None)?;
+        let (time, before) = (simulator.time(), simulator.state());
+        if let Some(DueEvent::Impact { .. }) = simulator.apply_due_event(None) {
+            found.push(ImpactSample { time, before, after: simulator.state() });
         }
     }
+    Ok(found)
 }
 
 fn references<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
@@ -198,14 +184,14 @@ impl Run {
 
     /// The path of the motion between two times, in s, cut at its impacts; each piece holds (time, state).
     pub fn path(&self, from: f64, to: f64) -> Vec<Vec<(f64, State)>> {
-        let mut contacts = self.contacts.iter().filter(|c| (from..=to).contains(&c.time)).peekable();
+        let mut impacts = self.impacts.iter().filter(|c| (from..=to).contains(&c.time)).peekable();
         let mut pieces = Vec::new();
         let mut piece = Vec::new();
         for sample in self.samples.iter().filter(|s| (from..=to).contains(&s.time)) {
-            while let Some(contact) = contacts.next_if(|c| c.time <= sample.time) {
-                piece.push((contact.time, contact.before));
+            while let Some(impact) = impacts.next_if(|c| c.time <= sample.time) {
+                piece.push((impact.time, impact.before));
                 pieces.push(std::mem::take(&mut piece));
-                piece.push((contact.time, contact.after));
+                piece.push((impact.time, impact.after));
             }
             piece.push((sample.time, sample.state));
         }
@@ -252,23 +238,23 @@ mod tests {
     #[test]
     fn path_is_cut_at_impacts() {
         let parameters = Parameters::default();
-        let contacts = contacts(&parameters, 10.0 * parameters.period()).unwrap();
-        assert!(contacts.len() > 5);
-        for contact in &contacts {
-            let (b, a) = (contact.before, contact.after);
+        let impacts = impacts(&parameters, 10.0 * parameters.period()).unwrap();
+        assert!(impacts.len() > 5);
+        for impact in &impacts {
+            let (b, a) = (impact.before, impact.after);
             assert_eq!(b.x, a.x);
             let ratio = (a.v[1] - a.v[0]) / (b.v[1] - b.v[0]);
             // Round-off of the differences of velocities of about 1 m/s.
             assert!((ratio + parameters.stop_restitution).abs() < 1e-12, "{ratio}");
         }
         let sample = |time| Sample { time, state: State::default(), impacts: [0; 2] };
-        let end = contacts[1].time + 1.0;
+        let end = impacts[1].time + 1.0;
         let samples = vec![sample(0.0), sample(end)];
         let run = Run {
             parameters,
             periods: 1,
             samples,
-            contacts: contacts[..2].to_vec(),
+            impacts: impacts[..2].to_vec(),
             stepping: Duration::ZERO,
             whole: Duration::ZERO,
         };

@@ -1,8 +1,25 @@
-//! What the command line shows: tables, figures and the report of the studies.
+//! What the command line `vibro` is made of: the studies with their tables and figures, the report, and what is read from and
+//! written to disk.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`studies`] | from a parameter set to tables and a figure, one function a study |
+//! | [`long_study`] | long studies as plain data, computed in parts |
+//! | [`figures`] | what a figure consists of, and its drawing as SVG and PNG |
+//! | [`table`] | tables as CSV |
+//! | [`report`] | all studies at once, and the paper's statements beside what is found |
+//! | [`parameter_file`] | parameter files |
+//! | [`part_folder`] | finished parts of long studies on disk |
+//! | [`html`] | text in HTML |
 
+mod error;
 pub mod figures;
+pub mod html;
+pub mod long_study;
+pub mod parameter_file;
+pub mod part_folder;
 pub mod report;
 pub mod studies;
 pub mod table;
-pub mod words;
-pub mod work;
+
+pub use error::{Error, Result};

@@ -7,16 +7,18 @@ mod statements;
 
 pub use statement::{Statement, Verdict};
 
+use super::long_study::{LongStudy, StudyKind};
 use super::studies::{self, Study};
-use super::work::{Kind, Work};
+use crate::part_folder::PartFolder;
+use crate::table::Table;
+use crate::{Error, Result};
 use std::path::Path;
-use vibro_analysis::Result;
-use vibro_analysis::basin::{self, Axis};
-use vibro_analysis::bifurcation::Sweep;
-use vibro_analysis::lyapunov::Options;
-use vibro_analysis::parts::{Parts, Task};
-use vibro_analysis::plane::{Method, PAIRS, PlaneAxis};
-use vibro_analysis::{Settings, find_group};
+use vibro_analysis::basin::{self, InitialValueRange};
+use vibro_analysis::bifurcation::{Diagram, Sweep};
+use vibro_analysis::lyapunov::SpectrumOptions;
+use vibro_analysis::parts::Task;
+use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
+use vibro_analysis::{ParameterSet, find_group};
 
 /// Values of table 2: of each window and band that the diagrams show.
 const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
@@ -28,19 +30,21 @@ const MODULATED: f64 = 0.6;
 const COEXISTING: f64 = 2.5;
 /// Values of f10 in figure 9.
 const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
+/// Values of f10 at which running exponents are shown.
+const RUNNING: [f64; 4] = [0.6, 1.5, 2.44, 3.6];
 /// Mass ratios of figure 17.
 const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
-/// Steps that are none of the long studies: one for each group of figures.
+/// Steps of the progress bar besides the parts of long studies: one for each group of figures.
 const SHORT: usize = 8;
 
 /// What is going to be computed.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    settings: Settings,
+    set: ParameterSet,
     quick: bool,
-    coarse: Work,
-    fine: Work,
-    basin: Work,
+    coarse: LongStudy,
+    fine: LongStudy,
+    basin: LongStudy,
 }
 
 /// What has been found.
@@ -59,23 +63,24 @@ impl Plan {
     ///
     /// # Errors
     /// None for the ranges used.
-    pub fn new(settings: &Settings, quick: bool) -> Result<Self> {
+    pub fn new(set: &ParameterSet, quick: bool) -> Result<Self> {
         let (discard, keep, periods) = if quick { (200, 200, 300) } else { (400, 800, 1500) };
-        let options = Options { periods, ..Options::default() };
-        let sweep = |name: &str, range, count| -> Result<Work> {
-            let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+        let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
+        let sweep = |name: &str, range, count| -> Result<LongStudy> {
+            let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
             let sweep = Sweep { axis, discard, keep, exponents: Some(options) };
-            Ok(Work::new(name, Kind::Sweep { sweep, at: Vec::new() }, settings))
+            Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new() }, set))
         };
         let cells = if quick { 40 } else { 200 };
-        let (x, y) = (Axis::parse("x1=-1:1", cells)?, Axis::parse("v2=-2:2", cells)?);
-        let there = settings.with(find_group("f10")?, COEXISTING)?;
+        let initial = |range: &str| Ok::<_, Error>(range.parse::<InitialValueRange>()?.cells(cells));
+        let (x, y) = (initial("x1=-1:1")?, initial("v2=-2:2")?);
+        let there = set.with(find_group("f10")?, COEXISTING)?;
         Ok(Self {
-            settings: settings.clone(),
+            set: set.clone(),
             quick,
             coarse: sweep("figure-14", (0.5, 5.0), if quick { 91 } else { 451 })?,
             fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
-            basin: Work::new("basin", Kind::Basin(basin::Request { x, y, discard }), &there),
+            basin: LongStudy::new("basin", StudyKind::Basin(basin::Request { x, y, discard }), &there),
         })
     }
 
@@ -89,73 +94,99 @@ impl Plan {
     /// # Errors
     /// What the studies refuse, and what the disk does.
     pub fn run(&self, home: &Path, done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
-        let (s, force) = (&self.settings, find_group("f10")?);
-        let open = |work: &Work| Parts::open(&home.join(&work.name), work);
-        let step = |studies: Vec<Study>| {
-            done(false);
-            studies
-        };
-        let mut all =
-            step(vec![studies::shapes(s)?, studies::branches(s)?, studies::families(s, "f10", &FORCES)?]);
-        all.extend(step(vec![studies::regions(s)?, studies::masri(s)?]));
-        all.extend(step(vec![studies::steady(s)?, studies::histories(s)?]));
-        let range = |name: &str| -> Result<(f64, f64)> { Ok(find_group(name)?.shown) };
-        all.extend(step(vec![
-            studies::frequency(s, range("sigma1")?, &[1.0, 1.5, 2.0, 2.5], &[0.2, 0.5, 1.0, 1.5])?,
-            studies::force(s, range("f10")?, &[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2])?,
-        ]));
-        let cells = if self.quick { 60 } else { 300 };
-        let axis = |name: &str| -> Result<PlaneAxis> {
-            let group = find_group(name)?;
-            PlaneAxis::new(group, group.shown, cells)
-        };
-        let pairs = PAIRS.iter().map(|(x, y)| Ok((axis(x)?, axis(y)?))).collect::<Result<Vec<_>>>()?;
-        all.extend(step(vec![studies::planes(s, &pairs, Method::MultipleScales, &|| ())?]));
-        let (thirteen, modulation) = studies::histories_of(s, force, MODULATED)?;
-        all.extend(step(vec![thirteen]));
-        // Always all parts: None is for shards only.
-        let found = |work: &Work| work.diagram(&Task { parts: &open(work)?, done, ..Task::ALL });
-        let (Some((sweep, coarse)), Some((fine_sweep, fine))) = (found(&self.coarse)?, found(&self.fine)?)
-        else {
-            return Err(vibro_analysis::Error::Output {
-                what: "the report",
-                problem: "a part is missing".into(),
-            });
-        };
-        all.push(studies::sweep(s, &sweep, &coarse, "figure-14")?);
-        all.push(studies::sweep(s, &fine_sweep, &fine, "figure-14-fine")?);
-        let (table, spectra) = studies::spectra(&sweep, &coarse, &TABLE, "table-2")?;
-        all.push(spectra);
-        let options = sweep.exponents.unwrap_or_default();
-        all.push(studies::running(
-            s,
-            force,
-            &[0.6, 1.5, 2.44, 3.6],
-            sweep.discard,
-            &options,
-            "exponents-running",
-        )?);
-        all.push(studies::portraits(s, force, &fine, &PORTRAITS)?);
-        let mut overlay = studies::overlay(s, &sweep, &coarse, "figure-16")?;
-        overlay.remarks.push("the maxima are those of figure-14.csv".into());
-        all.push(overlay);
-        let errors = studies::accuracy(s, &EPSILONS)?;
-        let errors_table = errors.tables.first().map(|t| t.1.clone()).unwrap_or_default();
-        all.extend(step(vec![errors]));
-        all.extend(step(vec![studies::strong_case(&Settings::strong()?)?]));
-        all.extend(
-            self.basin.run(&Task { parts: &open(&self.basin)?, done, ..Task::ALL })?.into_iter().flatten(),
-        );
+        let set = &self.set;
+        let mut all = self.theory(done)?;
+        let (thirteen, modulation) = studies::histories_of(set, find_group("f10")?, MODULATED)?;
+        all.push(thirteen);
+        done(false);
+        let (coarse, fine) = (self.diagram(&self.coarse, home, done)?, self.diagram(&self.fine, home, done)?);
+        let (table, sweeps) = self.sweeps(&coarse, &fine)?;
+        all.extend(sweeps);
+        let accuracy = studies::accuracy(set, &EPSILONS)?;
+        let errors = accuracy.tables.first().map(|t| t.1.clone()).unwrap_or_default();
+        all.push(accuracy);
+        done(false);
+        all.push(studies::strong_case(&ParameterSet::strong()?)?);
+        done(false);
+        let store = open(home, &self.basin)?;
+        all.extend(self.basin.run(&Task { store: &store, done, ..Task::ALL })?.into_iter().flatten());
         let statements = statements::all(&statement::Found {
-            settings: s,
-            coarse: &coarse,
-            fine: &fine,
+            set,
+            coarse: &coarse.1,
+            fine: &fine.1,
             modulation,
-            errors: &errors_table,
+            errors: &errors,
         })?;
-        let html = page::page(s, self.quick, &statements, &table, &all)?;
+        let html = page::page(set, self.quick, &statements, &table, &all)?;
         Ok(Report { studies: all, statements, html })
     }
+
+    /// The figures that need no simulation over a parameter: 2, 5 to 12.
+    fn theory(&self, done: &(dyn Fn(bool) + Sync)) -> Result<Vec<Study>> {
+        let set = &self.set;
+        let mut all = Vec::new();
+        let mut add = |studies: Vec<Study>| {
+            all.extend(studies);
+            done(false);
+        };
+        add(vec![studies::shapes(set)?, studies::branches(set)?, studies::families(set, "f10", &FORCES)?]);
+        add(vec![studies::regions(set)?, studies::masri(set)?]);
+        add(vec![studies::steady(set)?, studies::histories(set)?]);
+        let shown = |name: &str| -> Result<(f64, f64)> { Ok(find_group(name)?.shown) };
+        add(vec![
+            studies::frequency(set, shown("sigma1")?, &[1.0, 1.5, 2.0, 2.5], &[0.2, 0.5, 1.0, 1.5])?,
+            studies::force(set, shown("f10")?, &[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2])?,
+        ]);
+        let cells = if self.quick { 60 } else { 300 };
+        let axis = |name: &str| -> Result<ParameterAxis> {
+            let group = find_group(name)?;
+            Ok(ParameterAxis::new(group, group.shown, cells)?)
+        };
+        let pairs = PAIRS.iter().map(|(x, y)| Ok((axis(x)?, axis(y)?))).collect::<Result<Vec<_>>>()?;
+        add(vec![studies::planes(set, &pairs, Method::MultipleScales, &|| ())?]);
+        Ok(all)
+    }
+
+    /// A sweep with its diagram.
+    fn diagram(
+        &self,
+        study: &LongStudy,
+        home: &Path,
+        done: &(dyn Fn(bool) + Sync),
+    ) -> Result<(Sweep, Diagram)> {
+        let store = open(home, study)?;
+        // `None` is for shards only, and here all parts are computed.
+        let missing = || Error::Output { what: "the report", problem: "a part is missing".into() };
+        study.diagram(&Task { store: &store, done, ..Task::ALL })?.ok_or_else(missing)
+    }
+
+    /// The table of spectra, and the figures made from the sweeps: 14, 15, 16 and table 2.
+    fn sweeps(
+        &self,
+        (sweep, coarse): &(Sweep, Diagram),
+        (fine_sweep, fine): &(Sweep, Diagram),
+    ) -> Result<(Table, Vec<Study>)> {
+        let (set, force) = (&self.set, find_group("f10")?);
+        let (table, spectra) = studies::spectra(sweep, coarse, &TABLE, "table-2")?;
+        let options = sweep.exponents.unwrap_or_default();
+        let running = studies::running(set, force, &RUNNING, sweep.discard, &options, "exponents-running")?;
+        let mut overlay = studies::overlay(set, sweep, coarse, "figure-16")?;
+        overlay.remarks.push("the maxima are those of figure-14.csv".into());
+        let all = vec![
+            studies::sweep(set, sweep, coarse, "figure-14")?,
+            studies::sweep(set, fine_sweep, fine, "figure-14-fine")?,
+            spectra,
+            running,
+            studies::portraits(set, force, fine, &PORTRAITS)?,
+            overlay,
+        ];
+        Ok((table, all))
+    }
+}
+
+/// The folder of a study's finished parts.
+fn open(home: &Path, study: &LongStudy) -> Result<PartFolder> {
+    PartFolder::open(&home.join(&study.name), study)
 }
 
 impl Report {

@@ -1,4 +1,4 @@
-//! The studies of the command line: each makes tables and figures from [`Settings`](super::Settings).
+//! The studies of the command line: each makes tables and a figure from a [`ParameterSet`](vibro_analysis::ParameterSet).
 
 mod basin;
 mod compare;
@@ -9,9 +9,9 @@ mod plane;
 mod response;
 mod stability;
 mod steady;
+mod steady_motion;
 mod strong;
 mod sweep;
-mod theory;
 
 pub use basin::basins;
 pub use compare::{accuracy, force_overlay, histories};
@@ -25,8 +25,9 @@ pub use steady::steady;
 pub use strong::strong_case;
 pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 
-use super::figures::chart::Figure;
-use super::table::Table;
+use crate::Result;
+use crate::figures::chart::Figure;
+use crate::table::Table;
 
 /// The outcome of a study.
 #[derive(Clone, Debug)]
@@ -43,6 +44,25 @@ pub struct Study {
     pub figure: Option<Figure>,
     /// What to say about it, line by line.
     pub remarks: Vec<String>,
+}
+
+impl Study {
+    /// A study of one table and one figure, whose files have the study's name.
+    fn of(name: &str, what: impl Into<String>, table: &Table, figure: Figure) -> Result<Self> {
+        let tables = vec![(name.into(), table.csv()?)];
+        Ok(Self { tables, figure: Some(figure), ..Self::without_figure(name, what) })
+    }
+
+    /// A study without a table and a figure; `what` says why there is none.
+    fn without_figure(name: &str, what: impl Into<String>) -> Self {
+        let (tables, remarks) = (Vec::new(), Vec::new());
+        Self { name: name.into(), what: what.into(), tables, shown: None, figure: None, remarks }
+    }
+
+    /// The same study with remarks.
+    fn with_remarks(self, remarks: Vec<String>) -> Self {
+        Self { remarks, ..self }
+    }
 }
 
 /// Size of a panel in units of the drawing, unless a figure needs another.

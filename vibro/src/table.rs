@@ -1,13 +1,13 @@
 //! Tables for CSV files.
 
-use vibro_analysis::{Error, Result};
+use crate::{Error, Result};
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// Names of the columns.
     pub header: Vec<String>,
-    /// The rows.
+    /// The rows, each as long as the header.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -22,15 +22,44 @@ impl Table {
     /// # Errors
     /// [`Error::Output`] when a row has another length than the header.
     pub fn csv(&self) -> Result<Vec<u8>> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in std::iter::once(&self.header).chain(&self.rows) {
-            writer.write_record(row).map_err(Error::output("a table"))?;
-        }
-        writer.into_inner().map_err(Error::output("a table"))
+        let mut csv = CsvRows::new(&self.header)?;
+        self.rows.iter().try_for_each(|row| csv.push(row))?;
+        csv.text()
     }
 }
 
-/// A number such that reading it gives the same bits.
+/// CSV text that is written row by row: a [`Table`] of millions of rows would take hundreds of megabytes.
+pub struct CsvRows(csv::Writer<Vec<u8>>);
+
+impl CsvRows {
+    /// Text with a header only.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub fn new<T: AsRef<[u8]>>(header: impl IntoIterator<Item = T>) -> Result<Self> {
+        let mut rows = Self(csv::Writer::from_writer(Vec::new()));
+        rows.push(header)?;
+        Ok(rows)
+    }
+
+    /// Appends a row.
+    ///
+    /// # Errors
+    /// [`Error::Output`] when it has another length than the header.
+    pub fn push<T: AsRef<[u8]>>(&mut self, cells: impl IntoIterator<Item = T>) -> Result<()> {
+        self.0.write_record(cells).map_err(Error::output("a table"))
+    }
+
+    /// The text.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub fn text(self) -> Result<Vec<u8>> {
+        self.0.into_inner().map_err(Error::output("a table"))
+    }
+}
+
+/// A number in decimals that read back as the same bits.
 pub fn exact(value: f64) -> String {
     format!("{value}")
 }

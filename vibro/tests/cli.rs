@@ -6,7 +6,7 @@ mod command;
 use command::{command, drawn, folder, pixels};
 use std::collections::HashMap;
 use std::path::Path;
-use vibro_analysis::Settings;
+use vibro_analysis::ParameterSet;
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 
 /// Exit code and standard error of a run that must fail.
@@ -51,15 +51,15 @@ fn steady_writes_the_librarys_values() {
     assert!(text.contains("BASIC, a reconstruction, not the paper's own data set"), "{text}");
     check_picture(&out, "steady");
     let rows = table(&out, "steady.csv");
-    let mut settings = Settings::basic();
-    settings.apply(&["kappa=0.7", "f10=1.4"]).unwrap();
-    let p = multiple_scales::fixed_points(settings.groups()).unwrap().unwrap().upper;
+    let mut set = ParameterSet::basic();
+    set.apply(&["kappa=0.7", "f10=1.4"]).unwrap();
+    let p = multiple_scales::fixed_points(set.groups()).unwrap().unwrap().upper;
     for (quantity, value) in [("C", p.c), ("B", p.b), ("A1", p.a1()), ("A2", p.a2()), ("A3", p.a3)] {
         assert_eq!(number(&rows, quantity, "multiple scales", "upper"), value);
     }
-    let s = strong_coupling::solve(settings.groups()).unwrap().unwrap().upper;
+    let s = strong_coupling::solve(set.groups()).unwrap().unwrap().upper;
     assert_eq!(number(&rows, "C", "strong coupling", "upper"), s.c);
-    let orbit = exact_orbit::solve(settings.parameters()).unwrap().upper.unwrap();
+    let orbit = exact_orbit::solve(set.parameters()).unwrap().upper.unwrap();
     assert_eq!(number(&rows, "impulse p", "exact orbit", "upper"), orbit.impulse());
     assert_eq!(number(&rows, "spectral radius", "exact orbit", "upper"), orbit.spectral_radius());
     assert!(text.lines().any(|l| l.starts_with("C [L]") && l.contains(&format!("{:.9}", p.c))), "{text}");
@@ -173,7 +173,8 @@ fn responses_end_where_the_library_says() {
     let stable = rows.iter().filter(|r| r["theory"] == "multiple scales" && r["stable"] == "true");
     let values: Vec<f64> = stable.map(|r| r["value"].parse().unwrap()).collect();
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-    // model.md section 9: 0.891 … 2.136; the last stable point is the one before the located end.
+    // The admissible forces by docs/theory.md (46), (49) and (56): 0.891 … 2.136. The last stable point is the one before
+    // the located end.
     assert!((low - 0.891).abs() < 1e-3 && (2.10..=2.1356).contains(&high), "{low} {high}");
     let special = |name: &str, theory: &str| {
         let row =
@@ -202,9 +203,9 @@ fn planes_do_not_depend_on_threads_and_agree_with_the_library() {
     let rows = table(&out, "plane-kappa-f10.csv");
     assert_eq!(rows.len(), 900);
     for row in rows {
-        let mut settings = Settings::basic();
-        settings.apply(&[format!("kappa={}", row["kappa"]), format!("f10={}", row["f10"])]).unwrap();
-        let roots = multiple_scales::fixed_points(settings.groups()).unwrap();
+        let mut set = ParameterSet::basic();
+        set.apply(&[format!("kappa={}", row["kappa"]), format!("f10={}", row["f10"])]).unwrap();
+        let roots = multiple_scales::fixed_points(set.groups()).unwrap();
         let points: Vec<_> = roots.into_iter().flat_map(|r| [r.lower, r.upper]).collect();
         let expected = if points.iter().any(|p| p.admissibility.all()) {
             "stable"

@@ -3,40 +3,40 @@
 use std::collections::HashMap;
 use vibro::figures::chart::Shape;
 use vibro::studies;
-use vibro_analysis::attractor::{Class, observe};
-use vibro_analysis::isoperiodic::{Isoperiodic, Origin, Request, isoperiodic};
-use vibro_analysis::lyapunov::Options;
+use vibro_analysis::attractor::{MotionClass, observe};
+use vibro_analysis::isoperiodic::{Isoperiodic, Request, StartRule, isoperiodic};
+use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::parts::Task;
-use vibro_analysis::plane::{self, Method, PlaneAxis};
-use vibro_analysis::section::kicked;
-use vibro_analysis::{Settings, find_group};
+use vibro_analysis::plane::{self, Method, ParameterAxis, SteadyStateClass};
+use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 
-fn axis(name: &str, range: (f64, f64), count: usize) -> PlaneAxis {
-    PlaneAxis::new(find_group(name).unwrap(), range, count).unwrap()
+fn axis(name: &str, range: (f64, f64), count: usize) -> ParameterAxis {
+    ParameterAxis::new(find_group(name).unwrap(), range, count).unwrap()
 }
 
-fn request(x: PlaneAxis, y: PlaneAxis, start: Origin, discard: u32) -> Request {
-    let exponents = Some(Options { periods: 200, ..Options::default() });
+fn request(x: ParameterAxis, y: ParameterAxis, start: StartRule, discard: u32) -> Request {
+    let exponents = Some(SpectrumOptions { periods: 200, ..SpectrumOptions::default() });
     Request { x, y, start, discard, exponents }
 }
 
 fn found(request: &Request) -> Isoperiodic {
-    isoperiodic(&Settings::basic(), request, &Task::ALL).unwrap().unwrap()
+    isoperiodic(&ParameterSet::basic(), request, &Task::ALL).unwrap().unwrap()
 }
 
-fn at(request: &Request, index: usize) -> Settings {
+fn at(request: &Request, index: usize) -> ParameterSet {
     let (x, y) = (&request.x, &request.y);
-    let settings = Settings::basic().with(x.group, x.value(index % x.count)).unwrap();
-    settings.with(y.group, y.value(index / x.count)).unwrap()
+    let set = ParameterSet::basic().with(x.group, x.value(index % x.count)).unwrap();
+    set.with(y.group, y.value(index / x.count)).unwrap()
 }
 
 #[test]
 fn second_method_points_of_a_plane_one_by_one() {
-    let r = request(axis("sigma1", (-1.0, 1.0), 7), axis("f10", (0.0, 3.5), 6), Origin::default(), 200);
+    let r = request(axis("sigma1", (-1.0, 1.0), 7), axis("f10", (0.0, 3.5), 6), StartRule::default(), 200);
     let plane = found(&r);
-    let theory = plane::plane(&Settings::basic(), r.x, r.y, Method::ExactOrbit, &|| ()).unwrap();
+    let theory = plane::plane(&ParameterSet::basic(), r.x, r.y, Method::ExactOrbit, &|| ()).unwrap();
     let mut periods = std::collections::BTreeSet::new();
     /// m/s; far more than rounding, far less than a basin of attraction that one can see.
     const BESIDE: f64 = 1e-9;
@@ -48,7 +48,7 @@ fn second_method_points_of_a_plane_one_by_one() {
         // two end differently, rounding decides where the batch does.
         let p = *at(&r, i).parameters();
         let alone = |beside: f64| {
-            let State { x, mut v } = kicked(&p);
+            let State { x, mut v } = moving_block(&p);
             v[1] += beside;
             let mut simulator = Simulator::new(&p, &State { x, v }, 0.0).unwrap();
             simulator.advance_to(200.0 * p.period()).unwrap();
@@ -57,21 +57,23 @@ fn second_method_points_of_a_plane_one_by_one() {
         let (alone, next) = (alone(0.0), alone(BESIDE));
         if let (Some(period), true) = (alone.period, alone.period == next.period) {
             compared += 1;
-            assert_eq!(motion.class, Class::Periodic(period), "point {i}");
+            assert_eq!(motion.class, MotionClass::Periodic(period), "point {i}");
             assert_eq!(motion.impacts, alone.impacts, "point {i}");
             periods.insert(period);
         }
         // Exponents where there are impacts and no period.
         let impacts = motion.impacts != [0.0; 2];
-        let periodic = matches!(motion.class, Class::Periodic(_));
+        let periodic = matches!(motion.class, MotionClass::Periodic(_));
         assert_eq!(motion.exponent.is_some(), impacts && !periodic, "point {i}: {motion:?}");
-        assert!(motion.class != Class::Aperiodic, "point {i}: {motion:?}");
+        assert!(motion.class != MotionClass::Aperiodic, "point {i}: {motion:?}");
         // Chaos is told by a positive exponent alone.
         let positive = motion.exponent.is_some_and(|e| e > 1e-3);
-        assert_eq!(motion.class == Class::Chaotic, positive, "point {i}: {motion:?}");
+        assert_eq!(motion.class == MotionClass::Chaotic, positive, "point {i}: {motion:?}");
     }
     assert!(compared >= 15, "{compared} of {}", plane.points.len());
-    assert!(periods.len() > 1 && plane.points.iter().any(|p| p.motion.unwrap().class == Class::Chaotic));
+    assert!(
+        periods.len() > 1 && plane.points.iter().any(|p| p.motion.unwrap().class == MotionClass::Chaotic)
+    );
 }
 
 #[test]
@@ -80,13 +82,13 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
     /// periods; and this far outside, it has grown past all tolerances.
     const INSIDE: f64 = 0.97;
     let (x, y) = (axis("sigma1", (-2.0, 2.0), 17), axis("f10", (0.4, 4.0), 16));
-    let on_orbit = found(&request(x, y, Origin::Orbit, 100));
+    let on_orbit = found(&request(x, y, StartRule::Orbit, 100));
     let mut well_inside = 0;
     for (i, point) in on_orbit.points.iter().enumerate() {
-        if point.theory != plane::Class::Stable {
+        if point.theory != SteadyStateClass::Stable {
             continue;
         }
-        let orbits = exact_orbit::solve(at(&request(x, y, Origin::Orbit, 0), i).parameters()).unwrap();
+        let orbits = exact_orbit::solve(at(&request(x, y, StartRule::Orbit, 0), i).parameters()).unwrap();
         let stable = [orbits.upper, orbits.lower].into_iter().flatten().find(|o| o.is_stable()).unwrap();
         if stable.spectral_radius() < INSIDE {
             let motion = point.motion.unwrap();
@@ -96,8 +98,8 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
     }
     assert!(well_inside > 60, "{well_inside}");
     // From the bifurcation study's start some motions end elsewhere, but none ends where the theory has no stable orbit.
-    let kicked = found(&request(x, y, Origin::default(), 300)).agreement();
-    assert_eq!(kicked.foretold, kicked.two_impact, "{kicked:?}");
+    let kicked = found(&request(x, y, StartRule::default(), 300)).agreement();
+    assert_eq!(kicked.predicted, kicked.two_impact, "{kicked:?}");
     assert!(
         kicked.reached as f64 > 0.9 * kicked.stable as f64 && kicked.reached < kicked.stable,
         "{kicked:?}"
@@ -107,7 +109,7 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
 #[test]
 fn closed_form_parts_without_a_system_are_left_out() {
     // 1 + ε σ1 > 0: a drive that turns forwards.
-    let r = request(axis("sigma1", (-12.0, -6.0), 7), axis("f10", (0.5, 1.0), 2), Origin::default(), 20);
+    let r = request(axis("sigma1", (-12.0, -6.0), 7), axis("f10", (0.5, 1.0), 2), StartRule::default(), 20);
     for (i, point) in found(&r).points.iter().enumerate() {
         assert_eq!(point.motion.is_none(), r.x.value(i % 7) <= -10.0, "point {i}");
     }
@@ -115,9 +117,9 @@ fn closed_form_parts_without_a_system_are_left_out() {
 
 #[test]
 fn pictures_show_what_the_table_holds() {
-    let r = request(axis("kappa", (0.0, 1.0), 9), axis("f10", (0.5, 4.0), 8), Origin::default(), 60);
+    let r = request(axis("kappa", (0.0, 1.0), 9), axis("f10", (0.5, 4.0), 8), StartRule::default(), 60);
     let plane = found(&r);
-    let study = studies::isoperiodic(&Settings::basic(), &r, &plane, "isoperiodic").unwrap();
+    let study = studies::isoperiodic(&ParameterSet::basic(), &r, &plane, "isoperiodic").unwrap();
     let rows: Vec<HashMap<String, String>> =
         csv::Reader::from_reader(study.tables[0].1.as_slice()).deserialize().map(|r| r.unwrap()).collect();
     assert_eq!(rows.len(), 72);

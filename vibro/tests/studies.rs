@@ -1,4 +1,4 @@
-//! Long studies: the sweep against the exact orbit and the windows of model.md, the figures against their tables, and
+//! Long studies: the sweep against the exact orbit and known windows of the default set, the figures against their tables, and
 //! the real `vibro` interrupted, resumed, sharded, merged, on any number of threads.
 
 #[path = "common/mod.rs"]
@@ -10,38 +10,38 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use vibro::figures::chart::Shape;
 use vibro::studies;
-use vibro_analysis::attractor::{Class, Relation, observe};
-use vibro_analysis::basin::{self, Axis, Goal};
-use vibro_analysis::bifurcation::{Diagram, Point, Sweep, diagram};
+use vibro_analysis::attractor::{MotionClass, Relation, observe};
+use vibro_analysis::basin::{self, Destination, InitialValueAxis, InitialValueRange};
+use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_analysis::parts::Task;
-use vibro_analysis::plane::PlaneAxis;
-use vibro_analysis::{Settings, find_group, lyapunov};
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::{ParameterSet, find_group, lyapunov};
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 
 /// The transient has died out to this part of L at values away from bifurcations; maxima are kept to 1e-6.
 const SETTLED: f64 = 2e-6;
 
-fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::Options>) -> (Sweep, Diagram) {
-    let axis = PlaneAxis::new(find_group("f10").unwrap(), range, count).unwrap();
+fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
+    let axis = ParameterAxis::new(find_group("f10").unwrap(), range, count).unwrap();
     let sweep = Sweep { axis, discard: 300, keep: 60, exponents };
-    let all = diagram(&Settings::basic(), &sweep, &Task::ALL).unwrap();
+    let all = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }
 
-fn near(points: &[Option<Point>], value: f64) -> &Point {
-    let distance = |p: &&Point| (p.value - value).abs();
+fn near(points: &[Option<SweepPoint>], value: f64) -> &SweepPoint {
+    let distance = |p: &&SweepPoint| (p.value - value).abs();
     points.iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
 }
 
 #[test]
-fn golden_windows_of_the_prototype() {
-    let options = lyapunov::Options { periods: 300, ..lyapunov::Options::default() };
+fn golden_windows_of_the_default_set() {
+    let options = lyapunov::SpectrumOptions { periods: 300, ..lyapunov::SpectrumOptions::default() };
     let (_, found) = sweep((0.6, 4.8), 85, Some(options)); // every 0.05
     let class = |value: f64| near(&found.up, value).class;
-    // model.md section 9, "BASIC with rising f10", away from the ends of its windows.
+    // Windows with rising f10 as an independent prototype found them, away from their ends.
     for value in [0.6, 0.7, 0.8, 3.55, 3.7, 4.1, 4.8] {
-        assert_eq!(class(value), Class::Chaotic, "{value}");
+        assert_eq!(class(value), MotionClass::Chaotic, "{value}");
     }
     for (values, period, impacts) in [
         (vec![1.0, 1.3, 1.6, 1.9, 2.2], 1, 2.0),
@@ -52,7 +52,7 @@ fn golden_windows_of_the_prototype() {
     ] {
         for value in values {
             let p = near(&found.up, value);
-            assert_eq!(p.class, Class::Periodic(period), "{value}");
+            assert_eq!(p.class, MotionClass::Periodic(period), "{value}");
             assert_eq!(p.attractor.impacts[0] + p.attractor.impacts[1], impacts, "{value}");
             let s = p.spectrum.as_ref().unwrap();
             assert!(s.exponents[0].abs() < 1e-3 && s.exponents[1] < -1e-3, "{value}: {s:?}");
@@ -68,8 +68,8 @@ fn golden_windows_of_the_prototype() {
 fn second_method_maxima_are_the_exact_orbits_amplitude() {
     let (sweep, found) = sweep((1.0, 2.0), 11, None);
     for p in found.up.iter().chain(&found.down).flatten() {
-        let settings = Settings::basic().with(sweep.axis.group, p.value).unwrap();
-        let orbit = exact_orbit::solve(settings.parameters()).unwrap().upper.unwrap();
+        let set = ParameterSet::basic().with(sweep.axis.group, p.value).unwrap();
+        let orbit = exact_orbit::solve(set.parameters()).unwrap().upper.unwrap();
         assert!(orbit.is_stable());
         let expected = orbit.amplitudes()[1];
         assert!(p.maxima.iter().all(|m| (m.0 - expected).abs() < SETTLED), "{}: {:?}", p.value, p.maxima);
@@ -95,11 +95,11 @@ fn second_method_hysteresis_and_mirror_images() {
     // Past the symmetry breaking the motion is not its own mirror image; started from the image it stays there.
     let p = found.up[at(2.2)].as_ref().unwrap();
     assert!(!p.attractor.is_symmetric());
-    let settings = Settings::basic().with(find_group("f10").unwrap(), 2.2).unwrap();
-    let image = p.attractor.mirrored[0];
+    let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.2).unwrap();
+    let image = p.attractor.mirror_states[0];
     let mut state = State { x: [image[0], image[1], image[2]], v: [image[3], image[4], image[5]] };
     state.x[1] = state.x[0] + (state.x[1] - state.x[0]).clamp(-1.0, 1.0);
-    let mut other = Simulator::new(settings.parameters(), &state, 0.0).unwrap();
+    let mut other = Simulator::new(set.parameters(), &state, 0.0).unwrap();
     let other = observe(&mut other).unwrap();
     assert_eq!(p.attractor.relation(&other), Relation::Mirror);
     assert_eq!(other.relation(&p.attractor), Relation::Mirror);
@@ -109,7 +109,7 @@ fn second_method_hysteresis_and_mirror_images() {
 #[test]
 fn figures_show_what_their_tables_hold() {
     let (sweep, found) = sweep((2.3, 3.6), 27, None);
-    let study = studies::sweep(&Settings::basic(), &sweep, &found, "sweep").unwrap();
+    let study = studies::sweep(&ParameterSet::basic(), &sweep, &found, "sweep").unwrap();
     let figure = study.figure.as_ref().unwrap();
     let shape = figure.panels[0].layers.iter().find(|l| matches!(l.shape, Shape::Cells { .. })).unwrap();
     let Shape::Cells { x, y, columns, cells, .. } = &shape.shape else { unreachable!() };
@@ -138,34 +138,38 @@ fn figures_show_what_their_tables_hold() {
     assert!(!filled.iter().any(|f| *f), "a cell that no row of the table accounts for");
 }
 
+fn initial(range: &str, cells: usize) -> InitialValueAxis {
+    range.parse::<InitialValueRange>().unwrap().cells(cells)
+}
+
 #[test]
 fn second_method_cells_of_a_basin_by_direct_simulation() {
-    let settings = Settings::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
-    let p = settings.parameters();
-    let (x, y) = (Axis::parse("x1=-1:1", 6).unwrap(), Axis::parse("v2=-2:2", 5).unwrap());
+    let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
+    let p = set.parameters();
+    let (x, y) = (initial("x1=-1:1", 6), initial("v2=-2:2", 5));
     let request = basin::Request { x, y, discard: 300 };
     let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
-    assert_eq!(found.goals.len(), 30);
+    assert_eq!(found.cells.len(), 30);
     let both = found.shares(0);
     assert!(both[0] > 0.0 && both[1] > 0.0, "a pair of mirror images: {both:?}");
     let total: f64 = (0..found.attractors.len() as u16).flat_map(|n| found.shares(n)).sum();
     assert!((total - 1.0).abs() < 1e-12);
-    for (i, goal) in found.goals.iter().enumerate().step_by(7) {
+    for (i, destination) in found.cells.iter().enumerate().step_by(7) {
         let state = State { x: [x.value(i % 6), 0.0, 0.0], v: [0.0, y.value(i / 6), 0.0] };
         // In one run of one simulator, not in two as the basin has it.
         let mut simulator = Simulator::new(p, &state, 0.0).unwrap();
         simulator.advance_to(300.0 * p.period()).unwrap();
         let ends = observe(&mut simulator).unwrap();
-        let (number, relation) = match goal {
-            Goal::Attractor(n) => (*n, Relation::Same),
-            Goal::Mirror(n) => (*n, Relation::Mirror),
-            Goal::Outside => panic!("inside the stops"),
+        let (number, relation) = match destination {
+            Destination::Attractor(n) => (*n, Relation::Same),
+            Destination::Mirror(n) => (*n, Relation::Mirror),
+            Destination::Outside => panic!("inside the stops"),
         };
         assert_eq!(found.attractors[usize::from(number)].relation(&ends), relation, "cell {i}");
     }
-    let outside = basin::Request { x: Axis::parse("x2=-3:3", 6).unwrap(), ..request };
+    let outside = basin::Request { x: initial("x2=-3:3", 6), ..request };
     let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
-    assert_eq!(found.goals.iter().filter(|g| **g == Goal::Outside).count(), 20);
+    assert_eq!(found.cells.iter().filter(|g| **g == Destination::Outside).count(), 20);
 }
 
 fn folder(name: &str) -> PathBuf {

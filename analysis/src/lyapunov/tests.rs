@@ -1,7 +1,7 @@
 //! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's multipliers, two trajectories.
 
-use super::super::motion::settled;
-use super::super::section::kicked;
+use super::super::motion::settled_simulator;
+use super::super::stroboscopic::moving_block;
 use super::super::variation::unit_frame;
 use super::*;
 use vibro_impact::parameters::{Groups, Parameters, Scales};
@@ -27,7 +27,7 @@ fn closed_form_of_the_linear_damped_system() {
     p.secondary_damping = 0.03;
     let start = State { x: [1e-3, 0.0, 1e-3], v: [0.0; 3] };
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts();
-    let found = spectrum(&mut simulator, &Options::default()).unwrap();
+    let found = spectrum(&mut simulator, &SpectrumOptions::default()).unwrap();
     assert_eq!(found.impacts, 0);
     let root = (2.5f64 * 2.5 - 4.0).sqrt();
     let expected = [0.0, 0.0, 0.0, -0.15, -0.15, 0.5 * (-2.5 + root), 0.5 * (-2.5 - root)];
@@ -53,8 +53,8 @@ fn invariant_sum_is_divergence_and_determinants() {
         [(0.6, 0.75), (1.5, 0.75), (2.7, 0.75), (3.6, 0.75), (4.5, 0.75), (3.0, 0.9), (1.5, 0.5)]
     {
         let p = groups(f10, kappa);
-        let mut simulator = settled(&p, &kicked(&p), 200.0).unwrap();
-        let options = Options { align: 0, periods: 300, ..Options::default() };
+        let mut simulator = settled_simulator(&p, &moving_block(&p), 200.0).unwrap();
+        let options = SpectrumOptions { align: 0, periods: 300, ..SpectrumOptions::default() };
         let found = spectrum(&mut simulator, &options).unwrap();
         assert!(!found.rests, "f10 = {f10}");
         let time = f64::from(found.periods) * p.period();
@@ -78,7 +78,7 @@ fn second_method_multipliers_of_the_exact_orbit() {
         let start = State { x: start.x, v: start.v };
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts();
         simulator.advance_to(200.0 * p.period()).unwrap();
-        let options = Options { align: 500, ..Options::default() };
+        let options = SpectrumOptions { align: 500, ..SpectrumOptions::default() };
         let found = spectrum(&mut simulator, &options).unwrap();
         let mut expected: Vec<f64> =
             orbit.multipliers().iter().map(|m| m.norm().ln() * 2.0 / p.period()).collect();
@@ -107,8 +107,8 @@ fn second_method_two_trajectories_in_chaos() {
     const WIDEST: f64 = 0.2;
     for f10 in [3.6, 4.5] {
         let p = groups(f10, 0.75);
-        let mut one = settled(&p, &kicked(&p), 200.0).unwrap();
-        let options = Options { periods: PERIODS, ..Options::default() };
+        let mut one = settled_simulator(&p, &moving_block(&p), 200.0).unwrap();
+        let options = SpectrumOptions { periods: PERIODS, ..SpectrumOptions::default() };
         let found = spectrum(&mut one.clone(), &options).unwrap();
         assert!(found.exponents[0] > 0.01, "f10 = {f10}: {:?}", found.exponents);
         let (mut blocks, mut other) = ([0.0; (PERIODS / BLOCK) as usize], one.state());
@@ -148,7 +148,9 @@ fn second_method_two_trajectories_in_chaos() {
 fn closed_form_rest_and_dead_impacts_lose_directions() {
     // κ = 0 with rest: two directions are lost; the rest of the spectrum stays finite and holds the phase's zero.
     let p = groups(3.0, 0.0);
-    let found = spectrum(&mut settled(&p, &kicked(&p), 200.0).unwrap(), &Options::default()).unwrap();
+    let found =
+        spectrum(&mut settled_simulator(&p, &moving_block(&p), 200.0).unwrap(), &SpectrumOptions::default())
+            .unwrap();
     let lost = found.exponents.iter().filter(|e| **e == f64::NEG_INFINITY).count();
     assert_eq!((found.rests, lost), (true, 2), "{found:?}");
     assert!(found.exponents[..5].iter().all(|e| e.is_finite()), "{found:?}");
@@ -167,14 +169,14 @@ fn closed_form_variations_through_rest() {
     const DIFFERENCE: f64 = 1e-3;
     for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
         let p = groups(f10, kappa);
-        let mut simulator = settled(&p, &kicked(&p), f64::from(periods)).unwrap();
+        let mut simulator = settled_simulator(&p, &moving_block(&p), f64::from(periods)).unwrap();
         let model = Model::new(&p).unwrap();
         // Go on until a rest has been passed through.
         let start = simulator.snapshot();
         let from = simulator.time();
         let mut passed = None;
-        walk(&mut simulator, &model, from + 20.0 * p.period(), &mut |piece| {
-            if matches!(piece.end, Break::Release) && passed.is_none() {
+        smooth_pieces(&mut simulator, &model, from + 20.0 * p.period(), &mut |piece| {
+            if matches!(piece.end, PieceEnd::Release) && passed.is_none() {
                 passed = Some(piece.time + piece.span + 0.05);
             }
         })
@@ -183,8 +185,8 @@ fn closed_form_variations_through_rest() {
         simulator.restore(&start).unwrap();
         let mut variation = Variation::new(&model);
         let mut frame = unit_frame(&augmented(&simulator));
-        walk(&mut simulator, &model, end, &mut |piece| {
-            variation.lead(&mut frame, piece);
+        smooth_pieces(&mut simulator, &model, end, &mut |piece| {
+            variation.propagate(&mut frame, piece);
         })
         .unwrap();
         // The third coordinate's displacement and rate, in units of L and of the model's rate.
@@ -220,12 +222,12 @@ fn closed_form_variations_through_rest() {
 fn closed_form_early_stop_by_the_deviation() {
     let p = Parameters::default();
     let all = convergence(
-        &mut settled(&p, &kicked(&p), 400.0).unwrap(),
-        &Options { align: 0, ..Options::default() },
+        &mut settled_simulator(&p, &moving_block(&p), 400.0).unwrap(),
+        &SpectrumOptions { align: 0, ..SpectrumOptions::default() },
     )
     .unwrap();
-    let options = Options { align: 0, threshold: 1e-4, ..Options::default() };
-    let early = convergence(&mut settled(&p, &kicked(&p), 400.0).unwrap(), &options).unwrap();
+    let options = SpectrumOptions { align: 0, threshold: 1e-4, ..SpectrumOptions::default() };
+    let early = convergence(&mut settled_simulator(&p, &moving_block(&p), 400.0).unwrap(), &options).unwrap();
     let count = early.running.len();
     assert!(early.spectrum.settled && (200..1500).contains(&count), "{count}");
     assert_eq!(early.running[..], all.running[..count], "the same way, only shorter");

@@ -1,23 +1,25 @@
 //! What all pictures share: the embedded font, the palette, and rendering to PNG and SVG on any machine alike.
 
+use crate::{Error, Result};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::sync::Once;
-use vibro_analysis::{Error, Result};
 
 /// Font of all labels, embedded so that no font has to be installed.
 pub const FONT: &str = "DejaVu Sans";
-/// Its file.
+/// The file of the font.
 pub static FONT_DATA: &[u8] = include_bytes!("../../../assets/DejaVuSans.ttf");
 
-/// Units of a drawing per pixel of its SVG: backends round to whole units, fine ones keep curves smooth.
+/// Units of a drawing per pixel of its SVG. The drawing library rounds to whole units, so that fine units keep curves
+/// smooth.
 pub const SVG_SHRINK: u32 = 3;
 /// Units of a drawing per pixel of its PNG; averaging over them smooths edges.
 pub const PNG_SHRINK: u32 = 2;
 
-/// What the SVG backend divides sizes by, and the height of the embedded font's lines in ems (its hhea table).
+/// The SVG backend divides font sizes by this.
 const SVG_EM: f64 = 1.24;
+/// Height of the embedded font's lines in ems (its hhea table).
 const LINE_HEIGHT: f64 = 2384.0 / 2048.0;
 
 /// Dots per metre in PNG files: 300 per inch.
@@ -99,8 +101,9 @@ pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
     Ok(file)
 }
 
-/// The SVG backend takes a font's size over 1.24 for its em, the bitmap backend, which also measures text for both, over
-/// the height of its lines: brings the former to the latter, so that words are as wide as they were measured.
+/// SVG text with other font sizes. The SVG backend divides a font's size by 1.24 to get its em; the bitmap backend, which
+/// measures text for both, divides it by the height of the font's lines. This brings the former to the latter, so that words
+/// are as wide as they were measured.
 fn resized(svg: &str) -> String {
     const KEY: &str = "font-size=\"";
     let mut parts = svg.split(KEY);

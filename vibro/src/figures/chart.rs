@@ -37,9 +37,9 @@ pub struct Panel {
 pub struct Axis {
     /// Symbol and unit.
     pub label: String,
-    /// Its range; that of the data with some air when `None`.
+    /// Its range; where `None`, the range of the data with some room around it.
     pub range: Option<(f64, f64)>,
-    /// Logarithmic.
+    /// Whether it is logarithmic.
     pub log: bool,
     /// Names at 1, 2, … in place of numbers.
     pub names: Vec<String>,
@@ -48,7 +48,7 @@ pub struct Axis {
 /// One curve, set of marks or area.
 #[derive(Clone, Debug)]
 pub struct Layer {
-    /// Its name in the legend, if it has its place there.
+    /// Its name in the legend; `None` where it has no entry there.
     pub name: Option<String>,
     /// Its colour.
     pub colour: Colour,
@@ -64,7 +64,7 @@ pub type Path = Vec<(f64, f64)>;
 pub enum Shape {
     /// Curves.
     Lines {
-        /// Each connected piece.
+        /// The connected pieces.
         pieces: Vec<Path>,
         /// Stroke in units of the drawing.
         width: u32,
@@ -80,11 +80,11 @@ pub enum Shape {
         /// Their form.
         mark: Mark,
     },
-    /// The area between two curves over x; empty for a mere entry in the legend.
+    /// The area between two curves over x; without points it is only an entry of the legend.
     Band {
         /// x, lower and upper y.
         points: Vec<(f64, f64, f64)>,
-        /// 0 … 1.
+        /// From 0, invisible, to 1.
         opacity: f64,
     },
     /// Cells of equal size in their own colours, rows from below.
@@ -97,7 +97,7 @@ pub enum Shape {
         columns: usize,
         /// Index into `colours` of each cell.
         cells: Vec<u8>,
-        /// Colours; `None` leaves the paper.
+        /// The colours; a cell with `None` is not drawn.
         colours: Vec<Option<Colour>>,
     },
     /// Text centred at a point.
@@ -137,7 +137,7 @@ pub enum Mark {
 
 /// Stroke of curves in units of the drawing.
 pub const LINE: u32 = 6;
-/// Stroke of what goes with them.
+/// Stroke of auxiliary curves.
 pub const THIN: u32 = 4;
 /// Size of marks.
 pub const MARK: u32 = 13;
@@ -165,7 +165,7 @@ impl Layer {
         Self::lines(name, colour, dash, vec![points])
     }
 
-    /// A curve in pieces; an empty name has no place in the legend.
+    /// A curve in pieces; with an empty name it has no entry in the legend.
     pub fn lines(name: &str, colour: Colour, dash: Dash, pieces: Vec<Path>) -> Self {
         Self::new(name, colour, Shape::Lines { pieces, width: LINE, dash })
     }
@@ -185,12 +185,12 @@ impl Layer {
         Self::new("", colour, Shape::Text { at, text: text.into() })
     }
 
-    /// Any shape; an empty name has no place in the legend.
+    /// Any shape; with an empty name it has no entry in the legend.
     pub fn new(name: &str, colour: Colour, shape: Shape) -> Self {
         Self { name: (!name.is_empty()).then(|| name.into()), colour, shape }
     }
 
-    /// The same with another stroke.
+    /// The layer with another stroke of its curves or size of its marks.
     #[must_use]
     pub fn stroke(mut self, stroke: u32) -> Self {
         match &mut self.shape {

@@ -14,7 +14,7 @@ const CAPTION: u32 = 32;
 /// Room around the panels and between lines of text.
 const GAP: u32 = 30;
 const CAPTION_COLOUR: RGBColor = RGBColor(70, 70, 70);
-/// Cautious guess of a letter's width in parts of its height, for line breaks.
+/// An upper estimate of a letter's mean width in parts of its height, for line breaks.
 const LETTER: f64 = 0.57;
 
 impl Figure {
@@ -30,7 +30,7 @@ impl Figure {
         2 * GAP + TITLE
     }
 
-    /// Lines of the shared legend, with as many entries as surely fit.
+    /// Lines of the shared legend, with as many entries as fit by that estimate.
     fn legend_lines(&self) -> Vec<Vec<&Layer>> {
         let mut lines: Vec<Vec<&Layer>> = Vec::new();
         if !self.shared_legend {
@@ -52,7 +52,7 @@ impl Figure {
         lines
     }
 
-    /// The caption broken into lines that surely fit.
+    /// The caption broken into lines that fit by that estimate.
     fn caption_lines(&self) -> Vec<String> {
         let letters = (f64::from(self.width() - 4 * GAP) / (LETTER * f64::from(CAPTION))) as usize;
         let mut lines = Vec::new();

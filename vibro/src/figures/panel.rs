@@ -1,4 +1,4 @@
-//! One panel: axes, grid, layers, and a legend in the corner with the least in it.
+//! One panel: axes, grid, layers, and a legend where it covers the least.
 
 use super::canvas::palette::BLACK;
 use super::chart::{Axis, Layer, Panel, Shape};
@@ -140,7 +140,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         }
     }
 
-    /// Cells of one colour in a row are one rectangle, and so are equal runs above each other.
+    /// Draws cells: neighbours of one colour in a row become one rectangle, which spans all following rows that are equal.
     fn cells(&self, panel: &Panel) -> Drawn {
         for layer in &panel.layers {
             let Shape::Cells { x, y, columns, cells, colours } = &layer.shape else { continue };
@@ -215,7 +215,8 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         Ok(())
     }
 
-    /// The upper left corner of a box of this size in the place, of nine, that covers the least, and how much that is.
+    /// Of nine positions of a box of this size, the upper left corner of the one that covers the fewest points of the layers,
+    /// and how many these are.
     fn emptiest(&self, panel: &Panel, (wide, high): (f64, f64)) -> ((f64, f64), usize) {
         let f = &self.frame;
         let air = f64::from(PADDING);

@@ -2,9 +2,9 @@
 
 use super::chart::{Axis, Dash};
 
-/// Ticks aimed at on an axis.
+/// Number of ticks that an axis gets about.
 const TICKS: f64 = 6.0;
-/// Air around data without a given range, in parts of its span.
+/// Room around data without a given range, in parts of its span.
 const AIR: f64 = 0.05;
 
 /// The map of one axis.
@@ -19,7 +19,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// Of an axis that shows `values` between the places `from` and `to`.
+    /// The map of an axis that shows `values` between the places `from` and `to`.
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let fits = |v: &f64| v.is_finite() && (!axis.log || *v > 0.0);
         let (low, high) = axis.range.unwrap_or_else(|| {

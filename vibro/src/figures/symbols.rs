@@ -7,7 +7,7 @@ use super::text::{Area, Drawn, ENTRY, SAMPLE, SMALL, failed, style, text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// A path may be off by this much.
+/// Greatest distance of a simplified path from the original, in units of the drawing.
 const TOLERANCE: f64 = 0.6;
 /// Segments drawn at once: a stroke is filled as a polygon, which must not meet itself.
 const AT_ONCE: usize = 10;
@@ -16,8 +16,8 @@ fn whole((x, y): (f64, f64)) -> (i32, i32) {
     (x.round() as i32, y.round() as i32)
 }
 
-/// The points of a path that it needs to look the same (Ramer, Douglas and Peucker): strokes of many tiny segments,
-/// rounded to whole units, come out ragged.
+/// Simplifies a path by the method of Ramer, Douglas and Peucker. Without this, strokes of many tiny segments, rounded to
+/// whole units, look ragged.
 fn simplified(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept = vec![false; path.len()];
     let mut open = vec![(0, path.len().saturating_sub(1))];

@@ -1,12 +1,12 @@
 //! Statements that theory alone decides, and the accuracy of multiple scales.
 
 use super::statement::{Found, Statement, Verdict};
-use vibro_analysis::{Error, Result};
-use vibro_analysis::{Settings, find_group};
+use crate::{Error, Result};
+use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, fixed_points};
 
 pub(super) fn limits(found: &Found) -> Result<Vec<Statement>> {
-    let m = Manifold::new(found.settings.groups().kappa)?;
+    let m = Manifold::new(found.set.groups().kappa)?;
     let b = m.c_gmax().is_finite().then(|| {
         let (c, rho) = (m.c_gmax(), m.rho());
         ((c - 1.0) * (c - 1.0) + rho * rho * c * c).sqrt()
@@ -29,8 +29,8 @@ pub(super) fn limits(found: &Found) -> Result<Vec<Statement>> {
     ])
 }
 
-pub(super) fn upper(settings: &Settings, f10: f64) -> Result<Option<FixedPoint>> {
-    let groups = settings.vary(find_group("f10")?, f10);
+pub(super) fn upper(set: &ParameterSet, f10: f64) -> Result<Option<FixedPoint>> {
+    let groups = set.vary(find_group("f10")?, f10);
     Ok(fixed_points(&groups)?.map(|r| r.upper).filter(|p| p.c > 0.0))
 }
 
@@ -39,7 +39,7 @@ pub(super) fn figure_nine(found: &Found) -> Result<Statement> {
     let mut words = Vec::new();
     let mut right = 0;
     for (f10, stable) in expected {
-        let is = upper(found.settings, f10)?.is_some_and(|p| p.admissibility.all());
+        let is = upper(found.set, f10)?.is_some_and(|p| p.admissibility.all());
         right += usize::from(is == stable);
         words.push(format!("{f10}: {}", if is { "stable" } else { "not stable" }));
     }

@@ -1,14 +1,15 @@
 //! The page: one file, pictures inside, no script.
 
-use super::super::figures::canvas;
-use super::super::studies::Study;
-use super::super::table::Table;
 use super::statement::{Statement, Verdict};
+use crate::Result;
+use crate::figures::canvas;
+use crate::html::escape;
+use crate::studies::Study;
+use crate::table::Table;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
-use vibro_analysis::Result;
-use vibro_analysis::{Settings, short};
+use vibro_analysis::{ParameterSet, short};
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;max-width:1200px;margin:2em auto;padding:0 1em}\
 h1,h2,h3{line-height:1.2}table{border-collapse:collapse;width:100%}td,th{border:1px solid #ccc;padding:.4em .6em;\
@@ -16,104 +17,104 @@ text-align:left;vertical-align:top}th{background:#f3f3f3}td.n{text-align:right;w
 img{max-width:100%;border:1px solid #ddd}.agrees{background:#e2f2e6}.partly{background:#fdf3d8}.differs{background:#f9dedc}\
 .note{background:#eef3fa;padding:.8em 1em}small{color:#555}";
 
-/// Text as it may stand between tags and in attributes.
-fn text(words: &str) -> String {
-    words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// Rounded for reading.
-fn readable(cell: &str) -> String {
-    match cell.parse::<f64>() {
-        Ok(x) if x == f64::NEG_INFINITY => "−∞".into(),
-        // Rounding first, so that there is no negative zero.
-        Ok(x) => format!("{:.4}", (x * 1e4).round() / 1e4 + 0.0).replace('-', "−"),
-        Err(_) => text(cell),
-    }
-}
-
+/// The whole page; `spectra` is the table of exponents, whose last column is a word.
 pub(super) fn page(
-    settings: &Settings,
+    set: &ParameterSet,
     quick: bool,
     statements: &[Statement],
     spectra: &Table,
     studies: &[Study],
 ) -> Result<String> {
-    let mut body =
-        String::from("<h1>Near-resonant dynamics of a 3-DOF vibro-impact system: the study redone</h1>\n");
-    body.push_str(
-        "<p>After P. Fritzkowski and J. Awrejcewicz, <i>Nonlinear Dynamics</i> 106 (2021) 81–103, \
-         doi:10.1007/s11071-021-06838-w. Motions are propagated exactly between impacts, events are located with proof.</p>\n",
-    );
-    body.push_str(&format!(
-        "<p class=\"note\"><b>The parameters are not the paper's own.</b> Its text has lost the numbers of its data set; \
-         here: {}. So a number of the paper can be met only in kind and about in place.{}</p>\n",
-        text(&settings.caption()),
-        if quick { " This is the quick look: fewer values and periods than the paper's." } else { "" }
-    ));
-    body.push_str("<h2>The paper's statements and what is found</h2>\n<table><tr><th>where</th><th>the paper</th><th>found here</th><th>verdict</th></tr>\n");
-    for s in statements {
+    let pictures = studies.par_iter().map(|s| s.figure.as_ref().map(canvas::png).transpose());
+    let pictures = pictures.collect::<Result<Vec<_>>>()?;
+    let figures = studies.iter().zip(pictures).map(|(study, picture)| figure(study, picture));
+    let body = [introduction(set, quick), comparison(statements), exponents(spectra)].concat()
+        + "<h2>Figures</h2>\n"
+        + &figures.collect::<String>();
+    Ok(format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>vibro-impact: the study redone</title>\
+         <style>{STYLE}</style></head>\n<body>\n{body}</body></html>\n"
+    ))
+}
+
+/// The source, and where the parameters come from.
+fn introduction(set: &ParameterSet, quick: bool) -> String {
+    let quick =
+        if quick { " This is the quick look: fewer values and periods than the paper's." } else { "" };
+    format!(
+        "<h1>Near-resonant dynamics of a 3-DOF vibro-impact system: the study redone</h1>\n\
+         <p>After P. Fritzkowski and J. Awrejcewicz, <i>Nonlinear Dynamics</i> 106 (2021) 81–103, \
+         doi:10.1007/s11071-021-06838-w. Motions are propagated exactly between impacts, events are located with proof.</p>\n\
+         <p class=\"note\"><b>The default parameters are not the paper's own data set.</b> The copy of the paper this work was built \
+         from lacks the displayed numbers, so that most default values are a reconstruction. A reader who holds the paper sets its \
+         values with <code>--config FILE</code> or <code>--set NAME=VALUE</code>. Here: {}. With these, a number of the \
+         paper can be met only in kind and at about the same place.{quick}</p>\n",
+        escape(&set.caption())
+    )
+}
+
+/// The paper's statements beside what is found.
+fn comparison(statements: &[Statement]) -> String {
+    let row = |s: &Statement| {
         let class = match s.verdict {
             Verdict::Agrees => "agrees",
             Verdict::Partly => "partly",
             Verdict::Differs => "differs",
         };
-        body.push_str(&format!(
-            "<tr class=\"{class}\"><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-            text(s.place),
-            text(s.paper),
-            text(&s.found),
-            s.verdict.name()
-        ));
+        let cells = [escape(s.place), escape(s.paper), escape(&s.found), s.verdict.name().into()];
+        format!("<tr class=\"{class}\"><td>{}</td></tr>\n", cells.join("</td><td>"))
+    };
+    format!(
+        "<h2>The paper's statements and what is found</h2>\n<table><tr><th>where</th><th>the paper</th>\
+         <th>found here</th><th>verdict</th></tr>\n{}</table>\n",
+        statements.iter().map(row).collect::<String>()
+    )
+}
+
+/// The table of exponents: the value, the numbers, the class.
+fn exponents(spectra: &Table) -> String {
+    let name = |name: &String| match name.as_str() {
+        "f10" => "<th>f̂₁₀</th>".to_owned(),
+        other => format!("<th>{}</th>", other.replace("lambda", "λ")),
+    };
+    let row = |row: &Vec<String>| {
+        let cell = |(i, cell): (usize, &String)| match cell.parse() {
+            Ok(value) if i == 0 => format!("<td>{}</td>", short(value)),
+            _ if i > 0 && i + 1 < row.len() => format!("<td class=\"n\">{}</td>", readable(cell)),
+            _ => format!("<td>{}</td>", escape(cell)),
+        };
+        format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>())
+    };
+    format!(
+        "<h2>Spectra of Lyapunov exponents (cf. table 2)</h2>\n<p>Per unit of the dimensionless time τ, value rising.</p>\n\
+         <table><tr>{}</tr>\n{}</table>\n",
+        spectra.header.iter().map(name).collect::<String>(),
+        spectra.rows.iter().map(row).collect::<String>()
+    )
+}
+
+/// A number with four decimals; other words as they are.
+fn readable(cell: &str) -> String {
+    match cell.parse::<f64>() {
+        Ok(x) if x == f64::NEG_INFINITY => "−∞".into(),
+        // Rounded first, so that there is no negative zero.
+        Ok(x) => format!("{:.4}", (x * 1e4).round() / 1e4 + 0.0).replace('-', "−"),
+        Err(_) => escape(cell),
     }
-    body.push_str("</table>\n<h2>Spectra of Lyapunov exponents (cf. table 2)</h2>\n<p>Per unit of the dimensionless time τ, value rising.</p>\n<table><tr>");
-    let names: Vec<_> = spectra
-        .header
-        .iter()
-        .map(|h| match h.as_str() {
-            "f10" => "f̂₁₀".to_owned(),
-            other => other.replace("lambda", "λ"),
-        })
-        .collect();
-    for name in names {
-        body.push_str(&format!("<th>{name}</th>"));
-    }
-    body.push_str("</tr>\n");
-    for row in &spectra.rows {
-        body.push_str("<tr>");
-        for (i, cell) in row.iter().enumerate() {
-            let number = i > 0 && i + 1 < row.len();
-            let shown = match (i, number, cell.parse()) {
-                (0, _, Ok(value)) => short(value),
-                (_, true, _) => readable(cell),
-                _ => text(cell),
-            };
-            body.push_str(&format!("<td{}>{shown}</td>", if number { " class=\"n\"" } else { "" }));
-        }
-        body.push_str("</tr>\n");
-    }
-    body.push_str("</table>\n<h2>Figures</h2>\n");
-    let pictures = studies
-        .par_iter()
-        .map(|s| s.figure.as_ref().map(canvas::png).transpose())
-        .collect::<Result<Vec<_>>>()?;
-    for (study, picture) in studies.iter().zip(pictures) {
-        body.push_str(&format!("<h3 id=\"{0}\">{0}: {1}</h3>\n", text(&study.name), text(&study.what)));
-        if let Some(bytes) = picture {
-            body.push_str(&format!(
-                "<p><img alt=\"{}\" src=\"data:image/png;base64,{}\"></p>\n",
-                text(&study.what),
-                STANDARD.encode(bytes)
-            ));
-        }
-        if !study.remarks.is_empty() {
-            let lines: Vec<_> = study.remarks.iter().map(|r| format!("<li>{}</li>", text(r))).collect();
-            body.push_str(&format!("<ul>{}</ul>\n", lines.join("")));
-        }
-        let files: Vec<_> = study.tables.iter().map(|t| format!("{}.csv", text(&t.0))).collect();
-        body.push_str(&format!("<p><small>Numbers: {}</small></p>\n", files.join(", ")));
-    }
-    Ok(format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>vibro-impact: the study redone</title>\
-         <style>{STYLE}</style></head>\n<body>\n{body}</body></html>\n"
-    ))
+}
+
+/// One study: its picture as PNG, its remarks, and the files with its numbers.
+fn figure(study: &Study, picture: Option<Vec<u8>>) -> String {
+    let (name, what) = (escape(&study.name), escape(&study.what));
+    let picture = picture.map_or(String::new(), |bytes| {
+        let data = STANDARD.encode(bytes);
+        format!("<p><img alt=\"{what}\" src=\"data:image/png;base64,{data}\"></p>\n")
+    });
+    let remarks: String = study.remarks.iter().map(|r| format!("<li>{}</li>", escape(r))).collect();
+    let remarks = if remarks.is_empty() { remarks } else { format!("<ul>{remarks}</ul>\n") };
+    let files: Vec<_> = study.tables.iter().map(|t| format!("{}.csv", escape(&t.0))).collect();
+    format!(
+        "<h3 id=\"{name}\">{name}: {what}</h3>\n{picture}{remarks}<p><small>Numbers: {}</small></p>\n",
+        files.join(", ")
+    )
 }

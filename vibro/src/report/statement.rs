@@ -1,17 +1,17 @@
-//! What a statement of the paper is held against, and the outcome.
+//! A statement of the paper, what it is compared with, and the outcome.
 
-use super::super::studies::Modulation;
-use vibro_analysis::Settings;
+use crate::studies::Modulation;
+use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::Diagram;
 
 /// How a statement compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is found again.
+    /// The statement holds for what was found.
     Agrees,
-    /// Part of it is.
+    /// Part of it holds.
     Partly,
-    /// It is not.
+    /// It does not hold.
     Differs,
 }
 
@@ -49,7 +49,7 @@ pub struct Statement {
 
 /// What the statements are compared with.
 pub(super) struct Found<'a> {
-    pub(super) settings: &'a Settings,
+    pub(super) set: &'a ParameterSet,
     pub(super) coarse: &'a Diagram,
     pub(super) fine: &'a Diagram,
     pub(super) modulation: Modulation,

@@ -1,20 +1,21 @@
-//! The paper's statements of sections 3 to 5, each with a rule by which agreement is decided.
+//! The paper's statements of states 3 to 5, each with a rule by which agreement is decided.
 //!
-//! The paper's data set is lost (model.md section 8), so agreement means: the same kind of thing at about the same place.
+//! The parameters are not the paper's own data set (docs/theory.md, end of section 4), so agreement means: the same kind of
+//! motion at about the same place.
 
-use super::super::studies::periodic_ranges;
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
 use super::statement::{Found, Statement, Verdict};
-use vibro_analysis::Result;
-use vibro_analysis::attractor::{Class, ZERO_EXPONENT};
-use vibro_analysis::bifurcation::{Diagram, Point};
+use crate::Result;
+use crate::studies::periodic_ranges;
+use vibro_analysis::attractor::{MotionClass, ZERO_EXPONENT};
+use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::short;
 
 /// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;
 /// A window of the paper counts as found when this part of its values is regular.
 const MOSTLY: f64 = 0.85;
-/// A modulation is strong when the least amplitude is under this part of the largest.
+/// A modulation is strong when the least amplitude is less than this part of the largest.
 const STRONG: f64 = 0.6;
 
 pub(super) fn all(found: &Found) -> Result<Vec<Statement>> {
@@ -69,12 +70,12 @@ fn figure_thirteen(found: &Found) -> Result<Vec<Statement>> {
     Ok(list)
 }
 
-fn within(points: &[Option<Point>], from: f64, to: f64) -> impl Iterator<Item = &Point> {
+fn within(points: &[Option<SweepPoint>], from: f64, to: f64) -> impl Iterator<Item = &SweepPoint> {
     points.iter().flatten().filter(move |p| p.value > from - 1e-9 && p.value < to + 1e-9)
 }
 
 /// Values of both sweeps, ascending, at which something holds.
-fn listed(found: &Found, holds: impl Fn(&Point) -> bool) -> Vec<String> {
+fn listed(found: &Found, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> {
     let all = found.coarse.up.iter().chain(&found.fine.up).flatten().filter(|p| holds(p));
     let mut values: Vec<f64> = all.map(|p| p.value).collect();
     values.sort_by(f64::total_cmp);
@@ -84,89 +85,99 @@ fn listed(found: &Found, holds: impl Fn(&Point) -> bool) -> Vec<String> {
 }
 
 /// Whether the block meets the stops at all: a motion without impacts coexists with those of the paper at small forces.
-fn meets(p: &Point) -> bool {
+fn meets(p: &SweepPoint) -> bool {
     p.attractor.impacts.iter().sum::<f64>() > 0.0
 }
 
+/// Windows of periodic motion in the paper's figure 14a.
+const WINDOWS: [(f64, f64); 3] = [(0.9, 2.8), (2.9, 3.4), (3.8, 4.0)];
+/// Ranges of f10 around and between them.
+const CHAOTIC_RANGES: [(f64, f64); 4] = [(0.5, 0.9), (2.8, 2.95), (3.4, 3.8), (4.0, 5.0)];
+
 fn windows(found: &Found) -> Vec<Statement> {
-    let ranges = periodic_ranges(&found.coarse.up);
-    let wide: Vec<_> = ranges.iter().filter(|r| r.1 - r.0 >= END).collect();
+    vec![periodic_windows(found), chaos_around(found), quasi_periodic(found)]
+}
+
+fn periodic_windows(found: &Found) -> Statement {
+    let points = &found.coarse.up;
+    let mut wide = periodic_ranges(points);
+    wide.retain(|r| r.1 - r.0 >= END);
     let words: Vec<_> = wide.iter().map(|r| format!("{}–{}", short(r.0), short(r.1))).collect();
-    let mut quiet = found.coarse.up.iter().flatten().filter(|p| !meets(p)).map(|p| p.value);
+    let mut quiet = points.iter().flatten().filter(|p| !meets(p)).map(|p| p.value);
     let still = match (quiet.next(), quiet.next_back()) {
         (Some(first), Some(last)) => {
             format!("; from {} to {} a motion without impacts, which coexists", short(first), short(last))
         }
         _ => String::new(),
     };
-    let paper = [(0.9, 2.8), (2.9, 3.4), (3.8, 4.0)];
-    let matched = paper
-        .iter()
-        .filter(|(a, b)| wide.iter().any(|r| (r.0 - a).abs() <= END + 1e-9 && (r.1 - b).abs() <= END + 1e-9));
-    let matched = matched.count();
-    let covered = paper.iter().filter(|(a, b)| {
-        let all: Vec<_> = within(&found.coarse.up, *a, *b).collect();
-        let regular = all.iter().filter(|p| p.class != Class::Chaotic).count();
+    let near = |x: f64, y: f64| (x - y).abs() <= END + 1e-9;
+    let matched = WINDOWS.iter().filter(|w| wide.iter().any(|r| near(r.0, w.0) && near(r.1, w.1))).count();
+    let covered = WINDOWS.iter().filter(|w| {
+        let all: Vec<_> = within(points, w.0, w.1).collect();
+        let regular = all.iter().filter(|p| p.class != MotionClass::Chaotic).count();
         regular as f64 >= MOSTLY * all.len() as f64
     });
-    let covered = covered.count();
-    let chaotic = |a: f64, b: f64| within(&found.fine.up, a, b).filter(|p| p.class == Class::Chaotic).count();
-    let bands = [(0.5, 0.9), (2.8, 2.95), (3.4, 3.8), (4.0, 5.0)];
-    let both =
-        |a, b| chaotic(a, b) + within(&found.coarse.up, a, b).filter(|p| p.class == Class::Chaotic).count();
-    let separated = bands.iter().filter(|(a, b)| both(*a, *b) > 0).count();
-    let quasi = |points: &[Option<Point>]| -> Vec<bool> {
-        points.iter().flatten().map(|p| p.class == Class::QuasiPeriodic).collect()
+    Statement {
+        place: "section 4, figure 14a",
+        paper: "The motion is mostly periodic for 0.9 ≤ f̂₁₀ ≤ 2.8, 2.9 ≤ f̂₁₀ ≤ 3.4 and 3.8 ≤ f̂₁₀ ≤ 4.",
+        found: format!("regular ranges wider than {END}, value rising: {}{still}", words.join(", ")),
+        verdict: Verdict::of(matched == WINDOWS.len(), matched + covered.count() >= WINDOWS.len()),
+    }
+}
+
+fn chaos_around(found: &Found) -> Statement {
+    let chaotic = |points: &[Option<SweepPoint>], range: &(f64, f64)| {
+        within(points, range.0, range.1).any(|p| p.class == MotionClass::Chaotic)
     };
-    let (first, second) = (quasi(&found.coarse.up), quasi(&found.fine.up));
-    // A torus lives on a range; a single value is where a bifurcation happens.
-    let range = [&first, &second].into_iter().any(|q| q.windows(2).any(|w| w[0] && w[1]));
-    let quasi = listed(found, |p| p.class == Class::QuasiPeriodic);
-    vec![
-        Statement {
-            place: "section 4, figure 14a",
-            paper: "The motion is mostly periodic for 0.9 ≤ f̂₁₀ ≤ 2.8, 2.9 ≤ f̂₁₀ ≤ 3.4 and 3.8 ≤ f̂₁₀ ≤ 4.",
-            found: format!("regular ranges wider than {END}, value rising: {}{still}", words.join(", ")),
-            verdict: Verdict::of(matched == 3, matched + covered > 2),
+    let has_chaos = |range: &&(f64, f64)| chaotic(&found.fine.up, range) || chaotic(&found.coarse.up, range);
+    let separated = CHAOTIC_RANGES.iter().filter(has_chaos).count();
+    Statement {
+        place: "section 4, figure 14a",
+        paper: "The periodic windows are surrounded and separated by regions of chaotic behavior.",
+        found: format!("chaos in {separated} of the {} ranges around and between them", CHAOTIC_RANGES.len()),
+        verdict: Verdict::of(separated == CHAOTIC_RANGES.len(), separated > 1),
+    }
+}
+
+fn quasi_periodic(found: &Found) -> Statement {
+    let is_quasi = |p: &SweepPoint| p.class == MotionClass::QuasiPeriodic;
+    // A torus exists on a range of values; a single value is where a bifurcation happens.
+    let range = [&found.coarse.up, &found.fine.up].into_iter().any(|points| {
+        let quasi: Vec<bool> = points.iter().flatten().map(is_quasi).collect();
+        quasi.windows(2).any(|pair| pair[0] && pair[1])
+    });
+    let values = listed(found, is_quasi);
+    Statement {
+        place: "section 4, figure 14a",
+        paper: "Narrow smears of points at the transition may indicate quasi-periodic motion.",
+        found: match (values.is_empty(), range) {
+            (true, _) => "no motion with two zero exponents that does not come nearer to a return".into(),
+            (_, true) => format!("λ₁ ≈ λ₂ ≈ 0 without a period at f̂₁₀ = {}", values.join(", ")),
+            _ => format!(
+                "λ₁ ≈ λ₂ ≈ 0 without a period at f̂₁₀ = {}: single values, so bifurcations rather than tori",
+                values.join(", ")
+            ),
         },
-        Statement {
-            place: "section 4, figure 14a",
-            paper: "The periodic windows are surrounded and separated by regions of chaotic behavior.",
-            found: format!("chaos in {separated} of the {} ranges around and between them", bands.len()),
-            verdict: Verdict::of(separated == bands.len(), separated > 1),
-        },
-        Statement {
-            place: "section 4, figure 14a",
-            paper: "Narrow smears of points at the transition may indicate quasi-periodic motion.",
-            found: match (quasi.is_empty(), range) {
-                (true, _) => "no motion with two zero exponents that does not come nearer to a return".into(),
-                (_, true) => format!("λ₁ ≈ λ₂ ≈ 0 without a period at f̂₁₀ = {}", quasi.join(", ")),
-                _ => format!(
-                    "λ₁ ≈ λ₂ ≈ 0 without a period at f̂₁₀ = {}: single values, so bifurcations rather than tori",
-                    quasi.join(", ")
-                ),
-            },
-            verdict: Verdict::of(range, !quasi.is_empty()),
-        },
-    ]
+        verdict: Verdict::of(range, !values.is_empty()),
+    }
 }
 
 fn exponents(found: &Found) -> Vec<Statement> {
-    let points: Vec<&Point> = found.coarse.up.iter().chain(&found.fine.up).flatten().collect();
-    let of = |p: &Point, i: usize| p.spectrum.as_ref().map_or(f64::NAN, |s| s.exponents[i]);
-    let share = |list: &[&Point], holds: &dyn Fn(&Point) -> bool| {
+    let points: Vec<&SweepPoint> = found.coarse.up.iter().chain(&found.fine.up).flatten().collect();
+    let of = |p: &SweepPoint, i: usize| p.spectrum.as_ref().map_or(f64::NAN, |s| s.exponents[i]);
+    let share = |list: &[&SweepPoint], holds: &dyn Fn(&SweepPoint) -> bool| {
         let count = list.iter().filter(|p| holds(p)).count();
         (count, list.len(), count as f64 / list.len().max(1) as f64)
     };
-    let pick = |chaotic: bool| -> Vec<&Point> {
-        points.iter().filter(|p| (p.class == Class::Chaotic) == chaotic).copied().collect()
+    let pick = |chaotic: bool| -> Vec<&SweepPoint> {
+        points.iter().filter(|p| (p.class == MotionClass::Chaotic) == chaotic).copied().collect()
     };
     let (regular, chaotic) = (pick(false), pick(true));
     let zero = share(&regular, &|p| of(p, 0).abs() <= ZERO_EXPONENT);
     let second = share(&chaotic, &|p| of(p, 1).abs() <= ZERO_EXPONENT);
     let third = points.iter().map(|p| of(p, 2)).fold(f64::NEG_INFINITY, f64::max);
     let negative = share(&points, &|p| of(p, 2) < 0.0);
-    let double = listed(found, |p| p.class != Class::Chaotic && of(p, 1) > -ZERO_EXPONENT && meets(p));
+    let double = listed(found, |p| p.class != MotionClass::Chaotic && of(p, 1) > -ZERO_EXPONENT && meets(p));
     vec![
         Statement {
             place: "section 4, figure 14b",
@@ -199,8 +210,8 @@ fn exponents(found: &Found) -> Vec<Statement> {
 }
 
 /// Classes met between two values, in order, each with its first value.
-fn order(points: &[Option<Point>], from: f64, to: f64) -> Vec<(f64, Class)> {
-    let mut met: Vec<(f64, Class)> = Vec::new();
+fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionClass)> {
+    let mut met: Vec<(f64, MotionClass)> = Vec::new();
     for p in within(points, from, to) {
         if met.last().is_none_or(|l| l.1 != p.class) {
             met.push((p.value, p.class));
@@ -212,11 +223,11 @@ fn order(points: &[Option<Point>], from: f64, to: f64) -> Vec<(f64, Class)> {
 fn route(found: &Found) -> Vec<Statement> {
     let met = order(&found.fine.up, 2.0, 2.95);
     let words: Vec<_> = met.iter().map(|m| format!("{} from {}", m.1.name(), short(m.0))).collect();
-    let has = |n: u32| met.iter().any(|m| m.1 == Class::Periodic(n));
+    let has = |n: u32| met.iter().any(|m| m.1 == MotionClass::Periodic(n));
     let sequence = [1, 2, 4].iter().all(|n| has(*n));
     let band: Vec<_> = Diagram::windows(&found.fine.up)
         .into_iter()
-        .filter(|w| w.2 == Class::Chaotic && w.0 > 2.0 && w.0 < 2.95)
+        .filter(|w| w.2 == MotionClass::Chaotic && w.0 > 2.0 && w.0 < 2.95)
         .map(|w| (w.0, w.1))
         .collect();
     let words_of = |band: &[(f64, f64)]| {
@@ -227,8 +238,9 @@ fn route(found: &Found) -> Vec<Statement> {
     };
     let share = |from: f64, to: f64| {
         let periodic: Vec<_> = within(&found.fine.up, from, to).filter(|p| p.class.is_periodic()).collect();
-        let two_or_four =
-            periodic.iter().filter(|p| [Class::Periodic(2), Class::Periodic(4)].contains(&p.class));
+        let two_or_four = periodic
+            .iter()
+            .filter(|p| [MotionClass::Periodic(2), MotionClass::Periodic(4)].contains(&p.class));
         two_or_four.count() as f64 / periodic.len().max(1) as f64
     };
     let (first, second) = (share(2.9, 3.4), share(3.8, 4.0));
@@ -260,9 +272,10 @@ fn route(found: &Found) -> Vec<Statement> {
 
 fn overlay(found: &Found) -> Result<Vec<Statement>> {
     let mut gaps = Vec::new();
-    let symmetric = |p: &&Point| p.class == Class::Periodic(1) && p.attractor.is_symmetric() && meets(p);
+    let symmetric =
+        |p: &&SweepPoint| p.class == MotionClass::Periodic(1) && p.attractor.is_symmetric() && meets(p);
     for p in within(&found.coarse.up, 0.9, 2.3).filter(symmetric) {
-        let Some(theory) = upper(found.settings, p.value)?.filter(|t| t.admissibility.all()) else {
+        let Some(theory) = upper(found.set, p.value)?.filter(|t| t.admissibility.all()) else {
             continue;
         };
         let top = p.maxima.iter().map(|m| m.0).fold(0.0, f64::max);
@@ -270,13 +283,10 @@ fn overlay(found: &Found) -> Result<Vec<Statement>> {
     }
     let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
     let below = gaps.iter().filter(|g| **g < 0.0).count();
-    let class = |value: f64| {
-        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
-        found.coarse.up.iter().flatten().min_by(near).map(|p| p.class)
-    };
+    let class = |value: f64| found.coarse.nearest(value).map(|p| p.class);
     let ends = [1.0, 2.1].map(class);
-    let single = ends.iter().filter(|c| **c == Some(Class::Periodic(1))).count();
-    let name = |c: &Option<Class>| c.map_or("nothing".into(), Class::name);
+    let single = ends.iter().filter(|c| **c == Some(MotionClass::Periodic(1))).count();
+    let name = |c: &Option<MotionClass>| c.map_or("nothing".into(), MotionClass::name);
     Ok(vec![
         Statement {
             place: "section 4, figure 16",

@@ -1,39 +1,48 @@
 //! Pictures and tables of basins of attraction.
 
-use super::super::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
-use super::super::table::{Table, exact};
 use super::Study;
-use vibro_analysis::Settings;
-use vibro_analysis::attractor::Class;
-use vibro_analysis::basin::{Axis as Start, Basin, Goal, Request};
-use vibro_analysis::section::COORDINATES;
-use vibro_analysis::{Error, Result};
+use crate::Result;
+use crate::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
+use crate::table::{CsvRows, Table, exact};
+use vibro_analysis::ParameterSet;
+use vibro_analysis::attractor::{Attractor, MotionClass};
+use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
+use vibro_analysis::stroboscopic::COORDINATES;
 
 /// Colours of attractors and of their mirror images; more share the last.
 const PAIRS: [[Colour; 2]; 4] =
     [[BLUE, SKY], [VERMILLION, ORANGE], [GREEN, Colour(150, 220, 190)], [PURPLE, Colour(240, 200, 225)]];
 
+/// Starts outside the stops.
+const OUTSIDE: Colour = Colour(235, 235, 235);
+/// Most attractors that are shown and listed: their numbers fit into the codes of a picture's cells.
+const SHOWN: usize = 101;
+
 /// The study of a plane of starts.
 ///
 /// # Errors
-/// [`Error::Output`].
-pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str) -> Result<Study> {
-    let label = |axis: &Start| {
-        let (symbol, unit) = match axis.coordinate {
-            i @ 0..3 => (format!("X{}", ["₁", "₂", "₃"][i]), "units of L"),
-            i => (format!("dX{}/dτ", ["₁", "₂", "₃"][i - 3]), "units of L"),
-        };
-        Axis::over(format!("{symbol} at τ = 0 ({unit})"), axis.from, axis.to)
-    };
-    let colour = |number: usize, mirror: bool| PAIRS[number.min(PAIRS.len() - 1)][usize::from(mirror)];
-    let code = |goal: &Goal| match goal {
-        Goal::Outside => 0,
-        Goal::Attractor(n) => 1 + 2 * (*n).min(100) as u8,
-        Goal::Mirror(n) => 2 + 2 * (*n).min(100) as u8,
-    };
-    let mut colours = vec![Some(Colour(235, 235, 235))];
-    let mut layers = Vec::new();
+/// [`Error::Output`](crate::Error::Output).
+pub fn basins(set: &ParameterSet, request: &Request, basin: &Basin, name: &str) -> Result<Study> {
+    let what = format!("basins of {} attractors, mirror images counted once", basin.attractors.len());
+    Ok(Study {
+        tables: vec![
+            (name.into(), cell_table(request, basin)?),
+            (format!("{name}-attractors"), attractor_table(basin).csv()?),
+        ],
+        figure: Some(figure(set, request, basin)),
+        ..Study::without_figure(name, what).with_remarks(remarks(basin))
+    })
+}
+
+/// The attractors that are shown, with their indices and the names of their classes.
+fn shown(basin: &Basin) -> impl Iterator<Item = (usize, &Attractor, String)> {
+    let named = |(i, a)| (i, a, MotionClass::of(a, None).name());
+    basin.attractors.iter().take(SHOWN).enumerate().map(named)
+}
+
+/// Each attractor with the shares of its basin and of its mirror image's.
+fn attractor_table(basin: &Basin) -> Table {
     let mut table = Table::new(&[
         "attractor",
         "class",
@@ -45,75 +54,109 @@ pub fn basins(settings: &Settings, request: &Request, basin: &Basin, name: &str)
         "share",
         "share_of_mirror_image",
     ]);
-    let mut remarks = Vec::new();
-    let shown: Vec<_> = basin.attractors.iter().take(101).enumerate().collect();
-    for (number, attractor) in shown {
-        colours.extend([Some(colour(number, false)), Some(colour(number, true))]);
-        let [own, mirror] = basin.shares(number as u16);
-        let class = Class::of(attractor, None).name();
-        let title = format!("{}: {class}", number + 1);
-        if number < PAIRS.len() {
-            layers.push(Layer::band(&title, colour(number, false), 1.0, Vec::new()));
-            if mirror > 0.0 {
-                let image = format!("{title}, mirror image");
-                layers.push(Layer::band(&image, colour(number, true), 1.0, Vec::new()));
-            }
-        }
-        remarks.push(format!(
-            "attractor {}: {class}, {} + {} impacts a period, {:.1} % of the starts, its mirror image {:.1} %",
-            number + 1, exact(attractor.impacts[0]), exact(attractor.impacts[1]), 100.0 * own, 100.0 * mirror
-        ));
-        let mut row = vec![(number + 1).to_string(), class];
+    for (index, attractor, class) in shown(basin) {
+        let mut row = vec![(index + 1).to_string(), class];
         row.extend(attractor.impacts.iter().chain(&attractor.sizes).map(|x| exact(*x)));
-        row.extend([own, mirror].map(exact));
+        row.extend(basin.shares(index as u16).map(exact));
         table.rows.push(row);
     }
-    if basin.goals.contains(&Goal::Outside) {
-        layers.push(Layer::band("no start: outside the stops", Colour(235, 235, 235), 1.0, Vec::new()));
+    table
+}
+
+/// Each start with the number of its attractor.
+fn cell_table(request: &Request, basin: &Basin) -> Result<Vec<u8>> {
+    let (x, y) = (&request.x, &request.y);
+    let mut csv =
+        CsvRows::new([COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image"])?;
+    for (j, row) in basin.cells.chunks(x.count).enumerate() {
+        for (i, destination) in row.iter().enumerate() {
+            let (number, mirror) = match destination {
+                Destination::Outside => (String::new(), ""),
+                Destination::Attractor(n) => ((n + 1).to_string(), "false"),
+                Destination::Mirror(n) => ((n + 1).to_string(), "true"),
+            };
+            csv.push([&exact(x.value(i)), &exact(y.value(j)), &number, mirror])?;
+        }
     }
-    let cells = Shape::Cells {
+    csv.text()
+}
+
+fn remarks(basin: &Basin) -> Vec<String> {
+    let remark = |(index, attractor, class): (usize, &Attractor, String)| {
+        let [own, mirror] = basin.shares(index as u16);
+        format!(
+            "attractor {}: {class}, {} + {} impacts a period, {:.1} % of the starts, its mirror image {:.1} %",
+            index + 1,
+            exact(attractor.impacts[0]),
+            exact(attractor.impacts[1]),
+            100.0 * own,
+            100.0 * mirror
+        )
+    };
+    shown(basin).map(remark).collect()
+}
+
+fn colour(index: usize, mirror: bool) -> Colour {
+    PAIRS[index.min(PAIRS.len() - 1)][usize::from(mirror)]
+}
+
+/// The cells of the plane: code 0 for starts outside the stops, then two codes for each attractor and its mirror image.
+fn cells(request: &Request, basin: &Basin) -> Shape {
+    const LAST: u16 = SHOWN as u16 - 1;
+    let code = |destination: &Destination| match destination {
+        Destination::Outside => 0,
+        Destination::Attractor(n) => 1 + 2 * (*n).min(LAST) as u8,
+        Destination::Mirror(n) => 2 + 2 * (*n).min(LAST) as u8,
+    };
+    let mut colours = vec![Some(OUTSIDE)];
+    colours.extend(shown(basin).flat_map(|(i, ..)| [Some(colour(i, false)), Some(colour(i, true))]));
+    Shape::Cells {
         x: (request.x.from, request.x.to),
         y: (request.y.from, request.y.to),
         columns: request.x.count,
-        cells: basin.goals.iter().map(code).collect(),
+        cells: basin.cells.iter().map(code).collect(),
         colours,
+    }
+}
+
+/// Entries of the legend: each attractor with a colour of its own, and its mirror image where there is one.
+fn legend(basin: &Basin) -> Vec<Layer> {
+    let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
+    let mut layers = Vec::new();
+    for (index, _, class) in shown(basin).take(PAIRS.len()) {
+        let title = format!("{}: {class}", index + 1);
+        layers.push(entry(&title, colour(index, false)));
+        if basin.shares(index as u16)[1] > 0.0 {
+            layers.push(entry(&format!("{title}, mirror image"), colour(index, true)));
+        }
+    }
+    if basin.cells.contains(&Destination::Outside) {
+        layers.push(entry("no start: outside the stops", OUTSIDE));
+    }
+    layers
+}
+
+fn axis(axis: &InitialValueAxis) -> Axis {
+    let symbol = match axis.coordinate {
+        i @ 0..3 => format!("X{}", ["₁", "₂", "₃"][i]),
+        i => format!("dX{}/dτ", ["₁", "₂", "₃"][i - 3]),
     };
-    layers.insert(0, Layer::new("", GREY, cells));
-    let panel = Panel { title: String::new(), x: label(&request.x), y: label(&request.y), layers };
-    let figure = Figure {
+    Axis::over(format!("{symbol} at τ = 0 (units of L)"), axis.from, axis.to)
+}
+
+fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
+    let mut layers = vec![Layer::new("", GREY, cells(request, basin))];
+    layers.extend(legend(basin));
+    let method = format!(
+        "{} × {} starts, the other initial values zero; {} periods discarded. Past the paper.",
+        request.x.count, request.y.count, request.discard
+    );
+    Figure {
         title: "Basins of attraction".into(),
-        caption: vec![
-            format!(
-                "{} × {} starts, the other initial values zero; {} periods discarded. Past the paper.",
-                request.x.count, request.y.count, request.discard
-            ),
-            settings.caption(),
-        ],
-        panels: vec![panel],
+        caption: vec![method, set.caption()],
+        panels: vec![Panel { title: String::new(), x: axis(&request.x), y: axis(&request.y), layers }],
         columns: 1,
         panel: (2300, 1700),
         shared_legend: true,
-    };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut put = |row: [&str; 4]| writer.write_record(row).map_err(Error::output("a table"));
-    put([COORDINATES[request.x.coordinate], COORDINATES[request.y.coordinate], "attractor", "mirror_image"])?;
-    for (j, row) in basin.goals.chunks(request.x.count).enumerate() {
-        for (i, goal) in row.iter().enumerate() {
-            let (number, mirror) = match goal {
-                Goal::Outside => (String::new(), String::new()),
-                Goal::Attractor(n) => ((n + 1).to_string(), "false".into()),
-                Goal::Mirror(n) => ((n + 1).to_string(), "true".into()),
-            };
-            put([&exact(request.x.value(i)), &exact(request.y.value(j)), &number, &mirror])?;
-        }
     }
-    let cells = writer.into_inner().map_err(Error::output("a table"))?;
-    Ok(Study {
-        name: name.into(),
-        what: format!("basins of {} attractors, mirror images counted once", basin.attractors.len()),
-        tables: vec![(name.into(), cells), (format!("{name}-attractors"), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
 }

@@ -1,23 +1,24 @@
-//! Theory against simulation (figures 8, 16, 17).
+//! SteadyMotion against simulation (figures 8, 16, 17).
 
-use super::super::figures::canvas::palette::FAMILY;
-use super::super::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
-use super::super::table::{Table, exact};
 use super::steady::{comparison_panel, four_panels};
+use super::steady_motion::{MotionSample, SteadyMotion, simulated};
 use super::sweep::{maxima_table, overlay};
-use super::theory::{Point, Theory, simulated};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::FAMILY;
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use crate::table::{Table, exact};
 use rayon::prelude::*;
-use vibro_analysis::Result;
 use vibro_analysis::bifurcation::{Sweep, diagram};
-use vibro_analysis::motion::{amplitude, record, settled};
+use vibro_analysis::motion::{amplitude, record_flights, settled_simulator};
 use vibro_analysis::parts::Task;
-use vibro_analysis::plane::PlaneAxis;
-use vibro_analysis::{Settings, find_group, short};
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// A transient dies as exp(-ε τ/…): this many periods over ε bring it under round-off for dampings of order one.
+/// A transient decays over a time of order 1/ε: this number of periods divided by ε brings it under round-off for dampings of
+/// order one.
 const SETTLING: f64 = 60.0;
 /// Periods shown of a simulated steady motion.
 pub(super) const SHOWN: u32 = 2;
@@ -28,19 +29,22 @@ const KEPT: u32 = 200;
 const NAMES: [&str; 4] = ["B", "A1", "A2", "A3"];
 
 /// The simulated steady motion from a start near the theory's: amplitudes B, A1, A2, A3 in units of L, and its record.
-pub(super) fn simulate(parameters: &Parameters, near: &Theory) -> Result<([f64; 4], Vec<Point>)> {
+pub(super) fn simulate(
+    parameters: &Parameters,
+    near: &SteadyMotion,
+) -> Result<([f64; 4], Vec<MotionSample>)> {
     let p = parameters;
     let start = start(p, near);
-    let mut simulator = settled(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
-    let flights = record(&mut simulator, SHOWN)?;
+    let mut simulator = settled_simulator(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
+    let flights = record_flights(&mut simulator, SHOWN)?;
     let epsilon = p.block_mass / p.box_mass;
     let q = [[1.0, epsilon, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let amplitudes = q.map(|q| amplitude(&flights, p, q) / p.stop_gap);
     Ok((amplitudes, simulated(&flights, p)))
 }
 
-/// The theory's state at t = 0, SI, drawn inside the stops: an approximation may pass them a little.
-fn start(p: &Parameters, theory: &Theory) -> State {
+/// The theory's state at t = 0 in SI, with the block put between the stops, which an approximation may pass a little.
+fn start(p: &Parameters, theory: &SteadyMotion) -> State {
     let at = theory.history(p, 1.0);
     let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));
     let (length, speed) = (p.stop_gap, p.stop_gap * p.box_frequency());
@@ -51,14 +55,7 @@ fn start(p: &Parameters, theory: &Theory) -> State {
 }
 
 pub(super) fn no_motion(name: &str, theory: &str) -> Study {
-    Study {
-        name: name.into(),
-        what: format!("no picture: {theory} has no motion with two symmetric impacts here"),
-        tables: Vec::new(),
-        shown: None,
-        figure: None,
-        remarks: Vec::new(),
-    }
+    Study::without_figure(name, format!("no picture: {theory} has no motion with two symmetric impacts here"))
 }
 
 pub(super) fn amplitude_table(
@@ -80,27 +77,21 @@ pub(super) fn amplitude_table(
 ///
 /// # Errors
 /// What theory or simulator refuse.
-pub fn histories(settings: &Settings) -> Result<Study> {
-    let p = settings.parameters();
-    let Some(theory) = Theory::multiple_scales(settings.groups())? else {
+pub fn histories(set: &ParameterSet) -> Result<Study> {
+    let p = set.parameters();
+    let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else {
         return Ok(no_motion("compare-8", "multiple scales"));
     };
     let (amplitudes, points) = simulate(p, &theory)?;
     let (table, remarks) = amplitude_table("multiple_scales", theory.amplitudes(p), amplitudes);
     let figure = four_panels(
         "Multiple scales against simulation (cf. figure 8)",
-        settings,
+        set,
         (&theory.history(p, f64::from(SHOWN)), "multiple scales"),
         (&points, "simulation"),
     );
-    Ok(Study {
-        name: "compare-8".into(),
-        what: "time histories and phase portraits as in figure 8, multiple scales against simulation".into(),
-        tables: vec![("compare-8".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
+    let what = "time histories and phase portraits as in figure 8, multiple scales against simulation";
+    Ok(Study::of("compare-8", what, &table, figure)?.with_remarks(remarks))
 }
 
 /// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the maxima of X2 of a sweep
@@ -109,17 +100,17 @@ pub fn histories(settings: &Settings) -> Result<Study> {
 /// # Errors
 /// Ranges that are not allowed; what theory or simulator refuse.
 pub fn force_overlay(
-    settings: &Settings,
+    set: &ParameterSet,
     range: (f64, f64),
     count: usize,
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
-    let axis = PlaneAxis::new(find_group("f10")?, range, count)?;
+    let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
     let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None };
-    let found = diagram(settings, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
+    let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
-    let mut study = overlay(settings, &sweep, &found, "compare-16")?;
+    let mut study = overlay(set, &sweep, &found, "compare-16")?;
     study.tables.push(("compare-16-maxima".into(), maxima_table(&axis, &found)?));
     Ok(study)
 }
@@ -127,88 +118,84 @@ pub fn force_overlay(
 /// One ε of figure 17: both motions over a period, both sets of amplitudes.
 struct Run {
     epsilon: f64,
-    theory: Vec<Point>,
-    points: Vec<Point>,
+    theory: Vec<MotionSample>,
+    simulation: Vec<MotionSample>,
     predicted: [f64; 4],
-    amplitudes: [f64; 4],
+    simulated: [f64; 4],
+}
+
+impl Run {
+    /// `None` where multiple scales has no motion.
+    fn new(set: &ParameterSet, epsilon: f64) -> Result<Option<Self>> {
+        let p = set.parameters();
+        let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else { return Ok(None) };
+        let (simulated, samples) = simulate(p, &theory)?;
+        let simulation = samples.into_iter().filter(|s| s.time <= 1.0).collect();
+        let (theory, predicted) = (theory.history(p, 1.0), theory.amplitudes(p));
+        Ok(Some(Self { epsilon, theory, simulation, predicted, simulated }))
+    }
+
+    /// Relative errors of B, A1, A2, A3.
+    fn errors(&self) -> [f64; 4] {
+        std::array::from_fn(|k| self.predicted[k] / self.simulated[k] - 1.0)
+    }
+
+    fn panel(&self, letter: char) -> Panel {
+        let title = format!("({letter}) U and W, ε = {}", short(self.epsilon));
+        let theory = (&self.theory[..], "multiple scales");
+        comparison_panel(&title, &[0, 1], false, theory, (&self.simulation, "simulation"))
+    }
 }
 
 /// Figure 17: U and W for some ε, and the errors of the amplitudes over ε with their slopes.
 ///
 /// # Errors
 /// Values of ε that are not allowed; what theory or simulator refuse.
-pub fn accuracy(settings: &Settings, epsilons: &[f64]) -> Result<Study> {
+pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let group = find_group("epsilon")?;
-    let run = |&epsilon: &f64| -> Result<Option<Run>> {
-        let settings = settings.with(group, epsilon)?;
-        let p = settings.parameters();
-        let Some(theory) = Theory::multiple_scales(settings.groups())? else { return Ok(None) };
-        let (amplitudes, points) = simulate(p, &theory)?;
-        let once = points.into_iter().filter(|p| p.time <= 1.0).collect();
-        let (theory, predicted) = (theory.history(p, 1.0), theory.amplitudes(p));
-        Ok(Some(Run { epsilon, theory, points: once, predicted, amplitudes }))
-    };
+    let run = |&epsilon: &f64| Run::new(&set.with(group, epsilon)?, epsilon);
     let runs = epsilons.par_iter().map(run).collect::<Result<Vec<_>>>()?;
     let runs: Vec<_> = runs.into_iter().flatten().collect();
     if runs.is_empty() {
         return Ok(no_motion("compare-17", "multiple scales"));
     }
-    let mut table = Table::new(&["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error"]);
-    let mut errors: [Path; 4] = Default::default();
-    for Run { epsilon, predicted: theory, amplitudes: simulation, .. } in &runs {
-        for (k, name) in NAMES.into_iter().enumerate() {
-            let error = theory[k] / simulation[k] - 1.0;
-            errors[k].push((*epsilon, 100.0 * error.abs()));
-            table.rows.push(vec![
-                exact(*epsilon),
-                name.into(),
-                exact(theory[k]),
-                exact(simulation[k]),
-                exact(error),
-            ]);
-        }
-    }
-    let mut panels = Vec::new();
-    let chosen = [0, runs.len() / 2, runs.len() - 1];
-    let mut shown: Vec<usize> = chosen.to_vec();
+    let mut shown = vec![0, runs.len() / 2, runs.len() - 1];
     shown.dedup();
-    for (letter, &i) in ('a'..).zip(&shown) {
-        let Run { epsilon, theory, points, .. } = &runs[i];
-        let title = format!("({letter}) U and W, ε = {}", short(*epsilon));
-        panels.push(comparison_panel(
-            &title,
-            &[0, 1],
-            false,
-            theory,
-            "multiple scales",
-            points,
-            "simulation",
-        ));
-    }
-    let letter = char::from(b'a' + shown.len() as u8);
-    let (panel, slopes) = error_panel(letter, &errors);
+    let mut panels: Vec<_> = ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter)).collect();
+    let (panel, slopes) = error_panel(char::from(b'a' + shown.len() as u8), &runs);
     panels.push(panel);
     let figure = Figure {
         title: "Accuracy of multiple scales (cf. figure 17)".into(),
         caption: vec![
             "Errors are relative to the simulation; ε differs between the panels.".into(),
-            settings.caption(),
+            set.caption(),
         ],
         panels,
         columns: 2,
         panel: PANEL,
         shared_legend: true,
     };
-    Ok(Study {
-        name: "compare-17".into(),
-        what: "U and W for some ε and the amplitudes' errors over ε as in figure 17, multiple scales against simulation".into(),
-        tables: vec![("compare-17".into(), table.csv()?)], shown: None,
-        figure: Some(figure),
-        remarks: slopes,
-    })
+    let what = "U and W for some ε and the amplitudes' errors over ε as in figure 17, multiple scales against simulation";
+    Ok(Study::of("compare-17", what, &error_table(&runs), figure)?.with_remarks(slopes))
 }
 
-fn error_panel(letter: char, errors: &[Path; 4]) -> (Panel, Vec<String>) {
+fn error_table(runs: &[Run]) -> Table {
+    let mut table = Table::new(&["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error"]);
+    for run in runs {
+        let errors = run.errors();
+        for (k, name) in NAMES.into_iter().enumerate() {
+            let numbers = [run.predicted[k], run.simulated[k], errors[k]].map(exact);
+            table.rows.push([vec![exact(run.epsilon), name.into()], numbers.to_vec()].concat());
+        }
+    }
+    table
+}
+
+/// The errors over ε in per cent, and in words their slopes.
+fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
+    let percent =
+        |k: usize| -> Path { runs.iter().map(|r| (r.epsilon, 100.0 * r.errors()[k].abs())).collect() };
+    let errors: [Path; 4] = std::array::from_fn(percent);
     let symbols = ["B", "A₁", "A₂", "A₃"];
     let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
     let (mut layers, mut remarks) = (Vec::new(), Vec::new());

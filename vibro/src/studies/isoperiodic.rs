@@ -1,14 +1,14 @@
 //! Pictures and tables of simulated motion over a plane of two groups.
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
-use super::super::table::exact;
 use super::Study;
-use vibro_analysis::Settings;
-use vibro_analysis::attractor::Class;
-use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, Motion, Point, Request};
-use vibro_analysis::plane;
-use vibro_analysis::{Error, Result};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
+use crate::table::{CsvRows, exact};
+use vibro_analysis::ParameterSet;
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, PlanePoint, Request, SettledMotion};
+use vibro_analysis::plane::SteadyStateClass;
 
 const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);
@@ -18,16 +18,16 @@ const MINT: Colour = Colour(150, 220, 190);
 type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 
 /// Kinds of motion as the first panel tells them apart; the last takes what no other does.
-const KINDS: [Entry<Motion>; 10] = [
+const KINDS: [Entry<SettledMotion>; 10] = [
     ("(a) without impacts", PALE, |m| m.impacts == [0.0; 2] && !m.rests),
     ("(a) 1T, two symmetric impacts", BLUE, |m| m.is_two_impact()),
-    ("(a) 1T, others", SKY, |m| m.class == Class::Periodic(1)),
-    ("(a) 2T", GREEN, |m| m.class == Class::Periodic(2)),
-    ("(a) 3T", PURPLE, |m| m.class == Class::Periodic(3)),
-    ("(a) 4T", MINT, |m| m.class == Class::Periodic(4)),
-    ("(a) longer periods", ORANGE, |m| matches!(m.class, Class::Periodic(_))),
-    ("(a) periodic, settling", GREY, |m| m.class == Class::Settling),
-    ("(a) quasi-periodic", YELLOW, |m| m.class == Class::QuasiPeriodic),
+    ("(a) 1T, others", SKY, |m| m.class == MotionClass::Periodic(1)),
+    ("(a) 2T", GREEN, |m| m.class == MotionClass::Periodic(2)),
+    ("(a) 3T", PURPLE, |m| m.class == MotionClass::Periodic(3)),
+    ("(a) 4T", MINT, |m| m.class == MotionClass::Periodic(4)),
+    ("(a) longer periods", ORANGE, |m| matches!(m.class, MotionClass::Periodic(_))),
+    ("(a) periodic, settling", GREY, |m| m.class == MotionClass::Settling),
+    ("(a) quasi-periodic", YELLOW, |m| m.class == MotionClass::QuasiPeriodic),
     // Without exponents no more is known than that there is no period.
     ("(a) chaotic, or no period found", BLACK, |_| true),
 ];
@@ -44,30 +44,89 @@ const IMPACTS: [Entry<f64>; 8] = [
     ("(b) over 4", Colour(68, 1, 84), |_| true),
 ];
 
-/// Most classes told on the screen.
+/// Most classes listed on the screen.
 const TOLD: usize = 8;
 
 /// The study of a plane of motions.
 ///
 /// # Errors
-/// [`Error::Output`].
-pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
-    let (x, y) = (&request.x, &request.y);
-    let border = border(request, plane);
-    let here = vec![((x.group.get)(settings.groups()), (y.group.get)(settings.groups()))];
-    // Code 0 leaves the paper: refused.
-    let panel = |title: &str, entries: Vec<(&str, Colour)>, code: &dyn Fn(&Motion) -> usize| {
-        let cells: Vec<u8> =
-            plane.points.iter().map(|p| p.motion.map_or(0, |m| 1 + code(&m) as u8)).collect();
-        let colours = std::iter::once(None).chain(entries.iter().map(|e| Some(e.1))).collect();
-        let met = entries.iter().zip(1..).filter(|(_, code)| cells.contains(code));
-        let mut layers: Vec<Layer> = met.map(|((n, c), _)| Layer::band(n, *c, 1.0, Vec::new())).collect();
+/// [`Error::Output`](crate::Error::Output).
+pub fn isoperiodic(set: &ParameterSet, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
+    let pair = format!("({}, {})", request.x.group.symbol, request.y.group.symbol);
+    let figure = Figure {
+        title: format!("Simulated motion over {pair}"),
+        caption: vec![method(request), format!("Past the paper. Elsewhere {}", set.caption())],
+        panels: panels(set, request, plane),
+        columns: 2,
+        panel: (1700, 1400),
+        shared_legend: true,
+    };
+    let what = format!("simulated motion over {pair}: period, impacts and class");
+    Ok(Study {
+        tables: vec![(name.into(), csv(request, plane)?)],
+        figure: Some(figure),
+        ..Study::without_figure(name, what).with_remarks(remarks(plane))
+    })
+}
+
+/// How the motions were computed, for the caption.
+fn method(request: &Request) -> String {
+    let mut method = format!(
+        "{} × {} motions from {}; {} periods discarded.",
+        request.x.count, request.y.count, request.start, request.discard
+    );
+    if let Some(o) = &request.exponents {
+        let periods = o.periods;
+        method
+            .push_str(&format!(" Exponents where there are impacts and no period, over {periods} periods."));
+    }
+    method
+}
+
+/// The classes, and the impacts per period.
+fn panels(set: &ParameterSet, request: &Request, plane: &Isoperiodic) -> Vec<Panel> {
+    let panel = PanelOver { set, request, plane, border: border(request, plane) };
+    // The last entry of either list takes every motion, so that a code is always found.
+    let kind = |m: &SettledMotion| KINDS.iter().take_while(|k| !k.2(*m)).count();
+    let impacts = |m: &SettledMotion| {
+        let all = m.impacts[0] + m.impacts[1];
+        IMPACTS.iter().take_while(|k| !k.2(all)).count()
+    };
+    vec![
+        panel.of("(a) Class of the motion", KINDS.iter().map(|k| (k.0, k.1)), kind),
+        panel.of("(b) Impacts per drive period", IMPACTS.iter().map(|k| (k.0, k.1)), impacts),
+    ]
+}
+
+/// What the panels have in common.
+struct PanelOver<'a> {
+    set: &'a ParameterSet,
+    request: &'a Request,
+    plane: &'a Isoperiodic,
+    border: Vec<Path>,
+}
+
+impl PanelOver<'_> {
+    /// A panel whose cells have the colour of the entry that `code` gives; points the simulator refused are left white.
+    fn of<'e>(
+        &self,
+        title: &str,
+        entries: impl Iterator<Item = (&'e str, Colour)> + Clone,
+        code: impl Fn(&SettledMotion) -> usize,
+    ) -> Panel {
+        let (x, y) = (&self.request.x, &self.request.y);
+        let points = &self.plane.points;
+        let cells: Vec<u8> = points.iter().map(|p| p.motion.map_or(0, |m| 1 + code(&m) as u8)).collect();
+        let colours = std::iter::once(None).chain(entries.clone().map(|e| Some(e.1))).collect();
+        let met = entries.zip(1..).filter(|(_, code)| cells.contains(code));
+        let mut layers: Vec<Layer> = met.map(|((n, c), _)| Layer::band(n, c, 1.0, Vec::new())).collect();
         let shape = Shape::Cells { x: x.edges(), y: y.edges(), columns: x.count, cells, colours };
         layers.insert(0, Layer::new("", GREY, shape));
-        let edge = |name, colour| Layer::lines(name, colour, Dash::Solid, border.clone());
+        let edge = |name, colour| Layer::lines(name, colour, Dash::Solid, self.border.clone());
         layers.push(edge("", Colour(255, 255, 255)).stroke(3 * THIN));
         layers.push(edge("limit of the stable exact orbit", VERMILLION));
-        layers.push(Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here.clone()));
+        let here = vec![((x.group.get)(self.set.groups()), (y.group.get)(self.set.groups()))];
+        layers.push(Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here));
         let (across, up) = (x.edges(), y.edges());
         Panel {
             title: title.into(),
@@ -75,50 +134,13 @@ pub fn isoperiodic(settings: &Settings, request: &Request, plane: &Isoperiodic, 
             y: Axis::over(y.group.label(), up.0, up.1),
             layers,
         }
-    };
-    let kinds = KINDS.iter().map(|k| (k.0, k.1)).collect();
-    let impacts = IMPACTS.iter().map(|k| (k.0, k.1)).collect();
-    // The last entry takes everything.
-    let panels = vec![
-        panel("(a) Class of the motion", kinds, &|m| KINDS.iter().take_while(|k| !k.2(*m)).count()),
-        panel("(b) Impacts per drive period", impacts, &|m| {
-            let all = m.impacts[0] + m.impacts[1];
-            IMPACTS.iter().take_while(|k| !k.2(all)).count()
-        }),
-    ];
-    let pair = format!("({}, {})", x.group.symbol, y.group.symbol);
-    let mut method = format!(
-        "{} × {} motions from {}; {} periods discarded.",
-        x.count, y.count, request.start, request.discard
-    );
-    if let Some(o) = &request.exponents {
-        method.push_str(&format!(
-            " Exponents where there are impacts and no period, over {} periods.",
-            o.periods
-        ));
     }
-    let figure = Figure {
-        title: format!("Simulated motion over {pair}"),
-        caption: vec![method, format!("Past the paper. Elsewhere {}", settings.caption())],
-        panels,
-        columns: 2,
-        panel: (1700, 1400),
-        shared_legend: true,
-    };
-    Ok(Study {
-        name: name.into(),
-        what: format!("simulated motion over {pair}: period, impacts and class"),
-        tables: vec![(name.into(), csv(request, plane)?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: remarks(plane),
-    })
 }
 
 /// The limit of the points where the exact orbit is stable, along the edges of their cells.
 fn border(request: &Request, plane: &Isoperiodic) -> Vec<Path> {
     let (columns, rows) = (request.x.count, request.y.count);
-    let stable = |i: usize, j: usize| plane.points[j * columns + i].theory == plane::Class::Stable;
+    let stable = |i: usize, j: usize| plane.points[j * columns + i].theory == SteadyStateClass::Stable;
     let part = |(from, to): (f64, f64), i: usize, count: usize| from + (to - from) * i as f64 / count as f64;
     let at = |i: usize, j: usize| (part(request.x.edges(), i, columns), part(request.y.edges(), j, rows));
     let across = (1..rows).flat_map(|j| {
@@ -132,12 +154,9 @@ fn border(request: &Request, plane: &Isoperiodic) -> Vec<Path> {
     across.chain(up).collect()
 }
 
-/// Written row by row, since there may be millions.
 fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut put = |row: [&str; 10]| writer.write_record(row).map_err(Error::output("a table"));
-    put([
+    let mut csv = CsvRows::new([
         x.group.name,
         y.group.name,
         "class",
@@ -150,9 +169,9 @@ fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
         "on_exact_orbit",
     ])?;
     for (j, row) in plane.points.chunks(x.count).enumerate() {
-        for (i, Point { theory, motion }) in row.iter().enumerate() {
-            let word = |tell: &dyn Fn(&Motion) -> String| motion.as_ref().map_or(String::new(), tell);
-            put([
+        for (i, PlanePoint { theory, motion }) in row.iter().enumerate() {
+            let word = |tell: &dyn Fn(&SettledMotion) -> String| motion.as_ref().map_or(String::new(), tell);
+            csv.push([
                 &exact(x.value(i)),
                 &exact(y.value(j)),
                 &motion.map_or("refused".into(), |m| m.class.name()),
@@ -166,7 +185,7 @@ fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
             ])?;
         }
     }
-    writer.into_inner().map_err(Error::output("a table"))
+    csv.text()
 }
 
 fn remarks(plane: &Isoperiodic) -> Vec<String> {
@@ -185,7 +204,7 @@ fn remarks(plane: &Isoperiodic) -> Vec<String> {
         .take(TOLD)
         .map(|(n, c)| format!("{n} {:.1} %", percent(*c, plane.points.len())))
         .collect();
-    let Agreement { stable, reached, two_impact, foretold } = plane.agreement();
+    let Agreement { stable, reached, two_impact, predicted } = plane.agreement();
     let mut lines = vec![
         format!("{}{}", told.join(", "), if classes.len() > TOLD { ", others less" } else { "" }),
         format!(
@@ -193,8 +212,8 @@ fn remarks(plane: &Isoperiodic) -> Vec<String> {
             percent(reached, stable)
         ),
         format!(
-            "{two_impact} motions are symmetric with two impacts a period and without rest; {foretold} of them ({:.1} %) are the stable exact orbit",
-            percent(foretold, two_impact)
+            "{two_impact} motions are symmetric with two impacts a period and without rest; {predicted} of them ({:.1} %) are the stable exact orbit",
+            percent(predicted, two_impact)
         ),
     ];
     let resting = motions().filter(|m| m.rests).count();

@@ -1,13 +1,13 @@
 //! The slow invariant manifold: its shape (figure 2), its admissible part (7), its fixed points (9).
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, GREY, ORANGE, VERMILLION};
-use super::super::figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
-use super::super::table::{Table, exact};
 use super::Study;
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, GREY, ORANGE, VERMILLION};
+use crate::figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
+use crate::table::{Table, exact};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::Group;
-use vibro_analysis::Result;
-use vibro_analysis::{Settings, find_group, short};
+use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::steady::Roots;
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales, sawtooth};
 
@@ -31,7 +31,7 @@ fn both(roots: Option<Roots<FixedPoint>>) -> Vec<(&'static str, FixedPoint)> {
 }
 
 /// The fixed points as marks: filled where all tests hold.
-fn points(points: &[(&'static str, FixedPoint)], colour: super::super::figures::chart::Colour) -> Vec<Layer> {
+fn points(points: &[(&'static str, FixedPoint)], colour: crate::figures::chart::Colour) -> Vec<Layer> {
     let of = |all: bool| {
         points
             .iter()
@@ -60,8 +60,8 @@ fn shown(system: &MultipleScales, roots: &[(&'static str, FixedPoint)]) -> (f64,
 ///
 /// # Errors
 /// What multiple scales refuses.
-pub fn shapes(settings: &Settings) -> Result<Study> {
-    let system = MultipleScales::new(settings.groups())?;
+pub fn shapes(set: &ParameterSet) -> Result<Study> {
+    let system = MultipleScales::new(set.groups())?;
     let m = system.manifold();
     let roots = both(system.fixed_points());
     let (from, to) = shown(&system, &roots);
@@ -103,30 +103,19 @@ pub fn shapes(settings: &Settings) -> Result<Study> {
             ],
         },
     ];
-    study(
+    Study::of(
         "manifold-2",
         "sawtooth function, slow invariant manifold and ρ(κ) as in figure 2",
         &table,
         Figure {
             title: "The slow invariant manifold (cf. figure 2)".into(),
-            caption: vec![settings.caption()],
+            caption: vec![set.caption()],
             panels,
             columns: 3,
             panel: PANEL,
             shared_legend: false,
         },
     )
-}
-
-fn study(name: &str, what: &str, table: &Table, figure: Figure) -> Result<Study> {
-    Ok(Study {
-        name: name.into(),
-        what: what.into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
 }
 
 /// The ranges of C, on the left and on the right branch, at which a fixed point is stable for the force that holds it
@@ -148,35 +137,14 @@ fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
 ///
 /// # Errors
 /// What multiple scales refuses.
-pub fn branches(settings: &Settings) -> Result<Study> {
-    let system = MultipleScales::new(settings.groups())?;
+pub fn branches(set: &ParameterSet) -> Result<Study> {
+    let system = MultipleScales::new(set.groups())?;
     let m = system.manifold();
     let roots = both(system.fixed_points());
     let (from, mut to) = shown(&system, &roots);
     to = to.max(1.1 * m.c_gmax());
     let [left, right] = stable_fixed_points(&system);
-    let (low, high) = (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1));
-    let parts = [
-        ("geometric", 0.0, m.c_gmax()),
-        ("stable fixed point, left branch", left.0, left.1),
-        ("stable fixed point, right branch", right.0, right.1),
-        ("stable periodic motion", m.c_smin(), m.c_smax()),
-        ("all three", low, high),
-    ];
-    let mut table = Table::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
-    for (name, c0, c1) in parts {
-        let row = [c0, c1, m.b(c0), m.b(c1)];
-        let known = c0 < c1;
-        table.rows.push(
-            std::iter::once(name.to_string())
-                .chain(row.map(|v| if known { exact(v) } else { String::new() }))
-                .collect(),
-        );
-    }
-    for (name, p) in &roots {
-        let name = name.replace('₁', "1").replace('₂', "2");
-        table.rows.push(vec![name, exact(p.c), exact(p.c), exact(p.b), exact(p.b)]);
-    }
+    let (low, high) = admissible(m, right);
     let wide = |name: &str, colour, width, c0: f64, c1: f64| {
         Layer::line(name, colour, Dash::Solid, curve(m, c0.max(from), c1.min(to))).stroke(width)
     };
@@ -208,13 +176,13 @@ pub fn branches(settings: &Settings) -> Result<Study> {
             layers: all,
         },
     ];
-    study(
+    Study::of(
         "manifold-7",
         "parts of the slow invariant manifold by the three tests as in figure 7",
-        &table,
+        &part_table(m, [left, right], &roots),
         Figure {
             title: "Admissible part of the slow invariant manifold (cf. figure 7)".into(),
-            caption: vec![settings.caption()],
+            caption: vec![set.caption()],
             panels,
             columns: 2,
             panel: super::PANEL,
@@ -223,22 +191,54 @@ pub fn branches(settings: &Settings) -> Result<Study> {
     )
 }
 
+/// The range of C that passes all three tests, given where fixed points on the right branch are stable; empty where its
+/// ends are not in order.
+fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
+    (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1))
+}
+
+/// The ranges of C that pass the tests, without numbers where there is none, and the fixed points.
+fn part_table(m: &Manifold, [left, right]: [(f64, f64); 2], roots: &[(&'static str, FixedPoint)]) -> Table {
+    let parts = [
+        ("geometric", (0.0, m.c_gmax())),
+        ("stable fixed point, left branch", left),
+        ("stable fixed point, right branch", right),
+        ("stable periodic motion", (m.c_smin(), m.c_smax())),
+        ("all three", admissible(m, right)),
+    ];
+    let mut table = Table::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
+    for (name, (c0, c1)) in parts {
+        let number = |value: f64| if c0 < c1 { exact(value) } else { String::new() };
+        let numbers = [c0, c1, m.b(c0), m.b(c1)].map(number);
+        table.rows.push([vec![name.into()], numbers.to_vec()].concat());
+    }
+    for (name, p) in roots {
+        table.rows.push(vec![ascii(name), exact(p.c), exact(p.c), exact(p.b), exact(p.b)]);
+    }
+    table
+}
+
+/// The name of a fixed point as tables have it.
+fn ascii(name: &str) -> String {
+    name.replace('₁', "1").replace('₂', "2")
+}
+
 /// Figure 9: the fixed points and the admissible part for several values of a group (f̂10 in the paper).
 ///
 /// # Errors
 /// Values that are not allowed, and what multiple scales refuses.
-pub fn families(settings: &Settings, name: &str, values: &[f64]) -> Result<Study> {
+pub fn families(set: &ParameterSet, name: &str, values: &[f64]) -> Result<Study> {
     let group = find_group(name)?;
     let mut table =
         Table::new(&[group.name, "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
     let mut panels = Vec::new();
     for (index, &value) in values.iter().enumerate() {
-        let settings = settings.with(group, value)?;
-        panels.push(member(&settings, group, value, index, &mut table)?);
+        let set = set.with(group, value)?;
+        panels.push(member(&set, group, value, index, &mut table)?);
     }
-    study(
+    Study::of(
         "manifold-9",
-        &format!(
+        format!(
             "fixed points on the slow invariant manifold for {} values of {} as in figure 9",
             values.len(),
             group.symbol
@@ -246,7 +246,7 @@ pub fn families(settings: &Settings, name: &str, values: &[f64]) -> Result<Study
         &table,
         Figure {
             title: format!("Fixed points for some {} (cf. figure 9)", group.symbol),
-            caption: vec![format!("{} differs between the panels; else:", group.symbol), settings.caption()],
+            caption: vec![format!("{} differs between the panels; else:", group.symbol), set.caption()],
             panels,
             columns: 2,
             panel: super::PANEL,
@@ -255,19 +255,18 @@ pub fn families(settings: &Settings, name: &str, values: &[f64]) -> Result<Study
     )
 }
 
-fn member(settings: &Settings, group: &Group, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
-    let system = MultipleScales::new(settings.groups())?;
+fn member(set: &ParameterSet, group: &Group, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
+    let system = MultipleScales::new(set.groups())?;
     let m = system.manifold();
     let roots = both(system.fixed_points());
     for (name, p) in &roots {
         let a = p.admissibility;
-        let name = name.replace('₁', "1").replace('₂', "2");
-        let mut row = vec![exact(value), name, exact(p.c), exact(p.b), exact(p.a3)];
+        let mut row = vec![exact(value), ascii(name), exact(p.c), exact(p.b), exact(p.a3)];
         row.extend([a.geometric, a.fixed_point, a.periodic_motion].map(|t| t.to_string()));
         table.rows.push(row);
     }
     let [_, right] = stable_fixed_points(&system);
-    let (low, high) = (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1));
+    let (low, high) = admissible(m, right);
     // The same axes in all panels, unless a fixed point lies beyond.
     let (from, to) = shown(&system, &roots);
     let (from, to) = (from.min(-1.0), to.max(2.4));

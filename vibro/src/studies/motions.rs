@@ -1,18 +1,18 @@
-//! Simulated motions as they are: time histories (figure 13), phase portraits (figure 15), exponents on their way.
+//! Simulated motions: time histories (figure 13), phase portraits (figure 15), running exponents.
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
-use super::super::table::{Table, exact};
-use super::theory::{Point as Instant, simulated};
+use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
+use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::Group;
-use vibro_analysis::Result;
-use vibro_analysis::bifurcation::{Diagram, Point};
-use vibro_analysis::lyapunov::{Convergence, Options, dimensionless};
-use vibro_analysis::motion::{Flight, record, settled};
-use vibro_analysis::section::{Section, kicked, state};
-use vibro_analysis::{Settings, short};
+use vibro_analysis::bifurcation::{Diagram, SweepPoint};
+use vibro_analysis::lyapunov::{Convergence, SpectrumOptions, dimensionless};
+use vibro_analysis::motion::{Flight, record_flights, settled_simulator};
+use vibro_analysis::stroboscopic::{StroboscopicState, dimensional, moving_block};
+use vibro_analysis::{ParameterSet, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
@@ -26,7 +26,7 @@ const WANDERING: u32 = 60;
 /// Symbols of the seven exponents.
 const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
 
-/// W, X1, X3 over time or their portraits: indices into [`Instant`]'s quantities.
+/// W, X1, X3 over time or their portraits: indices into [`MotionSample`]'s quantities.
 const SHOWN: [(usize, &str, Colour); 3] = [(1, "W", VERMILLION), (2, "X₁", BLUE), (4, "X₃", GREEN)];
 
 /// What is worth knowing of a motion with modulation.
@@ -40,7 +40,7 @@ pub struct Modulation {
     pub resonant: f64,
 }
 
-fn modulation(points: &[Instant], flights: &[Flight], periods: u32) -> Modulation {
+fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modulation {
     let first = points.first().map_or(0.0, |p| p.time);
     let mut tops = vec![[0.0f64; 2]; periods as usize];
     for p in points {
@@ -65,19 +65,19 @@ fn modulation(points: &[Instant], flights: &[Flight], periods: u32) -> Modulatio
     Modulation { box_amplitude: range(0), secondary_amplitude: range(1), resonant }
 }
 
-/// Figure 13: histories and portraits at the settings' own f10 and at `other`.
+/// Figure 13: histories and portraits at the parameter set's own f10 and at `other`.
 ///
 /// # Errors
 /// What the simulator refuses.
-pub fn histories_of(settings: &Settings, group: &'static Group, other: f64) -> Result<(Study, Modulation)> {
+pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Result<(Study, Modulation)> {
     let mut table = Table::new(&[group.name, "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
     let mut panels = Vec::new();
     let mut found = None;
-    let own = (group.get)(settings.groups());
+    let own = (group.get)(set.groups());
     for (value, periods, letters) in [(own, STEADY, "abc"), (other, MODULATED, "def")] {
-        let p = settings.parameters_of(&settings.vary(group, value))?;
-        let mut simulator = settled(&p, &kicked(&p), TRANSIENT)?;
-        let flights = record(&mut simulator, periods)?;
+        let p = set.parameters_of(&set.vary(group, value))?;
+        let mut simulator = settled_simulator(&p, &moving_block(&p), TRANSIENT)?;
+        let flights = record_flights(&mut simulator, periods)?;
         let points = simulated(&flights, &p);
         let first = points.first().map_or(0.0, |p| p.time);
         for i in &points {
@@ -98,32 +98,24 @@ pub fn histories_of(settings: &Settings, group: &'static Group, other: f64) -> R
     let Some(modulation) = found else { unreachable!("two values") };
     let figure = Figure {
         title: "Simulated motions (cf. figure 13)".into(),
-        caption: vec![format!("{TRANSIENT} periods discarded. {}", settings.caption())],
+        caption: vec![format!("{TRANSIENT} periods discarded. {}", set.caption())],
         panels,
         columns: 3,
         panel: (1500, 1100),
         shared_legend: true,
     };
     let (most, least) = modulation.box_amplitude;
-    let remarks = vec![format!(
+    let remark = format!(
         "{} = {}: the amplitude of X1 goes from {least:.3} to {most:.3}; {:.0} % of the periods have one impact at each stop",
         group.name,
         short(other),
         100.0 * modulation.resonant
-    )];
-    let study = Study {
-        name: "figure-13".into(),
-        what: "time histories and phase portraits of a steady and of a modulated motion as in figure 13"
-            .into(),
-        tables: vec![("figure-13".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    };
-    Ok((study, modulation))
+    );
+    let what = "time histories and phase portraits of a steady and of a modulated motion as in figure 13";
+    Ok((Study::of("figure-13", what, &table, figure)?.with_remarks(vec![remark]), modulation))
 }
 
-fn history(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
+fn history(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
     let first = points.first().map_or(0.0, |p| p.time);
     let end = points.last().map_or(1.0, |p| p.time - first);
     let path = |q: usize| -> Path { points.iter().map(|p| (p.time - first, p.x[q])).collect() };
@@ -139,7 +131,7 @@ fn history(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], wid
     }
 }
 
-fn portrait(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
+fn portrait(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
     let path = |q: usize| -> Path { points.iter().map(|p| (p.x[q], p.v[q])).collect() };
     let curve = |(q, name, colour): &(usize, &str, Colour)| {
         Layer::line(name, *colour, Dash::Solid, path(*q)).stroke(width)
@@ -155,8 +147,8 @@ fn portrait(title: &str, points: &[Instant], shown: &[(usize, &str, Colour)], wi
 }
 
 /// A state from its section; rounding may have put the block past a stop by a digit.
-fn inside(p: &Parameters, s: &Section) -> State {
-    let mut state = state(p, s);
+fn inside(p: &Parameters, s: &StroboscopicState) -> State {
+    let mut state = dimensional(p, s);
     let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);
     state.x[1] = state.x[0] + w;
     state
@@ -167,7 +159,7 @@ fn inside(p: &Parameters, s: &Section) -> State {
 /// # Errors
 /// What the simulator refuses.
 pub fn portraits(
-    settings: &Settings,
+    set: &ParameterSet,
     group: &'static Group,
     diagram: &Diagram,
     values: &[f64],
@@ -175,30 +167,18 @@ pub fn portraits(
     let mut table = Table::new(&[group.name, "class", "time", "X2", "dX2"]);
     let mut panels = Vec::new();
     for (letter, value) in ('a'..).zip(values) {
-        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
-        let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
-        let p = settings.parameters_of(&settings.vary(group, point.value))?;
-        let start = inside(&p, &point.attractor.sections[0]);
-        let mut simulator = Simulator::new(&p, &start, 0.0)?.without_energy_accounts();
-        let periods = point.attractor.period.unwrap_or(WANDERING);
-        let points = simulated(&record(&mut simulator, periods)?, &p);
-        for i in &points {
-            table.rows.push(vec![
-                exact(point.value),
-                point.class.name(),
-                exact(i.time),
-                exact(i.x[3]),
-                exact(i.v[3]),
-            ]);
+        let Some(point) = diagram.nearest(*value) else { continue };
+        let samples = continued(&set.parameters_of(&set.vary(group, point.value))?, point)?;
+        for sample in &samples {
+            let state = [sample.time, sample.x[3], sample.v[3]].map(exact);
+            table.rows.push([vec![exact(point.value), point.class.name()], state.to_vec()].concat());
         }
         let title = format!("({letter}) {} = {}: {}", group.symbol, short(point.value), point.class.name());
-        let (name, colour) = if point.attractor.period.is_some() {
-            ("X₂, returns", BLUE)
-        } else {
-            ("X₂, does not return", VERMILLION)
+        let (name, colour, width) = match point.attractor.period {
+            Some(_) => ("X₂, returns", BLUE, THIN),
+            None => ("X₂, does not return", VERMILLION, 2),
         };
-        let width = if point.attractor.period.is_some() { THIN } else { 2 };
-        panels.push(portrait(&title, &points, &[(3, name, colour)], width));
+        panels.push(portrait(&title, &samples, &[(3, name, colour)], width));
     }
     let figure = Figure {
         title: "Phase portraits of the block (cf. figure 15)".into(),
@@ -207,21 +187,22 @@ pub fn portraits(
                 "Motions of the sweep with {} rising, over their period, or over {WANDERING} periods.",
                 group.symbol
             ),
-            format!("Elsewhere {}", settings.caption()),
+            format!("Elsewhere {}", set.caption()),
         ],
         panels,
         columns: 3,
         panel: (1400, 1150),
         shared_legend: true,
     };
-    Ok(Study {
-        name: "figure-15".into(),
-        what: "phase portraits of X₂ as in figure 15".into(),
-        tables: vec![("figure-15".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
+    Study::of("figure-15", "phase portraits of X₂ as in figure 15", &table, figure)
+}
+
+/// A motion of a sweep over its period, or over [`WANDERING`] periods, from the state it settled on.
+fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
+    let start = inside(p, &point.attractor.states[0]);
+    let mut simulator = Simulator::new(p, &start, 0.0)?.without_energy_accounts();
+    let periods = point.attractor.period.unwrap_or(WANDERING);
+    Ok(simulated(&record_flights(&mut simulator, periods)?, p))
 }
 
 /// The running exponents at some values of a group, from a moving block on.
@@ -229,70 +210,72 @@ pub fn portraits(
 /// # Errors
 /// What the simulator refuses.
 pub fn running(
-    settings: &Settings,
+    set: &ParameterSet,
     group: &'static Group,
     values: &[f64],
     discard: u32,
-    options: &Options,
+    options: &SpectrumOptions,
     name: &str,
 ) -> Result<Study> {
     let run = |value: &f64| -> Result<(f64, Convergence)> {
-        let p = settings.parameters_of(&settings.vary(group, *value))?;
-        let mut simulator = settled(&p, &kicked(&p), f64::from(discard))?;
+        let p = set.parameters_of(&set.vary(group, *value))?;
+        let mut simulator = settled_simulator(&p, &moving_block(&p), f64::from(discard))?;
         Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
-    let mut header = vec![group.name, "period"];
-    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
-    let mut table = Table::new(&header);
-    let (mut panels, mut remarks) = (Vec::new(), Vec::new());
-    for (letter, (value, found)) in ('a'..).zip(&runs) {
-        let mut paths = vec![Path::new(); 7];
-        for (n, exponents) in (1..).zip(&found.running) {
-            for (path, e) in paths.iter_mut().zip(exponents) {
-                path.push((f64::from(n), *e));
-            }
-            let mut row = vec![exact(*value), n.to_string()];
-            row.extend(exponents.map(exact));
-            table.rows.push(row);
-        }
-        let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
-        let layers =
-            paths.into_iter().zip(EXPONENTS).zip(colours).enumerate().map(|(i, ((path, name), colour))| {
-                let dash = if i > 5 { Dash::Dashed } else { Dash::Solid };
-                Layer::line(name, colour, dash, path).stroke(THIN)
-            });
-        panels.push(Panel {
-            title: format!("({letter}) {} = {}", group.symbol, short(*value)),
-            x: Axis::over("drive periods", 0.0, f64::from(found.spectrum.periods)),
-            y: Axis::new("λ (per unit of τ)"),
-            layers: layers.collect(),
-        });
-        let s = &found.spectrum;
-        let shown = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
-        remarks.push(format!(
-            "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",
-            group.name,
-            short(*value),
-            shown.join(", "),
-            s.deviation,
-            s.periods
-        ));
-    }
+    let panels: Vec<_> = ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, group, run)).collect();
     let figure = Figure {
         title: "Lyapunov exponents on their way".into(),
-        caption: vec![format!("Elsewhere {}", settings.caption())],
+        caption: vec![format!("Elsewhere {}", set.caption())],
         columns: panels.len().clamp(1, 2),
         panels,
         panel: PANEL,
         shared_legend: true,
     };
-    Ok(Study {
-        name: name.into(),
-        what: "running Lyapunov exponents over the periods counted".into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
+    let what = "running Lyapunov exponents over the periods counted";
+    let remarks = runs.iter().map(|run| running_remark(group, run)).collect();
+    Ok(Study::of(name, what, &running_table(group, &runs), figure)?.with_remarks(remarks))
+}
+
+fn running_table(group: &Group, runs: &[(f64, Convergence)]) -> Table {
+    let mut header = vec![group.name, "period"];
+    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
+    let mut table = Table::new(&header);
+    for (value, found) in runs {
+        for (n, exponents) in (1..).zip(&found.running) {
+            let mut row = vec![exact(*value), n.to_string()];
+            row.extend(exponents.map(exact));
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+fn running_panel(letter: char, group: &Group, (value, found): &(f64, Convergence)) -> Panel {
+    let path = |i: usize| (1..).zip(&found.running).map(|(n, e)| (f64::from(n), e[i])).collect();
+    let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
+    let curve = |(i, (name, colour)): (usize, (&str, Colour))| {
+        let dash = if i > 5 { Dash::Dashed } else { Dash::Solid };
+        Layer::line(name, colour, dash, path(i)).stroke(THIN)
+    };
+    Panel {
+        title: format!("({letter}) {} = {}", group.symbol, short(*value)),
+        x: Axis::over("drive periods", 0.0, f64::from(found.spectrum.periods)),
+        y: Axis::new("λ (per unit of τ)"),
+        layers: EXPONENTS.into_iter().zip(colours).enumerate().map(curve).collect(),
+    }
+}
+
+fn running_remark(group: &Group, (value, found): &(f64, Convergence)) -> String {
+    let s = &found.spectrum;
+    // Adding zero turns -0 into 0.
+    let exponents = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
+    format!(
+        "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",
+        group.name,
+        short(*value),
+        exponents.join(", "),
+        s.deviation,
+        s.periods
+    )
 }

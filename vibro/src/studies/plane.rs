@@ -1,17 +1,17 @@
 //! Planes of two groups (figure 12).
 
-use super::super::figures::canvas::palette::{BLUE, GREY, ORANGE, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Shape};
-use super::super::table::exact;
 use super::Study;
+use crate::Result;
+use crate::figures::canvas::palette::{BLUE, GREY, ORANGE, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Shape};
+use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
-use vibro_analysis::Settings;
-use vibro_analysis::plane::{Class, Method, Plane, PlaneAxis, plane};
-use vibro_analysis::{Error, Result};
+use vibro_analysis::ParameterSet;
+use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, plane};
 
 const LIGHT: Colour = Colour(205, 205, 205);
 const PANEL: (u32, u32) = (1350, 1150);
-/// White paper: no motion.
+/// The colour of the background: no motion.
 const PAPER: Colour = Colour(255, 255, 255);
 
 /// Planes of pairs of groups, classified by one theory; `done` hears of each finished row.
@@ -19,16 +19,16 @@ const PAPER: Colour = Colour(255, 255, 255);
 /// # Errors
 /// Pairs that are no planes, ranges that are not allowed.
 pub fn planes(
-    settings: &Settings,
-    pairs: &[(PlaneAxis, PlaneAxis)],
+    set: &ParameterSet,
+    pairs: &[(ParameterAxis, ParameterAxis)],
     method: Method,
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
     let planes =
-        pairs.iter().map(|&(x, y)| plane(settings, x, y, method, done)).collect::<Result<Vec<_>>>()?;
-    let undefined = planes.iter().flat_map(|p| &p.classes).any(|c| *c == Class::Undefined);
+        pairs.iter().map(|&(x, y)| Ok(plane(set, x, y, method, done)?)).collect::<Result<Vec<_>>>()?;
+    let undefined = planes.iter().flat_map(|p| &p.classes).any(|c| *c == SteadyStateClass::Undefined);
     let mut panels: Vec<Panel> =
-        planes.iter().enumerate().map(|(i, p)| panel(settings, i, p, planes.len())).collect();
+        planes.iter().enumerate().map(|(i, p)| panel(set, i, p, planes.len())).collect();
     if let Some(first) = panels.first_mut() {
         let entry = |name, colour, opacity| Layer::band(name, colour, opacity, Vec::new());
         first.layers.push(entry("one stable motion", BLUE, 1.0));
@@ -42,7 +42,7 @@ pub fn planes(
         pairs.iter().map(|(x, y)| format!("({}, {})", x.group.symbol, y.group.symbol)).collect();
     let figure = Figure {
         title: format!("Existence and stability, {} (cf. figure 12)", method.name()),
-        caption: vec![format!("Elsewhere {}", settings.caption())],
+        caption: vec![format!("Elsewhere {}", set.caption())],
         columns: panels.len().clamp(1, 3),
         panels,
         panel: if pairs.len() == 1 { (2000, 1500) } else { PANEL },
@@ -52,10 +52,10 @@ pub fn planes(
     let remarks = planes.iter().map(shares).collect();
     let what =
         format!("existence and stability by {} on {} as in figure 12", method.name(), names.join(", "));
-    Ok(Study { name: "plane".into(), what, tables, shown: None, figure: Some(figure), remarks })
+    Ok(Study { tables, figure: Some(figure), ..Study::without_figure("plane", what).with_remarks(remarks) })
 }
 
-fn panel(settings: &Settings, index: usize, plane: &Plane, count: usize) -> Panel {
+fn panel(set: &ParameterSet, index: usize, plane: &Plane, count: usize) -> Panel {
     let (x, y) = (&plane.x, &plane.y);
     let (x_range, y_range) = (x.edges(), y.edges());
     let cells = Shape::Cells {
@@ -65,7 +65,7 @@ fn panel(settings: &Settings, index: usize, plane: &Plane, count: usize) -> Pane
         cells: plane.classes.iter().map(|c| *c as u8).collect(),
         colours: vec![None, Some(LIGHT), Some(BLUE), Some(ORANGE)],
     };
-    let here = vec![((x.group.get)(settings.groups()), (y.group.get)(settings.groups()))];
+    let here = vec![((x.group.get)(set.groups()), (y.group.get)(set.groups()))];
     let letter = char::from(b'a' + (index % 26) as u8);
     let pair = format!("({}, {})", x.group.symbol, y.group.symbol);
     Panel {
@@ -79,25 +79,21 @@ fn panel(settings: &Settings, index: usize, plane: &Plane, count: usize) -> Pane
     }
 }
 
-/// Written row by row: a million rows of cells as strings would be a hundred megabytes.
 fn csv(plane: &Plane) -> Result<(String, Vec<u8>)> {
     let (x, y) = (&plane.x, &plane.y);
     let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut put = |row: [&str; 3]| writer.write_record(row).map_err(Error::output("a table"));
-    put([x.group.name, y.group.name, "class"])?;
+    let mut csv = CsvRows::new([x.group.name, y.group.name, "class"])?;
     for (j, row) in plane.classes.chunks(x.count).enumerate() {
         let value = exact(y.value(j));
         for (class, x) in row.iter().zip(&xs) {
-            put([x, &value, class.name()])?;
+            csv.push([x, &value, class.name()])?;
         }
     }
-    let bytes = writer.into_inner().map_err(Error::output("a table"))?;
-    Ok((format!("plane-{}-{}", x.group.name, y.group.name), bytes))
+    Ok((format!("plane-{}-{}", x.group.name, y.group.name), csv.text()?))
 }
 
 fn shares(plane: &Plane) -> String {
-    let part = |class: Class| {
+    let part = |class: SteadyStateClass| {
         let count = plane.classes.iter().filter(|c| **c == class).count();
         100.0 * count as f64 / plane.classes.len() as f64
     };
@@ -105,8 +101,8 @@ fn shares(plane: &Plane) -> String {
         "({}, {}): {:.1} % stable, {:.1} % unstable, {:.1} % without such a motion",
         plane.x.group.name,
         plane.y.group.name,
-        part(Class::Stable),
-        part(Class::Unstable),
-        part(Class::None)
+        part(SteadyStateClass::Stable),
+        part(SteadyStateClass::Unstable),
+        part(SteadyStateClass::None)
     )
 }

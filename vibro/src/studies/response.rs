@@ -1,15 +1,15 @@
 //! Frequency and force response curves (figures 10, 11).
 
-use super::super::figures::canvas::palette::{BLACK, FAMILY, GREY};
-use super::super::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
-use super::super::table::{Table, exact};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
+use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::Group;
-use vibro_analysis::Result;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::{Response, ResponsePoint, response};
-use vibro_analysis::{Settings, find_group, short};
+use vibro_analysis::{ParameterSet, find_group, short};
 
 /// Nodes per sheet and interval of solutions.
 const NODES: usize = 400;
@@ -41,7 +41,7 @@ struct Family {
 }
 
 fn family(
-    settings: &Settings,
+    set: &ParameterSet,
     along: &'static Group,
     range: (f64, f64),
     name: &str,
@@ -49,14 +49,14 @@ fn family(
 ) -> Result<Family> {
     let group = find_group(name)?;
     let member = |&value: &f64| {
-        let settings = settings.with(group, value)?;
-        let curves = METHODS.iter().map(|&m| response(&settings, along, range, m, NODES));
+        let set = set.with(group, value)?;
+        let curves = METHODS.iter().map(|&m| Ok(response(&set, along, range, m, NODES)?));
         Ok((value, curves.collect::<Result<Vec<_>>>()?))
     };
     Ok(Family { group, members: values.par_iter().map(member).collect::<Result<_>>()? })
 }
 
-fn table(along: &Group, families: &[&Family]) -> Table {
+fn table(along: &Group, families: &[Family]) -> Table {
     let mut table = Table::new(&HEADER);
     for family in families {
         for (value, responses) in &family.members {
@@ -94,7 +94,7 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>;
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
-            // The paper shows the right branch only; a motion that passes a stop is none.
+            // As in the paper only the right branch is shown. A solution that passes a stop is no motion.
             let shown = pair.iter().all(|p| p.right && p.clear);
             if !shown {
                 state = None;
@@ -150,82 +150,75 @@ fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third
     }
 }
 
-fn caption(settings: &Settings) -> Vec<String> {
+fn caption(set: &ParameterSet) -> Vec<String> {
     let exact = "Coloured: multiple scales. Black: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
-    vec![exact.into(), settings.caption()]
+    vec![exact.into(), set.caption()]
 }
 
-/// What tells figures 10 and 11 apart.
-struct Words {
+/// What figures 10 and 11 differ in.
+struct ResponseFigure {
     /// Stem of the files.
     name: &'static str,
     title: &'static str,
     what: &'static str,
-    /// What the two families of curves are.
-    families: [&'static str; 2],
+    /// The group along the curves.
+    along: &'static str,
+    /// The two families of curves: the group that differs between the members, and what they are.
+    families: [(&'static str, &'static str); 2],
 }
 
-/// C and A3 of two families of curves.
-fn quartet(
-    settings: &Settings,
-    along: &'static Group,
-    range: (f64, f64),
-    families: &[Family; 2],
-    words: &Words,
-) -> Result<Study> {
-    let pairs = families.iter().zip(words.families).flat_map(|(f, w)| [(f, "C", w), (f, "A₃", w)]);
-    let panels = ('a'..).zip(pairs).map(|(letter, (family, symbol, words))| {
-        panel(format!("({letter}) {symbol} {words}"), along, range, family, symbol != "C")
-    });
-    let figure = Figure {
-        title: words.title.into(),
-        caption: caption(settings),
-        panels: panels.collect(),
-        columns: 2,
-        panel: PANEL,
-        shared_legend: false,
-    };
-    let [first, second] = families;
-    Ok(Study {
-        name: words.name.into(),
-        what: words.what.into(),
-        tables: vec![(words.name.into(), table(along, &[first, second]).csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
+/// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
+const FREQUENCY: ResponseFigure = ResponseFigure {
+    name: "response-frequency",
+    title: "Frequency response (cf. figure 10)",
+    what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
+    along: "sigma1",
+    families: [("f10", "for some excitation amplitudes"), ("gamma1", "for some dampings")],
+};
+
+/// Figure 11: C and A3 over the excitation amplitude f̂10, for detunings σ̂1 of either sign.
+const FORCE: ResponseFigure = ResponseFigure {
+    name: "response-force",
+    title: "Force response (cf. figure 11)",
+    what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
+    along: "f10",
+    families: [("sigma1", "above resonance"), ("sigma1", "below resonance")],
+};
+
+impl ResponseFigure {
+    /// C and A3 of both families, each for some values of its group.
+    fn study(&self, set: &ParameterSet, range: (f64, f64), values: [&[f64]; 2]) -> Result<Study> {
+        let along = find_group(self.along)?;
+        let family = |i: usize| family(set, along, range, self.families[i].0, values[i]);
+        let families = [family(0)?, family(1)?];
+        let pairs = families.iter().zip(self.families).flat_map(|(f, w)| [(f, "C", w.1), (f, "A₃", w.1)]);
+        let panels = ('a'..).zip(pairs).map(|(letter, (family, symbol, words))| {
+            panel(format!("({letter}) {symbol} {words}"), along, range, family, symbol != "C")
+        });
+        let figure = Figure {
+            title: self.title.into(),
+            caption: caption(set),
+            panels: panels.collect(),
+            columns: 2,
+            panel: PANEL,
+            shared_legend: false,
+        };
+        Study::of(self.name, self.what, &table(along, &families), figure)
+    }
 }
 
 /// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn frequency(settings: &Settings, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
-    let along = find_group("sigma1")?;
-    let forces = family(settings, along, range, "f10", f10)?;
-    let dampings = family(settings, along, range, "gamma1", gamma1)?;
-    let words = Words {
-        name: "response-frequency",
-        title: "Frequency response (cf. figure 10)",
-        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
-        families: ["for some excitation amplitudes", "for some dampings"],
-    };
-    quartet(settings, along, range, &[forces, dampings], &words)
+pub fn frequency(set: &ParameterSet, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
+    FREQUENCY.study(set, range, [f10, gamma1])
 }
 
 /// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn force(settings: &Settings, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
-    let along = find_group("f10")?;
-    let above = family(settings, along, range, "sigma1", positive)?;
-    let below = family(settings, along, range, "sigma1", negative)?;
-    let words = Words {
-        name: "response-force",
-        title: "Force response (cf. figure 11)",
-        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
-        families: ["above resonance", "below resonance"],
-    };
-    quartet(settings, along, range, &[above, below], &words)
+pub fn force(set: &ParameterSet, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
+    FORCE.study(set, range, [positive, negative])
 }

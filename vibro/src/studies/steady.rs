@@ -1,13 +1,13 @@
 //! All steady-state values of all theories, and the motion they describe (figure 8).
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, PURPLE, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, THIN};
-use super::super::table::{Table, exact};
-use super::theory::{Point, Theory};
+use super::steady_motion::{MotionSample, SteadyMotion};
 use super::{PANEL, Study};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, PURPLE, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, THIN};
+use crate::table::{Table, exact};
 use nalgebra::Complex;
-use vibro_analysis::Result;
-use vibro_analysis::Settings;
+use vibro_analysis::ParameterSet;
 use vibro_impact::steady::multiple_scales::MultipleScales;
 use vibro_impact::steady::{Bifurcation, Sheet, exact_orbit, strong_coupling};
 
@@ -59,29 +59,29 @@ fn root_name(sheet: Sheet) -> &'static str {
 ///
 /// # Errors
 /// What multiple scales or the exact orbit refuse. Where strong coupling is singular it is left out with a remark.
-pub fn steady(settings: &Settings) -> Result<Study> {
+pub fn steady(set: &ParameterSet) -> Result<Study> {
     let mut rows = Rows(Table::new(&["quantity", "unit", "theory", "root", "value"]));
     let mut remarks = Vec::new();
-    let motions = multiple_scales(settings, &mut rows)?;
-    let strong = match strong_rows(settings, &mut rows) {
+    let motions = multiple_scales(set, &mut rows)?;
+    let strong = match strong_rows(set, &mut rows) {
         Ok(count) => count,
         Err(e) => {
             remarks.push(format!("strong coupling left out: {e}"));
             0
         }
     };
-    let orbits = exact_rows(settings, &mut rows)?;
+    let orbits = exact_rows(set, &mut rows)?;
     remarks.push(format!(
         "motions with two symmetric impacts: {motions} by multiple scales, {strong} by strong coupling, {orbits} exact"
     ));
-    let (what, figure) = picture(settings)?;
+    let (what, figure) = picture(set)?;
     let tables = vec![("steady".into(), rows.0.csv()?)];
     Ok(Study { name: "steady".into(), what, tables, shown: Some(rows.0), figure, remarks })
 }
 
-fn multiple_scales(settings: &Settings, rows: &mut Rows) -> Result<usize> {
+fn multiple_scales(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
     const NAME: &str = "multiple scales";
-    let system = MultipleScales::new(settings.groups())?;
+    let system = MultipleScales::new(set.groups())?;
     let (m, all) = (system.manifold(), (NAME, "both"));
     let limits = [
         ("rho", m.rho()),
@@ -133,9 +133,9 @@ fn admissibility(rows: &mut Rows, column: (&str, &str), tests: vibro_impact::ste
     rows.flag(column, "stable periodic motion", tests.periodic_motion);
 }
 
-fn strong_rows(settings: &Settings, rows: &mut Rows) -> vibro_impact::Result<usize> {
+fn strong_rows(set: &ParameterSet, rows: &mut Rows) -> vibro_impact::Result<usize> {
     const NAME: &str = "strong coupling";
-    let Some(roots) = strong_coupling::solve(settings.groups())? else { return Ok(0) };
+    let Some(roots) = strong_coupling::solve(set.groups())? else { return Ok(0) };
     for (sheet, p) in roots.each() {
         let column = (NAME, root_name(sheet));
         let amplitudes = [("C", p.c), ("B", p.b), ("A1", p.a1()), ("A2", p.a2()), ("A3", p.a3)];
@@ -151,14 +151,14 @@ fn strong_rows(settings: &Settings, rows: &mut Rows) -> vibro_impact::Result<usi
     Ok(roots.each().iter().filter(|r| r.1.admissibility.geometric).count())
 }
 
-fn exact_rows(settings: &Settings, rows: &mut Rows) -> Result<usize> {
+fn exact_rows(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
     const NAME: &str = "exact orbit";
-    let p = settings.parameters();
+    let p = set.parameters();
     let mut count = 0;
     for (sheet, orbit) in exact_orbit::solve(p)?.each() {
         let Some(orbit) = orbit else { continue };
         let column = (NAME, root_name(sheet));
-        let values = Theory::Exact(orbit).amplitudes(p);
+        let values = SteadyMotion::Exact(orbit).amplitudes(p);
         for (quantity, value) in ["B", "A1", "A2", "A3"].into_iter().zip(values) {
             rows.number(column, quantity, "L", value);
         }
@@ -178,11 +178,12 @@ fn exact_rows(settings: &Settings, rows: &mut Rows) -> Result<usize> {
     Ok(count)
 }
 
-fn picture(settings: &Settings) -> Result<(String, Option<Figure>)> {
-    let approximate = Theory::multiple_scales(settings.groups())?;
-    let exact = Theory::exact(settings.parameters())?;
-    let stability = |t: &Theory| if t.is_stable() { "stable" } else { "unstable or not admissible" };
-    let named = |t: &Option<Theory>, name: &str| t.as_ref().map(|t| format!("{name} ({})", stability(t)));
+fn picture(set: &ParameterSet) -> Result<(String, Option<Figure>)> {
+    let approximate = SteadyMotion::multiple_scales(set.groups())?;
+    let exact = SteadyMotion::exact(set.parameters())?;
+    let stability = |t: &SteadyMotion| if t.is_stable() { "stable" } else { "unstable or not admissible" };
+    let named =
+        |t: &Option<SteadyMotion>, name: &str| t.as_ref().map(|t| format!("{name} ({})", stability(t)));
     let parts: Vec<_> = [named(&approximate, "multiple scales"), named(&exact, "exact orbit")]
         .into_iter()
         .flatten()
@@ -191,12 +192,12 @@ fn picture(settings: &Settings) -> Result<(String, Option<Figure>)> {
         return Ok(("no picture, for there is no motion with two symmetric impacts".into(), None));
     }
     let what = format!("time histories and phase portraits as in figure 8, by {}", parts.join(" and "));
-    let p = settings.parameters();
-    let of = |t: &Option<Theory>| t.as_ref().map_or(Vec::new(), |t| t.history(p, PERIODS));
+    let p = set.parameters();
+    let of = |t: &Option<SteadyMotion>| t.as_ref().map_or(Vec::new(), |t| t.history(p, PERIODS));
     let (first, second) = (of(&approximate), of(&exact));
     let figure = four_panels(
         "Steady motion with two symmetric impacts (cf. figure 8)",
-        settings,
+        set,
         (&first, "multiple scales"),
         (&second, "exact orbit"),
     );
@@ -206,16 +207,16 @@ fn picture(settings: &Settings) -> Result<(String, Option<Figure>)> {
 /// Histories and portraits of two motions, each with its name, over each other.
 pub(super) fn four_panels(
     title: &str,
-    settings: &Settings,
-    first: (&[Point], &str),
-    second: (&[Point], &str),
+    set: &ParameterSet,
+    first: (&[MotionSample], &str),
+    second: (&[MotionSample], &str),
 ) -> Figure {
     let panel = |title: &str, quantities: &[usize], portrait: bool| {
-        comparison_panel(title, quantities, portrait, first.0, first.1, second.0, second.1)
+        comparison_panel(title, quantities, portrait, first, second)
     };
     Figure {
         title: title.into(),
-        caption: vec![settings.caption()],
+        caption: vec![set.caption()],
         panels: vec![
             panel("(a) Centre of mass and relative displacement", &[0, 1], false),
             panel("(b) Phase portraits of U and W", &[0, 1], true),
@@ -233,10 +234,8 @@ pub(super) fn comparison_panel(
     title: &str,
     quantities: &[usize],
     portrait: bool,
-    first: &[Point],
-    first_name: &str,
-    second: &[Point],
-    second_name: &str,
+    (first, first_name): (&[MotionSample], &str),
+    (second, second_name): (&[MotionSample], &str),
 ) -> Panel {
     let mut layers = Vec::new();
     if quantities.contains(&1) && !portrait {
@@ -244,7 +243,7 @@ pub(super) fn comparison_panel(
         let stops = vec![vec![(0.0, 1.0), (end, 1.0)], vec![(0.0, -1.0), (end, -1.0)]];
         layers.push(Layer::lines("stops, W = ±1", BLACK, Dash::Dotted, stops).stroke(THIN));
     }
-    let path = |points: &[Point], q: usize| {
+    let path = |points: &[MotionSample], q: usize| {
         // A portrait closes after one period; twice would fill its dashes.
         let shown = points.iter().filter(|p| !portrait || p.time <= 1.0 + 1e-9);
         shown.map(|p| if portrait { (p.x[q], p.v[q]) } else { (p.time, p.x[q]) }).collect::<Vec<_>>()

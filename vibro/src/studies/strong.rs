@@ -1,36 +1,36 @@
 //! Strong coupling against simulation (figures 18, 19).
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
-use super::super::figures::chart::{Axis, Dash, Layer, Mark, Panel, Path};
 use super::Study;
 use super::compare::{SHOWN, amplitude_table, no_motion, simulate};
 use super::steady::four_panels;
-use super::theory::Theory;
+use super::steady_motion::SteadyMotion;
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
+use crate::figures::chart::{Axis, Dash, Layer, Mark, Panel, Path};
 use std::f64::consts::PI;
-use vibro_analysis::Result;
-use vibro_analysis::{Settings, short};
+use vibro_analysis::{ParameterSet, short};
 use vibro_impact::steady::strong_coupling::modified_sawtooth;
 
 /// Figures 18 and 19: Z*, and section 5's closed form against the simulation.
 ///
 /// # Errors
 /// What theory or simulator refuse, e.g. a coupling at which the closed form is singular.
-pub fn strong_case(settings: &Settings) -> Result<Study> {
-    let p = settings.parameters();
-    let Some(theory) = Theory::strong(settings.groups())? else {
+pub fn strong_case(set: &ParameterSet) -> Result<Study> {
+    let p = set.parameters();
+    let Some(theory) = SteadyMotion::strong(set.groups())? else {
         return Ok(no_motion("compare-19", "strong coupling"));
     };
     let (amplitudes, points) = simulate(p, &theory)?;
     let (table, mut remarks) = amplitude_table("strong_coupling", theory.amplitudes(p), amplitudes);
-    remarks.insert(0, format!("parameters here: {}", settings.caption()));
+    remarks.insert(0, format!("parameters here: {}", set.caption()));
     let history = theory.history(p, f64::from(SHOWN));
     let mut figure = four_panels(
         "Strong coupling against simulation (cf. figures 18, 19)",
-        settings,
+        set,
         (&history, "closed form"),
         (&points, "simulation"),
     );
-    figure.panels.insert(0, sawtooth_panel(settings.groups().beta2.sqrt()));
+    figure.panels.insert(0, sawtooth_panel(set.groups().beta2.sqrt()));
     figure.panels.insert(3, amplitude_panel(theory.amplitudes(p), amplitudes));
     let titles = [
         "(a) Modified sawtooth Z*",
@@ -46,14 +46,8 @@ pub fn strong_case(settings: &Settings) -> Result<Study> {
     figure.shared_legend = false;
     figure.columns = 3;
     figure.panel = (1500, 1100);
-    Ok(Study {
-        name: "compare-19".into(),
-        what: "strong coupling as in figures 18 and 19, closed form against simulation".into(),
-        tables: vec![("compare-19".into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks,
-    })
+    let what = "strong coupling as in figures 18 and 19, closed form against simulation";
+    Ok(Study::of("compare-19", what, &table, figure)?.with_remarks(remarks))
 }
 
 fn sawtooth_panel(beta: f64) -> Panel {

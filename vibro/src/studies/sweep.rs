@@ -1,15 +1,15 @@
 //! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
 
-use super::super::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
-use super::super::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, Shape, THIN};
-use super::super::table::{Table, exact};
 use super::Study;
-use vibro_analysis::attractor::Class;
-use vibro_analysis::bifurcation::{Diagram, Point, Sweep};
-use vibro_analysis::plane::{Method, PlaneAxis};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, Shape, THIN};
+use crate::table::{CsvRows, Table, exact};
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
+use vibro_analysis::plane::{Method, ParameterAxis};
 use vibro_analysis::response::response;
-use vibro_analysis::{Error, Result};
-use vibro_analysis::{Settings, short};
+use vibro_analysis::{ParameterSet, short};
 
 /// Rows of cells in a diagram.
 const ROWS: usize = 380;
@@ -21,7 +21,7 @@ const SHADES: [Colour; 4] =
 const FALLING: [Colour; 2] = [Colour(236, 160, 110), VERMILLION];
 /// Nodes of the branches drawn over maxima.
 const NODES: usize = 400;
-/// Most rows of windows told on the screen.
+/// Most windows listed on the screen.
 const TOLD: usize = 40;
 /// Decimals of an exponent in words: what a thousand periods give.
 const DECIMALS: usize = 4;
@@ -29,8 +29,8 @@ const DECIMALS: usize = 4;
 /// The study of a sweep: maxima, impacts and exponents where there are some, with their tables.
 ///
 /// # Errors
-/// [`Error::Output`].
-pub fn sweep(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
+/// [`Error::Output`](crate::Error::Output).
+pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let hysteresis = diagram.hysteresis();
     let axis = &sweep.axis;
     let mut panels = vec![maxima_panel(axis, sweep.keep, diagram, &hysteresis)];
@@ -41,7 +41,7 @@ pub fn sweep(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str) 
     letters(&mut panels);
     let figure = Figure {
         title: format!("Bifurcation diagram of X₂ over {} (cf. figure 14)", axis.group.symbol),
-        caption: vec![method(sweep), format!("Elsewhere {}", settings.caption())],
+        caption: vec![method(sweep), format!("Elsewhere {}", set.caption())],
         panels,
         columns: 1,
         panel: (2900, 1150),
@@ -54,17 +54,15 @@ pub fn sweep(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str) 
     if refused > 0 {
         remarks.push(format!("{refused} values left out: the simulator refused them"));
     }
+    let what = format!("local maxima of X₂ over {} as in figure 14, both directions", axis.group.symbol);
     Ok(Study {
-        name: name.into(),
-        what: format!("local maxima of X₂ over {} as in figure 14, both directions", axis.group.symbol),
         tables: vec![
             (name.into(), maxima_table(axis, diagram)?),
             (format!("{name}-points"), point_table(axis, diagram, &hysteresis).csv()?),
             (format!("{name}-windows"), window_table(axis, diagram).csv()?),
         ],
-        shown: None,
         figure: Some(figure),
-        remarks,
+        ..Study::without_figure(name, what).with_remarks(remarks)
     })
 }
 
@@ -86,7 +84,7 @@ fn method(sweep: &Sweep) -> String {
 }
 
 /// Range of all maxima, with some air.
-fn reach(points: &[Option<Point>]) -> (f64, f64) {
+fn reach(points: &[Option<SweepPoint>]) -> (f64, f64) {
     let all = points.iter().flatten().flat_map(|p| p.maxima.iter().map(|m| m.0));
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     if low > high {
@@ -97,7 +95,7 @@ fn reach(points: &[Option<Point>]) -> (f64, f64) {
 }
 
 /// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one where it ends elsewhere.
-fn cells(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: (f64, f64)) -> Shape {
+fn cells(axis: &ParameterAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: (f64, f64)) -> Shape {
     let mut counts = vec![[0u32; 2]; ROWS * axis.count];
     let row = |x: f64| (((x - y.0) / (y.1 - y.0) * ROWS as f64) as usize).min(ROWS - 1);
     for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
@@ -122,8 +120,8 @@ fn cells(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: (f64
     Shape::Cells { x, y, columns: axis.count, cells, colours }
 }
 
-fn maxima_panel(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool]) -> Panel {
-    let both: Vec<Option<Point>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
+fn maxima_panel(axis: &ParameterAxis, keep: u32, diagram: &Diagram, apart: &[bool]) -> Panel {
+    let both: Vec<Option<SweepPoint>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
     let (x, y) = (axis.edges(), reach(&both));
     let mut layers = vec![Layer::new("", BLACK, cells(axis, keep, diagram, apart, y))];
     layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
@@ -136,7 +134,7 @@ fn maxima_panel(axis: &PlaneAxis, keep: u32, diagram: &Diagram, apart: &[bool]) 
     }
 }
 
-fn exponent_panel(axis: &PlaneAxis, points: &[Option<Point>]) -> Panel {
+fn exponent_panel(axis: &ParameterAxis, points: &[Option<SweepPoint>]) -> Panel {
     let x = axis.edges();
     let curve = |index: usize| -> Path {
         points
@@ -158,9 +156,9 @@ fn exponent_panel(axis: &PlaneAxis, points: &[Option<Point>]) -> Panel {
     }
 }
 
-fn impact_panel(axis: &PlaneAxis, diagram: &Diagram) -> Panel {
+fn impact_panel(axis: &ParameterAxis, diagram: &Diagram) -> Panel {
     let x = axis.edges();
-    let curve = |points: &[Option<Point>]| -> Path {
+    let curve = |points: &[Option<SweepPoint>]| -> Path {
         let all = points.iter().flatten();
         all.map(|p| (p.value, p.attractor.impacts[0] + p.attractor.impacts[1])).collect()
     };
@@ -177,26 +175,24 @@ fn impact_panel(axis: &PlaneAxis, diagram: &Diagram) -> Panel {
 
 const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
-/// Every maximum with its count; written directly, since there are hundreds of thousands.
+/// Every maximum with its count.
 ///
 /// # Errors
-/// [`Error::Output`].
-pub fn maxima_table(axis: &PlaneAxis, diagram: &Diagram) -> Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut put = |row: [&str; 4]| writer.write_record(row).map_err(Error::output("a table"));
-    put([axis.group.name, "direction", "X2_maximum", "count"])?;
+/// [`Error::Output`](crate::Error::Output).
+pub fn maxima_table(axis: &ParameterAxis, diagram: &Diagram) -> Result<Vec<u8>> {
+    let mut csv = CsvRows::new([axis.group.name, "direction", "X2_maximum", "count"])?;
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for point in points.iter().flatten() {
             let value = exact(point.value);
             for (x, count) in &point.maxima {
-                put([&value, direction, &format!("{x:.6}"), &count.to_string()])?;
+                csv.push([&value, direction, &format!("{x:.6}"), &count.to_string()])?;
             }
         }
     }
-    writer.into_inner().map_err(Error::output("a table"))
+    csv.text()
 }
 
-fn point_table(axis: &PlaneAxis, diagram: &Diagram, apart: &[bool]) -> Table {
+fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table {
     let mut header = vec![axis.group.name, "direction", "class", "period", "impacts_upper", "impacts_lower"];
     header.extend(["rests", "symmetric", "hysteresis"]);
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
@@ -224,7 +220,7 @@ fn point_table(axis: &PlaneAxis, diagram: &Diagram, apart: &[bool]) -> Table {
     table
 }
 
-fn window_table(axis: &PlaneAxis, diagram: &Diagram) -> Table {
+fn window_table(axis: &ParameterAxis, diagram: &Diagram) -> Table {
     let name = axis.group.name;
     let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
@@ -235,7 +231,7 @@ fn window_table(axis: &PlaneAxis, diagram: &Diagram) -> Table {
     table
 }
 
-fn window_remarks(axis: &PlaneAxis, diagram: &Diagram) -> Vec<String> {
+fn window_remarks(axis: &ParameterAxis, diagram: &Diagram) -> Vec<String> {
     let windows = Diagram::windows(&diagram.up);
     let mut lines: Vec<String> = windows
         .iter()
@@ -253,15 +249,14 @@ fn window_remarks(axis: &PlaneAxis, diagram: &Diagram) -> Vec<String> {
 /// Table 2: spectra at selected values (the nearest of the sweep), value rising.
 ///
 /// # Errors
-/// [`Error::Output`].
+/// [`Error::Output`](crate::Error::Output).
 pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> Result<(Table, Study)> {
     let mut header = vec![sweep.axis.group.name];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7", "class"]);
     let mut table = Table::new(&header);
     let mut remarks = Vec::new();
     for value in values {
-        let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
-        let Some(point) = diagram.up.iter().flatten().min_by(near) else { continue };
+        let Some(point) = diagram.nearest(*value) else { continue };
         let Some(s) = &point.spectrum else { continue };
         let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
         let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
@@ -271,14 +266,9 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
         row.push(point.class.name());
         table.rows.push(row);
     }
-    let study = Study {
-        name: name.into(),
-        what: "spectra of Lyapunov exponents at selected values as in table 2, per unit of τ".into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: None,
-        remarks,
-    };
+    let what = "spectra of Lyapunov exponents at selected values as in table 2, per unit of τ";
+    let tables = vec![(name.into(), table.csv()?)];
+    let study = Study { tables, ..Study::without_figure(name, what).with_remarks(remarks) };
     Ok((table, study))
 }
 
@@ -286,15 +276,15 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
 /// sweep itself.
 ///
 /// # Errors
-/// What the theories refuse, [`Error::Output`].
-pub fn overlay(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
+/// What the theories refuse, [`Error::Output`](crate::Error::Output).
+pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let axis = &sweep.axis;
     let apart = diagram.hysteresis();
     let mut panel = maxima_panel(axis, sweep.keep, diagram, &apart);
     panel.title = String::new();
     let mut table = Table::new(&[axis.group.name, "theory", "A2", "stable"]);
     for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, GREEN)] {
-        let found = response(settings, axis.group, (axis.from, axis.to), method, NODES)?;
+        let found = response(set, axis.group, (axis.from, axis.to), method, NODES)?;
         let (mut stable, mut unstable): (Vec<Path>, Vec<Path>) = (Vec::new(), Vec::new());
         for pair in found.curves.iter().flat_map(|c| c.windows(2)).filter(|w| w[0].clear && w[0].right) {
             let into = if pair[0].stable { &mut stable } else { &mut unstable };
@@ -318,29 +308,23 @@ pub fn overlay(settings: &Settings, sweep: &Sweep, diagram: &Diagram, name: &str
     }
     let figure = Figure {
         title: "Force response over the simulated maxima of X₂ (cf. figure 16)".into(),
-        caption: vec![method(sweep), settings.caption()],
+        caption: vec![method(sweep), set.caption()],
         panels: vec![panel],
         columns: 1,
         panel: (2700, 1600),
         shared_legend: true,
     };
-    Ok(Study {
-        name: name.into(),
-        what: "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16".into(),
-        tables: vec![(name.into(), table.csv()?)],
-        shown: None,
-        figure: Some(figure),
-        remarks: Vec::new(),
-    })
+    let what = "force response A₂(f̂₁₀) over the simulated maxima of X₂ as in figure 16";
+    Study::of(name, what, &table, figure)
 }
 
 /// The ranges of periodic motion of a direction, single gaps of one class of value closed: from, to.
-pub fn periodic_ranges(points: &[Option<Point>]) -> Vec<(f64, f64)> {
+pub fn periodic_ranges(points: &[Option<SweepPoint>]) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut open = false;
     for point in points.iter().flatten() {
         // What stands between is a bifurcation or a torus, not chaos.
-        let regular = point.class != Class::Chaotic && point.class != Class::Aperiodic;
+        let regular = point.class != MotionClass::Chaotic && point.class != MotionClass::Aperiodic;
         match found.last_mut().filter(|_| open && regular) {
             Some(range) => range.1 = point.value,
             None if regular => found.push((point.value, point.value)),

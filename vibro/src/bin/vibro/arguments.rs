@@ -1,8 +1,10 @@
 //! What can be asked for.
 
+use crate::groups::{GroupPair, GroupRange, GroupValues};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use vibro_analysis::isoperiodic::Origin;
+use vibro_analysis::basin::InitialValueRange;
+use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::Method;
 
@@ -70,12 +72,12 @@ pub enum Command {
     Stability(Stability),
     /// Existence and stability over planes of two groups (figure 12)
     Plane(Plane),
-    /// Theory against simulation (figures 8, 16, 17, 18 and 19)
+    /// MethodName against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
     /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
     ///
     /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
-    /// divided: every shard repeats it, about a fifth of the work. Only what is learnt at the values is shared, so that more
+    /// divided: every shard repeats it, about a fifth of the work. Only what is computed at the values is shared, so that more
     /// than some four shards hardly help; `lyapunov` and the planes, where that is nearly all, gain from more.
     Bifurcation(Bifurcation),
     /// The same with all Lyapunov exponents (figure 14, table 2)
@@ -103,7 +105,7 @@ pub struct Share {
 pub struct Bifurcation {
     /// Group and range
     #[arg(long, value_name = "NAME=FROM:TO", default_value = "f10=0.5:5", allow_hyphen_values = true)]
-    pub range: String,
+    pub range: GroupRange,
     /// Values in the range
     #[arg(long, value_name = "N", default_value_t = 451, value_parser = clap::value_parser!(u16).range(2..=20_000))]
     pub resolution: u16,
@@ -130,7 +132,7 @@ pub struct Lyapunov {
     /// Ends a spectrum when the running exponents' standard deviation over 200 periods, per unit of tau, is under this
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub threshold: f64,
-    /// Values of which spectra are told and shown on their way
+    /// Values of which spectra are listed and running exponents shown
     #[arg(long, value_name = "V,V,…", value_delimiter = ',', default_values_t = [0.6, 1.5, 2.45, 3.6], allow_hyphen_values = true)]
     pub at: Vec<f64>,
 }
@@ -140,10 +142,10 @@ pub struct Lyapunov {
 pub struct Basin {
     /// Initial value on the horizontal axis (x1 x2 x3 in L, v1 v2 v3 in L omega10)
     #[arg(long, value_name = "NAME=FROM:TO", default_value = "x1=-1:1", allow_hyphen_values = true)]
-    pub x: String,
+    pub x: InitialValueRange,
     /// Initial value on the vertical axis
     #[arg(long, value_name = "NAME=FROM:TO", default_value = "v2=-2:2", allow_hyphen_values = true)]
-    pub y: String,
+    pub y: InitialValueRange,
     /// Cells on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=5_000))]
     pub resolution: u16,
@@ -166,8 +168,8 @@ pub struct Isoperiodic {
     pub resolution: u16,
     /// Where every motion starts (x1 x2 x3 in L, v1 v2 v3 in L omega10, what is not named zero), or "orbit": on the exact
     /// orbit where it is stable
-    #[arg(long, value_name = "NAME=VALUE,…", default_value_t = Origin::default(), allow_hyphen_values = true)]
-    pub start: Origin,
+    #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
+    pub start: StartRule,
     /// Drive periods discarded
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
@@ -199,19 +201,19 @@ pub struct Reproduce {
 #[derive(Args, Debug)]
 pub struct Response {
     /// Which curves
-    #[arg(long, value_enum, default_value_t = Kind::Both)]
-    pub kind: Kind,
+    #[arg(long, value_enum, default_value_t = ResponseKind::Both)]
+    pub kind: ResponseKind,
     /// Range of sigma1 (frequency response) or f10 (force response)
     #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
-    pub range: Vec<String>,
+    pub range: Vec<GroupRange>,
     /// Values that differ between curves: f10 and gamma1 (frequency), sigma1 (force)
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
-    pub values: Vec<String>,
+    pub values: Vec<GroupValues>,
 }
 
 /// Kinds of response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
+pub enum ResponseKind {
     /// Over sigma1 (figure 10)
     Frequency,
     /// Over f10 (figure 11)
@@ -233,7 +235,7 @@ pub struct Manifold {
         default_value = "f10=0.6,1.2,1.5,2.5",
         allow_hyphen_values = true
     )]
-    pub values: String,
+    pub values: GroupValues,
 }
 
 /// Arguments of `stability`.
@@ -249,10 +251,10 @@ pub struct Stability {
 pub struct Planes {
     /// Two groups, horizontal first, e.g. sigma1,f10; the six pairs of figure 12 unless given
     #[arg(long, value_name = "X,Y")]
-    pub pair: Vec<String>,
+    pub pair: Vec<GroupPair>,
     /// Range of a group on its axis
     #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
-    pub range: Vec<String>,
+    pub range: Vec<GroupRange>,
 }
 
 /// Arguments of `plane`.
@@ -264,14 +266,14 @@ pub struct Plane {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,
-    /// Theory
-    #[arg(long, value_enum, default_value_t = Theory::MultipleScales)]
-    pub method: Theory,
+    /// MethodName
+    #[arg(long, value_enum, default_value_t = MethodName::MultipleScales)]
+    pub method: MethodName,
 }
 
 /// Theories.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Theory {
+pub enum MethodName {
     /// Paper section 3
     MultipleScales,
     /// Paper section 5
@@ -280,12 +282,12 @@ pub enum Theory {
     ExactOrbit,
 }
 
-impl From<Theory> for Method {
-    fn from(theory: Theory) -> Self {
+impl From<MethodName> for Method {
+    fn from(theory: MethodName) -> Self {
         match theory {
-            Theory::MultipleScales => Self::MultipleScales,
-            Theory::StrongCoupling => Self::StrongCoupling,
-            Theory::ExactOrbit => Self::ExactOrbit,
+            MethodName::MultipleScales => Self::MultipleScales,
+            MethodName::StrongCoupling => Self::StrongCoupling,
+            MethodName::ExactOrbit => Self::ExactOrbit,
         }
     }
 }
@@ -298,11 +300,11 @@ pub struct Compare {
     pub figure: Vec<String>,
     /// Range of f10 in figure 16
     #[arg(long, value_name = "NAME=FROM:TO", default_value = "f10=0.5:3")]
-    pub range: String,
+    pub range: GroupRange,
     /// Values of f10 in figure 16
     #[arg(long, value_name = "N", default_value_t = 251, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,
     /// Mass ratios of figure 17
     #[arg(long, value_name = "NAME=V,V,…", default_value = "epsilon=0.1,0.05,0.02,0.01,0.005")]
-    pub values: String,
+    pub values: GroupValues,
 }

@@ -1,89 +1,90 @@
-//! Long studies: in parts on disk, as shards, merged, and all together.
+//! Long studies: computed in parts that are kept on disk, divided into shards, merged, and all at once.
 
 use crate::arguments::{Basin, Bifurcation, Common, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::output;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
+use vibro::long_study::{LongStudy, StudyKind};
+use vibro::part_folder::PartFolder;
 use vibro::report;
-use vibro::words;
-use vibro::work::{Kind, Work};
-use vibro_analysis::basin::{self, Axis};
+use vibro::{Error, Result};
+use vibro_analysis::ParameterSet;
+use vibro_analysis::basin;
 use vibro_analysis::bifurcation::Sweep;
 use vibro_analysis::isoperiodic;
-use vibro_analysis::lyapunov::Options;
-use vibro_analysis::parts::{Parts, Shard, Task};
-use vibro_analysis::plane::PlaneAxis;
-use vibro_analysis::{Error, Result, Settings};
+use vibro_analysis::lyapunov::SpectrumOptions;
+use vibro_analysis::parts::{PartStore, Shard, Task};
+use vibro_analysis::plane::ParameterAxis;
 
 /// Ending of the folders of parts.
 const PARTS: &str = "parts";
 
-fn kind(a: &Bifurcation, exponents: Option<Options>, at: &[f64]) -> Result<Kind> {
-    let (group, range) = words::range(&a.range)?;
-    let axis = PlaneAxis::new(group, range, a.resolution.into())?;
+fn kind(a: &Bifurcation, exponents: Option<SpectrumOptions>, at: &[f64]) -> Result<StudyKind> {
+    let axis = ParameterAxis::new(a.range.group, a.range.ends, a.resolution.into())?;
     let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents };
-    Ok(Kind::Sweep { sweep, at: at.to_vec() })
+    Ok(StudyKind::Sweep { sweep, at: at.to_vec() })
 }
 
-pub fn bifurcation(settings: &Settings, common: &Common, a: &Bifurcation) -> Result<()> {
-    perform(&Work::new("bifurcation", kind(a, None, &[])?, settings), common, a.share.shard)
+pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Result<()> {
+    perform(&LongStudy::new("bifurcation", kind(a, None, &[])?, set), common, a.share.shard)
 }
 
-pub fn lyapunov(settings: &Settings, common: &Common, a: &Lyapunov) -> Result<()> {
+pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()> {
     if !(a.threshold >= 0.0 && a.threshold.is_finite()) {
         let text = format!("--threshold {}", a.threshold);
-        return Err(Error::Form { text, expected: "a finite number >= 0" });
+        return Err(Error::form(text, "a finite number >= 0"));
     }
-    let options = Options { periods: a.periods, threshold: a.threshold, ..Options::default() };
+    let options =
+        SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
     let kind = kind(&a.sweep, Some(options), &a.at)?;
-    perform(&Work::new("lyapunov", kind, settings), common, a.sweep.share.shard)
+    perform(&LongStudy::new("lyapunov", kind, set), common, a.sweep.share.shard)
 }
 
-pub fn basin(settings: &Settings, common: &Common, a: &Basin) -> Result<()> {
-    let count = usize::from(a.resolution);
-    let (x, y) = (Axis::parse(&a.x, count)?, Axis::parse(&a.y, count)?);
-    let kind = Kind::Basin(basin::Request { x, y, discard: a.discard });
-    perform(&Work::new("basin", kind, settings), common, a.share.shard)
+pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
+    let (x, y) = (a.x.cells(a.resolution.into()), a.y.cells(a.resolution.into()));
+    let kind = StudyKind::Basin(basin::Request { x, y, discard: a.discard });
+    perform(&LongStudy::new("basin", kind, set), common, a.share.shard)
 }
 
 pub fn isoperiodic(
-    settings: &Settings,
+    set: &ParameterSet,
     common: &Common,
     a: &Isoperiodic,
-    planes: &[(PlaneAxis, PlaneAxis)],
+    planes: &[(ParameterAxis, ParameterAxis)],
 ) -> Result<()> {
-    let exponents = (a.periods > 0).then(|| Options { periods: a.periods, ..Options::default() });
+    let exponents =
+        (a.periods > 0).then(|| SpectrumOptions { periods: a.periods, ..SpectrumOptions::default() });
     for &(x, y) in planes {
         let request = isoperiodic::Request { x, y, start: a.start, discard: a.discard, exponents };
         let name = format!("isoperiodic-{}-{}", x.group.name, y.group.name);
-        perform(&Work::new(&name, Kind::Isoperiodic(request), settings), common, a.share.shard)?;
+        perform(&LongStudy::new(&name, StudyKind::Isoperiodic(request), set), common, a.share.shard)?;
     }
     Ok(())
 }
 
-fn folder(out: &Path, work: &Work) -> PathBuf {
-    out.join(format!("{}.{PARTS}", work.name))
+fn folder(out: &Path, study: &LongStudy) -> PathBuf {
+    out.join(format!("{}.{PARTS}", study.name))
 }
 
-/// Computes a study or a share of it; draws it when all of it is there.
-fn perform(work: &Work, common: &Common, shard: Option<Shard>) -> Result<()> {
-    let (out, count) = (&common.out, work.count());
-    let parts = Parts::open(&folder(out, work), work)?;
+/// Computes a study or a shard of it, and draws it when all its parts are there.
+fn perform(study: &LongStudy, common: &Common, shard: Option<Shard>) -> Result<()> {
+    let (out, count) = (&common.out, study.count());
+    let parts = PartFolder::open(&folder(out, study), study)?;
     let progress = Progress::new(count.div_ceil(shard.map_or(1, |s| s.count)), "parts");
     let found =
-        work.run(&Task { parts: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() })?;
+        study.run(&Task { store: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() })?;
     drop(progress);
     match found {
         Some(studies) => {
             output::write(&studies, out)?;
             parts.remove()?;
-            output::print(&studies, &work.settings, out)
+            output::print(&studies, &study.set, out)
         }
         None => output::say(&format!(
             "{} of {count} parts of `{}` are in {}; `vibro merge` draws it when all are there",
             count - parts.missing(count),
-            work.name,
-            folder(out, work).display()
+            study.name,
+            folder(out, study).display()
         )),
     }
 }
@@ -101,7 +102,7 @@ fn folders_of_parts(given: &Path) -> Result<Vec<PathBuf>> {
 }
 
 pub fn merge(common: &Common, a: &Merge) -> Result<()> {
-    let mut works: Vec<(Work, Vec<PathBuf>)> = Vec::new();
+    let mut studies: Vec<(LongStudy, Vec<PathBuf>)> = Vec::new();
     for given in &a.folders {
         let found = folders_of_parts(given)?;
         if found.is_empty() {
@@ -109,40 +110,40 @@ pub fn merge(common: &Common, a: &Merge) -> Result<()> {
             return Err(Error::Config { path: given.clone(), problem });
         }
         for path in found {
-            let work: Work = Parts::manifest(&path)?;
-            match works.iter_mut().find(|w| w.0.name == work.name) {
-                Some(known) if known.0 != work => {
+            let study: LongStudy = PartFolder::manifest(&path)?;
+            match studies.iter_mut().find(|known| known.0.name == study.name) {
+                Some(known) if known.0 != study => {
                     let problem = format!("is part of another study than {}", known.1[0].display());
                     return Err(Error::Config { path, problem });
                 }
                 Some(known) => known.1.push(path),
-                None => works.push((work, vec![path])),
+                None => studies.push((study, vec![path])),
             }
         }
     }
-    for (work, sources) in &works {
-        let parts = Parts::open(&folder(&common.out, work), work)?;
+    for (study, sources) in &studies {
+        let parts = PartFolder::open(&folder(&common.out, study), study)?;
         sources.iter().try_for_each(|source| parts.take_over(source))?;
-        let count = work.count();
+        let count = study.count();
         let missing = parts.missing(count);
         if missing > 0 {
             let problem = format!("{missing} of {count} parts are missing; run the other shards too");
-            return Err(Error::Config { path: folder(&common.out, work), problem });
+            return Err(Error::Config { path: folder(&common.out, study), problem });
         }
-        perform(work, common, None)?;
+        perform(study, common, None)?;
     }
     Ok(())
 }
 
-pub fn reproduce(settings: &Settings, common: &Common, a: &Reproduce) -> Result<()> {
-    let plan = report::Plan::new(settings, a.quick)?;
+pub fn reproduce(set: &ParameterSet, common: &Common, a: &Reproduce) -> Result<()> {
+    let plan = report::Plan::new(set, a.quick)?;
     let progress = Progress::new(plan.steps(), "steps");
     let home = common.out.join(format!("reproduce.{PARTS}"));
     let report = plan.run(&home, &|_| progress.step())?;
     drop(progress);
     output::write(&report.studies, &common.out)?;
     let path = common.out.join("report.html");
-    vibro_analysis::parts::write_whole(&path, report.html.as_bytes())?;
+    vibro::part_folder::write_whole(&path, report.html.as_bytes())?;
     std::fs::remove_dir_all(&home).map_err(Error::file("writing", &home))?;
     output::say(&report.summary(&path))
 }

@@ -1,13 +1,14 @@
-//! Files into the folder, words onto the screen.
+//! Writes files into the folder and text to the screen.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use vibro::figures::canvas;
+use vibro::part_folder::write_whole;
 use vibro::studies::Study;
 use vibro::table::Table;
-use vibro_analysis::parts::write_whole;
-use vibro_analysis::{Error, Result, Settings};
+use vibro::{Error, Result};
+use vibro_analysis::ParameterSet;
 
 /// Writes pictures and tables.
 pub fn write(studies: &[Study], folder: &Path) -> Result<()> {
@@ -29,7 +30,7 @@ pub fn write(studies: &[Study], folder: &Path) -> Result<()> {
 }
 
 /// Says what was drawn and where, in the first line; then the numbers worth reading.
-pub fn print(studies: &[Study], settings: &Settings, folder: &Path) -> Result<()> {
+pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path) -> Result<()> {
     let mut text = String::new();
     let drawn: Vec<&str> = studies.iter().filter(|s| s.figure.is_some()).map(|s| s.name.as_str()).collect();
     // Writing to a string cannot fail.
@@ -45,7 +46,7 @@ pub fn print(studies: &[Study], settings: &Settings, folder: &Path) -> Result<()
             let _ = writeln!(text, "  {remark}");
         }
     }
-    let _ = writeln!(text, "parameters: {}", settings.caption());
+    let _ = writeln!(text, "parameters: {}", set.caption());
     for table in studies.iter().filter_map(|s| s.shown.as_ref()) {
         text.push('\n');
         text.push_str(&side_by_side(table));
@@ -53,10 +54,10 @@ pub fn print(studies: &[Study], settings: &Settings, folder: &Path) -> Result<()
     say(text.trim_end_matches('\n'))
 }
 
-/// Writes words and a line's end onto standard output.
+/// Writes a line to standard output.
 pub fn say(words: &str) -> Result<()> {
     match std::io::stdout().write_all(format!("{words}\n").as_bytes()) {
-        // Who reads has read enough.
+        // The reader has closed the pipe, as `head` does.
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other.map_err(Error::file("writing", Path::new("standard output"))),
     }
@@ -112,7 +113,7 @@ fn side_by_side(table: &Table) -> String {
     text
 }
 
-/// Ten digits of a number; other words as they are.
+/// Ten digits of a number; other text as it is.
 fn readable(value: &str) -> String {
     match value.parse::<f64>() {
         Ok(x) if x == 0.0 || (1e-4..1e6).contains(&x.abs()) => format!("{x:.9}"),

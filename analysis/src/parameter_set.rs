@@ -1,8 +1,7 @@
-//! The parameters of an analysis as a user gives them: in SI or as groups, by name, from a file or one by one.
+//! The parameters of an analysis as a user gives them: by name, in SI or as dimensionless groups.
 
 use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 use vibro_impact::parameters::{FIELDS, Field, GROUPS, Group, Groups, Parameters, check_together};
 
 /// A parameter of either form.
@@ -21,19 +20,19 @@ pub enum Name {
 /// μ13 = 1/ε (m3 = m2, as the paper has it) until `mu13` or `secondary.m` is set.
 ///
 /// ```
-/// use vibro_analysis::Settings;
+/// use vibro_analysis::ParameterSet;
 ///
-/// let mut settings = Settings::basic();
-/// settings.apply(&["alpha23=0.5", "epsilon=0.05"])?;
-/// assert_eq!(settings.groups().beta2, 0.05 * 0.5);
-/// assert_eq!(settings.parameters().coupling_stiffness, 0.05 * 0.5 * 0.05);
+/// let mut set = ParameterSet::basic();
+/// set.apply(&["alpha23=0.5", "epsilon=0.05"])?;
+/// assert_eq!(set.groups().beta2, 0.05 * 0.5);
+/// assert_eq!(set.parameters().coupling_stiffness, 0.05 * 0.5 * 0.05);
 ///
-/// let error = settings.apply(&["kapa=0.5"]).unwrap_err().to_string();
+/// let error = set.apply(&["kapa=0.5"]).unwrap_err().to_string();
 /// assert_eq!(error, "no parameter is named `kapa`; the nearest is `kappa`: restitution coefficient, 0 <= kappa <= 1");
 /// # Ok::<(), vibro_analysis::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
+pub struct ParameterSet {
     holds_beta2: bool,
     holds_mu13: bool,
     base: Base,
@@ -105,6 +104,15 @@ pub fn find_group(name: &str) -> Result<&'static Group> {
     Group::named(name).ok_or_else(|| unknown(name, &groups))
 }
 
+/// The physical parameter of a structured name; a group's name is refused with the nearest physical parameter.
+///
+/// # Errors
+/// [`Error::UnknownName`].
+pub fn find_field(name: &str) -> Result<&'static Field> {
+    let fields: Vec<Name> = FIELDS.iter().map(Name::Si).collect();
+    FIELDS.iter().find(|f| f.name == name).ok_or_else(|| unknown(name, &fields))
+}
+
 fn all_names() -> Vec<Name> {
     GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si)).collect()
 }
@@ -135,8 +143,8 @@ pub fn number(name: Name, text: &str) -> Result<f64> {
     })
 }
 
-impl Settings {
-    /// BASIC (model.md section 8): a reconstruction, never the paper's own data set.
+impl ParameterSet {
+    /// The set BASIC, docs/theory.md, end of section 4: ε, κ and f̂10 are the paper's, the other groups a reconstruction.
     pub fn basic() -> Self {
         Self {
             parameters: Parameters::default(),
@@ -148,7 +156,8 @@ impl Settings {
         }
     }
 
-    /// A set for the paper's section 5 (m3 = m1, strong coupling), ours: the paper's numbers are lost.
+    /// The set STRONG, for the paper's section 5 (m3 = m1, strong coupling). Its numbers are chosen for this program, since
+    /// the copy of the paper this work was built from lacks the displayed ones.
     ///
     /// # Errors
     /// None for these numbers.
@@ -169,7 +178,7 @@ impl Settings {
         &self.parameters
     }
 
-    /// In which words a caption speaks of the origin of these numbers.
+    /// Where these numbers come from, in the words of a caption.
     pub fn origin(&self) -> String {
         if self.changed {
             format!("what was not set is {}", self.base.name())
@@ -199,8 +208,8 @@ impl Settings {
         self.tie(g, group.name)
     }
 
-    /// The same settings with one group changed and no SI counterpart in step: the start of another variation.
-    pub(super) fn varied(&self, group: &Group, value: f64) -> Self {
+    /// The set with one group changed, for [`Self::vary`] over a second group. Its physical parameters do not follow.
+    pub(super) fn with_groups_only(&self, group: &Group, value: f64) -> Self {
         Self { groups: self.vary(group, value), ..self.clone() }
     }
 
@@ -216,17 +225,17 @@ impl Settings {
         g
     }
 
-    /// The settings with one group changed.
+    /// The parameter set with one group changed.
     ///
     /// # Errors
     /// As [`Self::apply`].
     pub fn with(&self, group: &'static Group, value: f64) -> Result<Self> {
-        let mut settings = self.clone();
-        settings.assign(&[(Name::Group(group), value)])?;
-        Ok(settings)
+        let mut set = self.clone();
+        set.assign(&[(Name::Group(group), value)])?;
+        Ok(set)
     }
 
-    /// The physical parameters with these groups, in the scales and with the drive phase of these settings.
+    /// The physical parameters with these groups, in the scales and with the drive phase of this parameter set.
     ///
     /// # Errors
     /// As [`Groups::to_parameters`].
@@ -296,73 +305,6 @@ impl Settings {
         self.parameters = self.parameters_of(&self.groups)?;
         Ok(())
     }
-
-    /// Applies a parameter file: `[si]` with structured names, then `[groups]`.
-    ///
-    /// ```toml
-    /// [si]
-    /// box.m = 2.0
-    /// stop.gap = 0.01
-    ///
-    /// [groups]
-    /// f10 = 1.5
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::File`] and [`Error::Config`]; both name the file.
-    pub fn read(&mut self, path: &Path) -> Result<()> {
-        let text = std::fs::read_to_string(path).map_err(Error::file("reading", path))?;
-        self.apply_toml(&text)
-            .map_err(|e| Error::Config { path: path.into(), problem: e.to_string().trim_end().into() })
-    }
-
-    /// Applies the text of a parameter file.
-    ///
-    /// # Errors
-    /// [`Error::Form`] for what is no such file, and as [`Self::apply`].
-    pub fn apply_toml(&mut self, text: &str) -> Result<()> {
-        let table: toml::Table = text.parse().map_err(Error::output("sense of the file"))?;
-        if let Some(key) = table.keys().find(|k| !["si", "groups"].contains(&k.as_str())) {
-            let expected = "the tables [si] and [groups] and nothing else";
-            return Err(Error::Form { text: key.clone(), expected });
-        }
-        let mut assignments = Vec::new();
-        for form in ["si", "groups"] {
-            if let Some(value) = table.get(form) {
-                collect("", value, form == "si", &mut assignments)?;
-            }
-        }
-        self.assign(&assignments)
-    }
-}
-
-/// Flattens nested tables (`box.m` is `m` in the table `box`) to structured names.
-fn collect(prefix: &str, value: &toml::Value, si: bool, into: &mut Vec<(Name, f64)>) -> Result<()> {
-    if let toml::Value::Table(table) = value {
-        for (key, value) in table {
-            let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-            collect(&name, value, si, into)?;
-        }
-        return Ok(());
-    }
-    let name = match (si, Group::named(prefix)) {
-        (false, Some(group)) => Name::Group(group),
-        (false, None) => {
-            return Err(find_group(prefix).err().unwrap_or_else(|| unknown(prefix, &all_names())));
-        }
-        (true, _) => {
-            let fields: Vec<Name> = FIELDS.iter().map(Name::Si).collect();
-            let found = fields.iter().copied().find(|f| f.name() == prefix);
-            found.ok_or_else(|| unknown(prefix, &fields))?
-        }
-    };
-    let value = match value {
-        toml::Value::Float(x) => *x,
-        toml::Value::Integer(i) => *i as f64,
-        other => number(name, &other.to_string())?,
-    };
-    into.push((name, value));
-    Ok(())
 }
 
 /// A number for captions: four decimals at most, a true minus sign.

@@ -5,40 +5,40 @@ use super::*;
 /// A group through SI and back: a few roundings.
 const ROUNDING: f64 = 1e-14;
 
-fn with(assignments: &[&str]) -> Settings {
-    let mut settings = Settings::basic();
-    settings.apply(assignments).unwrap();
-    settings
+fn with(assignments: &[&str]) -> ParameterSet {
+    let mut set = ParameterSet::basic();
+    set.apply(assignments).unwrap();
+    set
 }
 
 fn error(assignments: &[&str]) -> String {
-    Settings::basic().apply(assignments).unwrap_err().to_string()
+    ParameterSet::basic().apply(assignments).unwrap_err().to_string()
 }
 
 #[test]
 fn every_name_can_be_set_and_read() {
     for group in &GROUPS {
-        let settings = with(&[&format!("{}=0.5", group.name)]);
-        assert_eq!((group.get)(settings.groups()), 0.5, "{}", group.name);
+        let set = with(&[&format!("{}=0.5", group.name)]);
+        assert_eq!((group.get)(set.groups()), 0.5, "{}", group.name);
     }
     for field in &FIELDS {
-        let settings = with(&[&format!("{}=0.5", field.name)]);
-        assert_eq!((field.get)(settings.parameters()), 0.5, "{}", field.name);
-        let groups = settings.parameters().groups().unwrap();
-        assert_eq!(*settings.groups(), groups, "{}", field.name);
+        let set = with(&[&format!("{}=0.5", field.name)]);
+        assert_eq!((field.get)(set.parameters()), 0.5, "{}", field.name);
+        let groups = set.parameters().groups().unwrap();
+        assert_eq!(*set.groups(), groups, "{}", field.name);
     }
 }
 
 #[test]
 fn groups_and_si_stay_in_step() {
     for group in &GROUPS {
-        let settings = with(&[&format!("{}=0.5", group.name), "box.m=2", "stop.gap=0.01", "kappa=0.6"]);
-        let back = settings.parameters().groups().unwrap();
+        let set = with(&[&format!("{}=0.5", group.name), "box.m=2", "stop.gap=0.01", "kappa=0.6"]);
+        let back = set.parameters().groups().unwrap();
         for g in &GROUPS {
-            let (a, b) = ((g.get)(settings.groups()), (g.get)(&back));
+            let (a, b) = ((g.get)(set.groups()), (g.get)(&back));
             assert!((a - b).abs() <= ROUNDING * (1.0 + a.abs()), "{} after {}: {a} {b}", g.name, group.name);
         }
-        assert_eq!(settings.parameters().stop_gap, 0.01);
+        assert_eq!(set.parameters().stop_gap, 0.01);
     }
 }
 
@@ -89,26 +89,7 @@ fn errors_name_the_nearest_and_the_range() {
 
 #[test]
 fn nothing_changes_on_an_error() {
-    let mut settings = Settings::basic();
-    assert!(settings.apply(&["kappa=0.5", "f10=inf"]).is_err());
-    assert_eq!(settings, Settings::basic());
-}
-
-#[test]
-fn files_hold_both_forms() {
-    let mut settings = Settings::basic();
-    settings
-        .apply_toml("[si]\nbox.m = 2\nbox.k = 8.0\n[si.stop]\ngap = 0.01\n[groups]\nf10 = 1.25\n")
-        .unwrap();
-    assert_eq!((settings.parameters().box_mass, settings.parameters().stop_gap), (2.0, 0.01));
-    assert_eq!(settings.groups().f10, 1.25);
-    let error = |text: &str| Settings::basic().apply_toml(text).unwrap_err().to_string();
-    assert!(error("[si]\nkappa = 1").contains("no parameter is named `kappa`; the nearest is"));
-    assert!(error("[groups]\nbox.m = 1").contains("no parameter is named `box.m`"));
-    assert!(error("[group]\nf10 = 1").contains("[si] and [groups]"));
-    assert_eq!(
-        error("[groups]\nkappa = \"high\""),
-        "kappa = `\"high\"` is not a number: allowed is 0 <= kappa <= 1"
-    );
-    assert!(error("[groups\nf10 = 1").contains("line 1"));
+    let mut set = ParameterSet::basic();
+    assert!(set.apply(&["kappa=0.5", "f10=inf"]).is_err());
+    assert_eq!(set, ParameterSet::basic());
 }

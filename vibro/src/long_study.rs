@@ -1,9 +1,10 @@
-//! Long studies as plain data, so that a folder of parts says what it is part of, and machines agree on it.
+//! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of different studies are never
+//! mixed and several machines work on the same one.
 
 use super::studies::{self, Study};
+use crate::Result;
 use serde::{Deserialize, Serialize};
-use vibro_analysis::Result;
-use vibro_analysis::Settings;
+use vibro_analysis::ParameterSet;
 use vibro_analysis::basin;
 use vibro_analysis::bifurcation::{self, Sweep};
 use vibro_analysis::isoperiodic;
@@ -11,25 +12,25 @@ use vibro_analysis::parts::Task;
 
 /// One long study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Work {
+pub struct LongStudy {
     /// Stem of its files.
     pub name: String,
-    /// The version of the program: parts of another are not mixed.
+    /// The version of the program: parts of different versions are not mixed.
     pub version: String,
-    /// What it is.
-    pub kind: Kind,
+    /// What is computed.
+    pub kind: StudyKind,
     /// The parameters.
-    pub settings: Settings,
+    pub set: ParameterSet,
 }
 
 /// Kinds of long studies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Kind {
+pub enum StudyKind {
     /// Maxima, periods and, if asked for, exponents over a group.
     Sweep {
         /// The sweep.
         sweep: Sweep,
-        /// Values at which spectra are told and shown on their way.
+        /// Values at which spectra are listed and running exponents shown.
         at: Vec<f64>,
     },
     /// Basins over two initial values.
@@ -38,23 +39,18 @@ pub enum Kind {
     Isoperiodic(isoperiodic::Request),
 }
 
-impl Work {
+impl LongStudy {
     /// A study by this version of the program.
-    pub fn new(name: &str, kind: Kind, settings: &Settings) -> Self {
-        Self {
-            name: name.into(),
-            version: env!("CARGO_PKG_VERSION").into(),
-            kind,
-            settings: settings.clone(),
-        }
+    pub fn new(name: &str, kind: StudyKind, set: &ParameterSet) -> Self {
+        Self { name: name.into(), version: env!("CARGO_PKG_VERSION").into(), kind, set: set.clone() }
     }
 
     /// Number of parts.
     pub fn count(&self) -> usize {
         match &self.kind {
-            Kind::Sweep { sweep, .. } => bifurcation::count(sweep),
-            Kind::Basin(request) => basin::count(request),
-            Kind::Isoperiodic(request) => isoperiodic::count(request),
+            StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
+            StudyKind::Basin(request) => basin::count(request),
+            StudyKind::Isoperiodic(request) => isoperiodic::count(request),
         }
     }
 
@@ -63,36 +59,35 @@ impl Work {
     /// # Errors
     /// As [`bifurcation::diagram`].
     pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
-        let Kind::Sweep { sweep, .. } = self.kind else { return Ok(None) };
-        Ok(bifurcation::diagram(&self.settings, &sweep, task)?.map(|d| (sweep, d)))
+        let StudyKind::Sweep { sweep, .. } = self.kind else { return Ok(None) };
+        Ok(bifurcation::diagram(&self.set, &sweep, task)?.map(|d| (sweep, d)))
     }
 
-    /// Computes what belongs to the shard, and the tables and pictures where all parts are there.
+    /// Computes the parts of the shard; the tables and pictures too where all parts are there.
     ///
     /// # Errors
     /// As [`bifurcation::diagram`], [`basin::basin`] and [`isoperiodic::isoperiodic`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         match &self.kind {
-            Kind::Sweep { at, .. } => {
+            StudyKind::Sweep { at, .. } => {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
-                let mut found = vec![studies::sweep(&self.settings, &sweep, &diagram, &self.name)?];
+                let mut found = vec![studies::sweep(&self.set, &sweep, &diagram, &self.name)?];
                 if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
                     let (group, stem) = (sweep.axis.group, &self.name);
                     found.push(studies::spectra(&sweep, &diagram, at, &format!("{stem}-spectra"))?.1);
                     let name = format!("{stem}-running");
-                    found.push(studies::running(&self.settings, group, at, sweep.discard, options, &name)?);
+                    found.push(studies::running(&self.set, group, at, sweep.discard, options, &name)?);
                 }
                 Ok(Some(found))
             }
-            Kind::Basin(request) => {
-                let found = basin::basin(self.settings.parameters(), request, task)?;
-                let study = |b| studies::basins(&self.settings, request, &b, &self.name).map(|s| vec![s]);
+            StudyKind::Basin(request) => {
+                let found = basin::basin(self.set.parameters(), request, task)?;
+                let study = |b| studies::basins(&self.set, request, &b, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
-            Kind::Isoperiodic(request) => {
-                let found = isoperiodic::isoperiodic(&self.settings, request, task)?;
-                let study =
-                    |p| studies::isoperiodic(&self.settings, request, &p, &self.name).map(|s| vec![s]);
+            StudyKind::Isoperiodic(request) => {
+                let found = isoperiodic::isoperiodic(&self.set, request, task)?;
+                let study = |p| studies::isoperiodic(&self.set, request, &p, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
         }

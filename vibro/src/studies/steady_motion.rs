@@ -1,4 +1,5 @@
-//! The two-impact motion of a theory, as figures show it: dimensionless, over the phase of the drive.
+//! The motion with two symmetric impacts of a theory, as figures show it: dimensionless (docs/theory.md (20)), over the
+//! phase of the drive.
 
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::motion::Flight;
@@ -9,13 +10,13 @@ use vibro_impact::steady::strong_coupling::{self, StrongPoint};
 
 /// Samples per period of a curve.
 const SAMPLES: usize = 240;
-/// Before an impact, rad: far above rounding, far below what can be seen.
+/// Phase between an impact and the sample before it, rad: far above rounding, far below what can be seen.
 const JUST_BEFORE: f64 = 1e-7;
 
-/// Displacements in units of L and velocities in units of L ω10, with U and W.
+/// A motion at one time: displacements in units of L, velocities in units of L ω10, with U and W (docs/theory.md (28)).
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
-    /// Drive periods.
+pub struct MotionSample {
+    /// Time in drive periods.
     pub time: f64,
     /// U = X1 + ε X2, W = X2 - X1, X1, X2, X3.
     pub x: [f64; 5],
@@ -23,19 +24,19 @@ pub struct Point {
     pub v: [f64; 5],
 }
 
-/// The steady state that figures show: the upper root where admissible, else whatever admissible root, else the upper.
+/// The steady state that figures show: the upper root if it is admissible, else the lower one if that is, else the upper.
 #[derive(Clone, Copy, Debug)]
-pub enum Theory {
-    /// Paper section 3.
+pub enum SteadyMotion {
+    /// Multiple scales: paper, section 3.
     MultipleScales(FixedPoint),
-    /// Paper section 5.
+    /// Strong coupling: paper, section 5.
     Strong(StrongPoint),
-    /// Past the paper.
+    /// The exact orbit of docs/theory.md section 9; not in the paper.
     Exact(ExactOrbit),
 }
 
-impl Theory {
-    /// Of multiple scales.
+impl SteadyMotion {
+    /// The steady state of multiple scales; `None` where it has no motion with impacts.
     ///
     /// # Errors
     /// As [`multiple_scales::fixed_points`].
@@ -45,7 +46,7 @@ impl Theory {
         Ok(best(positive, |p| p.admissibility.all()).map(Self::MultipleScales))
     }
 
-    /// Of strong coupling.
+    /// The steady state of strong coupling; `None` where there is none.
     ///
     /// # Errors
     /// As [`strong_coupling::solve`].
@@ -54,7 +55,7 @@ impl Theory {
         Ok(best(roots.into_iter().flatten(), |p| p.admissibility.all()).map(Self::Strong))
     }
 
-    /// The exact orbit.
+    /// The exact orbit; `None` where there is none.
     ///
     /// # Errors
     /// As [`exact_orbit::solve`].
@@ -97,7 +98,7 @@ impl Theory {
     }
 
     /// The motion over some periods of the drive from phase 0, with both sides of each impact.
-    pub fn history(&self, parameters: &Parameters, periods: f64) -> Vec<Point> {
+    pub fn history(&self, parameters: &Parameters, periods: f64) -> Vec<MotionSample> {
         let count = (SAMPLES as f64 * periods).ceil() as usize;
         let mut phases: Vec<f64> = (0..=count).map(|i| TAU * periods * i as f64 / count as f64).collect();
         let first = self.impact().rem_euclid(PI);
@@ -107,7 +108,7 @@ impl Theory {
         phases.into_iter().map(|phase| self.at(parameters, phase)).collect()
     }
 
-    fn at(&self, parameters: &Parameters, phase: f64) -> Point {
+    fn at(&self, parameters: &Parameters, phase: f64) -> MotionSample {
         let p = parameters;
         let rate = p.drive_frequency / p.box_frequency();
         let motion = match self {
@@ -120,7 +121,7 @@ impl Theory {
         };
         let [x1, x2, x3] = motion.x;
         let [v1, v2, v3] = motion.dx.map(|v| rate * v);
-        Point {
+        MotionSample {
             time: phase / TAU,
             x: [motion.u, motion.w, x1, x2, x3],
             v: [rate * motion.du, rate * motion.dw, v1, v2, v3],
@@ -133,17 +134,18 @@ fn best<T: Copy>(candidates: impl Iterator<Item = T>, stable: impl Fn(&T) -> boo
     all.iter().find(|c| stable(c)).or(all.first()).copied()
 }
 
-fn point(p: &Parameters, time: f64, x: &[f64; 3], v: &[f64; 3]) -> Point {
+fn point(p: &Parameters, time: f64, x: &[f64; 3], v: &[f64; 3]) -> MotionSample {
     let (length, epsilon) = (p.stop_gap, p.block_mass / p.box_mass);
     let speed = length * p.box_frequency();
     let five = |a: &[f64; 3], unit: f64| {
         [a[0] + epsilon * a[1], a[1] - a[0], a[0], a[1], a[2]].map(|value| value / unit)
     };
-    Point { time, x: five(x, length), v: five(v, speed) }
+    MotionSample { time, x: five(x, length), v: five(v, speed) }
 }
 
-/// A simulated record in the same form, its time turned so that whole numbers are whole drive periods.
-pub fn simulated(flights: &[Flight], parameters: &Parameters) -> Vec<Point> {
+/// A simulated record in the same form, with its time shifted by less than a period so that whole numbers are whole drive
+/// periods of phase zero.
+pub fn simulated(flights: &[Flight], parameters: &Parameters) -> Vec<MotionSample> {
     let begin = flights.first().and_then(|f| f.first()).map_or(0.0, |i| i.phase / TAU);
     let instants = flights.iter().flatten();
     let time = |t: f64| t + begin - begin.round();

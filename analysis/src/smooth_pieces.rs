@@ -1,19 +1,21 @@
-//! A motion cut into its smooth pieces, for what needs more than the states at the ends: maxima, variations, patterns.
+//! A motion cut into its smooth pieces, for what needs more than states at communication points: maxima and variations.
 //!
-//! The simulator is driven through its public face; each piece's start is exact, so the flow along it is known again.
+//! The simulator is used through its public methods. The state at the start of each piece is exact, so that the series of
+//! the flow (docs/theory.md (8)) gives the motion along the piece again.
 
 use vibro_impact::error::Result;
 use vibro_impact::flow::Series;
 use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
 use vibro_impact::simulator::{Contact, Event, Simulator, Stop};
 
-/// Coefficients of a series over a piece of at most [`PIECE_TIMES_RATE`]: the rest is 1.2²⁰/20! < 2e-17.
+/// Terms of a series over a time of at most [`PIECE_TIMES_RATE`] over the model's rate: the remainder is
+/// 1.2²⁰/20! < 2e-17.
 pub(crate) const TERMS: usize = 20;
 const PIECE_TIMES_RATE: f64 = 1.2;
 
 /// How a piece ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Break {
+pub(crate) enum PieceEnd {
     /// At an impact.
     Impact {
         /// +1 upper, -1 lower.
@@ -38,9 +40,9 @@ pub(crate) struct Piece {
     pub(crate) start: Augmented,
     /// Time at its start, s.
     pub(crate) time: f64,
-    /// Its length, s.
+    /// Its duration, s.
     pub(crate) span: f64,
-    pub(crate) end: Break,
+    pub(crate) end: PieceEnd,
 }
 
 /// The augmented state of a simulator.
@@ -56,10 +58,10 @@ fn mode(contact: Contact) -> SmoothMode {
     if contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest }
 }
 
-/// The flow along `span` s as series over pieces: `visit` gets each with its length (its u runs over [0, 1]); returns the
-/// end.
+/// The flow over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
+/// [0, 1]. Returns the state at the end.
 #[inline(always)]
-pub(crate) fn along(
+pub(crate) fn expand_along(
     model: &Model,
     mode: SmoothMode,
     start: &Augmented,
@@ -80,11 +82,11 @@ pub(crate) fn along(
     z
 }
 
-/// Advances a simulator without loads to `end` (s), piece by piece.
+/// Advances a simulator without loads to the time `end` (s) and calls `visit` with each smooth piece of its motion.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`].
-pub(crate) fn walk(
+pub(crate) fn smooth_pieces(
     simulator: &mut Simulator,
     model: &Model,
     end: f64,
@@ -94,7 +96,7 @@ pub(crate) fn walk(
         let (mut start, mut time, mut way) =
             (augmented(simulator), simulator.time(), mode(simulator.contact()));
         let (mut release, mut hit, mut rests) = (None, None, false);
-        // Until the first impact nothing but one release can happen.
+        // The simulator stops at the first impact; before it, at most one release can happen.
         simulator.advance_until(
             end,
             Stop::AfterImpact,
@@ -105,16 +107,16 @@ pub(crate) fn walk(
             }),
         )?;
         if let Some(at) = release {
-            visit(&Piece { mode: way, start, time, span: at - time, end: Break::Release });
-            start = along(model, way, &start, at - time, |_, _| ());
+            visit(&Piece { mode: way, start, time, span: at - time, end: PieceEnd::Release });
+            start = expand_along(model, way, &start, at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
         let Some((at, side, speed)) = hit else {
-            visit(&Piece { mode: way, start, time, span: end - time, end: Break::End });
+            visit(&Piece { mode: way, start, time, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
         let after = augmented(simulator);
-        let end = Break::Impact { side, rate: side * speed, after, rests };
+        let end = PieceEnd::Impact { side, rate: side * speed, after, rests };
         visit(&Piece { mode: way, start, time, span: at - time, end });
     }
 }

@@ -1,0 +1,75 @@
+//! What can go wrong between the words of a user and the files on disk.
+
+use std::path::{Path, PathBuf};
+
+/// Errors of the command line's library; every message names what was given and what is allowed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An analysis refuses.
+    #[error(transparent)]
+    Analysis(#[from] vibro_analysis::Error),
+    /// A parameter file or a folder of parts cannot be understood.
+    #[error("{}: {problem}", path.display())]
+    Config {
+        /// The file or folder.
+        path: PathBuf,
+        /// What is wrong, and where.
+        problem: String,
+    },
+    /// Reading or writing a file failed.
+    #[error("{doing} {}: {source}", path.display())]
+    File {
+        /// What was being done, e.g. `writing`.
+        doing: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A picture or table could not be made.
+    #[error("making {what}: {problem}")]
+    Output {
+        /// What was being made.
+        what: &'static str,
+        /// The library's reason.
+        problem: String,
+    },
+}
+
+/// Result with this error.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl From<vibro_impact::Error> for Error {
+    fn from(error: vibro_impact::Error) -> Self {
+        Self::Analysis(error.into())
+    }
+}
+
+impl Error {
+    /// Whether the user's input is at fault, and not the machine on which the program runs.
+    pub fn is_usage(&self) -> bool {
+        !matches!(
+            self,
+            Self::File { doing: "writing" | "making folder", .. }
+                | Self::Output { .. }
+                | Self::Analysis(vibro_analysis::Error::Store(_))
+        )
+    }
+
+    /// A text of another form than the one expected.
+    pub fn form(text: impl Into<String>, expected: &'static str) -> Self {
+        vibro_analysis::Error::Form { text: text.into(), expected }.into()
+    }
+
+    /// For `map_err` on operations on a file.
+    pub fn file(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self::File { doing, path, source }
+    }
+
+    /// For `map_err` on the libraries that make pictures and tables.
+    pub fn output<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> Self {
+        move |e| Self::Output { what, problem: e.to_string() }
+    }
+}
