@@ -132,7 +132,7 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// Σ_k coefficients[k] u^k lane by lane, even and odd orders apart so that two chains run side by side.
+/// `Σ_k coefficients[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
 pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
     let square = u * u;
