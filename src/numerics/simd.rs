@@ -6,7 +6,7 @@ use pulp::Simd;
 /// Lanes of the widest products.
 const WIDE: usize = 16;
 
-/// Orders of a gap polynomial, filled up to whole vectors.
+/// Orders of the polynomial of w in flight, filled up to whole vectors.
 pub const PADDED: usize = 16;
 
 /// p(u), even and odd orders apart so that two chains run side by side.
@@ -188,7 +188,7 @@ pub fn at_least<S: Simd>(simd: S, x: &[f64; 16], limit: f64) -> u64 {
 
 /// side · x less `gap` in its first lane.
 #[inline(always)]
-pub fn gap_over<S: Simd>(simd: S, x: &[f64; 16], side: f64, gap: f64) -> [f64; 16] {
+pub fn excess_over<S: Simd>(simd: S, x: &[f64; 16], side: f64, gap: f64) -> [f64; 16] {
     let mut out = [0.0; 16];
     let (by, (x, _)) = (simd.splat_f64s(side), S::as_simd_f64s(x));
     let (y, _) = S::as_mut_simd_f64s(&mut out);
