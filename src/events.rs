@@ -200,7 +200,7 @@ fn crossing_of_shape<const N: usize>(
 /// one or two steps whose accuracy is proved, and a root found inside is the only one.
 ///
 /// "Nearly straight" is a curvature under half the least slope, so that K = |p''|/(2p') < 1/4: with errors of at most 2 on
-/// |u| ≤ 1, K e ≤ 1/2 holds from the start, and the proof in [`refine`] has no exception.
+/// |u| ≤ 1, K e ≤ 1/2 holds from the start, and the proof in `refine` has no exception.
 ///
 /// It never misses a passage that [`first_crossing`] finds. A root whose distance from `hi` is rounding may be found where
 /// `first_crossing`, which goes by the sign of the computed p(hi), finds none; the other way round it is not.

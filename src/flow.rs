@@ -96,7 +96,7 @@ impl<const N: usize> Series<N> {
 
     /// The coefficients of `side · w - gap` (gap is L), negative while the block is inside.
     #[inline(always)]
-    pub fn gap_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
+    pub fn excess_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
         let mut p = [0.0; N];
         for (pk, lane) in p.iter_mut().zip(&self.lanes) {
             *pk = side * lane[GAP];
@@ -132,7 +132,7 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// Σ_k coefficients[k] u^k lane by lane, even and odd orders apart so that two chains run side by side.
+/// `Σ_k coefficients[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
 pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
     let square = u * u;
@@ -182,15 +182,15 @@ pub struct Table<const C: usize> {
 pub struct Local {
     /// The augmented state's coefficients, `[order][column][lane]`.
     lanes: [[Augmented; CORE]; CENTRED],
-    /// The gap's about the interval centres, from the state at the sub-step's start, `[interval][column][order]`; the
-    /// orders from [`CENTRED`] on are zero and make whole vectors.
-    gap: [[[f64; PADDED]; CORE]; INTERVALS],
+    /// Those of w about the interval centres, from the state at the sub-step's start, `[interval][column][order]`; the
+    /// orders from [`CENTRED`] on are zero and fill up whole vectors.
+    relative: [[[f64; PADDED]; CORE]; INTERVALS],
 }
 
 impl Local {
     /// Without values; to be filled.
     pub fn zero() -> Self {
-        Self { lanes: [[[0.0; LANES]; CORE]; CENTRED], gap: [[[0.0; PADDED]; CORE]; INTERVALS] }
+        Self { lanes: [[[0.0; LANES]; CORE]; CENTRED], relative: [[[0.0; PADDED]; CORE]; INTERVALS] }
     }
 
     /// Fills it beside the `core` of flight over a sub-step `h`.
@@ -205,17 +205,17 @@ impl Local {
                 gap[k] = lane[GAP];
             }
         }
-        for (columns, centre) in self.gap.iter_mut().zip(&core.centre) {
+        for (columns, centre) in self.relative.iter_mut().zip(&core.centre) {
             for (column, state) in columns.iter_mut().zip(centre) {
                 *column = product(pulp::Scalar, &gap, state);
             }
         }
     }
 
-    /// The gap's coefficients about an interval's centre, with `z` at the sub-step's start.
+    /// The coefficients of w about an interval's centre, with `z` at the sub-step's start.
     #[inline(always)]
-    pub fn gap<S: pulp::Simd>(&self, simd: S, interval: usize, z: &Augmented) -> [f64; PADDED] {
-        product(simd, &self.gap[interval], z)
+    pub fn relative<S: pulp::Simd>(&self, simd: S, interval: usize, z: &Augmented) -> [f64; PADDED] {
+        product(simd, &self.relative[interval], z)
     }
 
     /// All coefficients about `z`.

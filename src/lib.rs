@@ -1,4 +1,27 @@
-//! A 3-DOF vibro-impact model: exact hybrid simulation and closed-form steady states.
+//! A 3-DOF vibro-impact system: exact event-driven simulation and closed-form steady states.
+//!
+//! A box on a spring is driven near resonance; a block flies in it between two stops; a third body hangs on the block by a
+//! spring.
+//!
+//! ```
+//! use vibro_impact::simulator::Loads;
+//! use vibro_impact::{Parameters, Simulator, State, steady};
+//!
+//! let parameters = Parameters::default();
+//! let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }; // m, m/s: box, block, secondary oscillator
+//! let mut simulator = Simulator::new(&parameters, &start, 0.0)?;
+//! simulator.advance_to(400.0 * parameters.period())?; // exact whatever the length of the steps
+//! let orbit = steady::exact_orbit::solve(&parameters)?.upper.expect("a motion with two impacts a period");
+//! let closed = orbit.state(simulator.drive_phase()); // what the closed form says for this instant
+//! assert!((simulator.state().x[1] - closed.x[1]).abs() < 1e-9);
+//!
+//! let mut loads = Loads::default();
+//! loads.derivatives[1] = [0.01, 0.0, 0.0, 0.0]; // N on the block, with its time derivatives
+//! simulator.set_loads(&loads)?;
+//! simulator.advance_to_impact(simulator.time() + parameters.period())?;
+//! println!("{:?}", simulator.impacts());
+//! # Ok::<(), vibro_impact::Error>(())
+//! ```
 //!
 //! ```text
 //! parameters → model → flow → events → simulator
@@ -6,6 +29,9 @@
 //! ```
 //!
 //! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's oracle.
+//!
+//! The equations are in `docs/theory.md`, the numerical method and its error bounds in `docs/numerics.md`; both are shown in this
+//! documentation as the modules `theory` and `numerical_method`.
 #![forbid(unsafe_code)]
 
 pub mod energy;
@@ -19,6 +45,17 @@ pub mod reference;
 pub mod simulator;
 mod state;
 pub mod steady;
+
+// The pages are text, not code: their brackets are no links, and nothing of them is in the compiled library.
+#[cfg(doc)]
+#[allow(rustdoc::all)]
+#[doc = include_str!("../docs/theory.md")]
+pub mod theory {}
+
+#[cfg(doc)]
+#[allow(rustdoc::all)]
+#[doc = include_str!("../docs/numerics.md")]
+pub mod numerical_method {}
 
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};

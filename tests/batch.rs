@@ -138,7 +138,7 @@ fn second_method_settled_orbits_and_their_impacts() {
 
 #[test]
 fn golden_standard_work_together() {
-    /// The product's target (performance.md), a rounding multiplied by 50 impacts, some of them nearly grazing.
+    /// A rounding multiplied by 50 impacts, some of them nearly grazing.
     const TARGET: f64 = 5e-11;
     let p = weak(0.75, 1.5);
     let mut all: Vec<Simulator> = (0..21).map(|i| motion(&p, 0.9 - 0.01 * f64::from(i % 3), 0.0)).collect();

@@ -71,7 +71,7 @@ fn find_every_graze(parts: u32, gap_rounding: f64) {
     assert!(contacts > 250, "{contacts}");
 }
 
-/// The standard work of performance.md in the very doubles that the library uses for it.
+/// The standard work (benches/standard_work.rs) in the very doubles that the library uses for it.
 fn standard() -> (Parameters, State) {
     let p = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).unwrap();
     (p, State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] })
@@ -79,7 +79,7 @@ fn standard() -> (Parameters, State) {
 
 #[test]
 fn golden_standard_work_over_twenty_periods() {
-    /// The product's target (performance.md), a rounding multiplied by 50 impacts, some of them nearly grazing.
+    /// A rounding multiplied by 50 impacts, some of them nearly grazing.
     const TARGET: f64 = 5e-11;
     let (p, start) = standard();
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
@@ -119,7 +119,7 @@ fn golden_standard_work_after_two_thousand_periods() {
     let (p, start) = standard();
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
     simulator.advance_to(2000.0 * p.period()).unwrap();
-    // performance.md, interval-arithmetic certificate
+    // From a certificate in interval arithmetic.
     let certified = State {
         x: [-0.4253110842429075, 0.2872634800253607, 0.4900836440556809],
         v: [-0.7166788315354791, -1.2876764920670574, -0.3927812190837065],

@@ -19,7 +19,7 @@ fn distance(a: &State, b: &State) -> f64 {
 
 #[test]
 fn invariant_the_state_does_not_depend_on_the_communication_steps() {
-    /// Issue bound: round-off, multiplied by 400 impacts of a stable motion.
+    /// Round-off, multiplied by 400 impacts of a stable motion.
     const BOUND: f64 = 1e-10;
     let p = Parameters::default();
     let end = 200.0 * p.period();

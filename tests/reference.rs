@@ -136,7 +136,7 @@ fn closed_form_of_rest_and_release_under_loads() {
 
 #[test]
 fn golden_standard_work_over_20_periods() {
-    // performance.md: this method reaches 1e-8 at 1e-12; the block's position between impacts is off by some more.
+    // This method reaches 1e-8 at 1e-12; the block's position between impacts is off by some more.
     const AFTER_20: f64 = 1e-7;
     let (p, start) = standard();
     let mut reference = Reference::new(&p, &start, 0.0, TIGHT).unwrap();
@@ -158,7 +158,7 @@ fn golden_standard_work_over_20_periods() {
     }
 }
 
-/// Rounding decides, in the transient, between the orbit of performance.md and its mirror image: x → -x, half a
+/// Rounding decides, in the transient, between the orbit of the standard work and its mirror image: x → -x, half a
 /// period later (between periods 20 and 60 errors grow a further 10⁹ times).
 #[test]
 fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {

@@ -58,19 +58,10 @@ impl DoubleDouble {
         quick_two_sum(s.hi, s.lo + self.lo)
     }
 
-    /// The sum, to 32 digits.
-    #[inline(always)]
-    pub fn add(self, b: Self) -> Self {
-        let s = two_sum(self.hi, b.hi);
-        let t = two_sum(self.lo, b.lo);
-        let s = quick_two_sum(s.hi, s.lo + t.hi);
-        quick_two_sum(s.hi, s.lo + t.lo)
-    }
-
     /// The difference, to 32 digits.
     #[inline(always)]
     pub fn minus(self, b: Self) -> Self {
-        self.add(Self { hi: -b.hi, lo: -b.lo })
+        self + Self { hi: -b.hi, lo: -b.lo }
     }
 
     /// The product, to 32 digits.
@@ -93,6 +84,19 @@ impl DoubleDouble {
         let rest = Self::new(self.hi - whole).plus(self.lo);
         let again = rest.hi.round_ties_even(); // lo may carry over a half
         Self { hi: rest.hi - again, lo: rest.lo }
+    }
+}
+
+impl std::ops::Add for DoubleDouble {
+    type Output = Self;
+
+    /// To 32 digits.
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        let s = two_sum(self.hi, b.hi);
+        let t = two_sum(self.lo, b.lo);
+        let s = quick_two_sum(s.hi, s.lo + t.hi);
+        quick_two_sum(s.hi, s.lo + t.lo)
     }
 }
 

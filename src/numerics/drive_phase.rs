@@ -32,7 +32,7 @@ impl DrivePhase {
     #[inline(always)]
     fn turns(&self, omega: f64, time: DoubleDouble) -> DoubleDouble {
         let rate = INVERSE_TAU.times(DoubleDouble::new(omega));
-        time.minus(self.from).times(rate).add(self.base).fraction()
+        (time.minus(self.from).times(rate) + self.base).fraction()
     }
 
     /// The phase in [-π, π].
@@ -49,7 +49,7 @@ impl DrivePhase {
     /// Goes on from `time` with another frequency (set by the caller) and a jump from one phase to another, rad.
     pub fn rebase(&mut self, omega: f64, time: DoubleDouble, (from, to): (f64, f64)) {
         let shift = turns_of(to).minus(turns_of(from));
-        self.base = self.turns(omega, time).add(shift).fraction();
+        self.base = (self.turns(omega, time) + shift).fraction();
         self.from = time;
     }
 }

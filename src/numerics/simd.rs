@@ -6,7 +6,7 @@ use pulp::Simd;
 /// Lanes of the widest products.
 const WIDE: usize = 16;
 
-/// Orders of a gap polynomial, filled up to whole vectors.
+/// Orders of the polynomial of w in flight, filled up to whole vectors.
 pub const PADDED: usize = 16;
 
 /// p(u), even and odd orders apart so that two chains run side by side.
@@ -27,7 +27,7 @@ pub fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
     if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
 }
 
-/// Σ_j columns[j] x_j in vectors, of which only the first `W/F64_LANES` of V count; as two sums side by side, which takes
+/// `Σ_j columns[j] x_j` in vectors, of which only the first `W/F64_LANES` of V count; as two sums side by side, which takes
 /// half as long to wait for.
 #[inline(always)]
 fn combine<S: Simd, const W: usize, const V: usize>(
@@ -58,7 +58,7 @@ fn combine<S: Simd, const W: usize, const V: usize>(
     first
 }
 
-/// Σ_j columns[j] x_j for columns of 8 or 16 lanes.
+/// `Σ_j columns[j] x_j` for columns of 8 or 16 lanes.
 #[inline(always)]
 pub fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f64; 8]) -> [f64; W] {
     let mut out = [0.0; W];
@@ -73,13 +73,13 @@ pub fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f
 /// Coefficients of 8 polynomials, a row for each order; of a row's places only the first `8/F64_LANES` are used.
 pub type Rows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
 
-/// The row Σ_j columns[j] x_j.
+/// The row `Σ_j columns[j] x_j`.
 #[inline(always)]
 pub fn row<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> [S::f64s; 8] {
     combine::<S, 8, 8>(simd, columns, x)
 }
 
-/// Σ_k rows[k] u^k lane by lane, even and odd orders apart so that two chains run side by side.
+/// `Σ_k rows[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
 fn evaluate<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [S::f64s; 8] {
     let zero = simd.splat_f64s(0.0);
@@ -188,7 +188,7 @@ pub fn at_least<S: Simd>(simd: S, x: &[f64; 16], limit: f64) -> u64 {
 
 /// side · x less `gap` in its first lane.
 #[inline(always)]
-pub fn gap_over<S: Simd>(simd: S, x: &[f64; 16], side: f64, gap: f64) -> [f64; 16] {
+pub fn excess_over<S: Simd>(simd: S, x: &[f64; 16], side: f64, gap: f64) -> [f64; 16] {
     let mut out = [0.0; 16];
     let (by, (x, _)) = (simd.splat_f64s(side), S::as_simd_f64s(x));
     let (y, _) = S::as_mut_simd_f64s(&mut out);

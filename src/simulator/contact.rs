@@ -132,10 +132,10 @@ impl Simulator {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
         let series = Series::<9>::expand(&self.model, SmoothMode::Flight, &z, Some(&forces), radius);
-        let gap = series.gap_polynomial(side, self.model.gap);
-        let first = (2..9).find(|&k| gap[k] != 0.0);
+        let excess = series.excess_polynomial(side, self.model.gap);
+        let first = (2..9).find(|&k| excess[k] != 0.0);
         match first {
-            Some(order) if gap[order] < 0.0 => {
+            Some(order) if excess[order] < 0.0 => {
                 self.hybrid.contact = Contact::Flight;
                 self.hybrid.departing = order as u8;
             }

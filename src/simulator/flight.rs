@@ -6,14 +6,14 @@ use crate::events::flight_crossing;
 use crate::flow::{ANCHORED, INTERVALS, Series};
 use crate::model::{Augmented, GAP, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::{at_least, gap_over, polynomial, product};
+use crate::numerics::simd::{at_least, excess_over, polynomial, product};
 use pulp::Simd;
 
 /// What the samples of a sub-step tell.
-pub(super) struct GapSamples {
-    /// The gap at the interval ends.
-    g: [f64; INTERVALS],
-    /// Within these limits no stop is reached between samples.
+pub(super) struct DisplacementSamples {
+    /// w at the interval ends.
+    w: [f64; INTERVALS],
+    /// No stop is reached between two samples whose sizes are both under this, m.
     limit: f64,
     /// The first interval must be searched.
     pub(super) first: bool,
@@ -29,8 +29,8 @@ pub(super) struct LocatedImpact {
 }
 
 impl Simulator {
-    /// A sub-step of free flight: 16 samples of the gap and the `bound` on its second derivative tell which intervals the
-    /// block may reach a stop in; only these are searched. Returns the stop of the first impact.
+    /// A sub-step of free flight: 16 samples of w and the `bound` on |w''| tell in which intervals the block
+    /// may reach a stop; only these are searched. Moves to the first impact and returns its stop, or passes over the sub-step.
     #[inline(always)]
     pub(super) fn flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -41,7 +41,7 @@ impl Simulator {
         end: DoubleDouble,
     ) -> Option<f64> {
         let interval = self.interval();
-        let samples = self.sample_gap(simd, z, bound);
+        let samples = self.sample_displacement(simd, z, bound);
         if samples.first {
             let found = self.first_interval::<ACCOUNTS>(*z, bound, interval.min(remaining));
             if let Some((arrived, side)) = found {
@@ -73,9 +73,9 @@ impl Simulator {
         None
     }
 
-    /// A step within one interval, at both ends of which the block is clear of the stops by more than its acceleration could
-    /// bend its path in between. False, and nothing done, where it is not: then the interval is to be searched.
-    /// Out of the way of the long sub-steps, which have no registers to spare.
+    /// A step within one interval, if at both its ends the block is farther from the stops than its acceleration, at most
+    /// `bound`, can bend its path in between. Returns false, and has done nothing, where it is not: then the interval has to be
+    /// searched. It is a function of its own, not inlined, because the long sub-steps use all registers.
     #[inline(never)]
     pub(super) fn short_flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -118,7 +118,7 @@ impl Simulator {
             return false;
         }
         self.work.expansions += 1;
-        // About the start itself if the series reaches that far, so that the shortest steps round the least.
+        // About the start itself where that series reaches to the end: the shortest steps then have the least rounding.
         let radius = 0.5 * self.interval();
         let centred = remaining > radius;
         let centre = if centred { product(simd, &self.flight.core.centre[0], z) } else { *z };
@@ -137,18 +137,23 @@ impl Simulator {
         true
     }
 
-    /// Samples the gap over a sub-step.
+    /// Samples w at the interval ends of a sub-step.
     #[inline(always)]
-    pub(super) fn sample_gap<S: Simd>(&self, simd: S, z: &Augmented, bound: f64) -> GapSamples {
+    pub(super) fn sample_displacement<S: Simd>(
+        &self,
+        simd: S,
+        z: &Augmented,
+        bound: f64,
+    ) -> DisplacementSamples {
         let interval = self.interval();
-        let g = product(simd, &self.flight.core.sample, z);
-        // A gap that stays this margin away from the stops at both ends of an interval does not reach them in between.
+        let w = product(simd, &self.flight.core.sample, z);
+        // Between the ends of an interval h long w lies within bound h²/8 of its chord.
         let limit = self.model.gap - bound * interval * interval * 0.125;
-        let near = at_least(simd, &g, limit);
-        let leaves = self.clears_first_interval(z, bound, limit);
+        let near = at_least(simd, &w, limit);
+        let clear = self.clears_first_interval(z, bound, limit);
         // An interval is searched when one of its ends is near.
         let search = (near | near << 1) & ((1 << INTERVALS) - 2);
-        GapSamples { g, limit, first: !leaves || near & 1 != 0, search }
+        DisplacementSamples { w, limit, first: !clear || near & 1 != 0, search }
     }
 
     /// Looks for an impact in interval `index`, not the first, up to the `remaining` time.
@@ -157,24 +162,24 @@ impl Simulator {
         &mut self,
         simd: S,
         z: &Augmented,
-        samples: &GapSamples,
+        samples: &DisplacementSamples,
         index: usize,
         remaining: f64,
     ) -> Option<LocatedImpact> {
         let interval = self.interval();
         self.work.expansions += 1;
-        let gap = self.flight.local.gap(simd, index, z);
+        let w = self.flight.local.relative(simd, index, z);
         let mut hi = 1.0;
         if remaining < self.substep {
             hi = ((remaining - (index as f64 + 0.5) * interval) / (0.5 * interval)).min(1.0);
         }
-        let ends = [samples.g[index - 1], samples.g[index]];
+        let ends = [samples.w[index - 1], samples.w[index]];
         let (most, least) = (ends[0].max(ends[1]), ends[0].min(ends[1]));
-        // Without a branch where one stop only is near: in chaos the stops alternate beyond prediction.
+        // No branch where only one stop is near: in chaotic motion the processor cannot predict which one.
         let mut side = if most >= -least { 1.0 } else { -1.0 };
         let mut found = None;
         loop {
-            let p = gap_over(simd, &gap, side, self.model.gap);
+            let p = excess_over(simd, &w, side, self.model.gap);
             if let Some(u) = flight_crossing(simd, &p, -1.0, hi, &mut self.work.iterations) {
                 found = Some(LocatedImpact { index, u, side });
                 hi = u;
@@ -187,7 +192,7 @@ impl Simulator {
         }
     }
 
-    /// Goes to the impact that was found: state, energy accounts and time.
+    /// Moves to the impact that was found: state, energy accounts and time.
     #[inline(always)]
     pub(super) fn move_to_impact<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -213,7 +218,7 @@ impl Simulator {
     ) -> Augmented {
         let centre = product(simd, &self.flight.core.centre[index], z);
         let rows = self.flight.local.lanes(simd, &centre);
-        // First what the motion waits for, then the accounts.
+        // The state first: the next sub-step waits for it, but not for the accounts.
         let arrived = polynomial(simd, &rows, u);
         if ACCOUNTS {
             self.account_flight(simd, z, Some(index), &rows, (u, &arrived));
@@ -222,7 +227,8 @@ impl Simulator {
         arrived
     }
 
-    /// The first interval, where the block may just be leaving a stop.
+    /// Searches the first interval, in which the block may just be leaving a stop, and moves to its first event if it has one:
+    /// the state there and the stop.
     #[cold]
     fn first_interval<const ACCOUNTS: bool>(
         &mut self,

@@ -288,14 +288,14 @@ impl Simulator {
         let side = start.z[GAP].signum();
         let mut found = None;
         if order > 1 || start.z[GAP_RATE].abs() <= 0.5 * start.bound * span {
-            let p = series.gap_polynomial(side, self.model.gap);
+            let p = series.excess_polynomial(side, self.model.gap);
             let mut q = [0.0; ANCHORED];
             q[..ANCHORED - order].copy_from_slice(&p[order..]);
             q[0] = q[0].min(-f64::MIN_POSITIVE); // it leaves, whatever round-off says
             found = first_crossing(&q, 0.0, 1.0, &mut self.work.iterations).map(|u| (u, side));
         }
         if near[usize::from(side > 0.0)] {
-            let p = series.gap_polynomial(-side, self.model.gap);
+            let p = series.excess_polynomial(-side, self.model.gap);
             let hi = found.map_or(1.0, |(u, _)| u);
             let other = first_crossing(&p, 0.0, hi, &mut self.work.iterations);
             found = other.map(|u| (u, -side)).or(found);

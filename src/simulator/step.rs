@@ -287,8 +287,9 @@ impl Simulator {
         self.substep * (1.0 / INTERVALS as f64)
     }
 
-    /// Whether the block in flight meets no stop between the start and the first sample if that is within the `limit`: it
-    /// is clear of the stops, or leaves one faster than its acceleration (at most `bound`) could turn it back.
+    /// Whether the block in flight meets no stop between the sub-step's start and its first sample, provided that this sample is
+    /// within the `limit`: it starts within the limit too, or it leaves a stop so fast that its acceleration, at most `bound`,
+    /// cannot turn it back within the interval.
     #[inline(always)]
     pub(super) fn clears_first_interval(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
         match self.hybrid.departing {

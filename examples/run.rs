@@ -1,12 +1,13 @@
-//! The default system for 200 drive periods: events as they come, energies at the end.
-//! `cargo run --release --example count_impacts`
+//! The default system for 200 drive periods: the events as they come, the energies at the end, and a look at what comes next.
+//! `cargo run --release --example run`
 
 use vibro_impact::simulator::Event;
-use vibro_impact::{Parameters, Simulator, State};
+use vibro_impact::{Parameters, Result, Simulator, State};
 
-fn main() -> vibro_impact::Result<()> {
+/// Runs it.
+pub fn main() -> Result<()> {
     let parameters = Parameters::default();
-    let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
+    let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }; // m, m/s: box, block, secondary oscillator
     let mut simulator = Simulator::new(&parameters, &start, 0.0)?;
     let initial = simulator.energy_accounts().mechanical;
     let mut fastest: f64 = 0.0;
@@ -19,5 +20,9 @@ fn main() -> vibro_impact::Result<()> {
     println!("{} impacts above, {} below, the fastest at {fastest:.3} m/s", impacts.upper, impacts.lower);
     let balance = energy.mechanical - initial - energy.input + energy.damped + energy.impact;
     println!("{energy:.3?}, balance {balance:.1e} J");
+    assert!(impacts.upper > 100 && balance.abs() < 1e-9);
+
+    let horizon = simulator.time() + parameters.period();
+    println!("next: {:?}", simulator.next_event(horizon)?);
     Ok(())
 }
