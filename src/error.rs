@@ -35,7 +35,7 @@ pub enum Error {
     /// One advance has done all the work it is allowed. The state stands at `time` and is as good as any: another advance
     /// goes on from there, with an allowance of its own.
     #[error(
-        "t = {time} s is reached and no more work allowed in one advance: the last {span} s took {events} events. \
+        "the advance ended at t = {time} s, where it reached the limit of work in one call: the last {span} s took {events} events. \
          Cause: stop.restitution = {restitution} lets a pressed block bounce too long, or the block is too fast (its path in \
          a sub-step is {path:e} times stop.gap). Remedy: advance again from there, take smaller steps, or set \
          stop.restitution below 0.999, so that bouncing ends sooner"

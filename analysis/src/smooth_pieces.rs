@@ -82,16 +82,33 @@ pub(crate) fn expand_along(
     z
 }
 
+/// The flow along a piece and its variations are those of the machine under its drive alone.
+///
+/// # Errors
+/// [`Error::OutOfRange`] with the first load that is not zero.
+fn refuse_loads(simulator: &Simulator) -> Result<()> {
+    const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
+    let loads = simulator.loads().derivatives;
+    for (name, derivatives) in NAMES.iter().zip(loads) {
+        if let Some(&value) = derivatives.iter().find(|d| **d != 0.0) {
+            let allowed = "0 with all its derivatives: maxima, exponents and attractors are those of the machine without loads";
+            return Err(Error::OutOfRange { name, value, allowed });
+        }
+    }
+    Ok(())
+}
+
 /// Advances a simulator without loads to the time `end` (s) and calls `visit` with each smooth piece of its motion.
 ///
 /// # Errors
-/// As [`Simulator::advance_until`].
+/// As [`Simulator::advance_until`], and as [`refuse_loads`].
 pub(crate) fn smooth_pieces(
     simulator: &mut Simulator,
     model: &Model,
     end: f64,
     visit: &mut dyn FnMut(&Piece),
 ) -> Result<()> {
+    refuse_loads(simulator)?;
     loop {
         let (mut start, mut time, mut way) =
             (augmented(simulator), simulator.time(), mode(simulator.contact()));
