@@ -10,7 +10,7 @@ fn main() -> vibro_impact::Result<()> {
     let mut simulator = Simulator::new(&parameters, &start, 0.0)?;
     let initial = simulator.energy_accounts().mechanical;
     let mut fastest: f64 = 0.0;
-    simulator.advance(0.0, 200.0 * parameters.period(), false, &mut |event| {
+    simulator.advance_observed(200.0 * parameters.period(), &mut |event| {
         if let Event::Impact { speed, .. } = event {
             fastest = fastest.max(*speed);
         }

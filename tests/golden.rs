@@ -3,7 +3,8 @@
 mod common;
 
 use common::golden::{distance, table};
-use vibro_impact::simulator::{Contact, Event};
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::simulator::{Contact, Event, Stop};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 /// Round-off of the gap after a flight of up to one and a half periods (the rows' states are of order one).
@@ -43,7 +44,7 @@ fn find_every_graze(parts: u32, gap_rounding: f64) {
             let to =
                 if part == parts { end } else { start + (end - start) * f64::from(part) / f64::from(parts) };
             simulator
-                .advance(to, 0.0, false, &mut |e| {
+                .advance_observed(to, &mut |e| {
                     if let Event::Impact { time, side, speed, .. } = *e {
                         seen.push((time, f64::from(side), speed));
                     }
@@ -88,11 +89,15 @@ fn golden_standard_work_over_twenty_periods() {
         let begin = simulator.time();
         let end = row.get("t");
         simulator
-            .advance(begin, end - begin, false, &mut |e| {
-                if let Event::Impact { time, side, speed, .. } = *e {
-                    impacts.push((time, f64::from(side), speed));
-                }
-            })
+            .advance_until(
+                DoubleDouble::sum(begin, end - begin),
+                Stop::Never,
+                Some(&mut |e| {
+                    if let Event::Impact { time, side, speed, .. } = *e {
+                        impacts.push((time, f64::from(side), speed));
+                    }
+                }),
+            )
             .unwrap();
         worst = worst.max(distance(&simulator.state(), &row.state(""), 1.0, 1.0));
         assert_eq!(impacts.len() as f64, row.get("impacts"));
@@ -150,7 +155,7 @@ fn golden_every_chatter_ends_in_rest_and_lets_go_at_its_time() {
         let mut simulator = Simulator::new(&p, &row.state(""), t0).unwrap();
         let (mut rest, mut release, mut first) = (None, None, None);
         simulator
-            .advance(row.get("t_end"), 0.0, false, &mut |e| match *e {
+            .advance_observed(row.get("t_end"), &mut |e| match *e {
                 Event::Impact { time, speed, .. } => first = first.or(Some((time, speed))),
                 Event::Rest { time, side } => {
                     assert_eq!(f64::from(side), row.get("side"), "{id}");

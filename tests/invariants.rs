@@ -1,6 +1,7 @@
 //! What must hold whatever the motion: laws of impact, energy, independence of the steps, symmetry, repeatability.
 
-use vibro_impact::simulator::{Contact, Event, Loads};
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::simulator::{Contact, Event, Loads, Stop};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 fn start() -> State {
@@ -51,11 +52,15 @@ fn invariant_momentum_and_restitution_at_each_impact() {
         let mut impact = None;
         let begin = simulator.time();
         simulator
-            .advance(begin, 100.0, true, &mut |e| {
-                if let Event::Impact { time, side, speed, impulse } = *e {
-                    impact = Some((time, f64::from(side), speed, impulse));
-                }
-            })
+            .advance_until(
+                DoubleDouble::sum(begin, 100.0),
+                Stop::AfterImpact,
+                Some(&mut |e| {
+                    if let Event::Impact { time, side, speed, impulse } = *e {
+                        impact = Some((time, f64::from(side), speed, impulse));
+                    }
+                }),
+            )
             .unwrap();
         let (time, side, speed, impulse) = impact.expect("an impact comes");
         let mut approach = before;
@@ -74,7 +79,7 @@ fn invariant_momentum_and_restitution_at_each_impact() {
         assert!((b.v[2] - v[2]).abs() < EXTRAPOLATION);
         assert!((b.v[1] - b.v[0] + p.stop_restitution * side * speed).abs() < ROUNDING);
         assert!((impulse - (1.0 + p.stop_restitution) * m1 * m2 / (m1 + m2) * speed).abs() < ROUNDING);
-        assert_eq!(simulator.gap().0, side * p.stop_gap);
+        assert_eq!(simulator.relative_motion().0, side * p.stop_gap);
         seen += 1;
     }
 }
@@ -148,7 +153,11 @@ fn invariant_energy_balance_under_loads_in_all_modes() {
             .set_loads(&Loads { derivatives: [load, load.map(|x| -0.3 * x), load.map(|x| 0.2 * x)] })
             .unwrap();
         simulator
-            .advance(t, 0.31, false, &mut |e| rests += u32::from(matches!(e, Event::Rest { .. })))
+            .advance_until(
+                DoubleDouble::sum(t, 0.31),
+                Stop::Never,
+                Some(&mut |e| rests += u32::from(matches!(e, Event::Rest { .. }))),
+            )
             .unwrap();
     }
     let l = simulator.energy_accounts();
@@ -223,13 +232,17 @@ fn invariant_rest_holds_the_stop_and_lets_go_with_falling_force() {
     let (mut rests, mut releases) = (0, 0);
     for n in 0..20_000 {
         simulator
-            .advance(0.01 * f64::from(n), 0.01, false, &mut |e| match e {
-                Event::Rest { .. } => rests += 1,
-                Event::Release { .. } => releases += 1,
-                _ => {}
-            })
+            .advance_until(
+                DoubleDouble::sum(0.01 * f64::from(n), 0.01),
+                Stop::Never,
+                Some(&mut |e| match e {
+                    Event::Rest { .. } => rests += 1,
+                    Event::Release { .. } => releases += 1,
+                    _ => {}
+                }),
+            )
             .unwrap();
-        let (w, rate) = simulator.gap();
+        let (w, rate) = simulator.relative_motion();
         assert!(w.abs() <= p.stop_gap);
         if simulator.contact() != Contact::Flight {
             assert_eq!((w.abs(), rate), (p.stop_gap, 0.0));

@@ -1,8 +1,9 @@
 //! Properties over wide random parameters, loads and steps (proptest shrinks what fails; `proptest-regressions/` keeps it).
 
 use proptest::prelude::*;
+use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::reference::{Reference, Tolerance};
-use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads, advance_together};
+use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads, Stop, advance_together};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 /// A number over several decades.
@@ -113,7 +114,7 @@ proptest! {
             prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
             let mut previous = f64::NEG_INFINITY;
             let mut wrong = None;
-            let outcome = simulator.advance(t, step, false, &mut |e| {
+            let outcome = simulator.advance_until(DoubleDouble::sum(t, step), Stop::Never, Some(&mut |e| {
                 let (time, speed, impulse) = match *e {
                     Event::Impact { time, speed, impulse, .. } => (time, speed, impulse),
                     Event::Rest { .. } => return,
@@ -126,7 +127,7 @@ proptest! {
                     wrong = Some(*e);
                 }
                 previous = time;
-            });
+            }));
             if let Err(error) = outcome {
                 prop_assert!(allowed(&error), "{error}");
                 return Ok(());
@@ -134,7 +135,7 @@ proptest! {
             prop_assert!(wrong.is_none(), "{wrong:?}");
             t += step;
             prop_assert!((simulator.time() - t).abs() <= 1e-15 * t);
-            let (w, rate) = simulator.gap();
+            let (w, rate) = simulator.relative_motion();
             prop_assert!(w.abs() <= p.stop_gap * (1.0 + 1e-12));
             if simulator.contact() != Contact::Flight {
                 prop_assert!(rate == 0.0 && simulator.contact_force() >= 0.0);
@@ -163,7 +164,7 @@ proptest! {
         let mut split = whole.clone();
         let mut least = f64::INFINITY;
         let mut impacts = 0;
-        let outcome = whole.advance(0.0, end, false, &mut |e| if let Event::Impact { speed, .. } = e {
+        let outcome = whole.advance_observed(end, &mut |e| if let Event::Impact { speed, .. } = e {
             least = least.min(*speed);
             impacts += 1;
         });
@@ -197,7 +198,7 @@ proptest! {
         // From a start in rest the reference method counts a touch of some 1e-11 m/s; this one none.
         let flies = simulator.contact() == Contact::Flight;
         let (mut least, mut events) = (f64::INFINITY, 0);
-        let outcome = simulator.advance(0.0, end, false, &mut |e| {
+        let outcome = simulator.advance_observed(end, &mut |e| {
             events += 1;
             if let Event::Impact { speed, .. } = e {
                 least = least.min(*speed);
@@ -241,7 +242,7 @@ proptest! {
             prop_assert_eq!(&advance_together(&mut single, |_| end)[0], &results[i]);
             prop_assert_eq!(single[0].snapshot(), together[i].snapshot());
             let (mut alone, mut least, mut impacts) = (first[i].clone(), f64::INFINITY, 0u64);
-            let outcome = alone.advance(0.0, end, false, &mut |e| if let Event::Impact { speed, .. } = e {
+            let outcome = alone.advance_observed(end, &mut |e| if let Event::Impact { speed, .. } = e {
                 least = least.min(*speed);
                 impacts += 1;
             });
@@ -251,7 +252,7 @@ proptest! {
             if let Err(error) = &results[i] {
                 prop_assert!(allowed(error), "{error}");
             }
-            let (w, _) = together.gap();
+            let (w, _) = together.relative_motion();
             prop_assert!(w.abs() <= p.stop_gap * (1.0 + 1e-12));
             // A slow impact or a long run of them multiplies round-off: there the two may part in earnest.
             if outcome.is_err() || results[i].is_err() || least < 1e-2 || impacts > 100

@@ -1,6 +1,7 @@
 //! Every way to start, and parameters at the edge of what is allowed.
 
-use vibro_impact::simulator::{Contact, Event, Loads};
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::simulator::{Contact, Event, Loads, Stop};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 fn at_stop(side: f64, relative: f64) -> State {
@@ -51,7 +52,13 @@ fn closed_form_approach_speed_at_the_start_is_an_impact_at_once() {
             let mut simulator =
                 Simulator::new(&Parameters::default(), &at_stop(side, 0.5 * side), 3.0).unwrap();
             let mut first = None;
-            simulator.advance(3.0, step, true, &mut |e| first = first.or(Some(*e))).unwrap();
+            simulator
+                .advance_until(
+                    DoubleDouble::sum(3.0, step),
+                    Stop::AfterImpact,
+                    Some(&mut |e| first = first.or(Some(*e))),
+                )
+                .unwrap();
             match first {
                 Some(Event::Impact { time, speed, side: s, .. }) => {
                     assert_eq!((time, speed, f64::from(s)), (3.0, 0.5, side));
@@ -67,7 +74,7 @@ fn closed_form_leaving_speed_at_the_start_is_none() {
     let mut simulator = Simulator::new(&Parameters::default(), &at_stop(1.0, -0.5), 0.0).unwrap();
     simulator.advance_to(0.5).unwrap();
     assert_eq!(simulator.impacts().upper, 0);
-    assert!(simulator.gap().0 < 0.9);
+    assert!(simulator.relative_motion().0 < 0.9);
 }
 
 #[test]
@@ -173,7 +180,7 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
                 simulator
                     .advance_to(0.2 * f64::from(n))
                     .unwrap_or_else(|e| panic!("{name}, κ = {kappa}: {e}"));
-                let (w, _) = simulator.gap();
+                let (w, _) = simulator.relative_motion();
                 assert!(w.abs() <= p.stop_gap, "{name}, κ = {kappa}: {w}");
                 let l = simulator.energy_accounts();
                 passed = passed.max(l.mechanical).max(l.damped).max(l.input.abs());
@@ -191,9 +198,9 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     for n in 0..200 {
         // The end of a step is begin + step in extended precision, which the present as a double may round down.
-        simulator.advance(simulator.time(), 0.0317, false, &mut |_| {}).unwrap();
+        simulator.advance_until(DoubleDouble::sum(simulator.time(), 0.0317), Stop::Never, None).unwrap();
         let before = simulator.time();
-        simulator.advance(before, 0.0, false, &mut |_| {}).unwrap_or_else(|e| panic!("step {n}: {e}"));
+        simulator.advance_observed(before, &mut |_| {}).unwrap_or_else(|e| panic!("step {n}: {e}"));
         assert_eq!(simulator.time(), before);
     }
 }
@@ -206,7 +213,7 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
         let start = State { x: [0.0, 1.0, 4.0], v: [4.0, -speed, 4.0] };
         let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0).unwrap();
         simulator.advance_to(30.0).unwrap();
-        assert!(simulator.gap().0.abs() <= 1.0);
+        assert!(simulator.relative_motion().0.abs() <= 1.0);
         assert!(simulator.work_counters().substeps < 100_000, "{speed:e}: {:?}", simulator.work_counters());
     }
     let p = Parameters::default();

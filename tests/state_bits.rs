@@ -23,7 +23,8 @@ fn moving(parameters: &Parameters) -> Simulator {
 }
 
 fn record(digest: &mut Digest, s: &Simulator) {
-    let (state, (w, rate), record, energy) = (s.state(), s.gap(), s.impacts(), s.energy_accounts());
+    let (state, (w, rate), record, energy) =
+        (s.state(), s.relative_motion(), s.impacts(), s.energy_accounts());
     digest.reals(&state.x);
     digest.reals(&state.v);
     digest.reals(&[s.time(), w, rate, s.contact_force(), s.drive_phase()]);

@@ -121,7 +121,7 @@ impl Class {
 /// Observes a settled motion over [`OBSERVED`] periods from a whole drive period on.
 ///
 /// # Errors
-/// As [`Simulator::advance`].
+/// As [`Simulator::advance_until`].
 pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
     let p = *simulator.parameters();
     let (begin, length) = (simulator.time(), p.period());
@@ -129,7 +129,7 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
     let (mut strokes, mut halves) = (Vec::new(), Vec::new());
     let (mut impacts, mut rests, mut pattern) = ([0u32; 2], false, 1u64);
     for i in 1..=2 * OBSERVED {
-        simulator.advance(begin + 0.5 * f64::from(i) * length, 0.0, false, &mut |event| match *event {
+        simulator.advance_observed(begin + 0.5 * f64::from(i) * length, &mut |event| match *event {
             Event::Impact { side, .. } => {
                 let upper = side > 0;
                 impacts[usize::from(!upper)] += 1;

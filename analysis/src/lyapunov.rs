@@ -76,7 +76,7 @@ pub struct Convergence {
 /// The spectrum of the motion from the present on; the transient is the caller's to discard.
 ///
 /// # Errors
-/// As [`Simulator::advance`]; [`Error::Undefined`] without a drive, which sets the period.
+/// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
 pub fn spectrum(simulator: &mut Simulator, options: &Options) -> Result<Spectrum> {
     Ok(convergence(simulator, options)?.spectrum)
 }

@@ -91,7 +91,7 @@ impl Turns {
 /// Records the next drive periods of a motion without loads, one by one.
 ///
 /// # Errors
-/// As [`Simulator::advance`].
+/// As [`Simulator::advance_until`].
 pub fn record(simulator: &mut Simulator, periods: u32, visit: &mut dyn FnMut(&Period)) -> Result<()> {
     let parameters: Parameters = *simulator.parameters();
     let model = Model::new(&parameters)?;

@@ -2,7 +2,7 @@
 
 use vibro_impact::error::Result;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Event, Simulator, State, StopReason};
+use vibro_impact::simulator::{Event, Simulator, State, Stop, StopReason};
 
 /// Samples per drive period: cubic interpolation between them is good to about 1e-8 of the amplitudes.
 const PER_PERIOD: u32 = 128;
@@ -34,7 +34,7 @@ pub fn settled(parameters: &Parameters, start: &State, periods: f64) -> Result<S
 /// Records the next periods, cut at impacts.
 ///
 /// # Errors
-/// As [`Simulator::advance`].
+/// As [`Simulator::advance_until`].
 pub fn record(simulator: &mut Simulator, periods: u32) -> Result<Vec<Flight>> {
     let p = *simulator.parameters();
     let (begin, period) = (simulator.time(), p.period());
@@ -48,11 +48,15 @@ pub fn record(simulator: &mut Simulator, periods: u32) -> Result<Vec<Flight>> {
         loop {
             let mut last = None;
             let now = simulator.time();
-            let reason = simulator.advance(end, 0.0, true, &mut |e| {
-                if let Event::Impact { side, impulse, .. } = e {
-                    last = Some(f64::from(*side) * impulse);
-                }
-            });
+            let reason = simulator.advance_until(
+                end,
+                Stop::AfterImpact,
+                Some(&mut |e| {
+                    if let Event::Impact { side, impulse, .. } = e {
+                        last = Some(f64::from(*side) * impulse);
+                    }
+                }),
+            );
             // A step of no length: the impact was at the end itself.
             let reason = reason.or_else(|e| if now >= end { Ok(StopReason::End) } else { Err(e) })?;
             let after = simulator.state();

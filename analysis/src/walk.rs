@@ -5,7 +5,7 @@
 use vibro_impact::error::Result;
 use vibro_impact::flow::Series;
 use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
-use vibro_impact::simulator::{Contact, Event, Simulator};
+use vibro_impact::simulator::{Contact, Event, Simulator, Stop};
 
 /// Coefficients of a series over a piece of at most [`PIECE_TIMES_RATE`]: the rest is 1.2²⁰/20! < 2e-17.
 pub(crate) const TERMS: usize = 20;
@@ -45,7 +45,7 @@ pub(crate) struct Piece {
 
 /// The augmented state of a simulator.
 pub(crate) fn augmented(simulator: &Simulator) -> Augmented {
-    let (state, (w, rate), angle) = (simulator.state(), simulator.gap(), simulator.drive_phase());
+    let (state, (w, rate), angle) = (simulator.state(), simulator.relative_motion(), simulator.drive_phase());
     let mut z = [0.0; LANES];
     z[..6].copy_from_slice(&[state.x[0], w, state.x[2], state.v[0], rate, state.v[2]]);
     (z[7], z[6]) = angle.sin_cos();
@@ -83,7 +83,7 @@ pub(crate) fn along(
 /// Advances a simulator without loads to `end` (s), piece by piece.
 ///
 /// # Errors
-/// As [`Simulator::advance`].
+/// As [`Simulator::advance_until`].
 pub(crate) fn walk(
     simulator: &mut Simulator,
     model: &Model,
@@ -95,11 +95,15 @@ pub(crate) fn walk(
             (augmented(simulator), simulator.time(), mode(simulator.contact()));
         let (mut release, mut hit, mut rests) = (None, None, false);
         // Until the first impact nothing but one release can happen.
-        simulator.advance(end, 0.0, true, &mut |event| match *event {
-            Event::Release { time, .. } => release = Some(time),
-            Event::Impact { time, side, speed, .. } => hit = Some((time, f64::from(side), speed)),
-            Event::Rest { .. } => rests = true,
-        })?;
+        simulator.advance_until(
+            end,
+            Stop::AfterImpact,
+            Some(&mut |event| match *event {
+                Event::Release { time, .. } => release = Some(time),
+                Event::Impact { time, side, speed, .. } => hit = Some((time, f64::from(side), speed)),
+                Event::Rest { .. } => rests = true,
+            }),
+        )?;
         if let Some(at) = release {
             visit(&Piece { mode: way, start, time, span: at - time, end: Break::Release });
             start = along(model, way, &start, at - time, |_, _| ());

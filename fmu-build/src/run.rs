@@ -10,7 +10,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 use vibro_fmi::fmi2::variables;
-use vibro_impact::simulator::{Event, StopReason};
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::simulator::{Event, Stop, StopReason};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Communication steps per drive period: enough for a smooth picture and for amplitudes to three digits.
@@ -97,7 +98,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
         let impacts = instance.integer(&counts)?;
         whole += begin.elapsed();
 
-        native.advance(from, step, false, &mut |_| {})?;
+        native.advance_until(DoubleDouble::sum(from, step), Stop::Never, None)?;
         let (state, time) = (native.state(), native.time());
         let record = native.impacts();
         let expected = [state.x, state.v].concat();
@@ -121,11 +122,15 @@ fn contacts(parameters: &Parameters, end: f64) -> Result<Vec<Contact>> {
     let mut found = Vec::new();
     loop {
         let mut impact = None;
-        let reason = simulator.advance(end, 0.0, true, &mut |event| {
-            if let Event::Impact { time, side, impulse, .. } = *event {
-                impact = Some((time, f64::from(side) * impulse));
-            }
-        })?;
+        let reason = simulator.advance_until(
+            end,
+            Stop::AfterImpact,
+            Some(&mut |event| {
+                if let Event::Impact { time, side, impulse, .. } = *event {
+                    impact = Some((time, f64::from(side) * impulse));
+                }
+            }),
+        )?;
         if let Some((time, impulse)) = impact {
             let after = simulator.state();
             let mut before = after;

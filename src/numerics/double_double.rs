@@ -94,6 +94,13 @@ impl DoubleDouble {
     }
 }
 
+impl From<f64> for DoubleDouble {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self::new(value)
+    }
+}
+
 /// The drive's phase in turns: `turns(t) = turns0 + ω (t - t0)/2π`, re-based when ω changes so that it stays continuous.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivePhase {

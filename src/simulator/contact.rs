@@ -1,7 +1,7 @@
 //! What happens at an event: the impact law, the closing of a chatter run, release.
 
-use super::step::Listener;
-use super::{Contact, Event, Simulator};
+use super::step::EventObserver;
+use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::Series;
 use crate::model::{Augmented, GAP, GAP_RATE, SmoothMode};
 
@@ -16,9 +16,9 @@ const LEAST_BOUNCE: f64 = 1e-12;
 const STEADY: f64 = 0.25;
 
 #[inline(always)]
-fn report(listener: &mut Listener<'_, '_>, event: Event) {
-    if let Some(listener) = listener {
-        listener(&event);
+fn report(observer: &mut EventObserver<'_, '_>, event: Event) {
+    if let Some(observer) = observer {
+        observer(&event);
     }
 }
 
@@ -29,7 +29,7 @@ impl Simulator {
         &mut self,
         z: &mut Augmented,
         side: f64,
-        on_event: &mut Listener<'_, '_>,
+        observer: &mut EventObserver<'_, '_>,
     ) -> bool {
         let (time, stop) = (self.time(), side as i8);
         z[GAP] = side * self.model.gap;
@@ -37,7 +37,7 @@ impl Simulator {
             z[GAP_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
             self.hybrid.departing = 3; // w' and w'' are zero, the jerk leads away
-            report(on_event, Event::Release { time, side: stop });
+            report(observer, Event::Release { time, side: stop });
             return false;
         }
         // A root whose speed round-off has turned negative is a touch.
@@ -45,20 +45,20 @@ impl Simulator {
         let (speed, impulse, lost) = self.model.impact(z, side);
         self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
         self.hybrid.record.count(side, time, speed, impulse);
-        report(on_event, Event::Impact { time, side: stop, speed, impulse });
+        report(observer, Event::Impact { time, side: stop, speed, impulse });
         self.hybrid.departing = 1;
         let rebound = z[GAP_RATE].abs();
         if rebound == 0.0 {
             self.rest_or_depart(*z, side);
             if self.hybrid.contact != Contact::Flight {
-                report(on_event, Event::Rest { time, side: stop });
+                report(observer, Event::Rest { time, side: stop });
             }
         } else if let Some(left) = self.time_to_chatter_end::<LOADS>(z, side, rebound) {
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             self.hybrid.departing = 0;
-            report(on_event, Event::Rest { time: time + left, side: stop });
+            report(observer, Event::Rest { time: time + left, side: stop });
         }
         true
     }
@@ -98,9 +98,14 @@ impl Simulator {
     /// that is not zero; called whenever state, parameters or loads are set from outside.
     pub(super) fn classify_contact(&mut self) {
         let (gap, y) = (self.model.gap, &mut self.hybrid.y);
+        let due = self.hybrid.due.take();
         self.hybrid.departing = 0;
         self.hybrid.contact = Contact::Flight;
         if y[1].abs() < gap {
+            return;
+        }
+        if let Some(DueEvent::Impact { .. }) = due {
+            self.hybrid.due = due; // its law decides, by the new values
             return;
         }
         let side = y[1].signum();

@@ -14,8 +14,10 @@ mod tables;
 mod types;
 
 pub use batch::advance_together;
-pub use step::Listener;
-pub use types::{Contact, EnergyAccounts, Event, ImpactRecord, Loads, StopReason, WorkCounters};
+pub use step::EventObserver;
+pub use types::{
+    Contact, DueEvent, EnergyAccounts, Event, ImpactRecord, Loads, Stop, StopReason, WorkCounters,
+};
 
 use crate::energy::{self, Pending, Sums};
 use crate::error::{Error, Result};
@@ -39,6 +41,8 @@ struct HybridState {
     contact: Contact,
     /// In flight from a stop: the order of the first derivative of the gap that leads away from it; else 0.
     departing: u8,
+    /// The event at which the motion stands, its law not yet applied.
+    due: Option<DueEvent>,
     phase: DrivePhase,
     loads: Forces,
     loads_from: DoubleDouble,
@@ -60,6 +64,7 @@ impl HybridState {
             y,
             contact: Contact::Flight,
             departing: 0,
+            due: None,
             phase: DrivePhase::new(parameters.drive_phase),
             loads: [[0.0; 4]; 3],
             loads_from: DoubleDouble::new(time),
@@ -143,6 +148,10 @@ impl Simulator {
 
     /// Takes effect at once; a change of drive frequency keeps the drive's phase continuous, a change of drive phase
     /// shifts it. Energy that the change itself adds to springs and masses counts as input.
+    ///
+    /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop, and its law takes the new
+    /// values; a release that is due is decided anew, as contact is after every change. The same holds for
+    /// [`set_loads`](Self::set_loads).
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing has changed then.
@@ -244,7 +253,7 @@ impl Simulator {
     }
 
     /// Relative displacement w = x2 - x1 (m) and its rate (m/s): exactly ±L and 0 in rest.
-    pub fn gap(&self) -> (f64, f64) {
+    pub fn relative_motion(&self) -> (f64, f64) {
         (self.hybrid.y[1], self.hybrid.y[4])
     }
 
@@ -288,49 +297,97 @@ impl Simulator {
         &self.work
     }
 
-    /// Advances to exactly `end` (s).
+    /// Advances to exactly `end` (s), through all events.
     ///
     /// # Errors
-    /// [`Error::Step`] for an end before the present or not finite; [`Error::PrecisionLost`] for one that a double no longer
-    /// tells from a moment later; [`Error::ImpactRate`], after which the state stands at the time named.
+    /// As [`advance_until`](Self::advance_until).
     pub fn advance_to(&mut self, end: f64) -> Result<()> {
-        self.proceed(end, 0.0, false, None).map(|_| ())
+        self.advance_until(end, Stop::Never, None).map(|_| ())
     }
 
-    /// Advances to `begin + step` in extended precision (s), reporting each event; optionally stops just after the first
-    /// impact. `begin` may differ from the present time: the end is what counts.
+    /// Advances to just after the first impact, or to `end` (s) if none comes before.
     ///
     /// # Errors
-    /// As [`advance_to`](Self::advance_to).
-    pub fn advance(
-        &mut self,
-        begin: f64,
-        step: f64,
-        stop_at_impact: bool,
-        on_event: &mut dyn FnMut(&Event),
-    ) -> Result<StopReason> {
-        self.proceed(begin, step, stop_at_impact, Some(on_event))
+    /// As [`advance_until`](Self::advance_until).
+    pub fn advance_to_impact(&mut self, end: f64) -> Result<StopReason> {
+        self.advance_until(end, Stop::AfterImpact, None)
     }
 
-    /// [`advance`](Self::advance), which nobody need listen to.
-    pub fn proceed(
+    /// Advances to exactly `end` (s) and shows `observer` each event in order of time.
+    ///
+    /// # Errors
+    /// As [`advance_until`](Self::advance_until).
+    pub fn advance_observed(&mut self, end: f64, observer: &mut dyn FnMut(&Event)) -> Result<()> {
+        self.advance_until(end, Stop::Never, Some(observer)).map(|_| ())
+    }
+
+    /// Advances to `end` (s, a double or a double-double) or to where `stop` says, and shows `observer`, if there is one,
+    /// each event in order of time. The law of an event that is [due](Self::due_event) is applied first; it counts as the
+    /// first impact for [`Stop::AfterImpact`].
+    ///
+    /// An end before the present by no more than the rounding of [`time`](Self::time) to a double is the present.
+    ///
+    /// # Errors
+    /// [`Error::Step`] for an end before the present or not finite, [`Error::PrecisionLost`] for one that a double no longer
+    /// tells from a moment later: nothing has changed then. [`Error::ImpactRate`] for a motion that does not get on: the
+    /// state then stands at the time named.
+    pub fn advance_until(
         &mut self,
-        begin: f64,
-        step: f64,
-        stop_at_impact: bool,
-        on_event: Listener<'_, '_>,
+        end: impl Into<DoubleDouble>,
+        stop: Stop,
+        mut observer: EventObserver<'_, '_>,
     ) -> Result<StopReason> {
-        let end = DoubleDouble::sum(begin, step);
+        let end = end.into();
         let span = end.minus(self.hybrid.time).value();
-        // The present as a double may lie before the present in extended precision: no time is left to advance.
-        if span < 0.0 && span >= -f64::EPSILON * self.time().abs() {
-            return Ok(StopReason::End);
-        }
-        if !(end.value().is_finite() && span >= 0.0) {
+        let rounded = span < 0.0 && span >= -f64::EPSILON * self.time().abs();
+        if !(end.value().is_finite() && (span >= 0.0 || rounded)) {
             return Err(Error::Step { time: self.time(), end: end.value() });
         }
         check_time(self.model.rate, end.value())?;
-        self.run(end, stop_at_impact, on_event)
+        let applied = self.apply_due_event(observer.as_deref_mut());
+        if stop == Stop::AfterImpact && matches!(applied, Some(DueEvent::Impact { .. })) {
+            return Ok(StopReason::Impact);
+        }
+        if rounded {
+            return Ok(StopReason::End);
+        }
+        self.run(end, stop, observer)
+    }
+
+    /// The event at which an advance with [`Stop::BeforeEvent`] has stopped and whose law is not yet applied. State,
+    /// accelerations and contact are those before it.
+    pub fn due_event(&self) -> Option<DueEvent> {
+        self.hybrid.due
+    }
+
+    /// Applies the law of the event that is due and returns which it was; nothing happens when none is. A further advance
+    /// would do it by itself. The motion goes on with the same bits as after [`Stop::AfterImpact`], but for the account of
+    /// input energy, which is summed in another order.
+    pub fn apply_due_event(&mut self, mut observer: EventObserver<'_, '_>) -> Option<DueEvent> {
+        let due = self.hybrid.due.take()?;
+        let (mut z, side) = (self.augmented(), f64::from(due.side()));
+        self.work.events += 1;
+        if self.loaded() {
+            self.apply_event_law::<1>(&mut z, side, &mut observer);
+        } else {
+            self.apply_event_law::<0>(&mut z, side, &mut observer);
+        }
+        self.hybrid.y.copy_from_slice(&z[..6]);
+        Some(due)
+    }
+
+    /// The next event up to `horizon` (s), found on a copy: this simulator stays as it is. An event that is due is the next.
+    ///
+    /// # Errors
+    /// As [`advance_until`](Self::advance_until).
+    pub fn next_event(&self, horizon: f64) -> Result<Option<Event>> {
+        let mut ahead = self.clone().without_energy_accounts();
+        if ahead.hybrid.due.is_none() {
+            ahead.advance_until(horizon, Stop::BeforeEvent, None)?;
+        }
+        let mut next = None;
+        ahead.apply_due_event(Some(&mut |event: &Event| next = next.or(Some(*event))));
+        Ok(next)
     }
 
     /// All that is needed to come back to this point.
@@ -352,6 +409,22 @@ impl Simulator {
         let gap = snapshot.parameters.stop_gap;
         if hybrid.y[1].abs() > gap {
             return Err(Error::Penetration { value: hybrid.y[1], gap });
+        }
+        if let Some(due) = hybrid.due {
+            let side = f64::from(due.side());
+            let touches = side.abs() == 1.0 && hybrid.y[1] == side * gap;
+            let fits = match due {
+                DueEvent::Impact { .. } => hybrid.contact == Contact::Flight && side * hybrid.y[4] >= 0.0,
+                DueEvent::Release { .. } => hybrid.contact.side() == side,
+            };
+            if !(touches && fits) {
+                let allowed = "the stop, +1 or -1, that the block touches";
+                return Err(Error::OutOfRange {
+                    name: "snapshot: stop of the event that is due",
+                    value: side,
+                    allowed,
+                });
+            }
         }
         if snapshot.parameters != self.parameters {
             let model = Model::new(&snapshot.parameters)?;

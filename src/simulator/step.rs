@@ -1,6 +1,6 @@
 //! An advance: sub-step after sub-step, each to its end or to its first event, whose law is applied.
 
-use super::{Contact, Event, ModeTables, Simulator, StopReason};
+use super::{Contact, DueEvent, Event, ModeTables, Simulator, Stop, StopReason};
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
 use crate::model::{Augmented, GAP, GAP_RATE};
@@ -35,36 +35,36 @@ pub(super) struct AdvanceState {
 struct Run<'a, 'b, const ACCOUNTS: bool> {
     simulator: &'a mut Simulator,
     end: DoubleDouble,
-    stop_at_impact: bool,
-    on_event: Listener<'a, 'b>,
+    stop: Stop,
+    observer: EventObserver<'a, 'b>,
 }
 
-/// Who hears of events, if anyone.
-pub type Listener<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
+/// What is shown each event in order of time, if there is anything.
+pub type EventObserver<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
 
 impl<const ACCOUNTS: bool> pulp::WithSimd for Run<'_, '_, ACCOUNTS> {
     type Output = Result<StopReason>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { simulator, end, stop_at_impact, on_event } = self;
-        simulator.run_as::<S, 0, ACCOUNTS>(simd, end, stop_at_impact, on_event)
+        let Self { simulator, end, stop, observer } = self;
+        simulator.run_as::<S, 0, ACCOUNTS>(simd, end, stop, observer)
     }
 }
 
 impl Simulator {
-    /// Advances to `end`; see [`Simulator::advance`].
+    /// Advances to `end`; see [`Simulator::advance_until`].
     pub(super) fn run(
         &mut self,
         end: DoubleDouble,
-        stop_at_impact: bool,
-        on_event: Listener<'_, '_>,
+        stop: Stop,
+        observer: EventObserver<'_, '_>,
     ) -> Result<StopReason> {
         match (self.loaded(), self.keeps_energy_accounts) {
-            (false, false) => self.dispatch::<false>(end, stop_at_impact, on_event),
-            (false, true) => self.dispatch::<true>(end, stop_at_impact, on_event),
-            (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, stop_at_impact, on_event),
-            (true, true) => self.run_as::<_, 1, true>(pulp::Scalar, end, stop_at_impact, on_event),
+            (false, false) => self.dispatch::<false>(end, stop, observer),
+            (false, true) => self.dispatch::<true>(end, stop, observer),
+            (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, stop, observer),
+            (true, true) => self.run_as::<_, 1, true>(pulp::Scalar, end, stop, observer),
         }
     }
 
@@ -73,10 +73,10 @@ impl Simulator {
     fn dispatch<const ACCOUNTS: bool>(
         &mut self,
         end: DoubleDouble,
-        stop_at_impact: bool,
-        on_event: Listener<'_, '_>,
+        stop: Stop,
+        observer: EventObserver<'_, '_>,
     ) -> Result<StopReason> {
-        pulp::Arch::new().dispatch(Run::<ACCOUNTS> { simulator: self, end, stop_at_impact, on_event })
+        pulp::Arch::new().dispatch(Run::<ACCOUNTS> { simulator: self, end, stop, observer })
     }
 
     #[inline(always)]
@@ -84,8 +84,8 @@ impl Simulator {
         &mut self,
         simd: S,
         end: DoubleDouble,
-        stop_at_impact: bool,
-        mut on_event: Listener<'_, '_>,
+        stop: Stop,
+        mut observer: EventObserver<'_, '_>,
     ) -> Result<StopReason> {
         let mut advance = self.begin_advance();
         // The drive's work in a flight without loads is kept as a difference of values.
@@ -94,13 +94,7 @@ impl Simulator {
             self.open_account(&mut advance);
         }
         loop {
-            let going = self.next_substep::<S, LOADS, ACCOUNTS>(
-                simd,
-                &mut advance,
-                end,
-                stop_at_impact,
-                &mut on_event,
-            );
+            let going = self.next_substep::<S, LOADS, ACCOUNTS>(simd, &mut advance, end, stop, &mut observer);
             if let ControlFlow::Break(reason) = going {
                 if by_difference {
                     if self.hybrid.contact == Contact::Flight {
@@ -127,8 +121,8 @@ impl Simulator {
         simd: S,
         advance: &mut AdvanceState,
         end: DoubleDouble,
-        stop_at_impact: bool,
-        on_event: &mut Listener<'_, '_>,
+        stop: Stop,
+        observer: &mut EventObserver<'_, '_>,
     ) -> ControlFlow<Result<StopReason>> {
         // Far from the end the leading parts tell enough; near it every digit counts.
         let mut remaining = end.hi - self.hybrid.time.hi;
@@ -143,7 +137,7 @@ impl Simulator {
         self.renew(advance);
         let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut advance.z, remaining, end);
         let (contact, speed) = (self.hybrid.contact, advance.z[3]);
-        let going = self.finish_substep::<LOADS>(advance, passage, stop_at_impact, on_event);
+        let going = self.finish_substep::<LOADS>(advance, passage, stop, observer);
         if ACCOUNTS && LOADS == 0 && passage.is_some() {
             self.account_event(advance, contact, speed);
         }
@@ -174,8 +168,8 @@ impl Simulator {
         &mut self,
         advance: &mut AdvanceState,
         passage: Option<f64>,
-        stop_at_impact: bool,
-        on_event: &mut Listener<'_, '_>,
+        stop: Stop,
+        observer: &mut EventObserver<'_, '_>,
     ) -> ControlFlow<Result<StopReason>> {
         advance.burst += 1;
         if self.hybrid.time.hi - advance.burst_from.hi > self.substep {
@@ -185,14 +179,34 @@ impl Simulator {
             return ControlFlow::Break(Err(self.too_many(passage.is_some())));
         }
         if let Some(side) = passage {
+            if stop == Stop::BeforeEvent {
+                return ControlFlow::Break(Ok(self.stop_before_event(advance, side)));
+            }
             self.work.events += 1;
-            let impact = self.apply_event_law::<LOADS>(&mut advance.z, side, on_event);
-            if impact && stop_at_impact {
+            let impact = self.apply_event_law::<LOADS>(&mut advance.z, side, observer);
+            if impact && stop == Stop::AfterImpact {
                 self.hybrid.y.copy_from_slice(&advance.z[..6]);
                 return ControlFlow::Break(Ok(StopReason::Impact));
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits that the law takes.
+    #[cold]
+    fn stop_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> StopReason {
+        let z = &mut advance.z;
+        z[GAP] = side * self.model.gap;
+        let stop = side as i8;
+        self.hybrid.due = Some(if self.hybrid.contact == Contact::Flight {
+            z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
+            DueEvent::Impact { side: stop }
+        } else {
+            z[GAP_RATE] = 0.0;
+            DueEvent::Release { side: stop }
+        });
+        self.hybrid.y.copy_from_slice(&z[..6]);
+        StopReason::EventDue
     }
 
     /// The error for a motion that does not get on: impacts without end, or a path that needs steps without end.

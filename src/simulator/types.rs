@@ -82,13 +82,52 @@ pub struct EnergyAccounts {
     pub impact: f64,
 }
 
+/// Where an advance ends if not at the time it was given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stop {
+    /// Nowhere: it goes through all events.
+    #[default]
+    Never,
+    /// Just after the first impact, its law applied.
+    AfterImpact,
+    /// At the first event (impact or release) and before its law: the state is the left limit.
+    BeforeEvent,
+}
+
 /// How an advance ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
     /// At the requested end.
     End,
-    /// Just after the first impact, as asked for.
+    /// Just after the first impact, as [`Stop::AfterImpact`] asks for.
     Impact,
+    /// Before the first event, as [`Stop::BeforeEvent`] asks for; the event is due.
+    EventDue,
+}
+
+/// An event at which a motion stands and whose law has yet to be applied. (Capture into rest is no event of its own: the
+/// impact law decides on it.)
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DueEvent {
+    /// The block touches stop `side` from inside.
+    Impact {
+        /// +1 upper, -1 lower.
+        side: i8,
+    },
+    /// The contact force at stop `side` has fallen to zero.
+    Release {
+        /// +1 upper, -1 lower.
+        side: i8,
+    },
+}
+
+impl DueEvent {
+    /// The stop: +1 upper, -1 lower.
+    pub fn side(self) -> i8 {
+        match self {
+            Self::Impact { side } | Self::Release { side } => side,
+        }
+    }
 }
 
 /// Counters of work done, for snapshots that catch lost efficiency.

@@ -80,7 +80,7 @@ impl Motion {
             time: simulator.time(),
             state,
             acceleration: simulator.acceleration(),
-            gap: simulator.gap(),
+            gap: simulator.relative_motion(),
             contact_force: simulator.contact_force(),
             contact: simulator.contact(),
             coupling_force: simulator.parameters().coupling_stiffness * (state.x[1] - state.x[2]),

@@ -10,7 +10,7 @@ mod rows;
 mod substep;
 
 use super::super::step::{AdvanceState, RENEW};
-use super::super::{Contact, Simulator, StopReason};
+use super::super::{Contact, Simulator, Stop, StopReason};
 use crate::error::Result;
 use crate::model::{Augmented, GAP};
 use crate::numerics::double_double::DoubleDouble;
@@ -125,9 +125,9 @@ impl LaneMotion<'_> {
         let mut going = match touched {
             Some(_) => {
                 advance.burst = advance.burst.saturating_sub(1); // the lanes have counted the sub-step
-                simulator.finish_substep::<0>(advance, touched, false, &mut None)
+                simulator.finish_substep::<0>(advance, touched, Stop::Never, &mut None)
             }
-            None => simulator.next_substep::<S, 0, false>(simd, advance, *end, false, &mut None),
+            None => simulator.next_substep::<S, 0, false>(simd, advance, *end, Stop::Never, &mut None),
         };
         loop {
             if let ControlFlow::Break(reason) = going {
@@ -137,7 +137,7 @@ impl LaneMotion<'_> {
             if simulator.suits_lanes(&advance.z, *end) {
                 return true;
             }
-            going = simulator.next_substep::<S, 0, false>(simd, advance, *end, false, &mut None);
+            going = simulator.next_substep::<S, 0, false>(simd, advance, *end, Stop::Never, &mut None);
         }
     }
 }

@@ -26,6 +26,7 @@ pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -
         if simulator.keeps_energy_accounts || simulator.loaded() {
             *result = simulator.advance_to(end(simulator));
         } else {
+            simulator.apply_due_event(None);
             let (advance, end) = (simulator.begin_advance(), DoubleDouble::new(end(simulator)));
             waiting.push(LaneMotion { simulator, advance, end, result });
         }

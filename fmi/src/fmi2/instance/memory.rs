@@ -13,7 +13,7 @@ use vibro_impact::simulator::{Simulator, Snapshot};
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROFMU";
 /// Version of the bytes that follow.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Everything an instance needs to continue: its place in the state machine, what was set, and what moves. Log settings
 /// and name are the instance's own.

@@ -5,8 +5,9 @@ use crate::fmi2::logging::{Category, Log, Status};
 use crate::fmi2::problem::Problem;
 use crate::fmi2::states::{Function, State};
 use vibro_impact::error::Error;
+use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Event, Listener, Loads, Simulator, StopReason};
+use vibro_impact::simulator::{Event, EventObserver, Loads, Simulator, Stop, StopReason};
 
 /// How far a master's time may be off ours, relative to max(1, |t|): masters add step sizes up and drift by about 1e-14 a
 /// step, which stays below this for 1e5 steps; anything larger is a mistake.
@@ -156,9 +157,11 @@ fn simulate(
     loads: Option<&Loads>,
     (point, size): (f64, f64),
     stop_at_impact: bool,
-    mut report: Listener<'_, '_>,
+    mut report: EventObserver<'_, '_>,
 ) -> Outcome<StopReason> {
     let before = simulator.snapshot();
+    let end = DoubleDouble::sum(point, size);
+    let stop = if stop_at_impact { Stop::AfterImpact } else { Stop::Never };
     let mut advance = || {
         if let Some(parameters) = parameters {
             simulator.set_parameters(parameters)?;
@@ -166,7 +169,7 @@ fn simulate(
         if let Some(loads) = loads {
             simulator.set_loads(loads)?;
         }
-        match simulator.proceed(point, size, stop_at_impact, report.as_deref_mut()) {
+        match simulator.advance_until(end, stop, report.as_deref_mut()) {
             // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
             Err(Error::Step { .. }) => Ok(StopReason::End),
             Ok(StopReason::End) if stop_at_impact => {
@@ -175,7 +178,7 @@ fn simulate(
             }
             // At the end but for rounding.
             Ok(StopReason::Impact) if point + size - simulator.time() <= rounding(point + size) => {
-                simulator.proceed(point, size, false, report.as_deref_mut())
+                simulator.advance_until(end, Stop::Never, report.as_deref_mut())
             }
             reason => reason,
         }
@@ -195,11 +198,11 @@ fn rounding(end: f64) -> f64 {
 
 /// Takes an impact that lies past a step's end by rounding alone. A master that comes to the time of an impact it was
 /// told must have it behind itself: else its next step would end where it began, and it could not get on.
-fn impact_at(simulator: &mut Simulator, end: f64, report: Listener<'_, '_>) -> Result<(), Error> {
+fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>) -> Result<(), Error> {
     let before = simulator.snapshot();
-    match simulator.proceed(end, rounding(end), true, report)? {
+    match simulator.advance_until(DoubleDouble::sum(end, rounding(end)), Stop::AfterImpact, report)? {
         StopReason::Impact => Ok(()),
-        StopReason::End => simulator.restore(&before),
+        StopReason::End | StopReason::EventDue => simulator.restore(&before),
     }
 }
 

@@ -1,0 +1,192 @@
+//! Pausing before an event, applying its law, and looking ahead.
+
+use vibro_impact::simulator::{Contact, DueEvent, Event, Loads, Stop, StopReason};
+use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+
+/// Sums of the input energy are formed in another order where a motion pauses: round-off of a few hundred additions.
+const SUM_ROUNDING: f64 = 1e-12;
+/// A pause takes the drive's phase anew: round-off of the phase, multiplied by some tens of impacts of a stable motion.
+const PHASE_ROUNDING: f64 = 1e-11;
+
+fn start() -> State {
+    State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }
+}
+
+fn system(f10: f64, kappa: f64) -> Parameters {
+    Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
+}
+
+fn simulator(p: &Parameters) -> Simulator {
+    Simulator::new(p, &start(), 0.0).unwrap()
+}
+
+/// All but the account of input energy, as bits.
+fn bits(s: &Simulator) -> Vec<u64> {
+    let (state, (w, rate), record) = (s.state(), s.relative_motion(), s.impacts());
+    let energy = s.energy_accounts();
+    let counts = [record.upper as f64, record.lower as f64];
+    let numbers = [s.time(), w, rate, record.last_time, record.last_speed, record.total_impulse];
+    let all = [&state.x[..], &state.v, &counts, &numbers, &[energy.damped, energy.impact, energy.mechanical]];
+    all.concat().into_iter().map(f64::to_bits).collect()
+}
+
+#[test]
+fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
+    // κ 0.7: impacts alone; 0 and 0.3: capture into rest and release as well, with pauses at the releases.
+    for (f10, kappa) in [(1.5, 0.7), (3.5, 0.75), (1.5, 0.0), (1.5, 0.3), (3.0, 1.0)] {
+        let p = system(f10, kappa);
+        let end = 30.0 * p.period();
+        let (mut after, mut before) = (simulator(&p), simulator(&p));
+        let (mut impacts, mut releases) = (0, false);
+        loop {
+            let seen = after.advance_to_impact(end).unwrap();
+            let reason = before.advance_until(end, Stop::BeforeEvent, None).unwrap();
+            if let Some(DueEvent::Release { side }) = before.due_event() {
+                assert_eq!(before.contact().side(), f64::from(side));
+                releases = true;
+                break; // from here on the phase is taken anew at other times
+            }
+            assert_eq!(reason == StopReason::EventDue, seen == StopReason::Impact, "{kappa}");
+            if reason == StopReason::End {
+                break;
+            }
+            let mut shown = 0;
+            let due = before.apply_due_event(Some(&mut |_| shown += 1));
+            assert!(matches!(due, Some(DueEvent::Impact { .. })) && shown >= 1);
+            assert_eq!(bits(&before), bits(&after), "kappa {kappa} at {}", after.time());
+            let input = [&before, &after].map(|s| s.energy_accounts().input);
+            assert!((input[0] - input[1]).abs() < SUM_ROUNDING * (1.0 + input[0].abs()), "{input:?}");
+            impacts += 1;
+        }
+        assert!(impacts > 10 || releases, "kappa {kappa}: {impacts}");
+    }
+}
+
+#[test]
+fn invariant_a_pause_changes_nothing_but_round_off() {
+    for kappa in [0.0, 0.3, 0.7] {
+        let p = system(1.5, kappa);
+        let end = 20.0 * p.period();
+        let (mut whole, mut paused) = (simulator(&p), simulator(&p));
+        let mut events = [0, 0];
+        whole.advance_observed(end, &mut |_| events[0] += 1).unwrap();
+        while paused.advance_until(end, Stop::BeforeEvent, Some(&mut |_| events[1] += 1)).unwrap()
+            == StopReason::EventDue
+        {
+            let (w, rate) = paused.relative_motion();
+            let side = f64::from(paused.due_event().unwrap().side());
+            assert!(w == side * p.stop_gap && side * rate >= 0.0, "the left limit: {w} {rate}");
+        }
+        assert_eq!(events[0], events[1]);
+        let (a, b) = (whole.state(), paused.state());
+        for i in 0..3 {
+            let off = (a.x[i] - b.x[i]).abs().max((a.v[i] - b.v[i]).abs());
+            assert!(off < PHASE_ROUNDING, "kappa {kappa}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn closed_form_the_left_limit_and_the_law() {
+    let p = system(1.5, 0.7);
+    let mut s = simulator(&p);
+    assert_eq!(s.advance_until(100.0, Stop::BeforeEvent, None).unwrap(), StopReason::EventDue);
+    let (time, before, (w, rate)) = (s.time(), s.state(), s.relative_motion());
+    let mut event = None;
+    s.apply_due_event(Some(&mut |e| event = Some(*e)));
+    assert_eq!((s.time(), s.due_event()), (time, None));
+    let Some(Event::Impact { time: told, side, speed, impulse }) = event else { panic!("{event:?}") };
+    let side = f64::from(side);
+    assert_eq!((told, w, speed), (time, side * p.stop_gap, side * rate));
+    assert_eq!(s.relative_motion().1, -p.stop_restitution * rate);
+    let push = [impulse, -impulse].map(|i| side * i);
+    for (body, mass) in [p.box_mass, p.block_mass].into_iter().enumerate() {
+        let gained = mass * (s.state().v[body] - before.v[body]);
+        assert!((gained - push[body]).abs() < 1e-14, "body {body}: {gained} {}", push[body]);
+    }
+    assert_eq!(s.apply_due_event(None), None);
+}
+
+#[test]
+fn invariant_a_snapshot_of_a_pause_goes_on_with_the_same_bits() {
+    for (kappa, end) in [(0.7, 100.0), (0.0, 300.0)] {
+        let p = system(1.5, kappa);
+        let mut one = simulator(&p);
+        let mut kinds = [false; 2];
+        while one.advance_until(end, Stop::BeforeEvent, None).unwrap() == StopReason::EventDue {
+            kinds[usize::from(one.contact() != Contact::Flight)] = true;
+            let mut two = Simulator::new(&system(0.5, 0.9), &State::default(), 0.0).unwrap();
+            two.restore(&one.snapshot()).unwrap();
+            assert_eq!(two.due_event(), one.due_event());
+            let mut three = one.clone();
+            two.advance_to(end + 1.0).unwrap();
+            three.advance_to(end + 1.0).unwrap();
+            assert_eq!(two.snapshot(), three.snapshot());
+        }
+        assert!(kinds[0] && (kinds[1] || kappa > 0.0));
+    }
+}
+
+#[test]
+fn invariant_a_look_ahead_tells_what_comes_and_changes_nothing() {
+    let p = system(1.5, 0.3);
+    let mut s = simulator(&p);
+    for _ in 0..40 {
+        let before = s.snapshot();
+        let work = *s.work_counters();
+        let ahead = s.next_event(1e3).unwrap().expect("events without end");
+        assert!(s.snapshot() == before && *s.work_counters() == work);
+        assert_eq!(s.next_event(s.time()).unwrap(), None);
+        assert_eq!(s.advance_until(1e3, Stop::BeforeEvent, None).unwrap(), StopReason::EventDue);
+        assert_eq!(s.next_event(s.time()).unwrap(), Some(ahead), "what is due is next");
+        let mut first = None;
+        s.apply_due_event(Some(&mut |e| first = first.or(Some(*e))));
+        assert_eq!(first, Some(ahead));
+    }
+}
+
+#[test]
+fn invariant_a_pause_in_an_advance_counts_as_its_first_impact() {
+    let p = system(1.5, 0.7);
+    let mut s = simulator(&p);
+    s.advance_until(100.0, Stop::BeforeEvent, None).unwrap();
+    let time = s.time();
+    assert!(s.advance_to(time - 0.1).is_err() && s.due_event().is_some(), "an error applies nothing");
+    assert_eq!(s.advance_to_impact(100.0).unwrap(), StopReason::Impact);
+    assert_eq!((s.time(), s.due_event()), (time, None));
+    // An advance of no length applies it as well.
+    s.advance_until(100.0, Stop::BeforeEvent, None).unwrap();
+    let count = s.impacts().upper + s.impacts().lower;
+    s.advance_to(s.time()).unwrap();
+    assert_eq!((s.due_event(), s.impacts().upper + s.impacts().lower), (None, count + 1));
+}
+
+#[test]
+fn closed_form_changes_while_an_event_is_due() {
+    let p = system(1.5, 0.7);
+    let mut s = simulator(&p);
+    s.advance_until(100.0, Stop::BeforeEvent, None).unwrap();
+    let (due, rate) = (s.due_event(), s.relative_motion().1);
+    // The law takes the new restitution.
+    s.set_parameters(&Parameters { stop_restitution: 0.25, ..p }).unwrap();
+    s.set_loads(&Loads { derivatives: [[0.1, 0.0, 0.0, 0.0]; 3] }).unwrap();
+    assert_eq!(s.due_event(), due);
+    s.apply_due_event(None);
+    assert_eq!(s.relative_motion().1, -0.25 * rate);
+    // A wider gap: the block no longer touches the stop.
+    s.set_parameters(&p).unwrap();
+    s.advance_until(200.0, Stop::BeforeEvent, None).unwrap();
+    assert!(s.due_event().is_some());
+    s.set_parameters(&Parameters { stop_gap: 1.5 * p.stop_gap, ..p }).unwrap();
+    assert_eq!((s.due_event(), s.contact()), (None, Contact::Flight));
+    // A release that a load presses down again is none.
+    let mut s = simulator(&system(1.5, 0.0));
+    while !matches!(s.due_event(), Some(DueEvent::Release { .. })) {
+        s.advance_until(1e3, Stop::BeforeEvent, None).unwrap();
+    }
+    let side = s.contact().side();
+    let mut loads = Loads::default();
+    loads.derivatives[1][0] = side;
+    s.set_loads(&loads).unwrap();
+    assert_eq!((s.due_event(), s.contact().side()), (None, side));
+}
