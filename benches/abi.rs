@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::ptr::{null, null_mut};
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::variables::reference;
+use vibro_fmi::component::variables::reference;
 
 const OUTPUTS: [&str; 10] = [
     "box.s",

@@ -7,7 +7,7 @@ use fmu_build::host::Binary;
 use std::fmt::Write as _;
 use std::time::Instant;
 use vibro_fmi::fmi2::description::{self, MODEL_IDENTIFIER};
-use vibro_fmi::fmi2::variables;
+use vibro_fmi::component::variables;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::simulator::advance_together;

@@ -3,9 +3,9 @@
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
+use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::variables::reference;
 use vibro_impact::{Parameters, Simulator, State};
 
 const OK: c_int = 0;

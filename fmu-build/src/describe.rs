@@ -3,8 +3,8 @@
 use crate::error::{Error, Result};
 use crate::schema::*;
 use serde::Serialize;
-use vibro_fmi::fmi2::structure::{self, DependencyKind};
-use vibro_fmi::fmi2::variables::{Causality, Initial, Kind, VARIABLES, Variability, Variable, find};
+use vibro_fmi::component::structure::{self, DependencyKind};
+use vibro_fmi::component::variables::{Causality, Initial, Kind, VARIABLES, Variability, Variable, find};
 use vibro_fmi::fmi2::{description, units};
 
 /// The model description, made from the table.

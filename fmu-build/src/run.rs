@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
-use vibro_fmi::fmi2::variables;
+use vibro_fmi::component::variables;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Event, Stop, StopReason};
 use vibro_impact::{Parameters, Simulator, State};

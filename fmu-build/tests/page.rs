@@ -5,7 +5,7 @@ use quick_xml::events::Event;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use vibro_fmi::fmi2::variables::{Kind, VARIABLES};
+use vibro_fmi::component::variables::{Kind, VARIABLES};
 
 #[test]
 fn every_variable_has_name_unit_range_and_meaning() {

@@ -1,7 +1,7 @@
 //! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`: the packaged one has no way to.
 #![allow(unsafe_code)] // exported by name
 
-use vibro_fmi::fmi2::panics::{guarded, silence};
+use vibro_fmi::ffi::panics::{guarded, silence};
 
 /// Returns `fmi2Fatal`.
 #[unsafe(no_mangle)]

@@ -1,7 +1,8 @@
 use super::*;
+use crate::component::Interface;
+use crate::component::variables::reference;
 use crate::fmi2::description;
-use crate::fmi2::states::{Interface, State};
-use crate::fmi2::variables::reference;
+use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
 mod random;
