@@ -16,77 +16,15 @@ mod tests;
 use super::closed_form::ClosedForm;
 use super::continuous::Continuous;
 use super::log::{Category, Log};
+use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings};
+use super::steady;
 use super::values::OutputValues;
-use serde::{Deserialize, Serialize};
 use vibro_impact::simulator::Simulator;
 
 pub use step::{StepOutcome, StepReason};
-
-/// How a component is used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Interface {
-    /// The host brings the solver.
-    ModelExchange,
-    /// The component steps itself.
-    CoSimulation,
-}
-
-impl Interface {
-    /// Name for messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ModelExchange => "Model Exchange",
-            Self::CoSimulation => "Co-Simulation",
-        }
-    }
-}
-
-/// Where a component stands in its life, whatever a protocol calls it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Phase {
-    /// Just made or reset.
-    Instantiated,
-    /// The start is being set and looked at.
-    Initialization,
-    /// At an event, between two pieces of a host's integration.
-    Event,
-    /// A host's solver integrates.
-    Continuous,
-    /// At a communication point.
-    Step,
-    /// At the impact at which a step ended early: the state saved before the step may be put back.
-    StoppedEarly,
-    /// The simulation is over; outputs can still be read.
-    Terminated,
-    /// A panic has left it in an unknown state.
-    Broken,
-}
-
-impl Phase {
-    /// In words, for messages.
-    fn words(self) -> &'static str {
-        match self {
-            Self::Instantiated => "before initialization",
-            Self::Initialization => "in initialization",
-            Self::Event => "at an event",
-            Self::Continuous => "between events",
-            Self::Step => "at a communication point",
-            Self::StoppedEarly => "at the impact at which the step ended",
-            Self::Terminated => "after the end",
-            Self::Broken => "after an internal error",
-        }
-    }
-}
-
-/// When the simulation begins, and where it ends at the latest.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Experiment {
-    pub(super) start: f64,
-    pub(super) stop: Option<f64>,
-}
 
 /// What moves.
 #[derive(Debug)]
@@ -330,7 +268,7 @@ impl Instance {
     /// to compute.
     fn refresh_derived(&mut self) {
         if self.derived_stale {
-            self.derived = Derived::of(&self.settings.parameters);
+            self.derived = steady::derived(&self.settings.parameters);
             self.derived_stale = false;
         }
     }

@@ -16,6 +16,7 @@ mod continuous;
 pub mod identity;
 pub mod instance;
 pub mod log;
+pub mod phase;
 pub mod problem;
 pub mod saved_state;
 pub mod settings;
@@ -26,5 +27,6 @@ pub mod values;
 pub mod variables;
 mod variation;
 
-pub use instance::{Instance, Interface, Phase, StepOutcome, StepReason};
+pub use instance::{Instance, StepOutcome, StepReason};
+pub use phase::{Interface, Phase};
 pub use problem::{Outcome, Problem};

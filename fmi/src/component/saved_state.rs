@@ -23,7 +23,7 @@
 use super::closed_form;
 use super::continuous;
 use super::identity;
-use super::instance::{Experiment, Interface, Phase};
+use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::settings::Settings;
 use serde::{Deserialize, Serialize};

@@ -58,13 +58,6 @@ pub struct Derived {
     pub steady: Steady,
 }
 
-impl Derived {
-    /// What follows from these parameters.
-    pub fn of(parameters: &Parameters) -> Self {
-        Self { groups: parameters.groups().ok(), steady: super::steady::values(parameters) }
-    }
-}
-
 /// The steady state in numbers; NaN where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steady {

@@ -1,7 +1,7 @@
 //! The steady states as the component shows them: the `steady.*` variables, and what the closed-form modes play.
 
 use super::problem::Problem;
-use super::settings::{SolutionMode, Steady};
+use super::settings::{Derived, SolutionMode, Steady};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use vibro_impact::flow::Series;
 use vibro_impact::model::{self, LANES, Model};
@@ -14,8 +14,13 @@ use vibro_impact::steady::{Roots, Sheet};
 /// Orders of the displacements' derivatives, 0 to 5.
 pub(crate) const ORDERS: usize = 6;
 
+/// What follows from the parameters alone.
+pub(crate) fn derived(parameters: &Parameters) -> Derived {
+    Derived { groups: parameters.groups().ok(), steady: values(parameters) }
+}
+
 /// The `steady.*` variables: multiple scales, with impulse and spectral radius of the exact orbit.
-pub(crate) fn values(parameters: &Parameters) -> Steady {
+fn values(parameters: &Parameters) -> Steady {
     let mut steady = Steady::default();
     if let Ok(scales) = parameters.groups().and_then(|groups| MultipleScales::new(&groups)) {
         let manifold = scales.manifold();

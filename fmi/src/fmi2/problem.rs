@@ -1,7 +1,7 @@
 //! Why a call was refused, and the status that says so.
 
 use super::states::{Function, Stage};
-use super::status::Status;
+use super::types::Status;
 use crate::component::log::Category;
 use crate::component::{self, Interface};
 use crate::ffi::Fault;

@@ -1,41 +1,13 @@
-//! Statuses, log categories and log messages (FMI 2.0, 2.1.3, 2.1.5, 2.2.4 and 4.2.3).
+//! Kinds of status, log categories and log messages (FMI 2.0, 2.1.5, 2.2.4 and 4.2.3).
 
 use super::description::LOG_CATEGORIES;
 use super::problem::Problem;
 use super::states::Function;
+use super::types::Status;
 use crate::component::log::{CATEGORIES, Categories, Category, Log};
 use crate::component::{self, Outcome};
 use crate::ffi::panics::guarded;
 use std::ffi::CString;
-
-/// `fmi2Status` (FMI 2.0, 2.1.3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(i32)]
-pub enum Status {
-    /// All well.
-    Ok = 0,
-    /// Worth knowing.
-    Warning = 1,
-    /// Not all of it could be done.
-    Discard = 2,
-    /// Refused; the instance is as it was.
-    Error = 3,
-    /// The instance can no longer be used.
-    Fatal = 4,
-}
-
-impl Status {
-    /// The status with which a message of a category is logged.
-    pub fn of(category: Category) -> Self {
-        match category {
-            Category::Events => Self::Ok,
-            Category::Warnings => Self::Warning,
-            Category::Incomplete => Self::Discard,
-            Category::Refusals => Self::Error,
-            Category::Failures => Self::Fatal,
-        }
-    }
-}
 
 /// `fmi2StatusKind` (FMI 2.0, 4.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

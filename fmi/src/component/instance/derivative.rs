@@ -5,6 +5,7 @@ use super::initial::forces;
 use super::{Engine, Instance, Outcome, Problem};
 use crate::component::continuous::Continuous;
 use crate::component::settings::{Derived, Settings, SolutionMode};
+use crate::component::steady;
 use crate::component::values::{OutputValues, Varied};
 use crate::component::variables::{Access, Bases, Causality, Initial, Variable};
 use crate::component::variation::variation;
@@ -134,7 +135,7 @@ impl Instance {
         } else {
             self.initial_values(settings)?
         };
-        Ok((values, Derived::of(&settings.parameters)))
+        Ok((values, steady::derived(&settings.parameters)))
     }
 }
 

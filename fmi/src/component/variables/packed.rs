@@ -1,6 +1,7 @@
 //! The table of variables as getters and setters need it: packed, made at compile time.
 
-use super::{Access, Base, Bases, COUNT, Causality, Initial, Kind, VARIABLES, Variability, Variable};
+use super::columns::{Access, Base, Bases, Causality, Initial, Kind, Variability, Variable};
+use super::table::{COUNT, VARIABLES};
 use crate::component::settings::{Derived, Settings};
 use crate::component::values::OutputValues;
 

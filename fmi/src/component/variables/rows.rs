@@ -1,8 +1,8 @@
 //! Constructors of the table's rows. Each asks for every column that its kind of variable must have, so that a row that
 //! leaves one out does not compile.
 
-use super::DependencyKind::Dependent;
-use super::{
+use super::columns::DependencyKind::Dependent;
+use super::columns::{
     Access, Causality, Dependencies, Initial, Kind, Knowns, Path, Reading, Section, Variability, Variable,
 };
 use crate::component::settings::{Derived, Settings};
@@ -13,7 +13,7 @@ use vibro_impact::parameters::{FIELDS, Range};
 /// An output's [`Reading`] from one expression: `reading!(|m| m.contact_force * m.v[1])`. It may add, subtract and multiply.
 macro_rules! reading {
     (|$m:ident| $value:expr) => {
-        $crate::component::variables::Reading {
+        $crate::component::variables::columns::Reading {
             value: |$m: &$crate::component::values::OutputValues| $value,
             varied: Some(
                 |$m: &$crate::component::values::OutputValues<$crate::component::values::Varied>| $value,
@@ -271,7 +271,7 @@ pub(super) const fn flag(
 
 /// Parameters, by name, that a group is made of.
 macro_rules! of {
-    ($($name:literal),*) => { &[$(($name, $crate::component::variables::DependencyKind::Dependent)),*] };
+    ($($name:literal),*) => { &[$(($name, $crate::component::variables::columns::DependencyKind::Dependent)),*] };
 }
 pub(super) use of;
 

@@ -1,11 +1,13 @@
 //! The table itself. Append only: a variable's place is its value reference.
 
-use super::DependencyKind::{Constant, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable};
-use super::Path::{Coupling, Gap};
-use super::Section::{Contact as ContactSection, Energy};
-use super::Variability::{Fixed, Tunable};
+use super::columns::DependencyKind::{
+    Constant, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
+};
+use super::columns::Path::{Coupling, Gap};
+use super::columns::Section::{Contact as ContactSection, Energy};
+use super::columns::Variability::{Fixed, Tunable};
+use super::columns::{Kind, Knowns, Variable};
 use super::rows::*;
-use super::{Kind, Knowns, Variable};
 use crate::component::settings::{Derived, SolutionMode};
 use crate::component::units;
 use vibro_impact::parameters::Groups;
@@ -13,7 +15,7 @@ use vibro_impact::simulator::Contact;
 
 /// What box and block feel, in flight or as one body in rest: the factors change with the contact.
 const PAIR: Knowns = &[
-    ("time", super::DependencyKind::Dependent),
+    ("time", super::columns::DependencyKind::Dependent),
     ("box.f", AtEvents),
     ("block.f", AtEvents),
     ("box.s", AtEvents),
