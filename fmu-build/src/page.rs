@@ -2,9 +2,9 @@
 
 use crate::describe::{causality, variability};
 use std::fmt::Write;
-use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
 use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
 use vibro_fmi::component::variables::{Kind, SECTIONS, VARIABLES, Variable};
+use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
 
 static TEMPLATE: &str = include_str!("../../modelDescription/documentation/index.html");
 static RUN: &str = include_str!("../../modelDescription/documentation/run.svg");
