@@ -194,3 +194,34 @@ fn a_value_without_derivatives_is_held() {
     step(&mut fmu, 0.5, 0.5).unwrap();
     assert_eq!(get(&mut fmu, "box.f"), 0.25);
 }
+
+/// In all ways to move; the sign of zero counts, since hosts print it.
+#[test]
+fn invariant_the_contact_force_is_plus_zero_in_flight_and_never_negative() {
+    let mut resting = instance();
+    for (name, value) in
+        [("stop.restitution", 0.3), ("drive.amplitude", 0.4), ("block.v", 0.3), ("block.f", 0.02)]
+    {
+        set(&mut resting, name, value).unwrap();
+    }
+    let mut played = instance();
+    set(&mut played, "mode", 3.0).unwrap();
+    let mut exchange = Instance::new(Interface::ModelExchange);
+    set(&mut exchange, "block.v", -0.3).unwrap();
+    let mut exchange = initialize(exchange);
+    assert_eq!(get(&mut exchange, "stop.force").to_bits(), 0);
+    let mut rested = 0;
+    for mut fmu in [initialize(resting), initialize(played)] {
+        for i in 0..600 {
+            step(&mut fmu, 0.1 * f64::from(i), 0.1).unwrap();
+            let force = get(&mut fmu, "stop.force");
+            if get(&mut fmu, "stop.state") == 1.0 {
+                assert_eq!(force.to_bits(), 0, "at step {i}");
+            } else {
+                assert!(force >= 0.0 && force.is_sign_positive(), "at step {i}: {force}");
+                rested += 1;
+            }
+        }
+    }
+    assert!(rested > 10, "{rested}");
+}
