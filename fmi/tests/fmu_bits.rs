@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // the C interface
 
 #[path = "../../tests/common/bits.rs"]
-#[allow(missing_docs)]
+#[allow(missing_docs, dead_code)] // each user of the file takes what it needs
 mod bits;
 
 use bits::{Digest, compare};

@@ -78,7 +78,7 @@ pub unsafe fn array<'a, T>(
 /// [`Fault`] for a pointer or a count that cannot be.
 ///
 /// # Safety
-/// As [`array`].
+/// As [`array()`].
 pub unsafe fn vector<'a, T, const N: usize>(
     pointer: *const T,
     count: usize,
