@@ -153,8 +153,10 @@ fn dependencies_are_those_of_the_derivatives() {
     });
     flight.set_time(0.3).unwrap(); // an open interval of the energies
     let mut rest = exchange(|fmu| {
-        set(fmu, "block.s", 1.0).unwrap();
-        set(fmu, "block.f", 0.2).unwrap();
+        // Moving, so that a factor of velocity shows.
+        for (name, value) in [("block.s", 1.0), ("block.f", 2.0), ("box.v", 0.1), ("block.v", 0.1)] {
+            set(fmu, name, value).unwrap();
+        }
     });
     assert_eq!(get(&mut rest, "stop.state"), 2.0);
     let names = outputs();
