@@ -1,8 +1,11 @@
 //! Energy accounts: the work of drive and loads and the losses in the dampers, integrated as quadratic forms of the
-//! exact flow (performance.md, item 7). They are found without the mechanical energy, so their balance is a test.
+//! exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy accounts"). They are found without the mechanical energy, so their balance is a test.
 
 use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
-use crate::model::{Augmented, Forces, LANES, Model, SmoothMode};
+use crate::model::{
+    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, GAP_RATE, LANES, Model, SECONDARY_RATE,
+    SmoothMode,
+};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::{Rows, form, form_and_squares};
 use crate::parameters::Parameters;
@@ -11,7 +14,9 @@ use serde::{Deserialize, Serialize};
 
 /// Gauss–Legendre nodes and weights on [0, 1] of a rule.
 pub struct Rule<const N: usize> {
+    /// Nodes in (0, 1).
     pub nodes: [f64; N],
+    /// Weights, of sum 1.
     pub weights: [f64; N],
 }
 
@@ -56,8 +61,11 @@ type Form = [[f64; LANES]; LANES];
 /// Running sums in J, in extended precision so that 10⁶ periods lose nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sums {
+    /// Work of drive and loads, and what changes of parameters added.
     pub input: DoubleDouble,
+    /// Dissipated in the dampers.
     pub damped: DoubleDouble,
+    /// Lost at impacts.
     pub impact: DoubleDouble,
 }
 
@@ -67,6 +75,7 @@ pub struct Sums {
 pub struct Pending {
     /// In parts whose sum counts.
     pub damped: [f64; LANES],
+    /// Work of the drive.
     pub input: f64,
 }
 
@@ -94,6 +103,7 @@ pub struct Gramians {
 }
 
 impl Gramians {
+    /// Without values; to be filled.
     pub fn zero() -> Self {
         Self {
             input: [[[0.0; LANES]; LANES]; PREFIXES],
@@ -117,7 +127,7 @@ impl Gramians {
     /// F10, c1, c3.
     #[inline(always)]
     fn coefficients(&self) -> (f64, f64, f64) {
-        (self.drive, self.weights[3], self.weights[5])
+        (self.drive, self.weights[BOX_RATE], self.weights[SECONDARY_RATE])
     }
 
     /// The drive's work in closed form, where it may be used.
@@ -157,7 +167,7 @@ impl Gramians {
             // Of the transition matrix to the node the rows x1', x3' and sin θ, in columns.
             let at: [[f64; 3]; LANES] = std::array::from_fn(|j| {
                 let z = columns[j].at(end * node);
-                [z[3], z[5], z[7]]
+                [z[BOX_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]
             });
             for (i, [v1, v3, s]) in at.iter().enumerate() {
                 for (j, [u1, u3, r]) in at.iter().enumerate() {
@@ -204,7 +214,7 @@ impl Gramians {
         let mut input = 0.0;
         for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
             let at = crate::numerics::simd::polynomial(simd, rows, u * node);
-            input += weight * at[3] * at[7];
+            input += weight * at[BOX_RATE] * at[DRIVE_SIN];
         }
         self.drive * u * radius * input
     }
@@ -236,7 +246,8 @@ impl Gramians {
     ) -> (f64, f64) {
         let (drive, c1, c3) = self.coefficients();
         // Of the augmented state the powers need the rates and sin θ only.
-        let rates: [[f64; 4]; N] = series.lanes.map(|z| [z[3], z[4], z[5], z[7]]);
+        let rates: [[f64; 4]; N] =
+            series.lanes.map(|z| [z[BOX_RATE], z[GAP_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]);
         let (mut input, mut damped) = (0.0, 0.0);
         let width = u1 - u0;
         for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
@@ -312,7 +323,7 @@ impl DriveWork {
     /// The function whose difference, with `mean` times the time between, is the work, J.
     #[inline(always)]
     pub fn value(&self, z: &Augmented) -> f64 {
-        let (x, v, c, s) = (z[0], z[3], z[6], z[7]);
+        let (x, v, c, s) = (z[BOX], z[BOX_RATE], z[DRIVE_COS], z[DRIVE_SIN]);
         let [p0, p1] = self.p;
         let [q0, q1] = self.q;
         c * (p0 * x + p1 * v) + s * (q0 * x + q1 * v) + self.swing * s * (q1 * c - p1 * s)
@@ -321,7 +332,7 @@ impl DriveWork {
     /// Its jump when x1' changes by `change`.
     #[inline(always)]
     pub fn jump(&self, z: &Augmented, change: f64) -> f64 {
-        (z[6] * self.p[1] + z[7] * self.q[1]) * change
+        (z[DRIVE_COS] * self.p[1] + z[DRIVE_SIN] * self.q[1]) * change
     }
 
     /// Mean power, W.

@@ -32,19 +32,25 @@ pub enum Error {
         /// The largest allowed value.
         limit: f64,
     },
-    /// Impacts follow each other faster than can be resolved.
+    /// One advance has done all the work it is allowed. The state stands at `time` and is as good as any: another advance
+    /// goes on from there, with an allowance of its own.
     #[error(
-        "more than {limit} impacts within {span} s before t = {time} s: stop.restitution = {restitution} is too close to 1 for a pressed block"
+        "t = {time} s is reached and no more work allowed in one advance: the last {span} s took {events} events. \
+         Cause: stop.restitution = {restitution} lets a pressed block bounce too long, or the block is too fast (its path in \
+         a sub-step is {path:e} times stop.gap). Remedy: advance again from there, take smaller steps, or set \
+         stop.restitution below 0.999, so that bouncing ends sooner"
     )]
-    ImpactRate {
-        /// Time in s up to which the motion was computed.
+    WorkLimit {
+        /// Time reached, s.
         time: f64,
-        /// The limit on the number of impacts.
-        limit: u32,
-        /// The window in s in which they fell.
+        /// Time since the advance began, s.
         span: f64,
+        /// Events (impacts and releases) since then.
+        events: u64,
         /// Restitution coefficient κ.
         restitution: f64,
+        /// The block's present relative speed times a sub-step's length over the gap.
+        path: f64,
     },
     /// The end of a step lies before its beginning or is not a finite number.
     #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]

@@ -1,21 +1,33 @@
 //! Guaranteed event location on a polynomial: the first passage from ≤ 0 to > 0, or the proof that there is none.
 //!
-//! The coefficients come from the exact flow with a truncation far under round-off, so what is decided here is
-//! decided for the motion. The proof is by dominance: where one derivative's constant term outweighs the rest of its
-//! coefficients the polynomial is monotone, convex or concave and its sign pattern is known; where none does, the
-//! interval is bounded and halved. Nothing is sampled.
+//! The polynomials are the Taylor coefficients of the event functional on |u| ≤ 1, cut off where the rest is under round-off
+//! (`docs/numerics.md`, "Events"). Three methods in turn:
+//!
+//! - **Dominance.** Where the constant term of p' or p'' outweighs the sum of the other coefficients' sizes, p is monotone,
+//!   convex or concave on all of |u| ≤ 1, and its values and slopes at the ends tell whether it passes zero. This is exact for
+//!   all u at once; nothing is sampled.
+//! - **Bisection** of the interval, with the coefficients about each half's centre, until dominance holds on every piece or the
+//!   coefficients' sizes bound p below zero there.
+//! - **Newton's method in a bracket** for the root itself; in flight it starts from the third-order reversion of the series.
 
 use crate::numerics::simd::{PADDED, multiply_add, value, weighted};
 use pulp::Simd;
 
-/// A bracket is halved at most this often: then its width is under the resolution of a double.
+/// An interval is halved at most this often. A piece is then 2⁻⁵⁵ long, under the spacing of the doubles about ±1.
 const MAX_DEPTH: u32 = 56;
-/// A polynomial of degree 11 is settled in some dozens of pieces; one that is round-off throughout would never be.
+/// At most this many pieces are looked at. Where dominance fails p' and p'' are both small, so that about four pieces a level
+/// are halved around each root of multiplicity three or more, of which a polynomial of degree 11 has three at most: under 700
+/// pieces. More are needed only where p is nothing but the round-off of its coefficients.
 const MAX_PIECES: u32 = 2000;
-/// Newton's method inside a bracket; every failing step bisects, so this is never reached.
+/// Newton's method in a bracket bisects wherever a step leaves the bracket, so that this many steps are never taken.
 const MAX_ITERATIONS: u32 = 200;
+/// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`].
+const MAX_NEWTON_FACTOR: f64 = 1e4;
 
-/// k and k - 1.
+/// What rounding may leave of a positive p(lo), relative to the coefficients; checked in debug builds only.
+const START_ROUNDING: f64 = 1e-9;
+
+/// k and k - 1, by which a coefficient of order k is multiplied in p' and p''.
 const ORDERS: [f64; PADDED] = orders(0);
 const LOWER: [f64; PADDED] = orders(1);
 
@@ -54,7 +66,8 @@ enum Shape {
     Unknown,
 }
 
-/// The shape, and for a rising p a bound on |p''|/(2p'), by which Newton's method squares its error.
+/// The shape by dominance, and for a rising p a bound K on |p''|/(2p') over |u| ≤ 1: a Newton step from an error e leaves at
+/// most K e² (Taylor's formula with p'' in the remainder). Infinite where it is of no use.
 #[inline(always)]
 fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     let (mut slopes, mut curvatures) = ([0.0; 2], [0.0; 2]); // two chains each
@@ -67,7 +80,8 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     }
     let (slope, curvature) = (slopes[0] + slopes[1], curvatures[0] + curvatures[1]);
     if c[1] > slope {
-        return (Shape::Rising, 0.5 * (2.0 * c[2].abs() + curvature) / (c[1] - slope));
+        let factor = 0.5 * (2.0 * c[2].abs() + curvature) / (c[1] - slope);
+        return (Shape::Rising, if factor <= MAX_NEWTON_FACTOR { factor } else { f64::INFINITY });
     }
     let shape = if -c[1] > slope {
         Shape::Falling
@@ -81,14 +95,19 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     (shape, f64::INFINITY)
 }
 
-/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u. Newton's method inside a bracket; it
-/// ends when a step is at round-off, or when `squares` (a bound on |p''|/(2p')) proves that the next one would be.
+/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u: Newton's method in a bracket.
+///
+/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to be. The proof: let e be
+/// the error before the step and `moved` its length. By Taylor's formula `moved ≥ e - K e²` with K = `newton_factor`. As long
+/// as K e ≤ 1/2 this gives e ≤ 2 `moved`, and the iterate's error is at most K e² ≤ 4 K `moved²`: hence the factor 4. The other
+/// case, K e > 1/2, cannot occur with a step so short: p' varies by a factor of 1 + 4K at most, so that e ≤ (1 + 4K) `moved`,
+/// and K e > 1/2 with 4 K `moved²` ≤ ε would need K (1 + 4K)² > 1/ε, which [`MAX_NEWTON_FACTOR`] excludes.
 #[inline(always)]
 fn refine<const N: usize>(
     c: &[f64; N],
     (mut lo, mut hi): (f64, f64),
     start: f64,
-    squares: f64,
+    newton_factor: f64,
     iterations: &mut u64,
 ) -> f64 {
     let mut u = start;
@@ -110,7 +129,7 @@ fn refine<const N: usize>(
         }
         if newton > lo && newton < hi {
             u = newton;
-            if 4.0 * squares * moved * moved <= resolution {
+            if 4.0 * newton_factor * moved * moved <= resolution {
                 return u;
             }
         } else {
@@ -123,7 +142,7 @@ fn refine<const N: usize>(
     u
 }
 
-/// Negates the odd or all coefficients so that `refine` can look for a sign change of the slope.
+/// The coefficients of `sign` times p', of which [`refine`] then finds the root.
 #[inline(always)]
 fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
     let mut d = [0.0; N];
@@ -133,30 +152,30 @@ fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
     d
 }
 
-/// Where p of known shape first passes from ≤ 0 to > 0 in [lo, hi] ⊂ [-1, 1].
+/// Where p of known shape first passes from ≤ 0 to > 0 in [lo, hi] ⊂ [-1, 1]; as [`first_crossing`].
 #[inline(always)]
 fn crossing_of_shape<const N: usize>(
     c: &[f64; N],
-    (shape, squares): (Shape, f64),
+    (shape, newton_factor): (Shape, f64),
     lo: f64,
     hi: f64,
     iterations: &mut u64,
 ) -> Option<f64> {
     let (low, low_slope) = value_and_slope(c, lo);
     match shape {
-        Shape::Rising => rising(c, lo, low, hi, squares, iterations),
+        Shape::Rising => rising(c, lo, low, hi, newton_factor, iterations),
         Shape::Falling | Shape::Unknown => None,
         Shape::Convex => {
             if low_slope >= 0.0 {
-                return rising(c, lo, low, hi, squares, iterations);
+                return rising(c, lo, low, hi, newton_factor, iterations);
             }
             if value(c, hi) <= 0.0 {
                 return None;
             }
-            // Past its minimum p rises to a positive end; before it, it can only fall.
+            // Up to its minimum p falls, and after it p rises to a positive end.
             let slope = slope_of(c, 1.0);
             let bottom = refine(&slope, (lo, hi), 0.5 * (lo + hi), f64::INFINITY, iterations);
-            rising(c, bottom, value(c, bottom), hi, squares, iterations)
+            rising(c, bottom, value(c, bottom), hi, newton_factor, iterations)
         }
         Shape::Concave => {
             if low_slope <= 0.0 {
@@ -171,13 +190,20 @@ fn crossing_of_shape<const N: usize>(
             } else {
                 refine(&slope, (lo, hi), 0.5 * (lo + hi), f64::INFINITY, iterations)
             };
-            rising(c, lo, low, top, squares, iterations)
+            rising(c, lo, low, top, newton_factor, iterations)
         }
     }
 }
 
-/// [`first_crossing`] for the gap of a free flight, whose orders from ten on are zero. Nearly always the gap rises
-/// and is nearly straight: then Newton's method from the inverse series proves its own end, and a root inside is the only one.
+/// [`first_crossing`] for the relative displacement in free flight, whose coefficients from order ten on are zero. Nearly
+/// always it rises and is nearly straight. Then Newton's method, started from the third-order reversion of the series, takes
+/// one or two steps whose accuracy is proved, and a root found inside is the only one.
+///
+/// "Nearly straight" is a curvature under half the least slope, so that K = |p''|/(2p') < 1/4: with errors of at most 2 on
+/// |u| ≤ 1, K e ≤ 1/2 holds from the start, and the proof in [`refine`] has no exception.
+///
+/// It never misses a passage that [`first_crossing`] finds. A root whose distance from `hi` is rounding may be found where
+/// `first_crossing`, which goes by the sign of the computed p(hi), finds none; the other way round it is not.
 #[inline(always)]
 pub fn flight_crossing<S: Simd>(
     simd: S,
@@ -192,10 +218,11 @@ pub fn flight_crossing<S: Simd>(
     if !(spare > 0.0 && curvature < 0.5 * spare) {
         return first_crossing(c, lo, hi, iterations);
     }
-    let squares = 0.5 * curvature / spare;
+    let newton_factor = 0.5 * curvature / spare;
     let scale = 1.0 / c[1];
     let linear = -c[0] * scale;
     let (bend, twist) = (c[2] * scale, c[3] * scale);
+    // The series reverted: u = l - b l² + (2b² - t) l³ with l = -c0/c1, b = c2/c1, t = c3/c1.
     let mut u = linear * (1.0 - linear * (bend - linear * (2.0 * bend * bend - twist)));
     if u > lo && u < hi {
         *iterations += 1;
@@ -203,22 +230,24 @@ pub fn flight_crossing<S: Simd>(
         let moved = pairwise::<S>(c, 0, u) * inverse;
         u -= moved;
         let resolution = f64::EPSILON * u.abs();
-        // Newton's method squares the error: it is now at most `error`.
-        let error = 4.0 * squares * moved * moved;
+        // The error is now at most this; see `refine`.
+        let error = 4.0 * newton_factor * moved * moved;
         if error <= resolution && u > lo && u < hi {
             return Some(u);
         }
-        // A second step with the slope of the first: |p''| times the way to there is all by which that slope is wrong.
+        // A second step with the slope of the first. That slope is off by at most max |p''| times the distance from where it
+        // was taken to the root, `moved + error`; relative to p' this is 2K times that distance.
         *iterations += 1;
         u -= pairwise::<S>(c, 0, u) * inverse;
-        if 2.0 * error * squares * (moved.abs() + error) <= resolution && u > lo && u < hi {
+        if 2.0 * error * newton_factor * (moved.abs() + error) <= resolution && u > lo && u < hi {
             return Some(u);
         }
     }
-    rising(c, lo, value(c, lo), hi, squares, iterations)
+    rising(c, lo, value(c, lo), hi, newton_factor, iterations)
 }
 
-/// Σ_k c[first + k] u^k by pairs of neighbouring orders, so that nothing waits long for anything.
+/// Σ_k c[first + k] u^k by pairs of neighbouring orders (Estrin's scheme), which shortens the chain of operations that wait
+/// for one another.
 #[inline(always)]
 fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 {
     let square = u * u;
@@ -229,14 +258,14 @@ fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 {
     multiply_add::<S>(pair(8), fourth * fourth, multiply_add::<S>(middle, fourth, low))
 }
 
-/// The passage of a p that rises on [lo, hi].
+/// The passage of a p that rises on [lo, hi], where `low` is p(lo): none when p(hi) ≤ 0, `lo` when p(lo) ≥ 0.
 #[inline(always)]
 fn rising<const N: usize>(
     c: &[f64; N],
     lo: f64,
     low: f64,
     hi: f64,
-    squares: f64,
+    newton_factor: f64,
     iterations: &mut u64,
 ) -> Option<f64> {
     let high = value(c, hi);
@@ -248,7 +277,7 @@ fn rising<const N: usize>(
     }
     let chord = lo - low * (hi - lo) / (high - low);
     let start = if chord > lo && chord < hi { chord } else { 0.5 * (lo + hi) };
-    Some(refine(c, (lo, hi), start, squares, iterations))
+    Some(refine(c, (lo, hi), start, newton_factor, iterations))
 }
 
 /// The polynomial in v of p(mid + half v).
@@ -267,17 +296,34 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
     r
 }
 
-/// The first u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0; `lo` itself where p(lo) ≥ 0 and rises.
-/// `None` is a proof that there is no passage. A touch from below without passing is none.
+/// The first u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below is no passage. A passage exactly
+/// at `hi` is none either: p is not positive before the end, and the search that begins there finds it.
+///
+/// Requires p(lo) ≤ 0 up to rounding. A positive p(lo), which rounding may leave, counts as zero: the answer is `lo` where p
+/// rises there, and the next passage, if there is one, where p falls. (So `0.5 + u²` on [0, 1], which breaks the requirement,
+/// gives 0.)
+///
+/// `None` proves that p has no passage but one by which it stays under `4 N² ε Σ|c_k|`, for coefficients as given. This is the
+/// rounding of the sums by which dominance is decided (relative N ε, on slopes of up to N Σ|c_k|) and of the coefficients about
+/// a piece's centre, which are always formed from those given. With paths of a few gaps it is under 10⁻¹² gaps.
 #[inline(always)]
 pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
+    debug_assert!(
+        value(c, lo) <= START_ROUNDING * c.iter().map(|x| x.abs()).sum::<f64>(),
+        "p(lo) > 0: {c:?}"
+    );
     match shape(c) {
         (Shape::Unknown, _) => subdivide(c, lo, hi, 0, &mut { MAX_PIECES }, iterations),
         known => crossing_of_shape(c, known, lo, hi, iterations),
     }
 }
 
-/// Halves the interval until the shape of p is certain on every piece; taken about once in thousands of sub-steps.
+/// Halves the interval until the shape of p is certain on every piece; needed about once in thousands of sub-steps.
+///
+/// Where neither 56 halvings nor 2000 pieces settle the shape, the sign of p at the piece's end decides, which is no proof but
+/// does no harm. A piece that was halved 56 times is shorter than the spacing of doubles, so that the passage is where the
+/// sign says. 2000 pieces are used up only where p is within the rounding named at [`first_crossing`] throughout: then any
+/// answer is as right as any other, and a passage not seen now is seen in the next interval if p goes on to rise.
 #[cold]
 #[inline(never)]
 fn subdivide<const N: usize>(
@@ -301,7 +347,7 @@ fn subdivide<const N: usize>(
             subdivide(c, lo, mid, depth + 1, pieces, iterations)
                 .or_else(|| subdivide(c, mid, hi, depth + 1, pieces, iterations))
         }
-        // Narrower than a double resolves, or nothing but its noise: the sign at the end decides.
+        // Shorter than doubles resolve, or nothing but round-off.
         (Shape::Unknown, _) => (value(&local, 1.0) > 0.0).then_some(lo),
         known => crossing_of_shape(&local, known, -1.0, 1.0, iterations).map(|v| mid + half * v),
     }

@@ -1,11 +1,14 @@
 //! Exact propagation of a smooth mode: Taylor series about a point, and tables of the transition matrix over a
-//! sub-step (performance.md, "The idea that reaches them").
+//! sub-step (docs/theory.md (8); docs/numerics.md, "Exact flow").
 //!
-//! A sub-step of length H is divided into 16 intervals. A [`Table`] holds the event functional (the gap in flight, the
+//! A sub-step of length H is divided into 16 intervals. A [`Table`] holds the event functional (w in flight, the
 //! free relative acceleration in rest) at the 16 interval ends, the transition matrices to the 16 interval centres and to
 //! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
 
-use crate::model::{Augmented, Forces, GAP, LANES, Model, SmoothMode};
+use crate::model::{
+    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, GAP, GAP_RATE, LANES, Model, SECONDARY,
+    SECONDARY_RATE, SmoothMode,
+};
 use crate::numerics::simd::{PADDED, Rows, product, row, value};
 
 /// Intervals of a sub-step.
@@ -19,8 +22,9 @@ pub const CENTRED: usize = 10;
 pub const ANCHORED: usize = 12;
 /// Coefficients of a series over a whole sub-step, for the tables: the rest is 2.4³⁰/30! < 1e-20.
 pub const WHOLE: usize = 30;
-/// Columns of the drive-and-state part and of the loads (3 forces × value and 3 derivatives).
+/// Columns of the augmented state.
 pub const CORE: usize = LANES;
+/// Columns of the loads: 3 forces, each with its value and 3 derivatives.
 pub const LOAD: usize = 12;
 /// Covers the rounding of the bound and of the samples themselves.
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
@@ -40,12 +44,14 @@ const RECIPROCALS: [f64; WHOLE] = {
 /// free relative acceleration.
 #[derive(Clone, Copy)]
 pub struct Series<const N: usize> {
+    /// Coefficients of the augmented state, by order.
     pub lanes: [Augmented; N],
+    /// Coefficients of the free relative acceleration, by order.
     pub free: [f64; N],
 }
 
 impl<const N: usize> Series<N> {
-    /// The recurrence of model.md section 1: each order follows from the one before through the equations of motion.
+    /// The recurrence docs/theory.md (8): each order follows from the one before through the equations of motion.
     #[inline(always)]
     pub fn expand(
         model: &Model,
@@ -67,8 +73,16 @@ impl<const N: usize> Series<N> {
                 let q = radius * RECIPROCALS[k];
                 scale *= q;
                 let turn = q * model.omega;
-                lanes[k + 1] =
-                    [q * c[3], q * c[4], q * c[5], q * a[0], q * a[1], q * a[2], -turn * c[7], turn * c[6]];
+                lanes[k + 1] = [
+                    q * c[BOX_RATE],
+                    q * c[GAP_RATE],
+                    q * c[SECONDARY_RATE],
+                    q * a[0],
+                    q * a[1],
+                    q * a[2],
+                    -turn * c[DRIVE_SIN],
+                    turn * c[DRIVE_COS],
+                ];
             }
         }
         Self { lanes, free }
@@ -80,7 +94,7 @@ impl<const N: usize> Series<N> {
         polynomial(&self.lanes, u)
     }
 
-    /// The coefficients of `side · w - gap`, negative while the block is inside.
+    /// The coefficients of `side · w - gap` (gap is L), negative while the block is inside.
     #[inline(always)]
     pub fn gap_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
         let mut p = [0.0; N];
@@ -91,7 +105,24 @@ impl<const N: usize> Series<N> {
         p
     }
 
-    /// The coefficients of the event functional: the gap in flight, the free relative acceleration in rest.
+    /// Time derivatives of the three bodies' displacements at the centre, `[body][order]` for the orders below M ≤ N, m/s^order:
+    /// the coefficients times k!/r^k, with `rate` = 1/r in 1/s.
+    pub fn derivatives<const M: usize>(&self, rate: f64) -> [[f64; M]; 3] {
+        let mut derivatives = [[0.0; M]; 3];
+        let mut scale = 1.0; // k!/r^k
+        for (k, lane) in self.lanes.iter().enumerate().take(M) {
+            if k > 0 {
+                scale *= k as f64 * rate;
+            }
+            let bodies = [lane[BOX], lane[BOX] + lane[GAP], lane[SECONDARY]];
+            for (derivative, value) in derivatives.iter_mut().zip(bodies) {
+                derivative[k] = value * scale;
+            }
+        }
+        derivatives
+    }
+
+    /// The coefficients of the event functional: w in flight, the free relative acceleration in rest.
     #[inline(always)]
     pub fn functional(&self, mode: SmoothMode) -> [f64; N] {
         match mode {
@@ -157,6 +188,7 @@ pub struct Local {
 }
 
 impl Local {
+    /// Without values; to be filled.
     pub fn zero() -> Self {
         Self { lanes: [[[0.0; LANES]; CORE]; CENTRED], gap: [[[0.0; PADDED]; CORE]; INTERVALS] }
     }
@@ -198,11 +230,13 @@ impl Local {
 /// One column of the whole system: a unit augmented coordinate or a unit load coefficient.
 #[derive(Clone, Copy)]
 pub struct Column {
+    /// The augmented state.
     pub z: Augmented,
     forces: Forces,
 }
 
 impl Column {
+    /// A unit augmented coordinate for `index` under [`LANES`], else a unit load coefficient.
     pub fn unit(index: usize) -> Self {
         let mut column = Self { z: [0.0; LANES], forces: [[0.0; 4]; 3] };
         if index < LANES {
@@ -222,7 +256,16 @@ impl Column {
         let (a, _) = model.acceleration(mode, &self.z, Some(self.values()));
         let z = &self.z;
         Self {
-            z: [z[3], z[4], z[5], a[0], a[1], a[2], -model.omega * z[7], model.omega * z[6]],
+            z: [
+                z[BOX_RATE],
+                z[GAP_RATE],
+                z[SECONDARY_RATE],
+                a[0],
+                a[1],
+                a[2],
+                -model.omega * z[DRIVE_SIN],
+                model.omega * z[DRIVE_COS],
+            ],
             forces: self.forces.map(|d| [d[1], d[2], d[3], 0.0]),
         }
     }
@@ -241,6 +284,7 @@ impl Column {
 }
 
 impl<const C: usize> Table<C> {
+    /// Without values; to be filled.
     pub fn zero() -> Self {
         Self {
             sample: [[0.0; INTERVALS]; C],

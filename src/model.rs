@@ -1,17 +1,29 @@
-//! The three smooth modes and the impact law (model.md section 1, paper [1]–[3]).
+//! The smooth modes and the impact law (docs/theory.md (5) to (17)).
 //!
-//! Inside, the motion is carried in `x1, w = x2 - x1, x3`: the gap is then a coordinate of its own, exact to its last
-//! bit at a stop however far the box has drifted, and resting contact is `w = ±L, w' = 0` without any projection.
+//! Inside, the motion is carried in `x1, w = x2 - x1, x3`: the relative displacement is then a coordinate of its own, exact to
+//! its last bit at a stop however far the box has drifted, and resting contact is `w = ±L, w' = 0` without any projection.
 
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
 
 /// Lanes of the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]`.
 pub const LANES: usize = 8;
-/// Lane of the gap coordinate w.
+/// Lane of the box's displacement x1.
+pub const BOX: usize = 0;
+/// Lane of the relative displacement w (the coordinate across the gap).
 pub const GAP: usize = 1;
+/// Lane of the secondary oscillator's displacement x3.
+pub const SECONDARY: usize = 2;
+/// Lane of x1'.
+pub const BOX_RATE: usize = 3;
 /// Lane of w'.
 pub const GAP_RATE: usize = 4;
+/// Lane of x3'.
+pub const SECONDARY_RATE: usize = 5;
+/// Lane of cos θ.
+pub const DRIVE_COS: usize = 6;
+/// Lane of sin θ.
+pub const DRIVE_SIN: usize = 7;
 /// The augmented state: one autonomous linear system per mode.
 pub type Augmented = [f64; LANES];
 /// Forces f1, f2, f3 as value and time derivatives 1…3.
@@ -29,25 +41,29 @@ pub enum SmoothMode {
 /// The equations of motion divided by the masses; time unit s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// k1/m1, c1/m1, F10/m1.
+    /// k1/m1, 1/s².
     pub k1: f64,
+    /// c1/m1, 1/s.
     pub c1: f64,
+    /// F10/m1, m/s².
     pub drive: f64,
-    /// k23/m2.
+    /// k23/m2, 1/s².
     pub k2: f64,
-    /// k3/m3, c3/m3, k23/m3.
+    /// k3/m3, 1/s².
     pub k3: f64,
+    /// c3/m3, 1/s.
     pub c3: f64,
+    /// k23/m3, 1/s².
     pub k32: f64,
-    /// 1/m1, 1/m2, 1/m3.
+    /// 1/m1, 1/m2, 1/m3, 1/kg.
     pub inverse_mass: [f64; 3],
-    /// m2/(m1+m2): the block's share of the joint body.
+    /// m2/(m1+m2) = m_r/m1: the block's share of the mass of box and block.
     pub block_share: f64,
-    /// μ = m1 m2/(m1+m2).
+    /// m_r = m1 m2/(m1+m2), kg (docs/theory.md (10)).
     pub reduced_mass: f64,
-    /// ω1.
+    /// ω1, rad/s.
     pub omega: f64,
-    /// L.
+    /// L, m: the gap on either side of the centred block.
     pub gap: f64,
     /// κ.
     pub restitution: f64,
@@ -63,6 +79,11 @@ const MIN_RATE: f64 = 1e-3;
 const MAX_RATE: f64 = 1e100;
 
 impl Model {
+    /// The equations of motion of a set of parameters.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a parameter outside its range; [`Error::PrecisionLost`] where the rates of the system are so
+    /// large, or so far apart from the drive's frequency, that double precision does not carry the motion.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
@@ -103,8 +124,8 @@ impl Model {
         Ok(model)
     }
 
-    /// A bound on the norm of both modes' matrices, 1/s: the maximum norm with the gap coordinate weighted by 1/α and the
-    /// velocities by the rate itself; the best of a few α. (Rest is a mean of flight's rows for box and block.)
+    /// A bound on the norm of both modes' matrices, 1/s: the maximum norm with w weighted by 1/α and the velocities by the rate
+    /// itself; the smallest for a few α. (The rows of rest are weighted means of those of flight for box and block.)
     fn norm(&self) -> f64 {
         let norm = |alpha: f64| {
             let block = (self.k1 + 2.0 * self.k2) / alpha + self.k2;
@@ -116,14 +137,14 @@ impl Model {
         [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().map(norm).fold(f64::INFINITY, f64::min)
     }
 
-    /// x1'', w'', x3'' in `mode` and the free relative acceleration (x2'' - x1'')_free, linear in its arguments.
-    /// `f` are the three forces, if any act.
+    /// x1'', w'', x3'' in `mode` and the free relative acceleration a_w, which is what w'' would be without contact: m/s²,
+    /// linear in its arguments (docs/theory.md (6), (7), (13)). `f` are the loads on the three bodies in N, if any act.
     #[inline(always)]
     pub fn acceleration(&self, mode: SmoothMode, z: &Augmented, f: Option<[f64; 3]>) -> ([f64; 3], f64) {
-        let stretch = (z[0] - z[2]) + z[1]; // x2 - x3
-        let mut a1 = (self.drive * z[7] - self.k1 * z[0]) - self.c1 * z[3];
+        let stretch = (z[BOX] - z[SECONDARY]) + z[GAP]; // x2 - x3
+        let mut a1 = (self.drive * z[DRIVE_SIN] - self.k1 * z[BOX]) - self.c1 * z[BOX_RATE];
         let mut a2 = -(self.k2 * stretch);
-        let mut a3 = (self.k32 * stretch - self.k3 * z[2]) - self.c3 * z[5];
+        let mut a3 = (self.k32 * stretch - self.k3 * z[SECONDARY]) - self.c3 * z[SECONDARY_RATE];
         if let Some(f) = f {
             a1 += f[0] * self.inverse_mass[0];
             a2 += f[1] * self.inverse_mass[1];
@@ -136,18 +157,19 @@ impl Model {
         }
     }
 
-    /// The impact law at stop `side`: returns (speed |w'⁻|, impulse p, energy lost) and changes the velocities.
+    /// The impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12): changes the velocities and returns the approach
+    /// speed |w'⁻| in m/s, the impulse p in N s and the energy lost in J.
     #[inline(always)]
     pub fn impact(&self, z: &mut Augmented, side: f64) -> (f64, f64, f64) {
         let speed = side * z[GAP_RATE];
         let [kick, impulse, loss] = self.impact_factors();
-        z[3] += side * kick * speed;
+        z[BOX_RATE] += side * kick * speed;
         z[GAP_RATE] *= -self.restitution;
         (speed, impulse * speed, loss * speed * speed)
     }
 
-    /// By what the approach speed is multiplied for the box's change of velocity towards the stop and for the impulse, and its
-    /// square for the energy lost.
+    /// The factors of the impact law, docs/theory.md (10) to (12): that of the approach speed for the box's change of velocity
+    /// towards the stop and for the impulse, and that of its square for the energy lost.
     #[inline(always)]
     pub fn impact_factors(&self) -> [f64; 3] {
         let Self { restitution: kappa, reduced_mass, .. } = *self;
@@ -158,11 +180,11 @@ impl Model {
         ]
     }
 
-    /// The inelastic merge into resting contact (momentum conserved): returns the energy lost.
+    /// The inelastic merge into resting contact, docs/theory.md (17): momentum is kept, and the energy lost, J, is returned.
     #[inline(always)]
     pub fn merge(&self, z: &mut Augmented) -> f64 {
         let slip = z[GAP_RATE];
-        z[3] += self.block_share * slip;
+        z[BOX_RATE] += self.block_share * slip;
         z[GAP_RATE] = 0.0;
         0.5 * self.reduced_mass * slip * slip
     }

@@ -68,7 +68,7 @@ fn system() -> impl Strategy<Value = (Parameters, State)> {
 
 /// The approach to an impact rate that is reported, not followed, is the only refusal of a valid step.
 fn allowed(error: &Error) -> bool {
-    matches!(error, Error::ImpactRate { restitution, .. } if *restitution > 0.99)
+    matches!(error, Error::WorkLimit { restitution, .. } if *restitution > 0.99)
 }
 
 /// Enough for a test run; `PROPTEST_CASES=100000 cargo test --release --test properties` digs deeper.

@@ -1,7 +1,8 @@
 //! Snapshots of the work counters: a loss of efficiency shows as a changed count, on any machine.
 //! After a change that is meant to do other work: `INSTA_UPDATE=always cargo test --test work`.
 
-use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+use vibro_impact::simulator::{Loads, advance_together};
+use vibro_impact::{Error, Groups, Parameters, Scales, Simulator, State};
 
 fn work(p: &Parameters, periods: f64) -> String {
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
@@ -43,5 +44,87 @@ fn invariant_the_sweep_of_the_paper_ends_everywhere() {
         let work = simulator.work_counters();
         let total = work.substeps + work.expansions + work.events;
         assert!(total < MANY * PERIODS, "f10 = {}: {work:?}", 0.5 + 0.01 * f64::from(i));
+    }
+}
+
+/// The sub-steps that one advance may take: 10⁶ and 32 for each sub-step length (2.4 over the fastest rate, here more than
+/// 0.1 s), and in the lanes the 64 between two looks at the limit.
+fn most_substeps(span: f64) -> f64 {
+    1e6 + 32.0 * span / 0.1 + 64.0
+}
+
+fn substeps(simulator: &Simulator) -> f64 {
+    simulator.work_counters().substeps as f64
+}
+
+/// Motions that hardly get on: a block pressed to an elastic stop, and one that is far too fast, without and with loads.
+fn busy_motions() -> Vec<Simulator> {
+    let elastic = Parameters { stop_restitution: 1.0, ..Parameters::default() };
+    let pressed = Parameters {
+        box_stiffness: 0.0,
+        coupling_stiffness: 0.0,
+        drive_frequency: 0.0,
+        drive_phase: std::f64::consts::FRAC_PI_2,
+        drive_amplitude: -100.0,
+        ..elastic
+    };
+    let at_stop = State { x: [0.0, 1.0, 0.0], v: [0.0, -3e-5, 0.0] };
+    let fast = State { x: [0.0; 3], v: [0.0, 1e6, 0.0] };
+    let mut loaded = Simulator::new(&elastic, &fast, 0.0).unwrap();
+    loaded.set_loads(&Loads { derivatives: [[0.1, 0.0, 0.0, 0.0]; 3] }).unwrap();
+    vec![
+        Simulator::new(&pressed, &at_stop, 0.0).unwrap(),
+        Simulator::new(&elastic, &fast, 0.0).unwrap(),
+        Simulator::new(&elastic, &fast, 0.0).unwrap().without_energy_accounts(),
+        loaded,
+    ]
+}
+
+#[test]
+fn invariant_one_advance_ends_soon_and_another_goes_on() {
+    const END: f64 = 1000.0;
+    /// Balance of energies over a million impacts, of the largest energy.
+    const BALANCE: f64 = 1e-6;
+    for mut simulator in busy_motions() {
+        let first = simulator.energy_accounts().mechanical;
+        for _ in 0..2 {
+            let (begin, before) = (simulator.time(), substeps(&simulator));
+            let error = simulator.advance_to(END).unwrap_err();
+            let Error::WorkLimit { time, span, events, .. } = error else { panic!("{error}") };
+            assert!(time == simulator.time() && time > begin && time < END && events > 1000, "{error}");
+            assert!((span - (time - begin)).abs() <= 4.0 * f64::EPSILON * time, "{error}");
+            let spent = substeps(&simulator) - before;
+            assert!(spent > 1e6 && spent < most_substeps(span), "{spent} sub-steps: {error}");
+            assert!(simulator.relative_motion().0.abs() <= 1.0);
+            let e = simulator.energy_accounts();
+            if e.input != 0.0 {
+                let error = e.mechanical - first - e.input + e.damped + e.impact;
+                assert!(error.abs() < BALANCE * e.mechanical, "{error:e} of {e:?}");
+            }
+            let said = error.to_string();
+            let named = ["stop.restitution", "Remedy", "smaller steps", &time.to_string()];
+            assert!(named.iter().all(|part| said.contains(part)), "{said}");
+        }
+        // Smaller steps get on.
+        let step = 1e-3 * (simulator.time() / 3.0);
+        for n in 1..=10 {
+            let end = simulator.time() + step;
+            simulator.advance_to(end).unwrap_or_else(|e| panic!("step {n}: {e}"));
+        }
+    }
+}
+
+#[test]
+fn invariant_the_lanes_have_the_same_limit() {
+    let together: Vec<Simulator> =
+        busy_motions().into_iter().take(3).map(Simulator::without_energy_accounts).collect();
+    let mut together = [together.clone(), together].concat();
+    for result in advance_together(&mut together, |_| 1000.0) {
+        assert!(matches!(result, Err(Error::WorkLimit { .. })), "{result:?}");
+    }
+    for simulator in &mut together {
+        assert!(substeps(simulator) < most_substeps(simulator.time()), "{:?}", simulator.work_counters());
+        let now = simulator.time();
+        simulator.advance_to(1.001 * now).unwrap();
     }
 }

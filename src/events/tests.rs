@@ -93,7 +93,7 @@ fn closed_form_nothing_passes_zero_in_zero_or_noise() {
     let mut n = 0;
     assert_eq!(first_crossing(&[0.0; 9], -1.0, 1.0, &mut n), None);
     // Alternating round-off about zero: whatever is answered, it is answered soon.
-    let noise: [f64; 9] = std::array::from_fn(|k| if k % 2 == 0 { 1e-300 } else { -1e-300 });
+    let noise: [f64; 9] = std::array::from_fn(|k| if k % 2 == 0 { -1e-300 } else { 1e-300 });
     first_crossing(&noise, -1.0, 1.0, &mut n);
     assert!(n < 10_000, "{n}");
 }
@@ -167,10 +167,49 @@ fn second_method_nearly_straight_passages() {
                     assert!((a - b).abs() < ROOT / slope.abs().min(1.0), "{a} {b} {c:?}");
                 }
                 (None, None) => {}
-                // A root at the end but for rounding may be seen or not.
-                (Some(u), None) | (None, Some(u)) => assert!((u - hi).abs() < ROOT, "{u} {hi} {c:?}"),
+                // A root at the end but for rounding: Newton's iterate lies inside, the computed p(hi) is not positive.
+                (Some(u), None) => assert!(u < hi && hi - u < ROOT, "{u} {hi} {c:?}"),
+                (None, Some(u)) => panic!("missed the passage at {u} before {hi}: {c:?}"),
             }
         }
     }
     assert!(found > 5000, "{found}");
+}
+
+#[test]
+fn closed_form_roots_at_the_ends() {
+    // A root at the end is no passage, however p gets there; one at the start is.
+    for p in [[-1.0, 1.0, 0.0, 0.0], [-1.0, 0.5, 0.5, 0.0], [-1.0, 0.0, 0.0, 1.0]] {
+        assert_eq!(first_crossing(&p, 0.0, 1.0, &mut 0), None, "{p:?}");
+    }
+    for p in [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, -0.1]] {
+        assert_eq!(first_crossing(&p, 0.0, 1.0, &mut 0), Some(0.0), "{p:?}");
+    }
+    // From zero downwards and up again: the passage is the later one.
+    let u = first_crossing(&[0.0, -0.25, 1.0], 0.0, 1.0, &mut 0).unwrap();
+    assert!((u - 0.25).abs() < ROOT, "{u}");
+    // What rounding leaves above zero counts as zero.
+    assert_eq!(first_crossing(&[1e-16, 1.0, 0.0], 0.0, 1.0, &mut 0), Some(0.0));
+    assert_eq!(first_crossing(&[1e-16, -1.0, 0.0], 0.0, 1.0, &mut 0), None);
+    let u = first_crossing(&[1e-16, -0.25, 1.0], 0.0, 1.0, &mut 0).unwrap();
+    assert!((u - 0.25).abs() < ROOT, "{u}");
+}
+
+/// The criterion by which Newton's method ends early, against the exact root of p = (u - r)(1 + b (u - r)), for which the
+/// factor K is known.
+#[test]
+fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
+    let mut random = random(5);
+    let mut ended = 0;
+    for _ in 0..20_000 {
+        let (r, b) = (0.9 * random(), 0.26 * random());
+        let p = [-r * (1.0 - b * r), 1.0 - 2.0 * b * r, b];
+        let (Shape::Rising, factor) = shape(&p) else { continue };
+        assert!(factor <= MAX_NEWTON_FACTOR || factor.is_infinite());
+        let u = refine(&p, (-1.0, 1.0), 0.0, factor, &mut 0);
+        // The root's conditioning: rounding of the coefficients over the slope 1.
+        assert!((u - r).abs() < 4.0 * f64::EPSILON, "{u} {r} {b}");
+        ended += 1;
+    }
+    assert!(ended > 10_000);
 }

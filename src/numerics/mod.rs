@@ -2,5 +2,6 @@
 
 pub mod bernstein;
 pub mod double_double;
+pub mod drive_phase;
 pub mod roots;
 pub mod simd;

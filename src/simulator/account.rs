@@ -4,7 +4,7 @@ use super::general::{SeriesPoint, SubstepStart};
 use super::step::AdvanceState;
 use super::{Contact, Simulator};
 use crate::flow::{CENTRED, INTERVALS};
-use crate::model::{Augmented, SmoothMode};
+use crate::model::{Augmented, BOX_RATE, SmoothMode};
 use crate::numerics::simd::Rows;
 use pulp::Simd;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ impl Simulator {
             return;
         }
         if let Some(work) = self.flight.energy.drive_work() {
-            self.pending.input -= work.jump(&advance.z, advance.z[3] - speed);
+            self.pending.input -= work.jump(&advance.z, advance.z[BOX_RATE] - speed);
         }
         if self.hybrid.contact != Contact::Flight {
             self.close_account(advance);

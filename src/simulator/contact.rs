@@ -5,14 +5,21 @@ use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::Series;
 use crate::model::{Augmented, GAP, GAP_RATE, SmoothMode};
 
-/// The chatter run that is left when it is closed moves nothing by more than this many gaps: half a unit in the last place.
+/// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by more than this many gaps, half
+/// a unit in the last place.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
 /// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
 /// without end; it is closed by the height of its bounces instead.
 const LEAST_LOSS: f64 = 1e-3;
-/// That height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
+/// e_h of docs/theory.md (18), that height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
-/// A run is closed only while the free acceleration changes by less than this part of itself until its end.
+/// A run is closed only if the free acceleration a, changing at its present rate, changes by at most this part of itself within
+/// the run's length t_c at constant acceleration (docs/theory.md (16), (19)). 1/4 is the largest part s for which this contains
+/// the true run. Let the run last x t_c. While a falls, no bounce returns faster than it left, and each is shorter than at the
+/// least acceleration, a (1 - s x): the lengths sum to at most t_c/(1 - s x), so that x (1 - s x) ≤ 1 has to have a solution,
+/// which it has for s ≤ 1/4: x = 2 at the limit. Then a stays above half its value and the run ends within 2 t_c. While a
+/// rises, the speeds grow by at most sqrt(1 + s) and the run ends within t_c. Either way what the run moves is at most 2.3
+/// times what the threshold is made for, about one unit in the last place of the gap.
 const STEADY: f64 = 0.25;
 
 #[inline(always)]
@@ -58,6 +65,7 @@ impl Simulator {
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             self.hybrid.departing = 0;
+            // The impacts accumulate this much later; the state rests from now on, which differs by round-off.
             report(observer, Event::Rest { time: time + left, side: stop });
         }
         true
@@ -94,7 +102,7 @@ impl Simulator {
         part * self.model.gap
     }
 
-    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of the gap
+    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of w
     /// that is not zero; called whenever state, parameters or loads are set from outside.
     pub(super) fn classify_contact(&mut self) {
         let (gap, y) = (self.model.gap, &mut self.hybrid.y);

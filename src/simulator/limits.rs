@@ -58,7 +58,7 @@ pub(super) fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64
             }
         }
     }
-    let (x, v, gap) = (&state.x, &state.v, parameters.stop_gap);
+    let (x, gap) = (&state.x, parameters.stop_gap);
     let largest = x[0].abs().max(x[1].abs());
     if largest > MAX_DRIFT * gap {
         return Err(Error::PrecisionLost {
@@ -67,13 +67,14 @@ pub(super) fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64
             limit: MAX_DRIFT,
         });
     }
-    let mut w = x[1] - x[0];
+    let mut y = state.to_relative();
+    let w = &mut y[1];
     let rounding = ON_STOP_ULPS * f64::EPSILON * (largest + gap);
     if (w.abs() - gap).abs() <= rounding {
-        w = gap.copysign(w);
+        *w = gap.copysign(*w);
     }
     if w.abs() > gap {
-        return Err(Error::Penetration { value: w, gap });
+        return Err(Error::Penetration { value: *w, gap });
     }
-    Ok([x[0], w, x[2], v[0], v[1] - v[0], v[2]])
+    Ok(y)
 }

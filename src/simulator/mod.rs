@@ -1,9 +1,20 @@
-//! The hybrid loop: exact flow between events, events found with proof, the impact law at each.
+//! The event-driven simulator: exact flow between events, events found with proof, the event's law at each.
 //!
-//! A communication step is a reporting interval, not an integration step: ten steps of h and one of 10 h agree to
-//! round-off. Nothing is allocated while advancing.
+//! A communication step is a reporting interval, not an integration step: ten steps of h and one of 10 h agree to round-off.
+//! Nothing is allocated while advancing.
+//!
+//! | kernel | when it runs | what proves that no event is missed | bits equal to which |
+//! |---|---|---|---|
+//! | `flight_substep` (`flight.rs`) | flight without loads, more than an interval to go | samples and the bound on w''; dominance in the intervals that these do not clear | its own; they depend on the instruction set |
+//! | `short_flight_substep` (`flight.rs`) | the same, at most one interval to go, both ends clear of the stops | bound on w'' over the interval | its own; they depend on the instruction set |
+//! | `general_substep` (`general.rs`) | rest, loads, fast blocks, and what the two above leave | the same samples and bound, for w or the contact force; dominance on series from the start | its own, equal on all instruction sets |
+//! | `batch/` | many flights without loads or energy accounts side by side | the same bound; dominance in vectors | its own: independent of the other motions, not equal to one by one |
+//!
+//! All of them end in `finish_substep` (`step.rs`), which applies the event's law (`contact.rs`) and limits the work. The
+//! statements and their error bounds are in `docs/numerics.md`.
 
 mod account;
+mod advance;
 mod batch;
 mod contact;
 mod flight;
@@ -22,8 +33,9 @@ pub use types::{
 use crate::energy::{self, Pending, Sums};
 use crate::error::{Error, Result};
 use crate::flow::{self, Series};
-use crate::model::{Augmented, Forces, LANES, Model, SmoothMode};
-use crate::numerics::double_double::{DoubleDouble, DrivePhase};
+use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, SmoothMode};
+use crate::numerics::double_double::DoubleDouble;
+use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
 pub use limits::check_time;
@@ -39,7 +51,7 @@ struct HybridState {
     /// x1, w, x3 and their rates.
     y: [f64; 6],
     contact: Contact,
-    /// In flight from a stop: the order of the first derivative of the gap that leads away from it; else 0.
+    /// In flight from a stop: the order of the first derivative of w that leads away from it; else 0.
     departing: u8,
     /// The event at which the motion stands, its law not yet applied.
     due: Option<DueEvent>,
@@ -219,8 +231,7 @@ impl Simulator {
 
     /// Displacements and velocities of the three bodies.
     pub fn state(&self) -> State {
-        let y = &self.hybrid.y;
-        State { x: [y[0], y[0] + y[1], y[2]], v: [y[3], y[3] + y[4], y[5]] }
+        State::from_relative(&self.hybrid.y)
     }
 
     /// The smooth mode.
@@ -239,17 +250,7 @@ impl Simulator {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
         let series = Series::<6>::expand(&self.model, self.mode(), &self.augmented(), Some(&forces), radius);
-        let mut d = [[0.0; 6]; 3];
-        let mut scale = 1.0; // k!/r^k
-        for (k, lane) in series.lanes.iter().enumerate() {
-            if k > 0 {
-                scale *= k as f64 * self.model.rate;
-            }
-            for (body, value) in [lane[0], lane[0] + lane[1], lane[2]].into_iter().enumerate() {
-                d[body][k] = value * scale;
-            }
-        }
-        d
+        series.derivatives(self.model.rate)
     }
 
     /// Relative displacement w = x2 - x1 (m) and its rate (m/s): exactly ±L and 0 in rest.
@@ -257,12 +258,13 @@ impl Simulator {
         (self.hybrid.y[1], self.hybrid.y[4])
     }
 
-    /// Contact force λ ≥ 0 in resting contact, 0 in flight, N.
+    /// Contact force λ in N (docs/theory.md (14)): positive in resting contact at either stop, where it pushes block and box
+    /// apart, and exactly 0 in flight. It acts on the box in the direction of the stop, `contact().side() * λ`, and on the block
+    /// against it; impacts are not forces and do not show.
     pub fn contact_force(&self) -> f64 {
-        match self.hybrid.contact {
-            Contact::Flight => 0.0,
-            contact => (self.model.reduced_mass * contact.side() * self.accelerations().1).max(0.0),
-        }
+        let side = self.hybrid.contact.side();
+        let force = self.model.reduced_mass * side * self.accelerations().1;
+        if force > 0.0 { force } else { 0.0 } // never -0
     }
 
     /// Drive phase θ in [-π, π], rad; the drive's force is F10 sin θ.
@@ -292,102 +294,9 @@ impl Simulator {
         &self.hybrid.record
     }
 
-    /// WorkCounters done so far by this simulator; not part of a snapshot.
+    /// Work done so far by this simulator; not part of a snapshot.
     pub fn work_counters(&self) -> &WorkCounters {
         &self.work
-    }
-
-    /// Advances to exactly `end` (s), through all events.
-    ///
-    /// # Errors
-    /// As [`advance_until`](Self::advance_until).
-    pub fn advance_to(&mut self, end: f64) -> Result<()> {
-        self.advance_until(end, Stop::Never, None).map(|_| ())
-    }
-
-    /// Advances to just after the first impact, or to `end` (s) if none comes before.
-    ///
-    /// # Errors
-    /// As [`advance_until`](Self::advance_until).
-    pub fn advance_to_impact(&mut self, end: f64) -> Result<StopReason> {
-        self.advance_until(end, Stop::AfterImpact, None)
-    }
-
-    /// Advances to exactly `end` (s) and shows `observer` each event in order of time.
-    ///
-    /// # Errors
-    /// As [`advance_until`](Self::advance_until).
-    pub fn advance_observed(&mut self, end: f64, observer: &mut dyn FnMut(&Event)) -> Result<()> {
-        self.advance_until(end, Stop::Never, Some(observer)).map(|_| ())
-    }
-
-    /// Advances to `end` (s, a double or a double-double) or to where `stop` says, and shows `observer`, if there is one,
-    /// each event in order of time. The law of an event that is [due](Self::due_event) is applied first; it counts as the
-    /// first impact for [`Stop::AfterImpact`].
-    ///
-    /// An end before the present by no more than the rounding of [`time`](Self::time) to a double is the present.
-    ///
-    /// # Errors
-    /// [`Error::Step`] for an end before the present or not finite, [`Error::PrecisionLost`] for one that a double no longer
-    /// tells from a moment later: nothing has changed then. [`Error::ImpactRate`] for a motion that does not get on: the
-    /// state then stands at the time named.
-    pub fn advance_until(
-        &mut self,
-        end: impl Into<DoubleDouble>,
-        stop: Stop,
-        mut observer: EventObserver<'_, '_>,
-    ) -> Result<StopReason> {
-        let end = end.into();
-        let span = end.minus(self.hybrid.time).value();
-        let rounded = span < 0.0 && span >= -f64::EPSILON * self.time().abs();
-        if !(end.value().is_finite() && (span >= 0.0 || rounded)) {
-            return Err(Error::Step { time: self.time(), end: end.value() });
-        }
-        check_time(self.model.rate, end.value())?;
-        let applied = self.apply_due_event(observer.as_deref_mut());
-        if stop == Stop::AfterImpact && matches!(applied, Some(DueEvent::Impact { .. })) {
-            return Ok(StopReason::Impact);
-        }
-        if rounded {
-            return Ok(StopReason::End);
-        }
-        self.run(end, stop, observer)
-    }
-
-    /// The event at which an advance with [`Stop::BeforeEvent`] has stopped and whose law is not yet applied. State,
-    /// accelerations and contact are those before it.
-    pub fn due_event(&self) -> Option<DueEvent> {
-        self.hybrid.due
-    }
-
-    /// Applies the law of the event that is due and returns which it was; nothing happens when none is. A further advance
-    /// would do it by itself. The motion goes on with the same bits as after [`Stop::AfterImpact`], but for the account of
-    /// input energy, which is summed in another order.
-    pub fn apply_due_event(&mut self, mut observer: EventObserver<'_, '_>) -> Option<DueEvent> {
-        let due = self.hybrid.due.take()?;
-        let (mut z, side) = (self.augmented(), f64::from(due.side()));
-        self.work.events += 1;
-        if self.loaded() {
-            self.apply_event_law::<1>(&mut z, side, &mut observer);
-        } else {
-            self.apply_event_law::<0>(&mut z, side, &mut observer);
-        }
-        self.hybrid.y.copy_from_slice(&z[..6]);
-        Some(due)
-    }
-
-    /// The next event up to `horizon` (s), found on a copy: this simulator stays as it is. An event that is due is the next.
-    ///
-    /// # Errors
-    /// As [`advance_until`](Self::advance_until).
-    pub fn next_event(&self, horizon: f64) -> Result<Option<Event>> {
-        let mut ahead = self.clone().without_energy_accounts();
-        if ahead.hybrid.due.is_none() {
-            ahead.advance_until(horizon, Stop::BeforeEvent, None)?;
-        }
-        let mut next = None;
-        ahead.apply_due_event(Some(&mut |event: &Event| next = next.or(Some(*event))));
-        Ok(next)
     }
 
     /// All that is needed to come back to this point.
@@ -455,7 +364,7 @@ impl Simulator {
         let mut z = [0.0; LANES];
         z[..6].copy_from_slice(&self.hybrid.y);
         let angle = self.drive_phase();
-        (z[7], z[6]) = angle.sin_cos();
+        (z[DRIVE_SIN], z[DRIVE_COS]) = angle.sin_cos();
         z
     }
 

@@ -3,7 +3,7 @@
 use super::{Contact, DueEvent, Event, ModeTables, Simulator, Stop, StopReason};
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
-use crate::model::{Augmented, GAP, GAP_RATE};
+use crate::model::{Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd;
 use pulp::Simd;
@@ -12,8 +12,13 @@ use std::ops::ControlFlow;
 /// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about ten drive periods); the
 /// rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// More events, or shortened steps, than this within one sub-step's time are reported instead of followed.
-pub(super) const MAX_BURST: u32 = 1_000_000;
+/// The sub-steps that one advance may take however little its motion gets on. Each ends at an event, or is cut short because
+/// the block is fast; it takes 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends
+/// within about a second.
+const WORK_BASE: u64 = 1_000_000;
+/// The further sub-steps that it may take for each sub-step length that the motion gets on. An ordinary motion, with an impact
+/// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is.
+const WORK_PER_SUBSTEP: f64 = 32.0;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened so that the root's resolution keeps to the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
@@ -26,9 +31,12 @@ pub(super) struct AdvanceState {
     pub(super) since_renewal: u32,
     /// Where the flight began whose drive work is kept as a difference (see [`Simulator::open_account`]).
     pub(super) flown_from: DoubleDouble,
-    /// Sub-steps and events since `burst_from`.
-    pub(super) burst: u32,
-    pub(super) burst_from: DoubleDouble,
+    /// Time and counts of sub-steps and events at the beginning of the advance.
+    begin: DoubleDouble,
+    substeps_before: u64,
+    events_before: u64,
+    /// The count of sub-steps that was allowed for the time reached when it was last worked out.
+    pub(super) allowed: u64,
 }
 
 /// An advance, to be compiled once for each instruction set.
@@ -111,7 +119,16 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn begin_advance(&self) -> AdvanceState {
         let time = self.hybrid.time;
-        AdvanceState { z: self.augmented(), since_renewal: 0, flown_from: time, burst: 0, burst_from: time }
+        let substeps_before = self.work.substeps;
+        AdvanceState {
+            z: self.augmented(),
+            since_renewal: 0,
+            flown_from: time,
+            begin: time,
+            substeps_before,
+            events_before: self.work.events,
+            allowed: substeps_before + WORK_BASE,
+        }
     }
 
     /// One sub-step of an advance with the event at its end; breaks at the end of the advance.
@@ -136,7 +153,7 @@ impl Simulator {
         }
         self.renew(advance);
         let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut advance.z, remaining, end);
-        let (contact, speed) = (self.hybrid.contact, advance.z[3]);
+        let (contact, speed) = (self.hybrid.contact, advance.z[BOX_RATE]);
         let going = self.finish_substep::<LOADS>(advance, passage, stop, observer);
         if ACCOUNTS && LOADS == 0 && passage.is_some() {
             self.account_event(advance, contact, speed);
@@ -148,7 +165,7 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn renew(&mut self, advance: &mut AdvanceState) {
         if advance.since_renewal == RENEW {
-            (advance.z[7], advance.z[6]) = self.sine_and_cosine();
+            (advance.z[DRIVE_SIN], advance.z[DRIVE_COS]) = self.sine_and_cosine();
             advance.since_renewal = 0;
             self.hybrid.sums.settle(&mut self.pending);
         }
@@ -162,7 +179,7 @@ impl Simulator {
         self.drive_phase().sin_cos()
     }
 
-    /// The end of a sub-step: its event, if it reached one, and the watch over motions that do not get on.
+    /// The end of a sub-step: the law of its event, if it reached one, and the check of the work done.
     #[inline(always)]
     pub(super) fn finish_substep<const LOADS: usize>(
         &mut self,
@@ -171,13 +188,6 @@ impl Simulator {
         stop: Stop,
         observer: &mut EventObserver<'_, '_>,
     ) -> ControlFlow<Result<StopReason>> {
-        advance.burst += 1;
-        if self.hybrid.time.hi - advance.burst_from.hi > self.substep {
-            (advance.burst, advance.burst_from) = (0, self.hybrid.time);
-        } else if advance.burst > MAX_BURST {
-            self.hybrid.y.copy_from_slice(&advance.z[..6]);
-            return ControlFlow::Break(Err(self.too_many(passage.is_some())));
-        }
         if let Some(side) = passage {
             if stop == Stop::BeforeEvent {
                 return ControlFlow::Break(Ok(self.stop_before_event(advance, side)));
@@ -189,7 +199,34 @@ impl Simulator {
                 return ControlFlow::Break(Ok(StopReason::Impact));
             }
         }
+        if self.work.substeps > advance.allowed
+            && let Err(error) = self.check_work(advance)
+        {
+            return ControlFlow::Break(Err(error));
+        }
         ControlFlow::Continue(())
+    }
+
+    /// Works out what is allowed for the time reached.
+    ///
+    /// # Errors
+    /// [`Error::WorkLimit`] when more has been done; the state then stands at the time reached.
+    #[cold]
+    pub(super) fn check_work(&mut self, advance: &mut AdvanceState) -> Result<()> {
+        let span = self.hybrid.time.minus(advance.begin).value();
+        let further = WORK_PER_SUBSTEP * (span / self.substep);
+        advance.allowed = advance.substeps_before + WORK_BASE + further as u64;
+        if self.work.substeps <= advance.allowed {
+            return Ok(());
+        }
+        self.hybrid.y.copy_from_slice(&advance.z[..6]);
+        Err(Error::WorkLimit {
+            time: self.time(),
+            span,
+            events: self.work.events - advance.events_before,
+            restitution: self.model.restitution,
+            path: self.hybrid.y[4].abs() * self.substep / self.model.gap,
+        })
     }
 
     /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits that the law takes.
@@ -207,20 +244,6 @@ impl Simulator {
         });
         self.hybrid.y.copy_from_slice(&z[..6]);
         StopReason::EventDue
-    }
-
-    /// The error for a motion that does not get on: impacts without end, or a path that needs steps without end.
-    #[cold]
-    fn too_many(&self, impacts: bool) -> Error {
-        if impacts {
-            let (time, restitution) = (self.time(), self.model.restitution);
-            return Error::ImpactRate { time, limit: MAX_BURST, span: self.substep, restitution };
-        }
-        Error::PrecisionLost {
-            what: "path of the block in a sub-step over stop.gap",
-            value: self.hybrid.y[4].abs() * self.substep / self.model.gap,
-            limit: f64::from(MAX_BURST),
-        }
     }
 
     #[inline(always)]

@@ -38,7 +38,10 @@ pub enum Event {
     },
     /// A chatter run (or κ = 0) ended in resting contact.
     Rest {
-        /// The instant at which the impacts accumulate, s (the run is closed at most a part in 10⁸ of a period before it).
+        /// The instant at which the impacts accumulate, s. The run is closed, and the state rests, at the last impact reported,
+        /// earlier by the t_c of docs/theory.md (16): at most 1.5e-8 sqrt(L/(a (1 - κ))) with the acceleration a that presses
+        /// the block to the stop. The end of the advance, and later events, may lie in between. Where κ = 0 or 1 - κ < 10⁻³
+        /// it is the time of that impact itself.
         time: f64,
         /// +1 upper, -1 lower.
         side: i8,
@@ -74,7 +77,7 @@ pub struct ImpactRecord {
 pub struct EnergyAccounts {
     /// Kinetic and elastic energy now.
     pub mechanical: f64,
-    /// WorkCounters of drive and loads.
+    /// Work of drive and loads.
     pub input: f64,
     /// Dissipated in c1 and c3.
     pub damped: f64,

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
 use vibro_impact::model::Model;
-use vibro_impact::numerics::double_double::{DoubleDouble, DrivePhase};
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, EventObserver, ImpactRecord, State, StopReason, check_time};
 

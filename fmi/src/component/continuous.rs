@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
 use vibro_impact::error::Error;
 use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
-use vibro_impact::numerics::double_double::{DoubleDouble, DrivePhase};
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, ImpactRecord, Simulator, State, check_time};
 

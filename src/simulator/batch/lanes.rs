@@ -64,8 +64,22 @@ impl pulp::WithSimd for Lanes<'_> {
         }
         while live != 0 {
             for lane in places(moving.stale(simd, f64::from(RENEWAL)) & live) {
+                let Some(motion) = &mut lanes[lane] else { continue };
+                moving.renew(lane, motion.simulator);
+                if moving.substeps.0[lane] as u64 + motion.simulator.work.substeps <= motion.advance.allowed {
+                    continue;
+                }
+                moving.give(lane, motion.simulator, &mut motion.advance);
+                if let Err(error) = motion.simulator.check_work(&mut motion.advance) {
+                    *motion.result = Err(error);
+                    lanes[lane] = self.waiting.pop();
+                    match &lanes[lane] {
+                        Some(motion) => systems.load_system(lane, motion.simulator, motion.end),
+                        None => live &= !(1 << lane),
+                    }
+                }
                 if let Some(motion) = &lanes[lane] {
-                    moving.renew(lane, motion.simulator);
+                    moving.take(lane, motion.simulator, &motion.advance);
                 }
             }
             let left = substep::substep(simd, &systems, &mut moving, live);
@@ -123,10 +137,7 @@ impl LaneMotion<'_> {
         let Self { simulator, advance, end, result } = self;
         advance.since_renewal = advance.since_renewal.min(RENEW);
         let mut going = match touched {
-            Some(_) => {
-                advance.burst = advance.burst.saturating_sub(1); // the lanes have counted the sub-step
-                simulator.finish_substep::<0>(advance, touched, Stop::Never, &mut None)
-            }
+            Some(_) => simulator.finish_substep::<0>(advance, touched, Stop::Never, &mut None),
             None => simulator.next_substep::<S, 0, false>(simd, advance, *end, Stop::Never, &mut None),
         };
         loop {

@@ -103,7 +103,7 @@ fn run(input: &Input) -> Option<()> {
                 let time = simulator.time();
                 match simulator.advance_until(DoubleDouble::sum(time, size), Stop::Never, None) {
                     Ok(_) => {}
-                    Err(Error::ImpactRate { restitution, .. }) => {
+                    Err(Error::WorkLimit { restitution, .. }) => {
                         assert!(restitution > 0.99, "only nearly elastic stops may be refused: {restitution}");
                         return None;
                     }

@@ -128,9 +128,6 @@ pub(super) struct LaneStates {
     pub(super) departing: Row,
     /// Sub-steps since cos θ and sin θ were taken anew.
     pub(super) since: Row,
-    /// Sub-steps since the time `burst_from`.
-    pub(super) burst: Row,
-    pub(super) burst_from: Row,
     /// Energy lost at impacts.
     pub(super) lost: [Row; 2],
     pub(super) upper: Row,
@@ -153,8 +150,6 @@ impl LaneStates {
             time: [row; 2],
             departing: row,
             since: row,
-            burst: row,
-            burst_from: row,
             lost: [row; 2],
             upper: row,
             lower: row,
@@ -181,8 +176,6 @@ impl LaneStates {
             _ => GROUNDED,
         };
         self.since.0[lane] = f64::from(advance.since_renewal);
-        self.burst.0[lane] = f64::from(advance.burst);
-        self.burst_from.0[lane] = advance.burst_from.hi;
         (self.lost[0].0[lane], self.lost[1].0[lane]) = (hybrid.sums.impact.hi, hybrid.sums.impact.lo);
         self.last_time.0[lane] = hybrid.record.last_time;
         self.last_speed.0[lane] = hybrid.record.last_speed;
@@ -209,8 +202,6 @@ impl LaneStates {
         }
         hybrid.time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
         advance.since_renewal = self.since.0[lane] as u32;
-        advance.burst = self.burst.0[lane] as u32;
-        advance.burst_from = DoubleDouble::new(self.burst_from.0[lane]);
         let departing = self.departing.0[lane];
         if departing < GROUNDED {
             hybrid.departing = departing as u8;

@@ -7,7 +7,6 @@ use crate::flow::INTERVALS;
 use crate::model::{GAP, GAP_RATE};
 use crate::numerics::simd::product;
 use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
-use crate::simulator::step::MAX_BURST;
 use pulp::Simd;
 
 /// What a sub-step leaves to the motions' own code.
@@ -129,9 +128,8 @@ fn sample_gap<S: Simd>(
         (leaving & (speed.at_most(turned) | index.at_most(zero))) | (inside & limit.at_most(z[GAP].abs()));
     let at = close.select(z[GAP], gap);
     zero.less(at).select(splat(1.0), splat(-1.0)).put(&mut aim.side, v);
-    let patient = of(&moving.burst).less(splat(f64::from(MAX_BURST - 1)));
     GapSamples {
-        ready: (leaving | inside) & tame & whole & patient,
+        ready: (leaving | inside) & tame & whole,
         near: close | index.less(splat(INTERVALS as f64)),
         close,
     }
@@ -168,28 +166,16 @@ fn advance_whole_substep<S: Simd>(
     chosen.select(later.lo, time.lo).put(&mut moving.time[1], v);
     let zero = Wide::splat(simd, 0.0);
     chosen.select(zero, of(&moving.departing)).put(&mut moving.departing, v);
-    count(simd, systems, moving, v, chosen, later.hi);
+    count(simd, moving, v, chosen);
 }
 
-/// Counts a sub-step that ended at `time`.
+/// Counts a sub-step.
 #[inline(always)]
-fn count<S: Simd>(
-    simd: S,
-    systems: &LaneSystems,
-    moving: &mut LaneStates,
-    v: usize,
-    chosen: Mask<S>,
-    time: Wide<S>,
-) {
+fn count<S: Simd>(simd: S, moving: &mut LaneStates, v: usize, chosen: Mask<S>) {
     let zero = Wide::splat(simd, 0.0);
     let one = chosen.select(Wide::splat(simd, 1.0), zero);
     add(simd, &mut moving.since, v, one);
     add(simd, &mut moving.substeps, v, one);
-    let of = |row: &Row| Wide::of(simd, row, v);
-    let (burst, from) = (of(&moving.burst) + one, of(&moving.burst_from));
-    let gets_on = chosen & of(&systems.substep).less(time - from);
-    gets_on.select(zero, burst).put(&mut moving.burst, v);
-    gets_on.select(time, from).put(&mut moving.burst_from, v);
 }
 
 #[inline(always)]
@@ -261,7 +247,7 @@ fn impact<S: Simd>(
     let one = splat(1.0);
     departing = chosen.select(through.select(one, zero), departing);
     departing.put(&mut moving.departing, v);
-    count(simd, systems, moving, v, chosen, later.hi);
+    count(simd, moving, v, chosen);
     add(simd, &mut moving.expansions, v, chosen.select(one, zero));
     add(simd, &mut moving.iterations, v, found.select(crossing.iterations, zero));
 
