@@ -1,4 +1,4 @@
-//! The standard work of performance.md by every way that this repository has, in one run, as ratios; writes its table
+//! The standard work (benches/README.md) by every way that this repository has, in one run, as ratios; writes its table
 //! to `benches/README.md`. `cargo bench --bench standard_work`
 
 use fmu_build::archive;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes standard_*.csv: the standard work of performance.md over its first 20 drive periods, in 60 digits.
+"""Makes standard_*.csv: the standard work of benches/README.md over its first 20 drive periods, in 60 digits.
 
 Regenerate with `python3 tests/data/make_standard.py` (needs mpmath; about a minute; the output is reproducible).
 
@@ -12,7 +12,7 @@ gives states at the doubles n * TAU. Their difference is what rounding the param
 
 standard_<version>_periods.csv: period n, t, x1..v3, impacts (count so far).
 standard_<version>_impacts.csv: number (from 1), t, side, speed (approach), impulse, x1..v3 (state just after).
-The decimal version is followed on to period 500 and compared with the certified end state of performance.md.
+The decimal version is followed on to period 500 and compared with an end state that was certified by interval arithmetic.
 """
 
 import math
@@ -24,7 +24,7 @@ from exact import FIELDS, FLIGHT, STATE, System, check_against_expm, write
 
 mp.dps = 60
 PERIODS = 20
-# performance.md: from period 500 on the state at whole periods is the same to 15 digits.
+# By an interval-arithmetic certificate: from period 500 on the state at whole periods is the same to 15 digits.
 SETTLED = 500
 CERTIFIED = """-0.4253110842429075 0.2872634800253607 0.4900836440556809
                -0.7166788315354791 -1.2876764920670574 -0.3927812190837065""".split()

@@ -29,7 +29,7 @@ def in_mode(new, mode, settings=(), orbit=False):
 
 
 def basic(ratio):
-    """The default set at another mass ratio, in unit scales (model.md, sections 2 and 8)."""
+    """The default set at another mass ratio, in unit scales (docs/theory.md, section 4)."""
     return {
         "block.m": ratio,
         "secondary.m": ratio,
@@ -101,7 +101,7 @@ def test_multiple_scales_are_off_by_the_order_of_the_mass_ratio(new):
 
 
 def test_reports_the_steady_state(new):
-    """Golden values of model.md, section 9."""
+    """Values of an independent prototype, kept as golden ones."""
     instance = in_mode(new, EVENT_DRIVEN)
     c, b, a3 = instance.get("steady.C", "steady.B", "steady.A3")
     assert (c, b, a3) == pytest.approx((1.340127767, 0.361305063, 1.030523031), abs=1e-9)
@@ -129,7 +129,7 @@ def test_refuses_a_mode_that_does_not_exist_and_loads_in_one_that_does(new, mode
 
 @pytest.mark.parametrize("force, test", [(0.25, "stable"), (0.085, "stable")])
 def test_warns_of_an_inadmissible_motion_and_plays_it(new, force, test):
-    """Above 2.136 and below 0.891 the periodic motion is not stable (model.md, section 9)."""
+    """Above 2.136 and below 0.891 the periodic motion is not stable (values of an independent prototype)."""
     instance = in_mode(new, MULTIPLE_SCALES, {"drive.amplitude": force})
     warnings = [message for status, _, message in instance.log if status == 1]
     assert any(test in message for message in warnings), instance.log

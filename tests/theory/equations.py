@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "theory.md"
 
 Environment = Mapping[str, Any]
+Formula = Callable[..., Any]
 
 TOKEN = re.compile(r"\\[A-Za-z]+|[A-Za-z]|\d+|[{}()\[\]^_+\-/=,&'!]")
 RELATIONS = {"=": "=", r"\lt": "<", r"\le": "<=", r"\ge": ">=", r"\gt": ">"}

@@ -6,7 +6,7 @@ from typing import Any, Dict, List
 import mpmath
 import pytest
 import sympy
-from equations import eq, sym, zero
+from equations import Formula, eq, sym, zero
 from simulation import DIGITS, accelerations, basic, differences, flight, other, strike
 from test_multiple_scales import NUMERIC, fixed_points
 
@@ -34,7 +34,7 @@ def build(p: Dict[str, Any]) -> Dict[str, Any]:
     k["G_w"] = k["G_plus"][1] - k["G_plus"][0]
     k["G_wp_plus"], k["G_wp_minus"] = (k[x][4] - k[x][3] for x in ("G_plus", "G_minus"))
     k["R"] = evaluated(73, "R", k)
-    quadratic = lambda p: eq(74).relations[0].left({**NUMERIC, **k, "p": p})  # noqa: E731
+    quadratic: Formula = lambda p: eq(74).relations[0].left({**NUMERIC, **k, "p": p})
     c, one, minus = quadratic(mpmath.mpf(0)), quadratic(mpmath.mpf(1)), quadratic(mpmath.mpf(-1))
     a, b = (one + minus) / 2 - c, (one - minus) / 2
     k["quadratic"] = (a, b, c)
@@ -115,7 +115,7 @@ def test_eq_72_73_75_77_orbit_repeats_and_meets_the_impact_law(case: str) -> Non
         assert abs(response.left({**NUMERIC, **k}) - response.right({**NUMERIC, **k})) < TIGHT
         # (77) as it stands: h = (H, 0, 0, iH, 0, 0).
         h = mpmath.matrix([k["H"], 0, 0, 1j * k["H"], 0, 0])
-        imaginary = lambda m: m.apply(mpmath.im)  # noqa: E731
+        imaginary: Formula = lambda m: m.apply(mpmath.im)
         whole = eq(77)("sigma_plus", {**NUMERIC, **k, "h": h, "Im": imaginary})
         assert mpmath.norm(whole - k["after"]) < TIGHT
 
@@ -125,6 +125,7 @@ def test_eq_73_74_76_quadratic_and_discriminant() -> None:
     p, h = sym("p"), sym("h")
     right = eq(73).relations[1].right()
     left = eq(74).relations[0].left({"abs": lambda _: h})
+    assert eq(74).relations[0].right() == 0
     assert zero(sympy.expand(right * sympy.conjugate(right)) - h**2 - left)
     a, b, c = sympy.Poly(sympy.expand(left), p).all_coeffs()
     discriminant = eq(76)
@@ -178,7 +179,7 @@ def test_eq_78_saltation_matrix_by_perturbation(case: str) -> None:
         def through(x: List[Any]) -> List[Any]:
             """The state a while before the impact to the state a while after it, both carried back to its instant."""
             z = flight(k, [a * u for a, u in zip(x, units)] + [k["delta"]], -early)
-            gap = lambda t: (lambda y: y[1] - y[0] - k["L"])(flight(k, z, t))  # noqa: E731
+            gap: Formula = lambda t: (lambda y: y[1] - y[0] - k["L"])(flight(k, z, t))
             hit = mpmath.findroot(gap, early)
             y = flight(k, strike(k, flight(k, z, hit)), early - hit)
             return [a / u for a, u in zip(y[:6], units)]
@@ -211,7 +212,7 @@ def test_eq_79_half_cycle_map_by_differences(case: str) -> None:
                 left = count * half
                 for _ in range(count):
                     side = mpmath.sign(z[4] - z[3])
-                    gap = lambda t: (lambda y: side * (y[1] - y[0]) - k["L"])(flight(k, z, t))  # noqa: E731,B023
+                    gap: Formula = lambda t: (lambda y: side * (y[1] - y[0]) - k["L"])(flight(k, z, t))  # noqa: B023
                     hit = mpmath.findroot(gap, half - middle if left > half * count - 0.1 * half else half)
                     z, left = strike(k, flight(k, z, hit)), left - hit
                 return [a / u for a, u in zip(flight(k, z, left)[:6], units)]
@@ -265,7 +266,16 @@ def test_eq_58_multipliers_as_the_mass_ratio_vanishes() -> None:
         square = mpmath.sqrt(mpmath.mpc(trace**2 / 4 - determinant))
         third = evaluated(51, "Lambda_3", point)
         fast = list(mpmath.eig(evaluated(53, "D", point), left=False, right=False))
-        slow = [1 + e * mpmath.pi * x for x in (trace / 2 + square, trace / 2 - square, third, mpmath.conj(third))]
+        limit, order = eq(58).relations[0], []
+
+        def remainder(size: Any) -> int:
+            order.append(size)  # noqa: B023
+            return 0
+
+        formula = {**NUMERIC, "varepsilon": e, "O": remainder}
+        eigenvalues = (trace / 2 + square, trace / 2 - square, third, mpmath.conj(third))
+        slow = [limit.right({**formula, "Lambda_j": x}) for x in eigenvalues]
+        assert all(size == e**2 for size in order) and len(order) == 4
         found = {"fast": mpmath.mpf(0), "slow": mpmath.mpf(0)}
         for kind, expected in [("fast", x) for x in fast] + [("slow", x) for x in slow]:
             nearest = min(left, key=lambda m: abs(m - expected))  # noqa: B023

@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Tuple
 import mpmath
 import pytest
 import sympy
-from equations import eq, sym, zero
+from equations import Formula, eq, sym, zero
 
 B, C, A_3 = (sympy.Symbol(n, positive=True) for n in ("B", "C", "A_3"))
 phi = sympy.Symbol("varphi", real=True)
@@ -120,7 +120,7 @@ def test_eq_34_impact_conditions() -> None:
 
 
 def test_eq_35_manifold_and_its_phase() -> None:
-    """(34) squared and added is B², and its quotient is Φ."""
+    """(35) holds the sum of the squares of (34) and the angle of its quotient."""
     first, second = (r.right({"C": C}) for r in eq(34).relations[:2])
     assert zero(first**2 + second**2 - eq(35)("B^2", {"C": C}))
     for c in (0.4, 1.3, 5.0):
@@ -180,15 +180,18 @@ def slow_flow(parse: bool) -> Dict[str, Any]:
     f, g_1, g_3, s_1, s_30 = (sym(n) for n in ("hat_f_10", "hat_gamma_1", "hat_gamma_3", "hat_sigma_1", "hat_sigma_30"))
     alpha, psi, psi_3, Phi = (sym(n) for n in ("hat_alpha", "psi", "psi_3", "Phi"))
     c_1 = first_coefficient()
-    # U = B sin(φ), φ = τ0 + σ1 τ1 - ψ: twice the mixed derivative, against the forcing at order ε.
+    # U and X3 of (32) with the phase φ = τ0 + σ1 τ1 - ψ or - ψ3.
+    U = eq(32)("U", {"B": B, "eta": eq(32)("eta", {"tau": (phi + psi) / sym("Omega_1")})})
+    X_3 = eq(32)("X_3", {"A_3": A_3, "tau": (phi + psi_3) / sym("Omega_1")})
+    # Twice the mixed derivative, against the forcing at order ε.
     rate_b, rate_psi, rate_a, rate_psi3 = sympy.symbols("rB rpsi rA rpsi3")
-    mixed = 2 * (rate_b * sympy.cos(phi) - B * (s_1 - rate_psi) * sympy.sin(phi))
-    forcing = f * sympy.sin(phi + psi) - g_1 * B * sympy.cos(phi) + c_1 * C * sympy.cos(phi - Phi)
+    mixed = 2 * (rate_b * U.diff(B) + (s_1 - rate_psi) * U.diff(phi)).diff(phi)
+    forcing = f * sympy.sin(phi + psi) - g_1 * U.diff(phi) + c_1 * C * sympy.cos(phi - Phi)
     first = sympy.solve(harmonic(sympy.expand_trig(mixed - forcing)), [rate_b, rate_psi], dict=True)[0]
-    # X3 = A3 sin(φ), φ = τ0 + σ1 τ1 - ψ3; X2 ≈ C Z(φ + ψ3 - ψ - Φ), with μ13 β² = α.
-    mixed = 2 * (rate_a * sympy.cos(phi) - A_3 * (s_1 - rate_psi3) * sympy.sin(phi))
+    # X2 ≈ C Z(φ + ψ3 - ψ - Φ), with μ13 β² = α.
+    mixed = 2 * (rate_a * X_3.diff(A_3) + (s_1 - rate_psi3) * X_3.diff(phi)).diff(phi)
     block = c_1 * C * sympy.cos(phi + psi_3 - psi - Phi)
-    forcing = -g_3 * A_3 * sympy.cos(phi) - s_30 * A_3 * sympy.sin(phi) - alpha * (A_3 * sympy.sin(phi) - block)
+    forcing = -g_3 * X_3.diff(phi) - s_30 * X_3 - alpha * (X_3 - block)
     second = sympy.solve(harmonic(sympy.expand_trig(mixed - forcing)), [rate_a, rate_psi3], dict=True)[0]
     # (34): B sin Φ = C - 1, B cos Φ = -ρ C.
     manifold = {sympy.sin(Phi): (C - 1) / B, sympy.cos(Phi): -rho * C / B}
@@ -200,8 +203,8 @@ def slow_flow(parse: bool) -> Dict[str, Any]:
     }
 
 
-def test_eq_40_41_slow_flow_from_the_balance_of_harmonics() -> None:
-    """The solvability conditions of (30) and of X3's equation in (24) are (40), (41)."""
+def test_eq_32_40_41_slow_flow_from_the_balance_of_harmonics() -> None:
+    """The solvability conditions of (30) and of X3's equation in (24) for the form (32) are (40), (41)."""
     page, derived = slow_flow(True), slow_flow(False)
     for key in page:
         assert zero(sympy.expand_trig(page[key]) - derived[key]), key
@@ -232,7 +235,7 @@ def test_eq_43_44_complex_form() -> None:
     force = (found[y] + sympy.I * found[x]) * turn
     force = sympy.expand(force).subs(B, sympy.sqrt(eq(35)("B^2", {"C": C})))
     assert zero(force - eq(43).relations[0].right({"C": C, "alpha": alpha, "alpha_0": alpha_0}))
-    modulus = lambda z: sympy.sqrt(sympy.expand(z * sympy.conjugate(z)))  # noqa: E731
+    modulus: Formula = lambda z: sympy.sqrt(sympy.expand(z * sympy.conjugate(z)))
     both = {"alpha": alpha, "alpha_0": alpha_0, "abs": modulus}
     q = eq(42).values()
     values = {r.key: sympy.expand(sympy.expand(r.right(both)), complex=True) for r in eq(44).relations}
@@ -281,7 +284,7 @@ def test_eq_46_force_and_fold() -> None:
 
 
 def test_eq_46_56_admissible_range_of_the_default_set() -> None:
-    """The force at the limits of (56) is the range the code reports, 0.891 to 2.136."""
+    """The force (46) at the limits of (56) is the range the code reports, 0.891 to 2.136."""
     k = numbers(BASIC)
     k["alpha"], k["alpha_0"] = evaluated(43, "alpha", k), evaluated(43, "alpha_0", k)
     low, high = (evaluated(46, "f(C)", {**k, "C": evaluated(56, key, k)}) for key in ("C_Smin", "C_Smax"))
@@ -295,7 +298,7 @@ def test_eq_47_amplitudes_of_block_and_box(values: Dict[str, float]) -> None:
         k["q_1"] = evaluated(47, "q_1", k)
 
         def sampled(key: str, at: Any) -> Any:
-            Z = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})  # noqa: E731
+            Z: Formula = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})
             return eq(33)(key, {**NUMERIC, **k, "Z": Z, "eta": at})
 
         block = max(abs(sampled("X_2", k["Phi"] + mpmath.pi * i / 50)) for i in range(100))
@@ -308,7 +311,7 @@ def test_eq_47_amplitudes_of_block_and_box(values: Dict[str, float]) -> None:
 
 
 def gap(c: Any, r: Any, at: Any) -> Any:
-    Z = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})  # noqa: E731
+    Z: Formula = lambda x: eq(31).relations[0].right({**NUMERIC, "varphi": x})
     return eq(39).relations[0].right({**NUMERIC, "C": c, "rho": r, "varphi": at, "Z": Z})
 
 
@@ -386,7 +389,7 @@ def test_eq_51_eigenvalues_in_closed_form(values: Dict[str, float]) -> None:
 def block_map(known: Dict[str, Any], shift: Any, speed: Any) -> Tuple[Any, Any]:
     """The next impact of a block that leaves the upper stop, from even flight and the impact law of (27) as ε → 0."""
     b, angle, restitution = known["B"], known["Phi"], known["kappa"]
-    U = lambda x: b * mpmath.sin(x)  # noqa: E731
+    U: Formula = lambda x: b * mpmath.sin(x)
     begin = angle + shift
     end = mpmath.findroot(lambda x: U(begin) + 1 - speed * (x - begin) - (U(x) - 1), angle + mpmath.pi)
     velocity = (1 + restitution) * b * mpmath.cos(end) + restitution * speed

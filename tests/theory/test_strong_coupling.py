@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Tuple
 import mpmath
 import pytest
 import sympy
-from equations import eq, sym, zero
+from equations import Formula, eq, sym, zero
 from test_multiple_scales import NUMERIC, numbers
 
 phi = sympy.Symbol("varphi", real=True)
@@ -90,8 +90,8 @@ def test_eq_60_slope_restitution_response_and_coefficient() -> None:
 def test_eq_61_63_68_block_meets_its_equation_and_the_impact_law(values: Dict[str, float]) -> None:
     """X2 of (61) obeys (24) between the impacts, W of (61), (63) contact and restitution, and (68) is that W."""
     k = point(values)
-    U = lambda x: mpmath.im(k["y"] * mpmath.expjpi(x / mpmath.pi))  # noqa: E731
-    W = lambda x: evaluated(61, "W", {"X_2": block(k, x), "U": U(x)})  # noqa: E731
+    U: Formula = lambda x: mpmath.im(k["y"] * mpmath.expjpi(x / mpmath.pi))
+    W: Formula = lambda x: evaluated(61, "W", {"X_2": block(k, x), "U": U(x)})
     for x in (0.7, 1.6, 2.8):
         third = mpmath.im(k["y_3"] * mpmath.expjpi(x / mpmath.pi))
         expected = evaluated(24, "X_2pp", {**k, "X_2": block(k, x), "X_3": third})
@@ -126,14 +126,17 @@ def test_eq_62_64_balance_of_harmonics(values: Dict[str, float]) -> None:
     assert abs(first) < 1e-10
 
 
-def test_eq_60_62_63_64_without_coupling() -> None:
-    """At β = 0 section 8 is section 6: ρ* = ρ, and α, α0 are those of (43)."""
+def test_eq_60_62_63_64_limit_without_coupling() -> None:
+    """At β = 0 the ν, ρ* of (60), ξ of (62), α, α0 of (64) and the phasor (63) are those of section 6, (34) and (43)."""
     known = {"beta": beta}
     nu = sympy.limit(eq(60)("nu", known), beta, 0)
     rho = eq(60)("rho_ast", {"nu": nu})
     assert zero(rho - eq(34)("rho"))
     assert eq(62)("xi", {"beta": 0, "c_1": 8 / pi**2, "q": 0}) == 0
     limit = {"rho_ast": rho, "rho": rho, "q": 0, "xi": 0, "nu": nu}
+    # (34): U = B sin(φ + Φ) has the phasor B cos Φ + i B sin Φ.
+    first, second = (r.right() for r in eq(34).relations[:2])
+    assert zero(sympy.expand(eq(63)("y", limit) - (second.subs(sym("rho"), rho) + sympy.I * first)))
     for key in ("alpha", "alpha_0"):
         assert zero(sympy.expand(eq(64)(key, limit) - eq(43)(key, limit))), key
 
@@ -179,15 +182,15 @@ def test_eq_66_slaved_amplitude() -> None:
 def next_impact(k: Dict[str, Any], shift: Any, change: Any) -> Tuple[Any, Any]:
     """Block from just after the upper impact to just after the lower, U and X3 held: (position - U, speed) folded."""
     b, r = k["beta"], k["q"]
-    U = lambda x: mpmath.im(k["y"] * mpmath.expjpi(x / mpmath.pi))  # noqa: E731
-    dU = lambda x: mpmath.re(k["y"] * mpmath.expjpi(x / mpmath.pi))  # noqa: E731
-    X = lambda x: r * mpmath.im(k["y_3"] * mpmath.expjpi(x / mpmath.pi))  # noqa: E731
-    dX = lambda x: r * mpmath.re(k["y_3"] * mpmath.expjpi(x / mpmath.pi))  # noqa: E731
+    U: Formula = lambda x: mpmath.im(k["y"] * mpmath.expjpi(x / mpmath.pi))
+    dU: Formula = lambda x: mpmath.re(k["y"] * mpmath.expjpi(x / mpmath.pi))
+    X: Formula = lambda x: r * mpmath.im(k["y_3"] * mpmath.expjpi(x / mpmath.pi))
+    dX: Formula = lambda x: r * mpmath.re(k["y_3"] * mpmath.expjpi(x / mpmath.pi))
     # In phase and block velocity after the impact; the steady velocity by restitution.
     start = U(shift) + 1 - X(shift)
     speed = -k["nu"] * k["C"] + dX(0) + change - dX(shift)
-    own = lambda x: start * mpmath.cos(b * (x - shift)) + speed * mpmath.sin(b * (x - shift)) / b  # noqa: E731
-    rate = lambda x: -start * b * mpmath.sin(b * (x - shift)) + speed * mpmath.cos(b * (x - shift))  # noqa: E731
+    own: Formula = lambda x: start * mpmath.cos(b * (x - shift)) + speed * mpmath.sin(b * (x - shift)) / b
+    rate: Formula = lambda x: -start * b * mpmath.sin(b * (x - shift)) + speed * mpmath.cos(b * (x - shift))
     end = mpmath.findroot(lambda x: own(x) + X(x) - U(x) + 1, mpmath.pi)
     before = rate(end) + dX(end)
     after = dU(end) - k["kappa"] * (before - dU(end))
@@ -208,9 +211,9 @@ def test_eq_67_half_cycle_map_by_differences(values: Dict[str, float]) -> None:
     (a, c), (b, d) = columns
     page = {r.key: r for r in eq(67).relations}
     known = dict(k)
-    assert page["b_w"].key == "b_w"
-    x_2 = eq(67).relations[0].right({**NUMERIC, **k})
-    known["X_2"] = lambda _: x_2
+    x_2 = page["X_2(0)"].right({**NUMERIC, **k})
+    assert abs(x_2 - block(k, mpmath.mpf(0))) < 1e-12
+    known["X_2"] = lambda phase: x_2 if phase == 0 else None
     for key in ("b_w", "Wp_minus"):
         known[key] = page[key].right({**NUMERIC, **known})
     trace, determinant = (page[key].right({**NUMERIC, **known}) for key in (r"\mathrm{tr}", r"\det"))
