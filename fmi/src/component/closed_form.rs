@@ -2,7 +2,7 @@
 
 use super::problem::Problem;
 use super::settings::SolutionMode;
-use super::steady::{ORDERS, Solution, coordinates};
+use super::steady::{ORDERS, Solution};
 use super::values::{OutputValues, coupling_force};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -227,7 +227,7 @@ impl ClosedForm {
         let (data, p) = (&self.data, &self.data.parameters);
         let d = self.derivatives();
         let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
-        let y = coordinates(&state);
+        let y = state.to_relative();
         let first = (self.offset / PI).floor();
         let (now, since) = self.halves(data.time);
         let count = (now - first).max(0.0);

@@ -170,7 +170,7 @@ impl Continuous {
 
     fn augmented_at(&self, at: &Point) -> Augmented {
         let mut z = [0.0; LANES];
-        z[..6].copy_from_slice(&super::steady::coordinates(&at.state));
+        z[..6].copy_from_slice(&at.state.to_relative());
         let theta = self.data.phase.angle(self.model.omega, DoubleDouble::new(at.time));
         (z[7], z[6]) = theta.sin_cos();
         z
@@ -369,7 +369,7 @@ impl Continuous {
             let (mode, turn) = (self.mode(), df.map(|df| df / h));
             let mut z = [0.0; LANES];
             let da = velocities(&self.model, mode, &z, [0.0; 3], turn);
-            z[..6].copy_from_slice(&super::steady::coordinates(dx));
+            z[..6].copy_from_slice(&dx.to_relative());
             let db = velocities(&self.model, mode, &z, df, turn);
             rates.damped = 2.0 * quadrature(h, &self.power(&a, &da), &self.power(&b, &db));
         }

@@ -12,7 +12,7 @@
 //!
 //! The payload holds the fields of [`SavedState`] one after the other, each in the order of its declaration, without names
 //! or padding: a double as its 8 bytes, so that every bit comes back, of NaN and -0 too; a Boolean and the tag of an
-//! `Option` as one byte; whole numbers and the numbers of enum variants with 7 bits a byte, the lowest first. The structs
+//! `Option` as one byte; other whole numbers and the numbers of enum variants with 7 bits a byte, the lowest first. The structs
 //! are those of this crate ([`Settings`], what is played or integrated) and of `vibro-impact` (`Snapshot`, `Parameters`,
 //! `DoubleDouble`, …): **whoever changes one of their fields, or their order, changes the layout and must raise
 //! [`VERSION`]**; the test `golden_file_of_the_layout` notices it.

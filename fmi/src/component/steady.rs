@@ -170,26 +170,18 @@ impl Solution {
                 // The orbit flies by the model's own equations.
                 let Ok(model) = Model::new(orbit.parameters()) else { return d };
                 let mut z = [0.0; LANES];
-                z[..6].copy_from_slice(&coordinates(&state));
+                z[..6].copy_from_slice(&state.to_relative());
                 (z[7], z[6]) = theta.sin_cos();
                 let series =
                     Series::<ORDERS>::expand(&model, model::SmoothMode::Flight, &z, None, 1.0 / model.rate);
-                let mut scale = 1.0; // k!/r^k
-                for (k, lane) in series.lanes.iter().enumerate().skip(1) {
-                    scale *= k as f64 * model.rate;
-                    (d[0][k], d[1][k], d[2][k]) =
-                        (lane[0] * scale, (lane[0] + lane[1]) * scale, lane[2] * scale);
+                // The place itself stays as the orbit has it.
+                for (d, own) in d.iter_mut().zip(series.derivatives::<ORDERS>(model.rate)) {
+                    d[1..].copy_from_slice(&own[1..]);
                 }
             }
         }
         d
     }
-}
-
-/// x1, w, x3 and their rates.
-pub(crate) fn coordinates(state: &State) -> [f64; 6] {
-    let State { x, v } = state;
-    [x[0], x[1] - x[0], x[2], v[0], v[1] - v[0], v[2]]
 }
 
 fn approximate(parameters: &Parameters) -> Result<Solution, Problem> {

@@ -44,7 +44,7 @@ pub(crate) fn variation(
     df: [f64; 3],
 ) -> OutputValues {
     let mut z = [0.0; LANES];
-    z[..6].copy_from_slice(&super::steady::coordinates(dx));
+    z[..6].copy_from_slice(&dx.to_relative());
     let mode = if contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest };
     let (a, free) = model.acceleration(mode, &z, Some(df));
     let (x, v) = (&state.x, &state.v);

@@ -1,12 +1,11 @@
 //! The table itself. Append only: a variable's place is its value reference.
 
 use super::columns::DependencyKind::{
-    Constant, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
+    Constant, Dependent, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
 };
 use super::columns::Path::{Coupling, Gap};
-use super::columns::Section::{Contact as ContactSection, Energy};
 use super::columns::Variability::{Fixed, Tunable};
-use super::columns::{Kind, Knowns, Variable};
+use super::columns::{Kind, Knowns, Section, Variable};
 use super::rows::*;
 use crate::component::settings::{Derived, SolutionMode};
 use crate::component::units;
@@ -15,7 +14,7 @@ use vibro_impact::simulator::Contact;
 
 /// What box and block feel, in flight or as one body in rest: the factors change with the contact.
 const PAIR: Knowns = &[
-    ("time", super::columns::DependencyKind::Dependent),
+    ("time", Dependent),
     ("box.f", AtEvents),
     ("block.f", AtEvents),
     ("box.s", AtEvents),
@@ -88,35 +87,35 @@ const TABLE: &[Variable] = &[
     acceleration::<2>("secondary.a", "secondary.v", "Acceleration of the secondary oscillator", SECONDARY),
 
     // Contact
-    output(ContactSection, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
+    output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
         real(units::POSITION), reading!(|m| m.gap.0), &[("box.s", AtEvents), ("block.s", AtEvents)], Some(Gap { order: 0 })),
-    output(ContactSection, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
+    output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
         &[("box.v", AtEvents), ("block.v", AtEvents)], Some(Gap { order: 1 })),
-    output(ContactSection, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
+    output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
         the block away from the stop and the box towards it (stop.state says which stop); exactly 0 in flight",
         real(units::FORCE), reading!(|m| m.contact_force), PAIR, None),
-    event_output(ContactSection, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
+    event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
         |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 }),
-    event_output(ContactSection, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
+    event_output(Section::Contact, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.upper)),
-    event_output(ContactSection, "impacts.lower", "Number of impacts on the lower stop since the start", Kind::Integer { min: 0 },
+    event_output(Section::Contact, "impacts.lower", "Number of impacts on the lower stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.lower)),
-    event_output(ContactSection, "impacts.lastTime", "Time of the last impact; 0 before the first", real(units::TIME),
+    event_output(Section::Contact, "impacts.lastTime", "Time of the last impact; 0 before the first", real(units::TIME),
         |m| m.impacts.last_time),
-    event_output(ContactSection, "impacts.lastImpulse", "Impulse of the last impact; 0 before the first", real(units::IMPULSE),
+    event_output(Section::Contact, "impacts.lastImpulse", "Impulse of the last impact; 0 before the first", real(units::IMPULSE),
         |m| m.impacts.last_impulse),
-    event_output(ContactSection, "impacts.lastSpeed", "Relative speed of approach at the last impact; 0 before the first",
+    event_output(Section::Contact, "impacts.lastSpeed", "Relative speed of approach at the last impact; 0 before the first",
         real(units::VELOCITY), |m| m.impacts.last_speed),
-    event_output(ContactSection, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
+    event_output(Section::Contact, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
         |m| m.impacts.total_impulse),
-    output(ContactSection, "coupling.f", "Force in the coupling spring, k23 (x2 - x3): on the secondary oscillator as is, on the block reversed",
+    output(Section::Contact, "coupling.f", "Force in the coupling spring, k23 (x2 - x3): on the secondary oscillator as is, on the block reversed",
         real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)], Some(Coupling)),
 
     // Energy
-    output(Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None),
-    output(Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None),
-    output(Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None),
-    event_output(Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss),
+    output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None),
+    output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None),
+    output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None),
+    event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss),
 
     // Dimensionless groups
     fixed_group("groups.epsilon", "Mass ratio m2/m1", |d| value(d, |g| g.epsilon),
