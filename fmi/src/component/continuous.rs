@@ -6,7 +6,9 @@ use super::variation::{Velocities, quadrature, variation, velocities};
 use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
 use vibro_impact::error::Error;
-use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
+use vibro_impact::model::{
+    Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE, LANES, Model, SmoothMode,
+};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
@@ -172,7 +174,7 @@ impl Continuous {
         let mut z = [0.0; LANES];
         z[..6].copy_from_slice(&at.state.to_relative());
         let theta = self.data.phase.angle(self.model.omega, DoubleDouble::new(at.time));
-        (z[7], z[6]) = theta.sin_cos();
+        (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
         z
     }
 
@@ -306,7 +308,7 @@ impl Continuous {
             self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             report(&Event::Rest { time, side: stop });
         }
-        (self.data.state.v[0], self.data.state.v[1]) = (z[3], z[3] + z[GAP_RATE]);
+        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[GAP_RATE]);
         let resting = self.data.contact != Contact::Flight;
         self.place(side, if resting { 1.0 } else { 1.0 - SHIFT });
         if resting {

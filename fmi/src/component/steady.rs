@@ -4,7 +4,7 @@ use super::problem::Problem;
 use super::settings::{Derived, SolutionMode, Steady};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{self, LANES, Model};
+use vibro_impact::model::{self, DRIVE_COS, DRIVE_SIN, LANES, Model};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
@@ -171,7 +171,7 @@ impl Solution {
                 let Ok(model) = Model::new(orbit.parameters()) else { return d };
                 let mut z = [0.0; LANES];
                 z[..6].copy_from_slice(&state.to_relative());
-                (z[7], z[6]) = theta.sin_cos();
+                (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
                 let series =
                     Series::<ORDERS>::expand(&model, model::SmoothMode::Flight, &z, None, 1.0 / model.rate);
                 // The place itself stays as the orbit has it.

@@ -2,7 +2,9 @@
 
 use super::values::{OutputValues, coupling_force};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
+use vibro_impact::model::{
+    Augmented, BOX_RATE, GAP, GAP_RATE, LANES, Model, SECONDARY_RATE, SmoothMode,
+};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, ImpactRecord, State};
 
@@ -21,7 +23,7 @@ pub(crate) fn velocities(
     let series = Series::<4>::expand(model, mode, z, Some(&forces), 1.0 / model.rate);
     let rate = model.rate;
     let scale = [1.0, rate, 2.0 * rate * rate, 6.0 * rate * rate * rate]; // k!/r^k
-    [3, 5].map(|lane| std::array::from_fn(|k| series.lanes[k][lane] * scale[k]))
+    [BOX_RATE, SECONDARY_RATE].map(|lane| std::array::from_fn(|k| series.lanes[k][lane] * scale[k]))
 }
 
 /// Integral over an interval of length h from values and three derivatives at its ends.
