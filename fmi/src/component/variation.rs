@@ -2,9 +2,7 @@
 
 use super::values::{OutputValues, coupling_force};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{
-    Augmented, BOX_RATE, GAP, GAP_RATE, LANES, Model, SECONDARY_RATE, SmoothMode,
-};
+use vibro_impact::model::{Augmented, BOX_RATE, GAP, GAP_RATE, LANES, Model, SECONDARY_RATE, SmoothMode};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, ImpactRecord, State};
 
