@@ -6,9 +6,9 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::ffi::CString;
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
+use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::variables::reference;
 
 const OUTPUTS: [&str; 10] = [
     "box.s",

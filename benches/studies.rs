@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 use vibro_analysis::attractor::OBSERVED;
 use vibro_analysis::bifurcation::{Sweep, diagram};
-use vibro_analysis::isoperiodic::{StartRule, Request, isoperiodic};
+use vibro_analysis::isoperiodic::{Request, StartRule, isoperiodic};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::stroboscopic::moving_block;
@@ -105,7 +105,8 @@ fn main() {
     }
     for f10 in [1.5, 2.45, 3.6] {
         let p = at(f10);
-        let mut settled = Simulator::new(&p, &moving_block(&p), 0.0).expect("valid").without_energy_accounts();
+        let mut settled =
+            Simulator::new(&p, &moving_block(&p), 0.0).expect("valid").without_energy_accounts();
         settled.advance_to(400.0 * p.period()).expect("it arrives");
         let options = lyapunov::SpectrumOptions { align: 0, ..lyapunov::SpectrumOptions::default() };
         let time = timed(|| {

@@ -3,7 +3,7 @@
 //! The simulator is used through its public methods. The state at the start of each piece is exact, so that the series of
 //! the flow (docs/theory.md (8)) gives the motion along the piece again.
 
-use vibro_impact::error::Result;
+use vibro_impact::error::{Error, Result};
 use vibro_impact::flow::Series;
 use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
 use vibro_impact::simulator::{Contact, Event, Simulator, Stop};

@@ -4,9 +4,9 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::CString;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::variables::reference;
 
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 

@@ -3,18 +3,20 @@
 #![allow(unsafe_code)] // the C interface
 
 #[path = "../../tests/common/bits.rs"]
-#[allow(missing_docs)]
+#[allow(missing_docs, dead_code)] // each user of the file takes what it needs
 mod bits;
 
 use bits::{Digest, compare};
 use std::ffi::{CString, c_int, c_void};
 use std::ptr::{null, null_mut};
+use vibro_fmi::component::variables::{Kind, VARIABLES, reference};
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi2::types::FmiEventInfo;
-use vibro_fmi::fmi2::variables::{Kind, VARIABLES, reference};
 
 const OK: c_int = 0;
+/// Variables that the golden file covers: those of version 0.1, so that a new one leaves it as it is.
+const RECORDED: usize = 72;
 /// Points at which each run is recorded.
 const POINTS: u32 = 10_000;
 
@@ -61,7 +63,7 @@ impl Fmu {
     }
 
     fn record(&self, digest: &mut Digest) {
-        for (r, variable) in (0..).zip(&VARIABLES) {
+        for (r, variable) in (0..).zip(VARIABLES.iter().take(RECORDED)) {
             let (mut real, mut whole) = (f64::NAN, -1);
             // SAFETY: one reference and one value each.
             let status = unsafe {

@@ -6,10 +6,10 @@ use std::ffi::CString;
 use std::panic::{catch_unwind, set_hook};
 use std::ptr::null;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use vibro_fmi::ffi::Fault;
+use vibro_fmi::ffi::panics::guarded;
 use vibro_fmi::fmi2::abi::{fmi2FreeInstance, fmi2Instantiate};
 use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::panics::guarded;
-use vibro_fmi::fmi2::problem::Problem;
 
 static SEEN: AtomicUsize = AtomicUsize::new(0);
 
@@ -27,7 +27,7 @@ fn only_panics_of_others_reach_the_hook() {
             fmi2FreeInstance(c);
         }
         let caught = guarded(|| -> () { panic!("of {}", "ours") });
-        assert_eq!(caught, Err(Problem::Panic { what: "of ours".to_owned() }));
+        assert_eq!(caught, Err(Fault::Panic { what: "of ours".to_owned() }));
     }
     assert_eq!(SEEN.load(Ordering::Relaxed), 0);
     catch_unwind(|| panic!("of the program")).unwrap_err();

@@ -14,29 +14,67 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-#[test]
-fn unsafe_code_and_the_c_interface_stand_in_one_file() {
+/// Every source file of a folder under `src`, by its path from there, with its text.
+fn sources(under: &str) -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut sources = Vec::new();
-    files(&root, &mut sources);
+    let mut found = Vec::new();
+    files(&root.join(under), &mut found);
     let name = |path: &Path| path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
-    let mut with: Vec<String> = sources
-        .iter()
-        .filter(|path| {
-            let text = fs::read_to_string(path).unwrap();
-            let code = text.lines().map(|line| line.split("//").next().unwrap_or(""));
-            code.into_iter().any(|line| {
-                ["unsafe ", "unsafe(", "unsafe{", "unsafe_code", "extern \"C\""]
-                    .iter()
-                    .any(|w| line.contains(w))
-            })
-        })
-        .map(|path| name(path))
-        .collect();
-    with.sort();
-    // The interface, and its tests, which are its callers.
-    assert_eq!(
-        with,
-        ["fmi2/abi.rs", "fmi2/abi/tests.rs", "fmi2/abi/tests/random.rs", "fmi2/abi/tests/states.rs"]
-    );
+    let mut found: Vec<_> =
+        found.iter().map(|path| (name(path), fs::read_to_string(path).unwrap())).collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn unsafe_code_stands_in_the_doors_and_their_pointer_helpers() {
+    const WORDS: [&str; 5] = ["unsafe ", "unsafe(", "unsafe{", "unsafe_code", "extern \"C\""];
+    let with = |(_, text): &(String, String)| {
+        let mut code = text.lines().map(|line| line.split("//").next().unwrap_or(""));
+        code.any(|line| WORDS.iter().any(|word| line.contains(word)))
+    };
+    let with: Vec<String> = sources("").into_iter().filter(with).map(|(name, _)| name).collect();
+    // The interface, its tests, which are its callers, and the helpers.
+    let allowed = [
+        "ffi/pointers.rs",
+        "fmi2/abi.rs",
+        "fmi2/abi/tests.rs",
+        "fmi2/abi/tests/random.rs",
+        "fmi2/abi/tests/states.rs",
+    ];
+    assert_eq!(with, allowed);
+}
+
+#[test]
+fn the_component_knows_no_version_of_fmi_and_nothing_imports_upward() {
+    // Words of one version: its name, its functions and types, its statuses and its states.
+    const OF_A_VERSION: [&str; 13] = [
+        "fmi2",
+        "fmi3",
+        "fmi 2",
+        "fmi 3",
+        "fmistatus",
+        "discard",
+        "scalarvariable",
+        "stepcomplete",
+        "stepfailed",
+        "initializationmode",
+        "continuoustimemode",
+        "fmustate",
+        "guid",
+    ];
+    for (folder, foreign) in
+        [("component", &["crate::ffi", "crate::fmi"][..]), ("ffi", &["crate::component", "crate::fmi"])]
+    {
+        let files = sources(folder);
+        assert!(files.len() > 2, "{folder}: {}", files.len());
+        for (name, text) in files {
+            for (number, line) in (1..).zip(text.lines()) {
+                let lower = line.to_lowercase();
+                let word = OF_A_VERSION.iter().find(|word| lower.contains(**word));
+                assert!(word.is_none(), "{name}:{number} names {}: {line}", word.unwrap_or(&""));
+                assert!(!foreign.iter().any(|path| line.contains(path)), "{name}:{number}: {line}");
+            }
+        }
+    }
 }

@@ -3,9 +3,9 @@
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
+use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::variables::reference;
 use vibro_impact::{Parameters, Simulator, State};
 
 const OK: c_int = 0;
@@ -14,7 +14,7 @@ const ERROR: c_int = 3;
 
 const MOTION: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
-/// The same motion cut into other steps (fmu.md); the default motion is stable, so rounding is not amplified.
+/// The same motion cut into other steps; the default motion is stable, so rounding is not amplified.
 const SAME: f64 = 1e-10;
 
 type Record = (c_int, String, String);

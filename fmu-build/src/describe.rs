@@ -3,28 +3,21 @@
 use crate::error::{Error, Result};
 use crate::schema::*;
 use serde::Serialize;
-use vibro_fmi::fmi2::structure::{self, DependencyKind};
-use vibro_fmi::fmi2::variables::{Causality, Initial, Kind, VARIABLES, Variability, Variable, find};
-use vibro_fmi::fmi2::{description, units};
+use vibro_fmi::component::variables::{
+    Causality, DependencyKind, Initial, Kind, VARIABLES, Variability, Variable, find,
+};
+use vibro_fmi::component::{structure, units};
+use vibro_fmi::fmi2::description;
 
 /// The model description, made from the table.
 pub fn model_description() -> ModelDescription {
-    let identifier = || description::MODEL_IDENTIFIER.to_owned();
     let can = description::CAPABILITIES;
-    let model_exchange = description::MODEL_EXCHANGE.then(|| ModelExchange {
-        model_identifier: identifier(),
-        needs_execution_tool: can.needs_execution_tool,
-        completed_integrator_step_not_needed: can.completed_integrator_step_not_needed,
-        only_once_per_process: can.can_be_instantiated_only_once_per_process,
-        no_memory_functions: can.can_not_use_memory_management_functions,
-        get_and_set_state: can.can_get_and_set_fmu_state,
-        serialize_state: can.can_serialize_fmu_state,
-        directional_derivative: can.provides_directional_derivative,
-    });
+    let model_exchange = description::MODEL_EXCHANGE
+        .then(|| ModelExchange::new(&can, can.completed_integrator_step_not_needed));
     let experiment = description::default_experiment();
     ModelDescription {
         fmi_version: "2.0".into(),
-        model_name: identifier(),
+        model_name: description::MODEL_IDENTIFIER.into(),
         guid: description::guid(),
         description: description::MODEL_DESCRIPTION.into(),
         version: description::MODEL_VERSION.into(),
@@ -33,19 +26,13 @@ pub fn model_description() -> ModelDescription {
         variable_naming_convention: description::NAMING_CONVENTION.into(),
         number_of_event_indicators: model_exchange.as_ref().map(|_| description::EVENT_INDICATORS),
         model_exchange,
-        co_simulation: CoSimulation {
-            model_identifier: identifier(),
-            needs_execution_tool: can.needs_execution_tool,
-            variable_step: can.can_handle_variable_communication_step_size,
-            interpolate_inputs: can.can_interpolate_inputs,
-            max_output_derivative_order: can.max_output_derivative_order,
-            asynchronous: can.can_run_asynchronuously,
-            only_once_per_process: can.can_be_instantiated_only_once_per_process,
-            no_memory_functions: can.can_not_use_memory_management_functions,
-            get_and_set_state: can.can_get_and_set_fmu_state,
-            serialize_state: can.can_serialize_fmu_state,
-            directional_derivative: can.provides_directional_derivative,
-        },
+        co_simulation: CoSimulation::new(
+            &can,
+            can.can_handle_variable_communication_step_size,
+            can.can_interpolate_inputs,
+            can.max_output_derivative_order,
+            can.can_run_asynchronuously,
+        ),
         unit_definitions: UnitDefinitions { units: units::UNITS.iter().map(unit).collect() },
         type_definitions: TypeDefinitions { types: types() },
         log_categories: LogCategories {
@@ -149,8 +136,9 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
     let start = v.start();
     // Integers, enumerations and Booleans travel as whole f64 in the table.
     let whole = start.map(|x| x as i32);
+    let (min, max) = v.bounds();
     let kind = match v.kind {
-        Kind::Real { declared, min, max, nominal, derivative_of, reinit } => VariableKind::Real(Real {
+        Kind::Real { declared, nominal, derivative_of, reinit, range: _ } => VariableKind::Real(Real {
             declared_type: declared.name.into(),
             // Repeated from the declared type: some hosts read units of variables only.
             unit: Some(declared.unit.into()),
@@ -159,7 +147,7 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
             max,
             nominal,
             start,
-            derivative: derivative_of.and_then(find).map(|(state, _)| state + 1),
+            derivative: derivative_of.and_then(find).map(|(state, _)| description::index(state)),
             reinit: (reinit && description::MODEL_EXCHANGE).then_some(true),
         }),
         Kind::Integer { min } => VariableKind::Integer(Integer { min: Some(min), start: whole }),
@@ -192,11 +180,11 @@ fn unknowns(list: &[structure::Unknown]) -> Unknowns {
     };
     let joined = |words: Vec<String>| words.join(" ");
     let unknown = |u: &structure::Unknown| Unknown {
-        index: u.index,
+        index: description::index(u.reference),
         dependencies: u
             .dependencies
             .as_ref()
-            .map(|d| joined(d.iter().map(|(index, _)| index.to_string()).collect())),
+            .map(|d| joined(d.iter().map(|(known, _)| description::index(*known).to_string()).collect())),
         kinds: u.dependencies.as_ref().map(|d| joined(d.iter().map(|(_, k)| kind(k).to_owned()).collect())),
     };
     Unknowns { unknowns: list.iter().map(unknown).collect() }

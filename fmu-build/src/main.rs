@@ -1,6 +1,7 @@
 //! The packager's command line: arguments and printing only.
 
 use clap::{Parser, Subcommand};
+use fmu_build::archive::Content;
 use fmu_build::picture::picture;
 use fmu_build::table::Table;
 use fmu_build::{archive, compile, package, run};
@@ -34,7 +35,12 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Task {
     /// Writes the generated files that are committed (modelDescription/, the pictures of README and documentation)
-    Refresh,
+    Refresh {
+        /// Only those that follow from the table of variables: a second instead of minutes, since nothing is compiled for
+        /// the archive, run or drawn
+        #[arg(long)]
+        description: bool,
+    },
     /// Prints the native library's states at communication points as CSV, to compare hosts with
     Native {
         /// Communication step, s
@@ -52,7 +58,8 @@ enum Task {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match arguments.command {
-        Some(Task::Refresh) => refresh(),
+        Some(Task::Refresh { description: true }) => package::described().and_then(write),
+        Some(Task::Refresh { description: false }) => refresh(),
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         None => build(&arguments),
     };
@@ -133,6 +140,11 @@ fn refresh() -> fmu_build::Result<()> {
     if let Some(figure) = &response.figure {
         files.insert(format!("{folder}/response.svg"), canvas::svg(figure)?.into_bytes());
     }
+    write(files)
+}
+
+/// Writes files of the workspace and names them.
+fn write(files: Content) -> fmu_build::Result<()> {
     for (name, bytes) in files {
         archive::write_file(&compile::workspace().join(&name), &bytes)?;
         println!("{name}");

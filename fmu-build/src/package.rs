@@ -38,11 +38,18 @@ pub fn icon() -> Result<Vec<u8>> {
 /// # Errors
 /// As [`description`] and [`icon()`].
 pub fn committed() -> Result<Content> {
-    Ok(Content::from([
-        ("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes()),
-        ("modelDescription/model.png".to_owned(), icon()?),
-        ("modelDescription/documentation/sketch.svg".to_owned(), canvas::svg(&Sketch)?.into_bytes()),
-    ]))
+    let mut files = described()?;
+    files.insert("modelDescription/model.png".to_owned(), icon()?);
+    files.insert("modelDescription/documentation/sketch.svg".to_owned(), canvas::svg(&Sketch)?.into_bytes());
+    Ok(files)
+}
+
+/// Those of them that follow from the table of variables.
+///
+/// # Errors
+/// As [`description`].
+pub fn described() -> Result<Content> {
+    Ok(Content::from([("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes())]))
 }
 
 /// Everything the archive holds, around binaries compiled before.

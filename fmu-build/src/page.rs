@@ -3,27 +3,14 @@
 use crate::describe::{causality, variability};
 use std::fmt::Write;
 use vibro::html::escape;
+use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
+use vibro_fmi::component::variables::{Kind, SECTIONS, VARIABLES, Variable};
 use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
-use vibro_fmi::fmi2::units::{ENUMERATION_TYPES, EnumerationType};
-use vibro_fmi::fmi2::variables::{Kind, VARIABLES, Variable};
 
 static TEMPLATE: &str = include_str!("../../modelDescription/documentation/index.html");
 static RUN: &str = include_str!("../../modelDescription/documentation/run.svg");
 static SKETCH: &str = include_str!("../../modelDescription/documentation/sketch.svg");
 static RESPONSE: &str = include_str!("../../modelDescription/documentation/response.svg");
-
-/// Headings of the variable table, by the first variable under each.
-const HEADINGS: [(&str, &str); 9] = [
-    ("time", "Time"),
-    ("box.m", "Physical parameters"),
-    ("mode", "How the motion is obtained"),
-    ("box.f", "Loads"),
-    ("box.s", "Motion"),
-    ("stop.s", "Contact"),
-    ("energy.mechanical", "Energy"),
-    ("groups.epsilon", "Dimensionless groups"),
-    ("steady.exists", "Steady state"),
-];
 
 /// The page.
 pub fn page() -> String {
@@ -44,15 +31,17 @@ fn inline(file: &str, name: &str) -> String {
     picture.replacen("<svg", &format!("<svg role=\"img\" aria-label=\"{name}\""), 1)
 }
 
+/// The table's rows by section; inside a section in the order of the table.
 fn variables() -> String {
-    VARIABLES.iter().map(row).collect()
+    let mut rows = String::new();
+    for section in SECTIONS {
+        rows += &format!("<tr class=\"group\"><th colspan=\"6\">{}</th></tr>\n", section.heading());
+        rows.extend(VARIABLES.iter().filter(|v| v.section == *section).map(row));
+    }
+    rows
 }
 
 fn row(v: &Variable) -> String {
-    let heading = HEADINGS.iter().find(|(first, _)| *first == v.name);
-    let heading = heading.map_or_else(String::new, |(_, text)| {
-        format!("<tr class=\"group\"><th colspan=\"6\">{text}</th></tr>\n")
-    });
     let kind = match v.kind {
         Kind::Real { .. } => v.unit().unwrap_or(""),
         Kind::Integer { .. } => "Integer",
@@ -73,21 +62,16 @@ fn row(v: &Variable) -> String {
         range(v),
         format!("{}, {}", causality(v.causality), variability(v.variability)),
     ];
-    format!("{heading}<tr><td>{}</td></tr>\n", cells.join("</td><td>"))
+    format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"))
 }
 
 /// What may be set; of what is only read, its bounds or items.
 fn range(v: &Variable) -> String {
-    if !v.allowed.is_empty() {
-        return escape(v.allowed);
+    if v.start().is_some() {
+        return escape(v.allowed());
     }
     match v.kind {
-        Kind::Real { min, max, .. } => match (min, max) {
-            (None, None) => "any number".into(),
-            (Some(min), None) => format!("at least {min}"),
-            (None, Some(max)) => format!("at most {max}"),
-            (Some(min), Some(max)) => format!("{min} to {max}"),
-        },
+        Kind::Real { .. } => "any number".into(),
         Kind::Integer { min } => format!("at least {min}"),
         Kind::Boolean => "false or true".into(),
         Kind::Enumeration(declared) => {

@@ -8,9 +8,11 @@ use fmu_build::{licences, package};
 
 #[test]
 fn committed_files_are_what_is_generated() {
+    let described = package::described().unwrap();
     for (name, bytes) in package::committed().unwrap() {
         let committed = std::fs::read(workspace().join(&name)).unwrap_or_default();
-        assert!(committed == bytes, "{name} is stale: run `cargo run --release -p fmu-build refresh`");
+        let option = if described.contains_key(&name) { " --description" } else { "" };
+        assert!(committed == bytes, "{name} is stale: run `cargo run -p fmu-build -- refresh{option}`");
     }
 }
 

@@ -5,8 +5,8 @@
 use fmu_build::{compile, host};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::variables::reference;
 
 /// Cycles that count, after as many as it takes until the allocator has what it needs.
 const CYCLES: u32 = 200;

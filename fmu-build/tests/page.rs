@@ -5,7 +5,7 @@ use quick_xml::events::Event;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use vibro_fmi::fmi2::variables::{Kind, VARIABLES};
+use vibro_fmi::component::variables::{Kind, VARIABLES, find};
 
 #[test]
 fn every_variable_has_name_unit_range_and_meaning() {
@@ -16,13 +16,29 @@ fn every_variable_has_name_unit_range_and_meaning() {
         .map(|row| row.trim_end_matches("</td></tr>").split("</td><td>").collect())
         .collect();
     assert_eq!(rows.len(), VARIABLES.len());
-    for (row, variable) in rows.iter().zip(&VARIABLES) {
-        let [name, meaning, unit, start, range, kind] = row[..] else { panic!("{row:?}") };
-        assert_eq!(name, format!("{}</code>", variable.name));
+    for variable in &VARIABLES {
+        let cell = format!("{}</code>", variable.name);
+        let row = rows.iter().find(|row| row[0] == cell).expect(variable.name);
+        let [_, meaning, unit, start, range, kind] = row[..] else { panic!("{row:?}") };
         assert!(meaning.len() > 3 && !range.is_empty() && kind.contains(", "), "{row:?}");
         assert_eq!(start.is_empty(), variable.start().is_none(), "{row:?}");
         if let Kind::Real { .. } = variable.kind {
             assert_eq!(Some(unit), variable.unit(), "{row:?}");
+        }
+    }
+}
+
+/// A new variable stands at the end of the table and yet under its own heading.
+#[test]
+fn every_variable_stands_under_its_heading() {
+    let page = page();
+    let mut heading = "";
+    for line in page.lines() {
+        if let Some(rest) = line.strip_prefix("<tr class=\"group\"><th colspan=\"6\">") {
+            heading = rest.trim_end_matches("</th></tr>");
+        } else if let Some(rest) = line.strip_prefix("<tr><td><code>") {
+            let (_, variable) = find(rest.split("</code>").next().unwrap()).unwrap();
+            assert_eq!(heading, variable.section.heading(), "{}", variable.name);
         }
     }
 }

@@ -9,7 +9,8 @@ use fmu_build::{archive, package};
 use object::{Architecture, BinaryFormat, Object};
 use std::path::Path;
 use std::process::Command;
-use vibro_fmi::fmi2::{description, variables};
+use vibro_fmi::component::variables;
+use vibro_fmi::fmi2::description;
 use vibro_impact::{Parameters, Simulator, State};
 
 /// The oldest glibc that is promised: that of CentOS 7.

@@ -1,7 +1,8 @@
 //! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`: the packaged one has no way to.
 #![allow(unsafe_code)] // exported by name
 
-use vibro_fmi::fmi2::panics::{guarded, silence};
+use vibro_fmi::ffi::panics::{guarded, silence};
+use vibro_fmi::fmi2::problem::Problem;
 
 /// Returns `fmi2Fatal`.
 #[unsafe(no_mangle)]
@@ -9,6 +10,6 @@ pub extern "C" fn provoke_panic() -> i32 {
     silence();
     match guarded(|| -> i32 { panic!("provoked") }) {
         Ok(status) => status,
-        Err(problem) => problem.status() as i32,
+        Err(fault) => Problem::from(fault).status() as i32,
     }
 }

@@ -1,9 +1,10 @@
-//! The C interface: every `extern "C"` and every `unsafe` of the crate (FMI 2.0, 2.1, 3.2 and 4.2).
+//! The C interface of FMI 2.0: every `extern "C"` of this door (FMI 2.0, 2.1, 3.2 and 4.2).
 //!
 //! The macro `export!` declares a function of the standard as in its C prototype, with the kind of each argument; from that it
-//! checks handle, state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose outcome
-//! becomes a status and a log message. Nothing is decided here. No panic leaves a function: one becomes `fmi2Fatal` and
-//! marks the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust enums.
+//! checks handle, state, pointers and counts, turns pointers into safe types and calls the [`Instance`] or its component,
+//! whose outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function: one becomes
+//! `fmi2Fatal` and marks the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust
+//! enums.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -12,16 +13,16 @@
 #[cfg(test)]
 mod tests;
 
-use super::arguments::{Handle, Out, aligned, check_array, check_count, check_pointer};
-use super::instance::{Instance, Outcome, StatusKind};
-use super::logging::{self, Category, Log, Status, report};
-use super::panics::{guarded, silence};
-use super::states::{Function, Interface};
-use super::types::{FmiBoolean, FmiEventInfo, FmiStatus};
-use super::variables::Base;
-use std::cell::{Cell, RefCell};
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
-use std::mem::MaybeUninit;
+use super::instance::{BOOLEAN, INTEGER, Instance, REAL, STRING};
+use super::problem::{Outcome, Problem};
+use super::states::{self, Function};
+use super::status::{self, Sink, StatusKind, report};
+use super::types::{FmiBoolean, FmiEventInfo, FmiStatus, Status};
+use crate::component::log::Category;
+use crate::ffi::panics::{guarded, silence};
+use crate::ffi::pointers::{aligned, array, c_str, handle, out, vector};
+use std::cell::RefCell;
+use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr;
 
 /// `fmi2Component`: opaque to the host.
@@ -57,10 +58,10 @@ struct Host {
     environment: *mut c_void,
 }
 
-impl Log for Host {
-    fn log(&mut self, status: Status, category: Category, message: &str) {
+impl Sink for Host {
+    fn send(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
-        let (category, message) = (logging::c_text(category.name()), logging::finished(message));
+        let (category, message) = (status::c_text(status::name(category)), status::finished(message));
         // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI 2.0, 2.1.5); all
         // strings live until it returns; no % in the message asks for a further argument.
         unsafe {
@@ -94,56 +95,15 @@ unsafe fn call(
         Ok(Ok(())) => Status::Ok as FmiStatus,
         Ok(Err(problem)) => report(instance.enabled(), host, function, &problem),
         Err(panic) => {
-            instance.break_down();
-            report(instance.enabled(), host, function, &panic)
+            instance.component.break_down();
+            report(instance.enabled(), host, function, &panic.into())
         }
     }
 }
 
-/// The host's array as a slice; empty when `count` is 0, whatever the pointer.
-///
-/// # Safety
-/// `pointer` is null or points to `count` elements that live and stay unchanged while the slice is used.
-#[inline]
-unsafe fn array<'a, T>(pointer: *const T, count: usize, argument: &'static str) -> Outcome<&'a [T]> {
-    check_array(pointer, count, argument)?;
-    // SAFETY: not null, aligned, of `count` elements as the caller says.
-    Ok(if count == 0 { &[] } else { unsafe { std::slice::from_raw_parts(pointer, count) } })
-}
-
-/// The host's array, which must have `N` elements.
-///
-/// # Safety
-/// As [`array`].
-unsafe fn vector<'a, T, const N: usize>(
-    pointer: *const T,
-    count: usize,
-    (argument, number): (&'static str, &'static str),
-) -> Outcome<&'a [T; N]> {
-    check_count(number, count, N)?;
-    check_pointer(pointer, argument)?;
-    // SAFETY: not null, aligned, of N elements as the caller says.
-    Ok(unsafe { &*pointer.cast() })
-}
-
-/// The host's C string.
-///
-/// # Safety
-/// `pointer` is null or points to a string that ends with a null byte and lives while the text is used.
-unsafe fn c_str<'a>(pointer: *const c_char, argument: &'static str) -> Outcome<&'a CStr> {
-    check_pointer(pointer, argument)?;
-    // SAFETY: not null, ends with a null byte as the caller says.
-    Ok(unsafe { CStr::from_ptr(pointer) })
-}
-
-/// The host's array, or its single value, to be written.
-///
-/// # Safety
-/// `pointer` is null or points to `count` elements that live and are not read while this is used.
-#[inline]
-unsafe fn out<'a, T>(pointer: *mut T, count: usize, argument: &'static str) -> Outcome<Out<'a, T>> {
-    // SAFETY: as above; any bytes are valid as these cells.
-    Ok(Out(unsafe { array(pointer.cast::<Cell<MaybeUninit<T>>>(), count, argument) }?))
+/// What cannot fail.
+fn done((): ()) -> Outcome {
+    Ok(())
 }
 
 /// C type of an argument of this kind.
@@ -171,7 +131,7 @@ macro_rules! checked {
         unsafe { vector($name, $count, (stringify!($name), stringify!($count))) }?
     };
     (out $name:ident $count:expr) => { unsafe { out($name, $count, stringify!($name)) }? };
-    (handle $name:ident) => { Handle(unsafe { aligned($name, stringify!($name))?.as_mut() }) };
+    (handle $name:ident) => { unsafe { handle($name, stringify!($name)) }? };
     (texts $name:ident $count:expr) => {
         unsafe { array($name, $count, stringify!($name)) }?
             .iter()
@@ -199,7 +159,7 @@ macro_rules! export {
             let body = |$instance: &mut Instance, $host: &mut Host| -> Outcome {
                 $(#[allow(unused_mut, unused_variables)]
                 let mut $argument = checked!($kind $argument $($count)?);)*
-                $body
+                Ok($body?)
             };
             // SAFETY: as above.
             unsafe { call(c, Function::$function, body) }
@@ -248,14 +208,14 @@ pub unsafe extern "C" fn fmi2Instantiate(
         // SAFETY: null or C strings.
         let (name, guid) = unsafe { (c_str(instanceName, "instanceName")?, c_str(fmuGUID, "fmuGUID")?) };
         host.name = name.to_owned();
-        let interface = Interface::from_number(fmuType)?;
+        let interface = states::interface(fmuType)?;
         Instance::new(&name.to_string_lossy(), interface, &guid.to_string_lossy(), loggingOn != 0)
     });
-    match outcome.flatten() {
+    match outcome.map_err(Problem::from).flatten() {
         Ok(instance) => Box::into_raw(Box::new(Component::new((instance, host)))).cast(),
         Err(problem) => {
             let text = format!("fmi2Instantiate: {problem}");
-            let _ = guarded(|| host.log(problem.status(), problem.category(), &text));
+            let _ = guarded(|| host.send(problem.status(), problem.category(), &text));
             ptr::null_mut()
         }
     }
@@ -285,41 +245,41 @@ export! {
     "2.1.6":
     fmi2SetupExperiment, SetupExperiment(flag toleranceDefined, value tolerance: f64, value startTime: f64,
         flag stopTimeDefined, value stopTime: f64)
-        |instance, _| instance.setup_experiment(
+        |instance, _| instance.component.set_experiment(
             toleranceDefined.then_some(tolerance), startTime, stopTimeDefined.then_some(stopTime));
     fmi2EnterInitializationMode, EnterInitializationMode() |instance, _| instance.enter_initialization_mode();
     fmi2ExitInitializationMode, ExitInitializationMode() |instance, host| instance.exit_initialization_mode(host);
-    fmi2Terminate, Terminate() |instance, _| instance.terminate();
-    fmi2Reset, Reset() |instance, _| instance.reset();
+    fmi2Terminate, Terminate() |instance, _| done(instance.component.terminate());
+    fmi2Reset, Reset() |instance, _| done(instance.component.reset());
 
     "2.1.7":
     fmi2GetReal, GetReal(array vr: u32[nvr], value nvr: usize, out value: f64[nvr])
-        |instance, _| instance.get(Base::Real, vr, |i, x| value.put(i, x));
+        |instance, _| instance.component.get(REAL, vr, |i, x| value.put(i, x));
     fmi2GetInteger, GetInteger(array vr: u32[nvr], value nvr: usize, out value: c_int[nvr])
-        |instance, _| instance.get(Base::Integer, vr, |i, x| value.put(i, x as c_int));
+        |instance, _| instance.component.get(INTEGER, vr, |i, x| value.put(i, x as c_int));
     fmi2GetBoolean, GetBoolean(array vr: u32[nvr], value nvr: usize, out value: FmiBoolean[nvr])
-        |instance, _| instance.get(Base::Boolean, vr, |i, x| value.put(i, (x != 0.0).into()));
+        |instance, _| instance.component.get(BOOLEAN, vr, |i, x| value.put(i, (x != 0.0).into()));
     /// There are no String variables, so any reference is an error.
     fmi2GetString, GetString(array vr: u32[nvr], value nvr: usize, out value: *const c_char[nvr])
-        |instance, _| instance.get(Base::String, vr, |i, _| value.put(i, c"".as_ptr()));
+        |instance, _| instance.component.get(STRING, vr, |i, _| value.put(i, c"".as_ptr()));
     fmi2SetReal, SetReal(array vr: u32[nvr], value nvr: usize, array value: f64[nvr])
-        |instance, _| instance.set(Base::Real, vr, |i| value[i]);
+        |instance, _| instance.component.set(REAL, vr, |i| value[i]);
     fmi2SetInteger, SetInteger(array vr: u32[nvr], value nvr: usize, array value: c_int[nvr])
-        |instance, _| instance.set(Base::Integer, vr, |i| value[i].into());
+        |instance, _| instance.component.set(INTEGER, vr, |i| value[i].into());
     fmi2SetBoolean, SetBoolean(array vr: u32[nvr], value nvr: usize, array value: FmiBoolean[nvr])
-        |instance, _| instance.set(Base::Boolean, vr, |i| value[i].into());
+        |instance, _| instance.component.set(BOOLEAN, vr, |i| value[i].into());
     /// There are no String variables, so any reference is an error.
     fmi2SetString, SetString(array vr: u32[nvr], value nvr: usize, array value: *const c_char[nvr])
-        |instance, _| instance.set(Base::String, vr, |_| 0.0);
+        |instance, _| instance.component.set(STRING, vr, |_| 0.0);
 
     "2.1.8":
     /// A new one, or in the place of one this instance gave out.
     fmi2GetFMUstate, GetFMUstate(handle FMUstate)
-        |instance, _| FMUstate.replace(|old| instance.keep(instance.fmu_state()?, old));
+        |instance, _| FMUstate.replace(|old| instance.save(old));
     /// Any address is safe: only those this instance gave out are accepted.
-    fmi2SetFMUstate, SetFMUstate(state FMUstate) |instance, _| instance.restore_kept(FMUstate);
+    fmi2SetFMUstate, SetFMUstate(state FMUstate) |instance, _| instance.restore(FMUstate);
     /// A null state is ignored.
-    fmi2FreeFMUstate, FreeFMUstate(handle FMUstate) |instance, _| FMUstate.free(|old| instance.free_kept(old));
+    fmi2FreeFMUstate, FreeFMUstate(handle FMUstate) |instance, _| FMUstate.free(|old| instance.free(old));
     fmi2SerializedFMUstateSize, SerializedFMUstateSize(state FMUstate, out size: usize[1])
         |instance, _| size.give(instance.serialized(FMUstate).map(|bytes| bytes.len()));
     /// Into as many bytes as `fmi2SerializedFMUstateSize` says.
@@ -327,50 +287,50 @@ export! {
         |instance, _| serializedState.copy(&instance.serialized(FMUstate)?, "size");
     /// A new one, or in the place of one this instance gave out.
     fmi2DeSerializeFMUstate, DeSerializeFMUstate(array serializedState: u8[size], value size: usize, handle FMUstate)
-        |instance, _| FMUstate.replace(|old| instance.keep_new(instance.deserialize(serializedState)?, old));
+        |instance, _| FMUstate.replace(|old| instance.deserialize(serializedState, old));
 
     "2.1.9":
     fmi2GetDirectionalDerivative, GetDirectionalDerivative(
         array vUnknown_ref: u32[nUnknown], value nUnknown: usize,
         array vKnown_ref: u32[nKnown], value nKnown: usize,
         array dvKnown: f64[nKnown], out dvUnknown: f64[nUnknown])
-        |instance, _| instance.directional_derivative(
+        |instance, _| instance.component.directional_derivative(
             vUnknown_ref, vKnown_ref, dvKnown, |i, x| dvUnknown.put(i, x));
 
     "3.2.2":
-    fmi2EnterEventMode, EnterEventMode() |instance, _| instance.enter_event_mode();
+    fmi2EnterEventMode, EnterEventMode() |instance, _| instance.component.enter_event();
     fmi2NewDiscreteStates, NewDiscreteStates(out eventInfo: FmiEventInfo[1])
-        |instance, host| eventInfo.give(instance.new_discrete_states(host).map(Into::into));
-    fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| instance.enter_continuous_time_mode();
+        |instance, host| eventInfo.give(instance.new_discrete_states(host).map(FmiEventInfo::after_event));
+    fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| done(instance.component.enter_continuous());
     fmi2CompletedIntegratorStep, CompletedIntegratorStep(flag noSetFMUStatePriorToCurrentPoint,
         out enterEventMode: FmiBoolean[1], out terminateSimulation: FmiBoolean[1])
         |instance, _| {
-            enterEventMode.give(instance.completed_integrator_step().map(Into::into))?;
-            terminateSimulation.give(Ok(0))
+            enterEventMode.give(instance.component.complete_integrator_step().map(Into::into))?;
+            terminateSimulation.give(Outcome::Ok(0))
         };
 
     "3.2.1":
-    fmi2SetTime, SetTime(value time: f64) |instance, _| instance.set_time(time);
+    fmi2SetTime, SetTime(value time: f64) |instance, _| instance.component.set_time(time);
     fmi2SetContinuousStates, SetContinuousStates(vector x: f64[nx], value nx: usize)
-        |instance, _| instance.set_continuous_states(x);
+        |instance, _| instance.component.set_continuous_states(x);
 
     "3.2.2":
     fmi2GetDerivatives, GetDerivatives(out derivatives: f64[nx], value nx: usize)
-        |instance, _| derivatives.copy(&instance.state_derivatives()?, "nx");
+        |instance, _| derivatives.copy(&instance.component.state_derivatives()?, "nx");
     fmi2GetEventIndicators, GetEventIndicators(out eventIndicators: f64[ni], value ni: usize)
-        |instance, _| eventIndicators.copy(&instance.event_indicators()?, "ni");
+        |instance, _| eventIndicators.copy(&instance.component.event_indicators()?, "ni");
     fmi2GetContinuousStates, GetContinuousStates(out x: f64[nx], value nx: usize)
-        |instance, _| x.copy(&instance.continuous_states()?, "nx");
+        |instance, _| x.copy(&instance.component.continuous_states()?, "nx");
     fmi2GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out x_nominal: f64[nx], value nx: usize)
-        |instance, _| x_nominal.copy(&instance.nominals()?, "nx");
+        |instance, _| x_nominal.copy(&instance.component.nominals(), "nx");
 
     "4.2.1":
     fmi2SetRealInputDerivatives, SetRealInputDerivatives(
         array vr: u32[nvr], value nvr: usize, array order: c_int[nvr], array value: f64[nvr])
-        |instance, _| instance.set_real_input_derivatives(vr, order, value);
+        |instance, _| instance.component.set_input_derivatives(vr, order, value);
     fmi2GetRealOutputDerivatives, GetRealOutputDerivatives(
         array vr: u32[nvr], value nvr: usize, array order: c_int[nvr], out value: f64[nvr])
-        |instance, _| instance.get_real_output_derivatives(vr, order, |i, x| value.put(i, x));
+        |instance, _| instance.component.output_derivatives(vr, order, |i, x| value.put(i, x));
 
     "4.2.2":
     /// Whether the host may come back to an earlier time makes no difference here: nothing
@@ -384,17 +344,17 @@ export! {
     "4.2.3":
     /// Of asynchronous steps, which there are none of.
     fmi2GetStatus, GetStatus(value s: c_int, out value: FmiStatus[1])
-        |instance, _| instance.other_status(Function::GetStatus, StatusKind::from_number(s)?);
+        |_instance, _| Outcome::Err(StatusKind::from_number(s)?.not_available());
     /// `fmi2LastSuccessfulTime`.
     fmi2GetRealStatus, GetRealStatus(value s: c_int, out value: f64[1])
         |instance, _| value.give(instance.real_status(StatusKind::from_number(s)?));
     /// There is no status of this type.
     fmi2GetIntegerStatus, GetIntegerStatus(value s: c_int, out value: c_int[1])
-        |instance, _| instance.other_status(Function::GetIntegerStatus, StatusKind::from_number(s)?);
+        |_instance, _| Outcome::Err(StatusKind::from_number(s)?.not_available());
     /// `fmi2Terminated`.
     fmi2GetBooleanStatus, GetBooleanStatus(value s: c_int, out value: FmiBoolean[1])
         |instance, _| value.give(instance.boolean_status(StatusKind::from_number(s)?).map(Into::into));
     /// Of asynchronous steps, which there are none of.
     fmi2GetStringStatus, GetStringStatus(value s: c_int, out value: *const c_char[1])
-        |instance, _| instance.other_status(Function::GetStringStatus, StatusKind::from_number(s)?);
+        |_instance, _| Outcome::Err(StatusKind::from_number(s)?.not_available());
 }

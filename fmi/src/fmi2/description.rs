@@ -1,11 +1,10 @@
-//! What else `modelDescription.xml` says (FMI 2.0, 2.2.1, 3.3.1, 4.3.1): identity, capabilities, log categories,
+//! What else than the table `modelDescription.xml` says (FMI 2.0, 2.2.1, 3.3.1, 4.3.1): identity, capabilities, log categories,
 //! default experiment.
 
-use super::units::{ENUMERATION_TYPES, REAL_TYPES, UNITS};
-use super::variables::VARIABLES;
-use super::{structure, variables};
-use std::fmt::Write;
+use crate::component::identity;
 use vibro_impact::parameters::Parameters;
+
+pub use crate::component::structure::EVENT_INDICATORS;
 
 /// `modelName` and `modelIdentifier`.
 pub const MODEL_IDENTIFIER: &str = "VibroImpact3DOF";
@@ -15,16 +14,13 @@ pub const MODEL_DESCRIPTION: &str = "Three-degree-of-freedom vibro-impact system
      and a secondary oscillator coupled to the block; exact event-driven simulation and closed-form steady states";
 
 /// `version` of the model.
-pub const MODEL_VERSION: &str = env!("CARGO_PKG_VERSION");
+pub const MODEL_VERSION: &str = identity::VERSION;
 
 /// `license` of the model.
 pub const LICENSE: &str = env!("CARGO_PKG_LICENSE");
 
 /// `variableNamingConvention`.
 pub const NAMING_CONVENTION: &str = "structured";
-
-/// `numberOfEventIndicators`: both gaps and the contact force in rest.
-pub const EVENT_INDICATORS: usize = 3;
 
 /// Capability flags of `CoSimulation` and, where they exist there, of `ModelExchange` (FMI 2.0, 4.3.1 and 3.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,14 +109,16 @@ pub fn default_experiment() -> Experiment {
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 50.0 }
 }
 
+/// `ScalarVariable` index of a variable (FMI 2.0, 2.2.8): they count from 1.
+pub const fn index(reference: u32) -> u32 {
+    reference + 1
+}
+
 /// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0, 2.2.1).
 /// Computed anew on each call, so that the library keeps nothing between loads.
 pub fn guid() -> String {
-    format_guid(fingerprint_hash())
-}
-
-/// A number in the form of a GUID.
-pub fn format_guid(hash: u128) -> String {
+    let own = format!("{MODEL_IDENTIFIER} {CAPABILITIES:?} {MODEL_EXCHANGE} {LOG_CATEGORIES:?}\n");
+    let hash = identity::fnv1a((own + &identity::text()).as_bytes());
     format!(
         "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
         (hash >> 96) as u32,
@@ -131,55 +129,9 @@ pub fn format_guid(hash: u128) -> String {
     )
 }
 
-/// The number behind [`guid`].
-pub fn fingerprint_hash() -> u128 {
-    fnv1a(fingerprint().as_bytes())
-}
-
-/// The table as text, without its function pointers.
-fn fingerprint() -> String {
-    let mut text =
-        format!("{MODEL_IDENTIFIER} {MODEL_VERSION} {CAPABILITIES:?} {MODEL_EXCHANGE} {EVENT_INDICATORS}\n");
-    // Writing to a String cannot fail.
-    let _ = writeln!(text, "{UNITS:?}\n{REAL_TYPES:?}\n{ENUMERATION_TYPES:?}\n{LOG_CATEGORIES:?}");
-    for v in &VARIABLES {
-        let variables::Variable {
-            name,
-            description,
-            causality,
-            variability,
-            initial,
-            kind,
-            allowed,
-            open_min,
-            ..
-        } = v;
-        let _ = writeln!(
-            text,
-            "{name}|{description}|{causality:?}|{variability:?}|{initial:?}|{kind:?}|{allowed}|{open_min}|{:?}",
-            v.start()
-        );
-    }
-    let _ = writeln!(text, "{:?}\n{:?}", structure::outputs(), structure::derivatives());
-    text
-}
-
-/// FNV-1a, 128 bit.
-fn fnv1a(bytes: &[u8]) -> u128 {
-    const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    bytes.iter().fold(OFFSET, |hash, byte| (hash ^ u128::from(*byte)).wrapping_mul(PRIME))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn hash_is_fnv1a() {
-        assert_eq!(fnv1a(b""), 0x6c62272e07bb014262b821756295c58d);
-        assert_eq!(fnv1a(b"a"), 0xd228cb696f1a8caf78912b704e4a8964);
-    }
 
     #[test]
     fn guid_has_the_usual_form() {

@@ -1,78 +1,32 @@
-//! One instance of the FMU as a safe state machine (FMI 2.0, 2.1.5, 2.1.6, 3.2.3 and 4.2.4).
-//!
-//! Each method is one function of the standard: it looks up in [`states`](super::states) whether it may be called, checks
-//! everything it was given, and only then changes anything. A refused call leaves the instance as it was.
+//! What the functions of FMI 2.0 mean for the component. Whether a function may be called in the present state is checked
+//! in one place, before any of these: [`guard`](Instance::guard), which the C interface calls.
 
-mod derivative;
-mod exchange;
-mod initial;
-mod memory;
-mod step;
-mod values;
-
-#[cfg(test)]
-mod tests;
-
-use super::closed_form::ClosedForm;
-use super::continuous::Continuous;
 use super::description;
-use super::logging::{Category, Enabled, Log, Status};
-use super::problem::Problem;
-use super::settings::{Derived, Motion, Settings};
-use super::states::{Function, Interface, State};
-use serde::{Deserialize, Serialize};
-use vibro_impact::simulator::Simulator;
+use super::problem::{Outcome, Problem};
+use super::states::{Function, Stage};
+use super::status::{self, Logger, Sink, StatusKind};
+use crate::component::log::Categories;
+use crate::component::saved_state::SavedState;
+use crate::component::variables::{Base, Bases};
+use crate::component::{self, Interface, StepReason};
+use crate::ffi::handles::Handles;
 
-pub use exchange::EventInfo;
-pub use memory::FmuState;
-pub use step::StatusKind;
-
-/// Outcome of a call.
-pub type Outcome<T = ()> = Result<T, Problem>;
-
-/// What `fmi2SetupExperiment` said (FMI 2.0, 2.1.6). The tolerance is only checked: the flow is exact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Experiment {
-    start: f64,
-    stop: Option<f64>,
-}
-
-/// What moves.
-#[derive(Debug)]
-enum Engine {
-    /// Not initialized yet.
-    None,
-    /// Event-driven co-simulation.
-    Simulation(Box<Simulator>),
-    /// Co-simulation that plays a steady state.
-    Closed(Box<ClosedForm>),
-    /// Model Exchange.
-    Continuous(Box<Continuous>),
-}
+/// Types of `fmi2GetReal` and `fmi2SetReal` (FMI 2.0, 2.1.7).
+pub const REAL: Bases = Bases::REAL;
+/// Types of `fmi2GetInteger` and `fmi2SetInteger`: enumerations are read and set as Integers.
+pub const INTEGER: Bases = Bases::new("Integer", &[Base::Integer, Base::Enumeration]);
+/// Types of `fmi2GetBoolean` and `fmi2SetBoolean`.
+pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
+/// Types of `fmi2GetString` and `fmi2SetString`: there are none.
+pub const STRING: Bases = Bases::new("String", &[]);
 
 /// One instance.
 #[derive(Debug)]
 pub struct Instance {
-    /// The GUID's number, which saved states carry.
-    origin: [u8; 16],
-    interface: Interface,
-    state: State,
-    settings: Settings,
-    experiment: Option<Experiment>,
-    engine: Engine,
-    /// Which loads had their derivatives set since the last step: a value set after them does not clear them.
-    slopes_set: [bool; 3],
-    /// Whether parameters or loads were set since the last step.
-    parameters_set: bool,
-    loads_set: bool,
-    motion: Motion,
-    motion_stale: bool,
-    derived: Derived,
-    derived_stale: bool,
-    enabled: Enabled,
-    /// States given out to the host; boxed, since their addresses are their handles.
-    #[allow(clippy::vec_box)]
-    kept: Vec<Box<FmuState>>,
+    /// What it is an instance of.
+    pub component: component::Instance,
+    enabled: Categories,
+    states: Handles<SavedState>,
 }
 
 impl Instance {
@@ -88,65 +42,33 @@ impl Instance {
                 allowed: "text with at least one character that is no white space".to_owned(),
             });
         }
-        let hash = description::fingerprint_hash();
-        let own = description::format_guid(hash);
+        let own = description::guid();
         if guid != own {
             return Err(Problem::Text { argument: "fmuGUID", value: guid.to_owned(), allowed: own });
         }
         Ok(Self {
-            origin: hash.to_le_bytes(),
-            interface,
-            state: State::Instantiated,
-            settings: Settings::default(),
-            experiment: None,
-            engine: Engine::None,
-            slopes_set: [false; 3],
-            parameters_set: false,
-            loads_set: false,
-            motion: Motion::default(),
-            motion_stale: true,
-            derived: Derived::default(),
-            derived_stale: true,
-            enabled: Enabled::at_start(logging_on),
-            kept: Vec::new(),
+            component: component::Instance::new(interface),
+            enabled: status::enabled_at_start(logging_on),
+            states: Handles::default(),
         })
     }
 
-    /// Interface type.
-    pub fn interface(&self) -> Interface {
-        self.interface
-    }
-
-    /// Present state.
-    pub fn state(&self) -> State {
-        self.state
-    }
-
     /// Which log categories are enabled.
-    pub fn enabled(&self) -> Enabled {
+    pub fn enabled(&self) -> Categories {
         self.enabled
     }
 
-    /// Puts the instance into any state, to visit every cell of the state machines.
-    #[cfg(test)]
-    pub(crate) fn force(&mut self, state: State) {
-        self.state = state;
-    }
-
-    /// Marks the instance unusable after a panic.
-    pub fn break_down(&mut self) {
-        self.state = State::Fatal;
-    }
-
-    /// Refuses `function` in a state in which it is not allowed.
+    /// Refuses `function` in a state in which it is not allowed (FMI 2.0, 3.2.3 and 4.2.4).
     ///
     /// # Errors
     /// [`Problem::State`].
+    #[inline]
     pub fn guard(&self, function: Function) -> Outcome {
-        if function.allowed(self.interface, self.state) {
+        let (interface, stage) = (self.component.interface(), Stage::of(self.component.phase()));
+        if function.allowed(interface, stage) {
             return Ok(());
         }
-        Err(Problem::State { function, state: self.state, interface: self.interface })
+        Err(Problem::State { function, stage, interface })
     }
 
     /// `fmi2SetDebugLogging` (FMI 2.0, 2.1.5); no names means all categories.
@@ -158,45 +80,13 @@ impl Instance {
         on: bool,
         categories: impl IntoIterator<Item = Outcome<S>>,
     ) -> Outcome {
-        self.guard(Function::SetDebugLogging)?;
         let (mut enabled, mut any) = (self.enabled, false);
         for name in categories {
-            let name = name?;
-            let name = name.as_ref();
             any = true;
-            enabled = enabled.with(name, on).ok_or_else(|| Problem::Text {
-                argument: "category",
-                value: name.to_owned(),
-                allowed: description::LOG_CATEGORIES.map(|category| category.name).join(", "),
-            })?;
+            enabled = status::with_category(enabled, name?.as_ref(), on)?;
         }
-        self.enabled = if any { enabled } else { Enabled::all(on) };
-        Ok(())
-    }
-
-    /// `fmi2SetupExperiment` (FMI 2.0, 2.1.6).
-    ///
-    /// # Errors
-    /// [`Problem::Value`] for a tolerance that is not positive, a start that is not finite, a stop before the start.
-    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
-        self.guard(Function::SetupExperiment)?;
-        let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
-        match tolerance {
-            Some(value) if !(value.is_finite() && value >= 0.0) => {
-                return refuse("tolerance", value, "a finite number >= 0");
-            }
-            _ => {}
-        }
-        if !start.is_finite() {
-            return refuse("startTime", start, "a finite number");
-        }
-        match stop {
-            Some(value) if !(value.is_finite() && value >= start) => {
-                return refuse("stopTime", value, "a finite number not before startTime");
-            }
-            _ => {}
-        }
-        self.experiment = Some(Experiment { start, stop });
+        let all = if on { Categories::ALL } else { Categories::NONE };
+        self.enabled = if any { enabled } else { all };
         Ok(())
     }
 
@@ -205,84 +95,113 @@ impl Instance {
     /// # Errors
     /// [`Problem::Sequence`] without an experiment.
     pub fn enter_initialization_mode(&mut self) -> Outcome {
-        self.guard(Function::EnterInitializationMode)?;
-        if self.experiment.is_none() {
+        if !self.component.has_experiment() {
             return Err(Problem::Sequence { what: "fmi2SetupExperiment must be called before" });
         }
-        self.state = State::InitializationMode;
-        self.motion_stale = true;
+        self.component.enter_initialization();
         Ok(())
     }
 
-    /// `fmi2ExitInitializationMode` (FMI 2.0, 2.1.6): builds what moves.
+    /// `fmi2ExitInitializationMode` (FMI 2.0, 2.1.6).
     ///
     /// # Errors
-    /// When the start values or the parameters are not possible; the instance stays in Initialization Mode.
-    pub fn exit_initialization_mode(&mut self, log: &mut dyn Log) -> Outcome {
-        self.guard(Function::ExitInitializationMode)?;
-        let (engine, objections) = self.initial_engine()?;
-        if let Some(objections) = objections
-            && self.enabled.contains(Category::Warning)
-        {
-            log.log(Status::Warning, Category::Warning, &format!("fmi2ExitInitializationMode: {objections}"));
-        }
-        self.engine = engine;
-        (self.parameters_set, self.loads_set) = (false, false);
-        self.slopes_set = [false; 3];
-        self.motion_stale = true;
-        self.state = match self.interface {
-            Interface::CoSimulation => State::StepComplete,
-            Interface::ModelExchange => State::EventMode,
-        };
-        Ok(())
+    /// As [`exit_initialization`](component::Instance::exit_initialization).
+    pub fn exit_initialization_mode(&mut self, sink: &mut dyn Sink) -> Outcome {
+        let mut log = Logger { sink, enabled: self.enabled, function: Function::ExitInitializationMode };
+        Ok(self.component.exit_initialization(&mut log)?)
     }
 
-    /// `fmi2Terminate` (FMI 2.0, 2.1.6).
+    /// `fmi2NewDiscreteStates` (FMI 2.0, 3.2.2): returns whether continuous states have changed.
     ///
     /// # Errors
-    /// [`Problem::State`].
-    pub fn terminate(&mut self) -> Outcome {
-        self.guard(Function::Terminate)?;
-        self.state = State::Terminated;
-        Ok(())
+    /// As [`handle_events`](component::Instance::handle_events).
+    pub fn new_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<bool> {
+        let mut log = Logger { sink, enabled: self.enabled, function: Function::NewDiscreteStates };
+        Ok(self.component.handle_events(&mut log)?)
     }
 
-    /// `fmi2Reset` (FMI 2.0, 2.1.6): as just instantiated; log categories stay as set.
+    /// `fmi2DoStep` (FMI 2.0, 4.2.2).
     ///
     /// # Errors
-    /// [`Problem::State`].
-    pub fn reset(&mut self) -> Outcome {
-        self.guard(Function::Reset)?;
-        self.state = State::Instantiated;
-        self.settings = Settings::default();
-        self.experiment = None;
-        self.engine = Engine::None;
-        self.slopes_set = [false; 3];
-        (self.parameters_set, self.loads_set) = (false, false);
-        (self.motion_stale, self.derived_stale) = (true, true);
-        Ok(())
+    /// [`Problem::Impact`] (status Discard) when `stopAtImpact` ends the step early; else as
+    /// [`step`](component::Instance::step).
+    #[inline]
+    pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome {
+        let mut log = Logger { sink, enabled: self.enabled, function: Function::DoStep };
+        let outcome = self.component.step(point, size, &mut log)?;
+        match outcome.reason {
+            StepReason::EndReached => Ok(()),
+            StepReason::Impact => Err(Problem::Impact { time: outcome.time }),
+        }
     }
 
-    /// Brings `motion` up to date. In Initialization Mode that evaluates the start.
-    fn refresh_motion(&mut self) -> Outcome {
-        if !self.motion_stale {
-            return Ok(());
-        }
-        self.motion = match &self.engine {
-            Engine::Simulation(simulator) => Motion::of(simulator),
-            Engine::Closed(form) => form.motion(),
-            Engine::Continuous(continuous) => continuous.motion(),
-            Engine::None => self.initial_motion(&self.settings)?,
-        };
-        self.motion_stale = false;
-        Ok(())
+    /// `fmi2CancelStep` (FMI 2.0, 4.2.2): steps are synchronous, so there is never one to cancel.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn cancel_step(&mut self) -> Outcome {
+        Err(Problem::Sequence { what: "steps are synchronous: there is none to cancel" })
     }
 
-    /// Brings `derived` up to date; only after parameters were set, since steady states take a while to compute.
-    fn refresh_derived(&mut self) {
-        if self.derived_stale {
-            self.derived = Derived::of(&self.settings.parameters);
-            self.derived_stale = false;
+    /// `fmi2GetRealStatus` (FMI 2.0, 4.2.3).
+    ///
+    /// # Errors
+    /// [`Problem::StatusNotAvailable`] for all but the last successful time.
+    pub fn real_status(&self, kind: StatusKind) -> Outcome<f64> {
+        match kind {
+            StatusKind::LastSuccessfulTime => Ok(self.component.time()),
+            _ => Err(kind.not_available()),
         }
+    }
+
+    /// `fmi2GetBooleanStatus` (FMI 2.0, 4.2.3).
+    ///
+    /// # Errors
+    /// [`Problem::StatusNotAvailable`] for all but `fmi2Terminated`, which is never so.
+    pub fn boolean_status(&self, kind: StatusKind) -> Outcome<bool> {
+        match kind {
+            StatusKind::Terminated => Ok(false),
+            _ => Err(kind.not_available()),
+        }
+    }
+
+    /// `fmi2GetFMUstate` (FMI 2.0, 2.1.8): saves into the place of `handle`, or a new one where that is zero.
+    ///
+    /// # Errors
+    /// For a handle that is neither zero nor this instance's.
+    pub fn save(&mut self, handle: usize) -> Outcome<usize> {
+        Ok(self.states.keep(self.component.save(), handle)?)
+    }
+
+    /// `fmi2SetFMUstate` (FMI 2.0, 2.1.8).
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's, and as [`restore`](component::Instance::restore).
+    pub fn restore(&mut self, handle: usize) -> Outcome {
+        Ok(self.component.restore(self.states.get(handle)?)?)
+    }
+
+    /// `fmi2FreeFMUstate` (FMI 2.0, 2.1.8).
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's.
+    pub fn free(&mut self, handle: usize) -> Outcome {
+        Ok(self.states.free(handle)?)
+    }
+
+    /// `fmi2SerializeFMUstate` (FMI 2.0, 2.1.8).
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's.
+    pub fn serialized(&self, handle: usize) -> Outcome<Vec<u8>> {
+        Ok(self.states.get(handle)?.serialize()?)
+    }
+
+    /// `fmi2DeSerializeFMUstate` (FMI 2.0, 2.1.8): into the place of `handle` where that is this instance's, else a new one.
+    ///
+    /// # Errors
+    /// As [`deserialize`](SavedState::deserialize).
+    pub fn deserialize(&mut self, serialized: &[u8], handle: usize) -> Outcome<usize> {
+        Ok(self.states.keep_new(SavedState::deserialize(serialized)?, handle)?)
     }
 }

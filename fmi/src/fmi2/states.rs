@@ -1,50 +1,26 @@
 //! Which function may be called in which state: the two state machines as one table (FMI 2.0, 3.2.3 and 4.2.4).
 
-use super::problem::Problem;
+use crate::component::{self, Interface, Phase};
 
-/// Interface type of an instance (FMI 2.0, 2.1.5, `fmi2Type`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Interface {
-    /// The environment brings the solver.
-    ModelExchange,
-    /// `fmi2DoStep` simulates.
-    CoSimulation,
-}
-
-impl Interface {
-    /// From the C enumeration `fmi2Type`.
-    ///
-    /// # Errors
-    /// [`Problem::Value`] for any other number.
-    pub fn from_number(number: i32) -> Result<Self, Problem> {
-        match number {
-            0 => Ok(Self::ModelExchange),
-            1 => Ok(Self::CoSimulation),
-            _ => Err(Problem::Value {
-                name: "fmuType",
-                value: f64::from(number),
-                allowed: "0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)",
-            }),
-        }
-    }
-
-    /// Name for messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ModelExchange => "Model Exchange",
-            Self::CoSimulation => "Co-Simulation",
-        }
-    }
-
-    /// Whether a set acts at once, not with the next step.
-    pub fn applies_at_once(self) -> bool {
-        self == Self::ModelExchange
+/// The interface type of a `fmi2Type` (FMI 2.0, 2.1.5).
+///
+/// # Errors
+/// [`Problem::Value`](component::Problem::Value) for any other number.
+pub fn interface(number: i32) -> component::Outcome<Interface> {
+    match number {
+        0 => Ok(Interface::ModelExchange),
+        1 => Ok(Interface::CoSimulation),
+        _ => Err(component::Problem::Value {
+            name: "fmuType",
+            value: f64::from(number),
+            allowed: "0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)",
+        }),
     }
 }
 
-/// States of the state machines (FMI 2.0, 3.2.3 and 4.2.4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum State {
+/// The states of both state machines, as the standard names them (FMI 2.0, 3.2.3 and 4.2.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
     /// Just instantiated or reset.
     Instantiated,
     /// Between `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
@@ -69,32 +45,49 @@ pub enum State {
     Fatal,
 }
 
-/// All states.
-pub const STATES: [State; 11] = [
-    State::Instantiated,
-    State::InitializationMode,
-    State::EventMode,
-    State::ContinuousTimeMode,
-    State::StepComplete,
-    State::StepInProgress,
-    State::StepFailed,
-    State::StepCanceled,
-    State::Terminated,
-    State::Error,
-    State::Fatal,
+/// All of them.
+pub const STAGES: [Stage; 11] = [
+    Stage::Instantiated,
+    Stage::InitializationMode,
+    Stage::EventMode,
+    Stage::ContinuousTimeMode,
+    Stage::StepComplete,
+    Stage::StepInProgress,
+    Stage::StepFailed,
+    Stage::StepCanceled,
+    Stage::Terminated,
+    Stage::Error,
+    Stage::Fatal,
 ];
 
+impl Stage {
+    /// Where a phase of the component is in the standard's state machines. Steps are synchronous and refused calls change
+    /// nothing, so `StepInProgress`, `StepCanceled` and `Error` are never met.
+    pub fn of(phase: Phase) -> Self {
+        match phase {
+            Phase::Instantiated => Self::Instantiated,
+            Phase::Initialization => Self::InitializationMode,
+            Phase::Event => Self::EventMode,
+            Phase::Continuous => Self::ContinuousTimeMode,
+            Phase::Step => Self::StepComplete,
+            Phase::StoppedEarly => Self::StepFailed,
+            Phase::Terminated => Self::Terminated,
+            Phase::Broken => Self::Fatal,
+        }
+    }
+}
+
 // One letter a state, in the order of the standard's tables.
-const I: u16 = 1 << State::Instantiated as u16;
-const N: u16 = 1 << State::InitializationMode as u16;
-const E: u16 = 1 << State::EventMode as u16;
-const C: u16 = 1 << State::ContinuousTimeMode as u16;
-const S: u16 = 1 << State::StepComplete as u16;
-const P: u16 = 1 << State::StepInProgress as u16;
-const F: u16 = 1 << State::StepFailed as u16;
-const X: u16 = 1 << State::StepCanceled as u16;
-const T: u16 = 1 << State::Terminated as u16;
-const R: u16 = 1 << State::Error as u16;
+const I: u16 = 1 << Stage::Instantiated as u16;
+const N: u16 = 1 << Stage::InitializationMode as u16;
+const E: u16 = 1 << Stage::EventMode as u16;
+const C: u16 = 1 << Stage::ContinuousTimeMode as u16;
+const S: u16 = 1 << Stage::StepComplete as u16;
+const P: u16 = 1 << Stage::StepInProgress as u16;
+const F: u16 = 1 << Stage::StepFailed as u16;
+const X: u16 = 1 << Stage::StepCanceled as u16;
+const T: u16 = 1 << Stage::Terminated as u16;
+const R: u16 = 1 << Stage::Error as u16;
 
 /// Declares the functions and, for Model Exchange and Co-Simulation, the states they may be called in.
 macro_rules! functions {
@@ -172,13 +165,13 @@ impl Function {
         NAMES[self as usize]
     }
 
-    /// Whether it may be called in `state` of an instance of type `interface`.
-    pub fn allowed(self, interface: Interface, state: State) -> bool {
+    /// Whether it may be called in `stage` of an instance of type `interface`.
+    pub fn allowed(self, interface: Interface, stage: Stage) -> bool {
         let masks = match interface {
             Interface::ModelExchange => MODEL_EXCHANGE,
             Interface::CoSimulation => CO_SIMULATION,
         };
-        masks[self as usize] & (1 << state as u16) != 0
+        masks[self as usize] & (1 << stage as u16) != 0
     }
 }
 
@@ -233,7 +226,7 @@ mod tests {
 
     #[test]
     fn table_is_the_standards() {
-        use State::*;
+        use Stage::*;
         let cosimulation = [
             Instantiated,
             InitializationMode,

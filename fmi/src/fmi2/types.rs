@@ -1,6 +1,7 @@
-//! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2).
+//! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), by the names that std has for the C
+//! types.
 
-use super::instance::EventInfo;
+use crate::component::log::Category;
 use std::ffi::c_int;
 
 /// `fmi2Boolean`.
@@ -26,15 +27,39 @@ pub struct FmiEventInfo {
     pub next_event_time: f64,
 }
 
-impl From<EventInfo> for FmiEventInfo {
-    fn from(info: EventInfo) -> Self {
-        Self {
-            new_discrete_states_needed: info.new_discrete_states_needed.into(),
-            terminate_simulation: info.terminate_simulation.into(),
-            nominals_of_continuous_states_changed: info.nominals_changed.into(),
-            values_of_continuous_states_changed: info.values_changed.into(),
-            next_event_time_defined: info.next_event_time.is_some().into(),
-            next_event_time: info.next_event_time.unwrap_or(0.0),
+impl FmiEventInfo {
+    /// After an event at which states have changed or not: one call does all that happens at an instant, nothing ends the
+    /// simulation, nominal values stay, and there are no time events.
+    pub fn after_event(values_changed: bool) -> Self {
+        Self { values_of_continuous_states_changed: values_changed.into(), ..Self::default() }
+    }
+}
+
+/// `fmi2Status` (FMI 2.0, 2.1.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Status {
+    /// All well.
+    Ok = 0,
+    /// Worth knowing.
+    Warning = 1,
+    /// Not all of it could be done.
+    Discard = 2,
+    /// Refused; the instance is as it was.
+    Error = 3,
+    /// The instance can no longer be used.
+    Fatal = 4,
+}
+
+impl Status {
+    /// The status with which a message of a category is logged.
+    pub fn of(category: Category) -> Self {
+        match category {
+            Category::Events => Self::Ok,
+            Category::Warnings => Self::Warning,
+            Category::Incomplete => Self::Discard,
+            Category::Refusals => Self::Error,
+            Category::Failures => Self::Fatal,
         }
     }
 }

@@ -14,11 +14,15 @@ use std::sync::LazyLock;
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi2::types::FmiEventInfo;
-use vibro_fmi::fmi2::variables::{VARIABLES, reference};
+use vibro_fmi::component::variables::{VARIABLES, reference};
 
 const FATAL: c_int = 4;
 /// Elements of every buffer: the largest count that is not refused.
 const ROOM: usize = 4096;
+/// Value references are taken modulo this, so that a new variable does not give the kept inputs another meaning; those
+/// beyond the table are bad references.
+const REFERENCES: u32 = 96;
+const _: () = assert!(VARIABLES.len() <= REFERENCES as usize, "more variables than references: double REFERENCES");
 /// Stands behind every buffer.
 const GUARD: u64 = 0x5afe_5afe_5afe_5afe;
 /// Sub-steps per step that are still worth an iteration; a longer step is cut.
@@ -66,7 +70,7 @@ impl Count {
 struct Call {
     function: u8,
     references: [u32; 4],
-    /// Whether the references are taken as they are, or brought into the table.
+    /// Whether the references are taken as they are, or brought near the table.
     wild: bool,
     numbers: [Number; 6],
     integers: [i32; 2],
@@ -140,7 +144,7 @@ impl Host {
     /// The component is live.
     unsafe fn play(&mut self, call: &Call) -> c_int {
         let c = self.c;
-        let inside = |r: &u32| if call.wild { *r } else { r % VARIABLES.len() as u32 };
+        let inside = |r: &u32| if call.wild { *r } else { r % REFERENCES };
         let references: Vec<u32> = call.references.iter().map(inside).collect();
         let numbers = call.numbers.map(Number::value);
         let mut vr = Buffer::new(&references, GUARD as u32);

@@ -1,7 +1,8 @@
 use super::*;
+use crate::component::Interface;
+use crate::component::variables::reference;
 use crate::fmi2::description;
-use crate::fmi2::states::{Interface, State};
-use crate::fmi2::variables::reference;
+use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
 mod random;
@@ -282,6 +283,25 @@ fn states_are_kept_serialized_and_freed() {
         assert_eq!(fmi2SetFMUstate(c, dangling), ERROR);
         // `copy` is freed with its instance.
     }
+}
+
+#[test]
+fn a_step_after_an_impact_names_the_way_back() {
+    let host = Host::new(Interface::CoSimulation);
+    unsafe {
+        assert_eq!(fmi2SetBoolean(host.c, &reference("stopAtImpact"), 1, &1), OK);
+        assert_eq!(fmi2SetupExperiment(host.c, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(fmi2EnterInitializationMode(host.c), OK);
+        assert_eq!(fmi2ExitInitializationMode(host.c), OK);
+        assert_eq!(fmi2DoStep(host.c, 0.0, 40.0, 0), DISCARD);
+        assert!(host.last().contains("2 logStatusDiscard fmi2DoStep: the step ended at the impact at t = "));
+        assert_eq!(fmi2DoStep(host.c, host.get("time"), 1.0, 0), ERROR);
+    }
+    assert!(
+        host.last().ends_with("StepFailed of Co-Simulation: restore the state saved before the impact"),
+        "{}",
+        host.last()
+    );
 }
 
 #[test]

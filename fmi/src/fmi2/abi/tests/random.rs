@@ -1,6 +1,7 @@
 //! Random calls with random arguments: no crash, no panic, and the instance answers afterwards.
 
 use super::*;
+use crate::component::variables::COUNT;
 use std::cell::Cell;
 
 /// Calls a run; a fuzzer goes further, this keeps the way open.
@@ -58,7 +59,7 @@ impl Call {
     fn new(random: &mut Random) -> Self {
         let references = [(); 8].map(|()| match random.below(20) {
             0 => random.next() as u32,
-            _ => random.below(73) as u32,
+            _ => random.below(COUNT as u64 + 1) as u32,
         });
         let count = match random.below(12) {
             0 => usize::MAX,

@@ -1,0 +1,299 @@
+//! A steady state played in time: clock, drive phase, impacts and energies counted as a simulation would.
+
+use super::problem::Problem;
+use super::settings::SolutionMode;
+use super::steady::{ORDERS, Solution};
+use super::values::{OutputValues, coupling_force};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
+use vibro_impact::energy::{self, FIVE};
+use vibro_impact::model::Model;
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::numerics::drive_phase::DrivePhase;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Contact, Event, EventObserver, ImpactRecord, State, StopReason, check_time};
+
+/// Length of a piece of the energies' quadrature in units of the fastest rate: five Gauss nodes leave under 1e-12 of it.
+const PIECE: f64 = 0.5;
+/// Most pieces in half a period; only modes thousands of times faster than the drive would need more.
+const MAX_PIECES: f64 = 4096.0;
+
+/// Rounding of a drive phase, relative to itself: a few units in the last place from time, frequency and offset.
+const PHASE_ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// What changes in time, as plain data; the solution follows from it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Data {
+    mode: SolutionMode,
+    parameters: Parameters,
+    time: DoubleDouble,
+    phase: DrivePhase,
+    /// When the solution came into force, and what had happened before.
+    from: DoubleDouble,
+    record: ImpactRecord,
+    input: f64,
+    damped: f64,
+    impact: f64,
+}
+
+/// A steady state that is played.
+#[derive(Clone, Debug)]
+pub(crate) struct ClosedForm {
+    data: Data,
+    solution: Solution,
+    /// Relative speed and impulse of each impact, and the energy lost in it.
+    speed: f64,
+    impulse: f64,
+    lost: f64,
+    /// Drive phase since the last impact on the upper stop when the solution came into force, in [0, 2π).
+    offset: f64,
+    /// Input and damped energy from an impact to each knot of the half period that follows.
+    knots: Vec<[f64; 2]>,
+}
+
+impl ClosedForm {
+    /// Starts at `time`.
+    ///
+    /// # Errors
+    /// As [`Solution::new`].
+    pub(crate) fn new(mode: SolutionMode, parameters: &Parameters, time: f64) -> Result<Self, Problem> {
+        let time = DoubleDouble::new(time);
+        Self::of(Data {
+            mode,
+            parameters: *parameters,
+            time,
+            phase: DrivePhase::new(parameters.drive_phase),
+            from: time,
+            record: ImpactRecord::default(),
+            input: 0.0,
+            damped: 0.0,
+            impact: 0.0,
+        })
+    }
+
+    /// From what [`data`](Self::data) gave; the solution comes out the same, bit by bit.
+    ///
+    /// # Errors
+    /// As [`Solution::new`].
+    pub(crate) fn of(data: Data) -> Result<Self, Problem> {
+        let p = &data.parameters;
+        check_time(p.drive_frequency, data.time.value())?;
+        let solution = Solution::new(data.mode, p)?;
+        let model = Model::new(p)?;
+        let (speed, impulse) = solution.impact(&model);
+        let [_, _, loss] = model.impact_factors();
+        let theta = data.phase.angle(p.drive_frequency, data.from);
+        let mut form = Self {
+            data,
+            speed,
+            impulse,
+            lost: loss * speed * speed,
+            offset: (theta - solution.impact_phase()).rem_euclid(TAU),
+            knots: Vec::new(),
+            solution,
+        };
+        form.fill_knots(model.rate);
+        Ok(form)
+    }
+
+    /// Goes back to what [`data`](Self::data) gave; solves anew only for other parameters.
+    ///
+    /// # Errors
+    /// As [`Solution::new`]; nothing has changed then.
+    pub(crate) fn restore(&mut self, data: Data) -> Result<(), Problem> {
+        let same = data.mode == self.data.mode
+            && data.parameters == self.data.parameters
+            && data.from == self.data.from
+            && data.phase == self.data.phase;
+        if same {
+            self.data = data;
+        } else {
+            *self = Self::of(data)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn data(&self) -> Data {
+        self.data
+    }
+
+    pub(crate) fn solution(&self) -> &Solution {
+        &self.solution
+    }
+
+    pub(crate) fn parameters(&self) -> &Parameters {
+        &self.data.parameters
+    }
+
+    pub(crate) fn time(&self) -> f64 {
+        self.data.time.value()
+    }
+
+    /// The steady state of other parameters from now on; the drive's phase stays continuous.
+    ///
+    /// # Errors
+    /// As [`Solution::new`]; nothing has changed then.
+    pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), Problem> {
+        let old = self.data.parameters;
+        if *parameters == old {
+            return Ok(());
+        }
+        let now = self.values();
+        let mut phase = self.data.phase;
+        phase.rebase(old.drive_frequency, self.data.time, (old.drive_phase, parameters.drive_phase));
+        let mut next = Self::of(Data {
+            mode: self.data.mode,
+            parameters: *parameters,
+            time: self.data.time,
+            phase,
+            from: self.data.time,
+            record: now.impacts,
+            input: now.input,
+            damped: now.damped,
+            impact: now.impact_loss,
+        })?;
+        // The jump to another steady state is work from outside.
+        next.data.input += next.values().mechanical - now.mechanical;
+        *self = next;
+        Ok(())
+    }
+
+    /// To `begin + step`, reporting each impact; optionally only to the first.
+    ///
+    /// # Errors
+    /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time that a double no longer tells from a moment later.
+    pub(crate) fn advance(
+        &mut self,
+        begin: f64,
+        step: f64,
+        stop_at_impact: bool,
+        observer: EventObserver<'_, '_>,
+    ) -> Result<StopReason, Problem> {
+        let end = DoubleDouble::sum(begin, step);
+        check_time(self.data.parameters.drive_frequency, end.value())?;
+        if end.minus(self.data.time).value() <= 0.0 {
+            return Ok(StopReason::End);
+        }
+        let before = self.halves(self.data.time).0;
+        let after = self.halves(end).0;
+        if stop_at_impact && after > before {
+            self.data.time = self.impact_time(before + 1.0);
+            if let Some(report) = observer {
+                report(&self.event(before + 1.0));
+            }
+            return Ok(StopReason::Impact);
+        }
+        self.data.time = end;
+        if let Some(report) = observer {
+            let mut n = before + 1.0;
+            while n <= after {
+                report(&self.event(n));
+                n += 1.0;
+            }
+        }
+        Ok(StopReason::End)
+    }
+
+    /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive
+    /// phase since the last impact, rad. Whole numbers above 0 count impacts, odd ones on the lower stop.
+    fn halves(&self, time: DoubleDouble) -> (f64, f64) {
+        let total = self.offset + self.data.parameters.drive_frequency * time.minus(self.data.from).value();
+        // An impact a rounding error ahead has happened: a step that ends at an impact must not meet it again.
+        let rounding = PHASE_ROUNDING * (total.abs() + TAU);
+        let whole = ((total + rounding) / PI).floor();
+        (whole, (total - whole * PI).max(0.0))
+    }
+
+    fn impact_time(&self, n: f64) -> DoubleDouble {
+        self.data.from.plus((n * PI - self.offset) / self.data.parameters.drive_frequency)
+    }
+
+    fn event(&self, n: f64) -> Event {
+        let side = if n % 2.0 == 0.0 { 1 } else { -1 };
+        Event::Impact { time: self.impact_time(n).value(), side, speed: self.speed, impulse: self.impulse }
+    }
+
+    fn theta(&self) -> f64 {
+        self.data.phase.angle(self.data.parameters.drive_frequency, self.data.time)
+    }
+
+    /// Time derivatives of the displacements now.
+    pub(crate) fn derivatives(&self) -> [[f64; ORDERS]; 3] {
+        self.solution.derivatives(self.theta())
+    }
+
+    /// What the outputs read now.
+    pub(crate) fn values(&self) -> OutputValues {
+        let (data, p) = (&self.data, &self.data.parameters);
+        let d = self.derivatives();
+        let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
+        let y = state.to_relative();
+        let first = (self.offset / PI).floor();
+        let (now, since) = self.halves(data.time);
+        let count = (now - first).max(0.0);
+        let mut impacts = data.record;
+        if count > 0.0 {
+            let upper = (now / 2.0).floor() - (first / 2.0).floor();
+            impacts.upper += upper as u64;
+            impacts.lower += (count - upper) as u64;
+            impacts.last_time = self.impact_time(now).value();
+            (impacts.last_speed, impacts.last_impulse) = (self.speed, self.impulse);
+            impacts.total_impulse += count * self.impulse;
+        }
+        let half = self.knots.last().copied().unwrap_or_default();
+        let (begun, reached) = (self.energies(self.offset - first * PI), self.energies(since));
+        let total = |i: usize| count * half[i] + (reached[i] - begun[i]);
+        OutputValues {
+            time: self.time(),
+            x: state.x,
+            v: state.v,
+            acceleration: d.map(|d| d[2]),
+            gap: (y[1], y[4]),
+            contact_force: 0.0,
+            coupling_force: coupling_force(p, &state.x),
+            mechanical: energy::mechanical(p, &y),
+            input: data.input + total(0),
+            damped: data.damped + total(1),
+            impact_loss: data.impact + count * self.lost,
+            contact: Contact::Flight,
+            impacts,
+        }
+    }
+
+    fn piece(&self) -> f64 {
+        PI / (self.knots.len() - 1) as f64
+    }
+
+    fn fill_knots(&mut self, rate: f64) {
+        let pieces = (PI * rate / (PIECE * self.data.parameters.drive_frequency))
+            .ceil()
+            .clamp(1.0, MAX_PIECES) as usize;
+        self.knots = vec![[0.0; 2]; pieces + 1];
+        for i in 0..pieces {
+            let (from, to) = (i as f64 * self.piece(), (i + 1) as f64 * self.piece());
+            let energy = self.integrate(from, to);
+            self.knots[i + 1] = [self.knots[i][0] + energy[0], self.knots[i][1] + energy[1]];
+        }
+    }
+
+    /// Input and damped energy from an impact to a drive phase `since` ∈ [0, π] later.
+    fn energies(&self, since: f64) -> [f64; 2] {
+        let index = ((since / self.piece()) as usize).min(self.knots.len() - 2);
+        let rest = self.integrate(index as f64 * self.piece(), since);
+        [self.knots[index][0] + rest[0], self.knots[index][1] + rest[1]]
+    }
+
+    /// The powers' integrals between two phases after the upper impact; the half period after the lower is its mirror
+    /// image, with the same powers.
+    fn integrate(&self, from: f64, to: f64) -> [f64; 2] {
+        let p = &self.data.parameters;
+        let mut sums = [0.0; 2];
+        for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
+            let theta = self.solution.impact_phase() + from + node * (to - from);
+            let v = self.solution.state(theta).v;
+            sums[0] += weight * p.drive_amplitude * theta.sin() * v[0];
+            sums[1] += weight * (p.box_damping * v[0] * v[0] + p.secondary_damping * v[2] * v[2]);
+        }
+        sums.map(|sum| sum * (to - from) / p.drive_frequency)
+    }
+}

@@ -1,0 +1,392 @@
+//! The model for a host's own solver: states, derivatives, event indicators, and what happens at events.
+
+use super::problem::Problem;
+use super::values::{OutputValues, coupling_force};
+use super::variation::{Velocities, quadrature, variation, velocities};
+use serde::{Deserialize, Serialize};
+use vibro_impact::energy;
+use vibro_impact::error::Error;
+use vibro_impact::model::{
+    Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE, LANES, Model, SmoothMode,
+};
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::numerics::drive_phase::DrivePhase;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Contact, Event, ImpactRecord, Simulator, State, check_time};
+
+/// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10 off. A bounce lower than
+/// this cannot be told from resting, so there a chatter run ends.
+const CONTACT: f64 = 1e-9;
+/// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
+/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of the displacements.
+const SHIFT: f64 = 1e-12;
+/// Indicator of what cannot happen in the present contact.
+const IDLE: f64 = 1.0;
+
+/// Everything that changes, as plain data.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Data {
+    parameters: Parameters,
+    time: f64,
+    state: State,
+    contact: Contact,
+    phase: DrivePhase,
+    forces: [f64; 3],
+    record: ImpactRecord,
+    /// Mechanical energy at the start, damped energy up to the last accepted step, impact losses.
+    initial: f64,
+    damped: f64,
+    lost: f64,
+    accepted: Point,
+}
+
+/// The last accepted step or event; contact and parameters have not changed since.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Point {
+    time: f64,
+    state: State,
+    forces: [f64; 3],
+}
+
+/// The model as a host's solver sees it.
+#[derive(Clone, Debug)]
+pub(crate) struct Continuous {
+    data: Data,
+    model: Model,
+}
+
+impl Continuous {
+    /// Where a simulation would start.
+    ///
+    /// # Errors
+    /// As [`Simulator::new`].
+    pub(crate) fn start(simulator: &Simulator, forces: [f64; 3]) -> Result<Self, Error> {
+        Self::frozen(simulator.parameters(), simulator.state(), simulator.time(), simulator.contact(), forces)
+    }
+
+    /// A motion in a given contact, for what-if evaluations at the start.
+    pub(crate) fn frozen(
+        parameters: &Parameters,
+        state: State,
+        time: f64,
+        contact: Contact,
+        forces: [f64; 3],
+    ) -> Result<Self, Error> {
+        let mut frozen = Self::of(Data {
+            parameters: *parameters,
+            time,
+            state,
+            contact,
+            phase: DrivePhase::new(parameters.drive_phase),
+            forces,
+            record: ImpactRecord::default(),
+            initial: 0.0,
+            damped: 0.0,
+            lost: 0.0,
+            accepted: Point::default(),
+        })?;
+        frozen.anchor();
+        // Nothing has been put in yet.
+        frozen.data.initial = frozen.values().mechanical;
+        Ok(frozen)
+    }
+
+    pub(crate) fn of(data: Data) -> Result<Self, Error> {
+        Ok(Self { data, model: Model::new(&data.parameters)? })
+    }
+
+    /// Goes back to what [`data`](Self::data) gave.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of); nothing has changed then.
+    pub(crate) fn restore(&mut self, data: Data) -> Result<(), Error> {
+        if data.parameters != self.data.parameters {
+            self.model = Model::new(&data.parameters)?;
+        }
+        self.data = data;
+        Ok(())
+    }
+
+    pub(crate) fn data(&self) -> Data {
+        self.data
+    }
+
+    pub(crate) fn parameters(&self) -> &Parameters {
+        &self.data.parameters
+    }
+
+    pub(crate) fn time(&self) -> f64 {
+        self.data.time
+    }
+
+    /// # Errors
+    /// [`Error::PrecisionLost`]; nothing has changed then.
+    pub(crate) fn set_time(&mut self, time: f64) -> Result<(), Error> {
+        check_time(self.model.rate, time)?;
+        self.data.time = time;
+        Ok(())
+    }
+
+    pub(crate) fn state(&self) -> State {
+        self.data.state
+    }
+
+    pub(crate) fn set_state(&mut self, state: State) {
+        self.data.state = state;
+    }
+
+    pub(crate) fn set_forces(&mut self, forces: [f64; 3]) {
+        self.data.forces = forces;
+    }
+
+    /// Takes effect at once; the drive's phase stays continuous. What it adds to springs and masses counts as input, since
+    /// the input is what the balance leaves.
+    ///
+    /// # Errors
+    /// As [`Simulator::set_parameters`]; nothing has changed then.
+    pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), Error> {
+        let old = self.data.parameters;
+        let model = Model::new(parameters)?;
+        check_time(model.rate, self.data.time)?;
+        let phases = (old.drive_phase, parameters.drive_phase);
+        if parameters.drive_frequency != old.drive_frequency || phases.0 != phases.1 {
+            self.data.phase.rebase(old.drive_frequency, DoubleDouble::new(self.data.time), phases);
+        }
+        self.data.parameters = *parameters;
+        self.model = model;
+        self.anchor();
+        Ok(())
+    }
+
+    fn mode(&self) -> SmoothMode {
+        if self.data.contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest }
+    }
+
+    fn now(&self) -> Point {
+        Point { time: self.data.time, state: self.data.state, forces: self.data.forces }
+    }
+
+    fn augmented(&self) -> Augmented {
+        self.augmented_at(&self.now())
+    }
+
+    fn augmented_at(&self, at: &Point) -> Augmented {
+        let mut z = [0.0; LANES];
+        z[..6].copy_from_slice(&at.state.to_relative());
+        let theta = self.data.phase.angle(self.model.omega, DoubleDouble::new(at.time));
+        (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
+        z
+    }
+
+    /// x1'', x2'', x3'' and the free relative acceleration.
+    fn accelerations(&self) -> ([f64; 3], f64) {
+        let (a, free) = self.model.acceleration(self.mode(), &self.augmented(), Some(self.data.forces));
+        ([a[0], a[0] + a[1], a[2]], free)
+    }
+
+    /// Time derivatives of x1, x2, x3, v1, v2, v3.
+    pub(crate) fn derivatives(&self) -> [f64; 6] {
+        let (v, (a, _)) = (self.data.state.v, self.accelerations());
+        [v[0], v[1], v[2], a[0], a[1], a[2]]
+    }
+
+    /// Distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration that presses the
+    /// block on, in units of the largest that springs and drive make at one gap's displacement.
+    pub(crate) fn indicators(&self) -> [f64; 3] {
+        let gap = self.model.gap;
+        match self.data.contact {
+            Contact::Flight => {
+                let w = self.data.state.x[1] - self.data.state.x[0];
+                [(gap - w) / gap, (gap + w) / gap, IDLE]
+            }
+            contact => {
+                let m = &self.model;
+                let scale = (m.k1 + m.k2) * gap + m.drive.abs();
+                let pressing = contact.side() * self.accelerations().1;
+                [IDLE, IDLE, if scale > 0.0 { pressing / scale } else { pressing }]
+            }
+        }
+    }
+
+    /// Whether an accepted point is past an event that the host has missed: the block in a stop and moving on, or pulled on in
+    /// rest. Solvers of fixed step compare indicators across an event, or step over two changes of sign.
+    pub(crate) fn missed_event(&self) -> bool {
+        match self.data.contact {
+            Contact::Flight => {
+                let State { x, v } = &self.data.state;
+                let w = x[1] - x[0];
+                w.abs() >= self.model.gap && w.signum() * (v[1] - v[0]) > 0.0
+            }
+            contact => contact.side() * self.accelerations().1 <= 0.0,
+        }
+    }
+
+    /// Takes the present point as accepted: damped energy is summed up to here.
+    pub(crate) fn accept(&mut self) {
+        self.data.damped = self.damped();
+        self.anchor();
+    }
+
+    /// The point from which the damped energy is summed on.
+    fn anchor(&mut self) {
+        let Data { time, state, forces, .. } = self.data;
+        self.data.accepted = Point { time, state, forces };
+    }
+
+    /// v1 and v3 with three derivatives each at a point, the forces changing at `slope`.
+    fn velocities(&self, at: &Point, slope: [f64; 3]) -> Velocities {
+        velocities(&self.model, self.mode(), &self.augmented_at(at), at.forces, slope)
+    }
+
+    /// Damped energy up to now: two-point Hermite quadrature of the open interval with three derivatives at each end (an
+    /// error of h⁹), the forces taken as straight between its ends.
+    fn damped(&self) -> f64 {
+        let (from, now) = (self.data.accepted, self.now());
+        let h = now.time - from.time;
+        if h == 0.0 {
+            return self.data.damped;
+        }
+        let slope = std::array::from_fn(|i| (now.forces[i] - from.forces[i]) / h);
+        let (a, b) = (self.velocities(&from, slope), self.velocities(&now, slope));
+        self.data.damped + quadrature(h, &self.power(&a, &a), &self.power(&b, &b))
+    }
+
+    /// c1 v1 w1 + c3 v3 w3 with three derivatives, by Leibniz' rule.
+    fn power(&self, v: &Velocities, w: &Velocities) -> [f64; 4] {
+        let (p, mut power) = (&self.data.parameters, [0.0; 4]);
+        for ((c, v), w) in [p.box_damping, p.secondary_damping].iter().zip(v).zip(w) {
+            power[0] += c * (v[0] * w[0]);
+            power[1] += c * (v[0] * w[1] + v[1] * w[0]);
+            power[2] += c * (v[0] * w[2] + 2.0 * v[1] * w[1] + v[2] * w[0]);
+            power[3] += c * (v[0] * w[3] + 3.0 * (v[1] * w[2] + v[2] * w[1]) + v[3] * w[0]);
+        }
+        power
+    }
+
+    /// The laws at an event: impact, rest or release, as far as the present point calls for one; reports them and returns
+    /// whether states changed.
+    pub(crate) fn handle_event(&mut self, report: &mut dyn FnMut(&Event)) -> bool {
+        let before = self.data.state;
+        match self.data.contact {
+            Contact::Flight => {
+                let w = before.x[1] - before.x[0];
+                let gap = self.model.gap;
+                if gap - w.abs() <= CONTACT * gap {
+                    self.touch(w.signum(), report);
+                }
+            }
+            contact => {
+                if contact.side() * self.accelerations().1 <= 0.0 {
+                    self.data.contact = Contact::Flight;
+                    self.data.state.v[1] = self.data.state.v[0];
+                    self.place(contact.side(), 1.0 - SHIFT);
+                    let side = contact.side() as i8;
+                    report(&Event::Release { time: self.data.time, side });
+                }
+            }
+        }
+        self.anchor();
+        self.data.state != before
+    }
+
+    /// At stop `side`: an impact when it is approached, rest when it is pressed on without bouncing.
+    fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
+        let (time, stop) = (self.data.time, side as i8);
+        let mut z = self.augmented();
+        if side * z[GAP_RATE] > 0.0 {
+            let (speed, impulse, lost) = self.model.impact(&mut z, side);
+            self.data.record.count(side, time, speed, impulse);
+            self.data.lost += lost;
+            report(&Event::Impact { time, side: stop, speed, impulse });
+        }
+        let rebound = -side * z[GAP_RATE];
+        let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
+        // Height of the bounce: rebound²/(2 pressing). An elastic block bounces for ever.
+        let low = rebound * rebound <= 2.0 * pressing * CONTACT * self.model.gap;
+        if pressing > 0.0 && low && (rebound == 0.0 || self.model.restitution < 1.0) {
+            self.data.lost += self.model.merge(&mut z);
+            self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+            report(&Event::Rest { time, side: stop });
+        }
+        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[GAP_RATE]);
+        let resting = self.data.contact != Contact::Flight;
+        self.place(side, if resting { 1.0 } else { 1.0 - SHIFT });
+        if resting {
+            self.data.state.v[1] = self.data.state.v[0];
+        }
+    }
+
+    /// Puts box and block `share` gaps apart, their centre of mass held; further inside they stay where they are.
+    fn place(&mut self, side: f64, share: f64) {
+        let x = &mut self.data.state.x;
+        let excess = (x[1] - x[0]) - side * share * self.model.gap;
+        if side * excess > 0.0 || share == 1.0 {
+            x[0] += self.model.block_share * excess;
+            x[1] -= (1.0 - self.model.block_share) * excess;
+        }
+    }
+
+    /// What the outputs read at the present point. In rest the gap is exact, whatever rounding the solver adds.
+    pub(crate) fn values(&self) -> OutputValues {
+        let (data, (a, free)) = (&self.data, self.accelerations());
+        let z = self.augmented();
+        let (gap, contact_force) = match data.contact {
+            Contact::Flight => ((z[GAP], z[GAP_RATE]), 0.0),
+            contact => {
+                let force = self.model.reduced_mass * contact.side() * free;
+                ((contact.side() * self.model.gap, 0.0), if force > 0.0 { force } else { 0.0 })
+            }
+        };
+        let mut y = [0.0; 6];
+        y.copy_from_slice(&z[..6]);
+        let (mechanical, damped) = (energy::mechanical(&data.parameters, &y), self.damped());
+        OutputValues {
+            time: data.time,
+            x: data.state.x,
+            v: data.state.v,
+            acceleration: a,
+            gap,
+            contact_force,
+            coupling_force: coupling_force(&data.parameters, &data.state.x),
+            mechanical,
+            // What the balance leaves: the work of inputs between steps is the host's to know.
+            input: mechanical - data.initial + damped + data.lost,
+            damped,
+            impact_loss: data.lost,
+            contact: data.contact,
+            impacts: data.record,
+        }
+    }
+
+    /// How the outputs vary with states and forces, all else held.
+    pub(crate) fn variation(&self, dx: &State, df: [f64; 3]) -> OutputValues {
+        let p = &self.data.parameters;
+        let mut rates = variation(&self.model, p, self.data.contact, &self.data.state, dx, df);
+        // The open interval's energy varies with its end, and with the slope of the forces at both ends.
+        let (from, now) = (self.data.accepted, self.now());
+        let h = now.time - from.time;
+        if h != 0.0 {
+            let slope = std::array::from_fn(|i| (now.forces[i] - from.forces[i]) / h);
+            let (a, b) = (self.velocities(&from, slope), self.velocities(&now, slope));
+            let (mode, turn) = (self.mode(), df.map(|df| df / h));
+            let mut z = [0.0; LANES];
+            let da = velocities(&self.model, mode, &z, [0.0; 3], turn);
+            z[..6].copy_from_slice(&dx.to_relative());
+            let db = velocities(&self.model, mode, &z, df, turn);
+            rates.damped = 2.0 * quadrature(h, &self.power(&a, &da), &self.power(&b, &db));
+        }
+        rates.input = rates.mechanical + rates.damped;
+        rates
+    }
+}
+
+/// A set of states that is not finite.
+pub(crate) fn check_states(states: &[f64; 6]) -> Result<State, Problem> {
+    for (name, value) in super::structure::STATES.iter().zip(states) {
+        if !value.is_finite() {
+            return Err(Problem::Value { name, value: *value, allowed: "a finite number" });
+        }
+    }
+    let [x1, x2, x3, v1, v2, v3] = *states;
+    Ok(State { x: [x1, x2, x3], v: [v1, v2, v3] })
+}

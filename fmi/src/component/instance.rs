@@ -1,0 +1,275 @@
+//! One component as a safe object: it is set, initialized, stepped or integrated, read, saved and restored.
+//!
+//! Each method checks everything it was given and only then changes anything: a refused call leaves the component as it
+//! was. Which call is allowed in which state of which protocol is the door's to say; the component knows [`Phase`]s, which
+//! decide on what may be set.
+
+mod access;
+mod derivative;
+mod exchange;
+mod initial;
+mod step;
+
+#[cfg(test)]
+mod tests;
+
+use super::closed_form::ClosedForm;
+use super::continuous::Continuous;
+use super::log::{Category, Log};
+use super::phase::{Experiment, Interface, Phase};
+use super::problem::{Outcome, Problem};
+use super::saved_state::{EngineState, SavedState};
+use super::settings::{Derived, Settings};
+use super::steady;
+use super::values::OutputValues;
+use vibro_impact::simulator::Simulator;
+
+pub use step::{StepOutcome, StepReason};
+
+/// What moves.
+#[derive(Debug)]
+enum Engine {
+    /// Not initialized yet.
+    None,
+    /// Event-driven co-simulation.
+    Simulation(Box<Simulator>),
+    /// Co-simulation that plays a steady state.
+    Closed(Box<ClosedForm>),
+    /// Model Exchange.
+    Continuous(Box<Continuous>),
+}
+
+/// One component.
+#[derive(Debug)]
+pub struct Instance {
+    interface: Interface,
+    phase: Phase,
+    settings: Settings,
+    experiment: Option<Experiment>,
+    engine: Engine,
+    /// Which loads had their derivatives set since the last step: a value set after them does not clear them.
+    slopes_set: [bool; 3],
+    /// Whether parameters or loads were set since the last step.
+    parameters_set: bool,
+    loads_set: bool,
+    /// What the outputs read; not up to date while stale.
+    values: OutputValues,
+    values_stale: bool,
+    derived: Derived,
+    derived_stale: bool,
+}
+
+impl Instance {
+    /// A component with all variables at their start values.
+    pub fn new(interface: Interface) -> Self {
+        Self {
+            interface,
+            phase: Phase::Instantiated,
+            settings: Settings::default(),
+            experiment: None,
+            engine: Engine::None,
+            slopes_set: [false; 3],
+            parameters_set: false,
+            loads_set: false,
+            values: OutputValues::default(),
+            values_stale: true,
+            derived: Derived::default(),
+            derived_stale: true,
+        }
+    }
+
+    /// How it is used.
+    pub fn interface(&self) -> Interface {
+        self.interface
+    }
+
+    /// Present phase.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// Puts the component into any phase, to visit every cell of a door's state machine.
+    #[cfg(test)]
+    pub(crate) fn force(&mut self, phase: Phase) {
+        self.phase = phase;
+    }
+
+    /// Marks the component unusable after a panic.
+    pub fn break_down(&mut self) {
+        self.phase = Phase::Broken;
+    }
+
+    /// When to begin, and the time past which no step may go; `tolerance` is only checked: the flow is exact.
+    ///
+    /// # Errors
+    /// [`Problem::Value`] for a tolerance that is negative, a start that is not finite, a stop before the start.
+    pub fn set_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
+        let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
+        match tolerance {
+            Some(value) if !(value.is_finite() && value >= 0.0) => {
+                return refuse("tolerance", value, "a finite number >= 0");
+            }
+            _ => {}
+        }
+        if !start.is_finite() {
+            return refuse("startTime", start, "a finite number");
+        }
+        match stop {
+            Some(value) if !(value.is_finite() && value >= start) => {
+                return refuse("stopTime", value, "a finite number not before startTime");
+            }
+            _ => {}
+        }
+        self.experiment = Some(Experiment { start, stop });
+        Ok(())
+    }
+
+    /// Whether [`set_experiment`](Self::set_experiment) was called.
+    pub fn has_experiment(&self) -> bool {
+        self.experiment.is_some()
+    }
+
+    /// From now on outputs show the start that the settings describe.
+    pub fn enter_initialization(&mut self) {
+        self.phase = Phase::Initialization;
+        self.values_stale = true;
+    }
+
+    /// Ends initialization: builds what moves.
+    ///
+    /// # Errors
+    /// When the start values or the parameters are not possible; the component stays in initialization.
+    pub fn exit_initialization(&mut self, log: &mut dyn Log) -> Outcome {
+        let (engine, objections) = self.initial_engine()?;
+        if let Some(objections) = objections
+            && log.wants(Category::Warnings)
+        {
+            log.log(Category::Warnings, &objections);
+        }
+        self.engine = engine;
+        (self.parameters_set, self.loads_set) = (false, false);
+        self.slopes_set = [false; 3];
+        self.values_stale = true;
+        self.phase = match self.interface {
+            Interface::CoSimulation => Phase::Step,
+            Interface::ModelExchange => Phase::Event,
+        };
+        Ok(())
+    }
+
+    /// Ends the simulation.
+    pub fn terminate(&mut self) {
+        self.phase = Phase::Terminated;
+    }
+
+    /// As just made.
+    pub fn reset(&mut self) {
+        self.phase = Phase::Instantiated;
+        self.settings = Settings::default();
+        self.experiment = None;
+        self.engine = Engine::None;
+        self.slopes_set = [false; 3];
+        (self.parameters_set, self.loads_set) = (false, false);
+        (self.values_stale, self.derived_stale) = (true, true);
+    }
+
+    /// Present time, s; before initialization ends, the start.
+    pub fn time(&self) -> f64 {
+        match &self.engine {
+            Engine::Simulation(simulator) => simulator.time(),
+            Engine::Closed(form) => form.time(),
+            Engine::Continuous(continuous) => continuous.time(),
+            Engine::None => self.start_time(),
+        }
+    }
+
+    /// Everything it needs to continue from here.
+    pub fn save(&self) -> SavedState {
+        SavedState {
+            interface: self.interface,
+            phase: self.phase,
+            settings: self.settings,
+            experiment: self.experiment,
+            slopes_set: self.slopes_set,
+            parameters_set: self.parameters_set,
+            loads_set: self.loads_set,
+            engine: match &self.engine {
+                Engine::None => EngineState::None,
+                Engine::Simulation(simulator) => EngineState::Simulation(simulator.snapshot()),
+                Engine::Closed(form) => EngineState::Closed(form.data()),
+                Engine::Continuous(continuous) => EngineState::Continuous(continuous.data()),
+            },
+        }
+    }
+
+    /// Goes back to a saved state, or takes over that of another component; also where it was never initialized. Continuing
+    /// gives the same bits as not having left.
+    ///
+    /// # Errors
+    /// [`Problem::SavedState`] for one of the other interface type, [`Problem::Model`] for one that is not possible;
+    /// nothing has changed then.
+    pub fn restore(&mut self, saved: &SavedState) -> Outcome {
+        if saved.interface != self.interface {
+            let (its, own) = (saved.interface.name(), self.interface.name());
+            return Err(Problem::SavedState { what: format!("it is of {its}, this instance is of {own}") });
+        }
+        match (&mut self.engine, &saved.engine) {
+            (engine, EngineState::None) => *engine = Engine::None,
+            (Engine::Simulation(simulator), EngineState::Simulation(snapshot)) => {
+                simulator.restore(snapshot)?;
+            }
+            (engine, EngineState::Simulation(snapshot)) => {
+                // Any valid simulator does: the snapshot brings its own parameters and state.
+                let standard = Settings::default();
+                let mut simulator = Simulator::new(&standard.parameters, &standard.start, 0.0)?;
+                simulator.restore(snapshot)?;
+                *engine = Engine::Simulation(Box::new(simulator));
+            }
+            (Engine::Closed(form), EngineState::Closed(data)) => form.restore(*data)?,
+            (engine, EngineState::Closed(data)) => {
+                *engine = Engine::Closed(Box::new(ClosedForm::of(*data)?));
+            }
+            (Engine::Continuous(continuous), EngineState::Continuous(data)) => continuous.restore(*data)?,
+            (engine, EngineState::Continuous(data)) => {
+                *engine = Engine::Continuous(Box::new(Continuous::of(*data)?));
+            }
+        }
+        self.phase = saved.phase;
+        self.derived_stale |= self.settings.parameters != saved.settings.parameters;
+        self.settings = saved.settings;
+        self.experiment = saved.experiment;
+        self.slopes_set = saved.slopes_set;
+        self.parameters_set = saved.parameters_set;
+        self.loads_set = saved.loads_set;
+        self.values_stale = true;
+        Ok(())
+    }
+
+    /// Brings the values up to date. In initialization that evaluates the start.
+    fn refresh_values(&mut self) -> Outcome {
+        if !self.values_stale {
+            return Ok(());
+        }
+        self.values = self.present_values()?;
+        self.values_stale = false;
+        Ok(())
+    }
+
+    fn present_values(&self) -> Outcome<OutputValues> {
+        Ok(match &self.engine {
+            Engine::Simulation(simulator) => OutputValues::of(simulator),
+            Engine::Closed(form) => form.values(),
+            Engine::Continuous(continuous) => continuous.values(),
+            Engine::None => self.initial_values(&self.settings)?,
+        })
+    }
+
+    /// Brings what follows from the parameters up to date; only after parameters were set, since steady states take a while
+    /// to compute.
+    fn refresh_derived(&mut self) {
+        if self.derived_stale {
+            self.derived = steady::derived(&self.settings.parameters);
+            self.derived_stale = false;
+        }
+    }
+}

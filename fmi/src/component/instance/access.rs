@@ -1,0 +1,283 @@
+//! Getting and setting values, and the time derivatives of inputs and outputs.
+
+use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
+use crate::component::settings::Settings;
+use crate::component::values::coupling_force;
+use crate::component::variables::{
+    Bases, Causality, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
+};
+use vibro_impact::parameters::Parameters;
+
+/// What loads may be while a closed form is played.
+pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
+/// Highest order of input derivatives.
+const INPUT_ORDER: i32 = 3;
+/// Highest order of output derivatives: the displacements' fifth is known, so velocities and accelerations have three.
+const OUTPUT_ORDER: i32 = 3;
+
+/// The variable of that reference, which must have one of the types.
+#[inline]
+pub(super) fn look_up(reference: u32, bases: Bases) -> Outcome<&'static Variable> {
+    match VARIABLES.get(reference as usize) {
+        Some(variable) if bases.contains(variable.base()) => Ok(variable),
+        found => Err(no_such(reference, bases, found)),
+    }
+}
+
+#[cold]
+fn no_such(reference: u32, bases: Bases, found: Option<&Variable>) -> Problem {
+    let found = match found {
+        Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
+        None => format!("allowed is 0 to {}", VARIABLES.len() - 1),
+    };
+    Problem::Reference { reference, wanted: bases.name, found }
+}
+
+impl Instance {
+    /// Hands the value of variable `i` to `write`.
+    ///
+    /// # Errors
+    /// Before anything is written: a reference that is not of these types, or, in initialization, a start that is not
+    /// possible.
+    #[inline]
+    pub fn get(&mut self, bases: Bases, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
+        let initialized = !matches!(self.engine, Engine::None);
+        let mut needs = 0;
+        for &reference in references {
+            match READERS.get(reference as usize) {
+                Some(reader) if bases.contains(reader.base) => needs |= reader.needs,
+                _ => return Err(no_such(reference, bases, VARIABLES.get(reference as usize))),
+            }
+        }
+        let moves = needs & Reader::MOTION != 0 || initialized && needs & Reader::START != 0;
+        if moves && self.values_stale {
+            self.refresh_values()?;
+        }
+        if needs & Reader::DERIVED != 0 && self.derived_stale {
+            self.refresh_derived();
+        }
+        for (i, &reference) in references.iter().enumerate() {
+            let value = match READERS[reference as usize].get {
+                Get::Output(get) => get(&self.values),
+                Get::Start(_, now) if initialized => now(&self.values),
+                Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
+                Get::Derived(get) => get(&self.derived),
+            };
+            write(i, value);
+        }
+        Ok(())
+    }
+
+    /// Takes the value of variable `i` from `read`. All are checked before the first is set.
+    ///
+    /// # Errors
+    /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has changed then.
+    #[inline]
+    pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
+        let when = self.when();
+        let closed = matches!(self.engine, Engine::Closed(_));
+        for (i, &reference) in references.iter().enumerate() {
+            let value = read(i);
+            let plain = |writer: &Writer| writer.takes(bases, when, value) && !(closed && writer.input);
+            if !WRITERS.get(reference as usize).is_some_and(plain) {
+                self.check_set(reference, bases, value)?;
+            }
+        }
+        // A host's solver sees a set at once, not with the next step.
+        let before =
+            (self.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
+        for (i, &reference) in references.iter().enumerate() {
+            self.assign(&WRITERS[reference as usize], read(i));
+        }
+        if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
+        {
+            if self.parameters_set
+                && let Err(error) = continuous.set_parameters(&self.settings.parameters)
+            {
+                (self.settings, self.parameters_set) = (settings, parameters_set);
+                return Err(error.into());
+            }
+            self.parameters_set = false;
+            continuous.set_forces(self.settings.loads.derivatives.map(|load| load[0]));
+            self.values_stale = true;
+        }
+        Ok(())
+    }
+
+    /// A closer look at one set.
+    #[cold]
+    fn check_set(&self, reference: u32, bases: Bases, value: f64) -> Outcome {
+        let variable = look_up(reference, bases)?;
+        self.check_settable(reference, variable)?;
+        if !variable.accepts(value) {
+            return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed() });
+        }
+        self.check_load(variable, value)
+    }
+
+    /// A closed form is a motion without loads.
+    fn check_load(&self, variable: &Variable, value: f64) -> Outcome {
+        if variable.causality == Causality::Input && value != 0.0 && matches!(self.engine, Engine::Closed(_))
+        {
+            return Err(Problem::Value { name: variable.name, value, allowed: NO_LOADS });
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn assign(&mut self, variable: &Writer, value: f64) {
+        let set = match (&mut self.engine, variable.set) {
+            (Engine::Continuous(continuous), Set::Start(set)) => {
+                // A continuous state, set one by one.
+                let mut settings = Settings { start: continuous.state(), ..self.settings };
+                set(&mut settings, value);
+                continuous.set_state(settings.start);
+                return;
+            }
+            (_, Set::Setting(set) | Set::Start(set)) => set,
+            (_, Set::Never) => return,
+        };
+        let settings = &mut self.settings;
+        if variable.input {
+            let slopes = (self.slopes_set != [false; 3]).then_some(settings.loads.derivatives);
+            set(settings, value);
+            // Derivatives set for this communication point hold whichever of the two calls comes first.
+            if let Some(slopes) = slopes {
+                for body in (0..3).filter(|body| self.slopes_set[*body]) {
+                    settings.loads.derivatives[body][1..].copy_from_slice(&slopes[body][1..]);
+                }
+            }
+            self.loads_set = true;
+        } else {
+            set(settings, value);
+            self.parameters_set = true;
+            self.derived_stale = true;
+        }
+        if matches!(self.engine, Engine::None) {
+            self.values_stale = true;
+        }
+    }
+
+    /// The present phase's bit of [`Writer`].
+    fn when(&self) -> u8 {
+        match self.phase {
+            Phase::Instantiated | Phase::Initialization => Writer::INITIAL,
+            Phase::Continuous => Writer::CONTINUOUS,
+            _ => Writer::EVENT,
+        }
+    }
+
+    fn check_settable(&self, reference: u32, variable: &Variable) -> Outcome {
+        let when = self.when();
+        if WRITERS[reference as usize].settable(when) {
+            return Ok(());
+        }
+        let allowed = match when {
+            Writer::INITIAL => "parameters, start values and inputs",
+            Writer::CONTINUOUS => "inputs and continuous states",
+            _ => "inputs and tunable parameters",
+        };
+        Err(Problem::NotSettable { name: variable.name, phase: self.phase.words(), allowed })
+    }
+
+    /// Time derivatives of inputs, orders 1 to 3, at the coming step's start.
+    ///
+    /// # Errors
+    /// A reference that is no input, an order outside 1…3, a value that is not finite; nothing has changed then.
+    pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let variable = look_up(reference, Bases::REAL)?;
+            if variable.body.is_none() {
+                return Err(Problem::NoDerivative { name: variable.name, allowed: "those of inputs" });
+            }
+            check_order(order, INPUT_ORDER, "1, 2 or 3")?;
+            if !value.is_finite() {
+                return Err(Problem::Value { name: variable.name, value, allowed: "a finite derivative" });
+            }
+            self.check_load(variable, value)?;
+        }
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            if let Some(body) = VARIABLES[reference as usize].body {
+                let load = &mut self.settings.loads.derivatives[body];
+                if !self.slopes_set[body] {
+                    self.slopes_set[body] = true;
+                    load[1..].fill(0.0);
+                }
+                load[order as usize] = value;
+                self.loads_set = true;
+            }
+        }
+        if matches!(self.engine, Engine::None) {
+            self.values_stale = true;
+        }
+        Ok(())
+    }
+
+    /// Time derivatives of outputs, orders 1 to 3, at the present time: exact for those that the table gives a
+    /// [`Path`]; others are refused.
+    ///
+    /// # Errors
+    /// A reference that is no output of the motion, an order outside 1…3; nothing is written then.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        for (&reference, &order) in references.iter().zip(orders) {
+            let variable = look_up(reference, Bases::REAL)?;
+            if variable.path.is_none() {
+                return Err(Problem::NoDerivative {
+                    name: variable.name,
+                    allowed: "those of displacements, velocities, accelerations, stop.s, stop.v and coupling.f",
+                });
+            }
+            check_order(order, OUTPUT_ORDER, "1, 2 or 3")?;
+        }
+        let derivatives = self.path_derivatives()?;
+        let parameters = self.motion_parameters();
+        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
+            if let Some(path) = VARIABLES[reference as usize].path {
+                write(i, path.derivative(&derivatives, &parameters, order as usize));
+            }
+        }
+        Ok(())
+    }
+
+    fn path_derivatives(&mut self) -> Outcome<[[f64; 6]; 3]> {
+        match &self.engine {
+            Engine::Simulation(simulator) => Ok(simulator.derivatives()),
+            Engine::Closed(form) => Ok(form.derivatives()),
+            Engine::None | Engine::Continuous(_) => {
+                Err(Problem::Sequence { what: "the instance is not initialized" })
+            }
+        }
+    }
+
+    /// The parameters the motion at the present time was made with.
+    pub(super) fn motion_parameters(&self) -> Parameters {
+        match &self.engine {
+            Engine::Simulation(simulator) => *simulator.parameters(),
+            Engine::Closed(form) => *form.parameters(),
+            Engine::Continuous(continuous) => *continuous.parameters(),
+            Engine::None => self.settings.parameters,
+        }
+    }
+}
+
+fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
+    if (1..=highest).contains(&order) {
+        return Ok(());
+    }
+    Err(Problem::Value { name: "order", value: f64::from(order), allowed })
+}
+
+impl Path {
+    fn derivative(self, d: &[[f64; 6]; 3], parameters: &Parameters, order: usize) -> f64 {
+        match self {
+            Self::Body { body, order: base } => d[body][base + order],
+            Self::Gap { order: base } => d[1][base + order] - d[0][base + order],
+            Self::Coupling => coupling_force(parameters, &[d[0][order], d[1][order], d[2][order]]),
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Directional derivatives.
+
+use super::access::look_up;
+use super::initial::forces;
+use super::{Engine, Instance, Outcome, Problem};
+use crate::component::continuous::Continuous;
+use crate::component::settings::{Derived, Settings, SolutionMode};
+use crate::component::steady;
+use crate::component::values::{OutputValues, Varied};
+use crate::component::variables::{Access, Bases, Causality, Initial, Variable};
+use crate::component::variation::variation;
+use vibro_impact::model::Model;
+use vibro_impact::simulator::{self, Contact};
+
+/// Step of the differences in initialization, relative to the known value: the fourth-order formula leaves about its
+/// fourth power of truncation and 1e-16 over it of rounding.
+const STEP: f64 = 1e-3;
+
+/// Values at the perturbed starts.
+type Sample = (OutputValues, Derived);
+
+impl Instance {
+    /// The derivative of unknowns along `seed` in the space of knowns. Once there is a motion: of Real outputs and state
+    /// derivatives with respect to inputs and continuous states, exactly. Before: of calculated outputs and parameters with
+    /// respect to inputs and Reals whose initial value is exact, by differences of fourth order.
+    ///
+    /// # Errors
+    /// A reference that is no unknown or known here, a seed that is not finite; nothing is written then.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        let initial = matches!(self.engine, Engine::None);
+        for &reference in unknowns {
+            let variable = look_up(reference, Bases::REAL)?;
+            let derived = initial && variable.causality == Causality::CalculatedParameter;
+            if !(variable.causality == Causality::Output || derived) {
+                return Err(no(variable, "outputs as unknowns"));
+            }
+        }
+        for (&reference, &value) in knowns.iter().zip(seed) {
+            let variable = look_up(reference, Bases::REAL)?;
+            let start = matches!(variable.access, Access::Start { .. });
+            let exact = initial && variable.initial == Some(Initial::Exact);
+            if !(variable.causality == Causality::Input || start || exact) {
+                return Err(no(variable, "inputs and continuous states as knowns"));
+            }
+            if !value.is_finite() {
+                return Err(Problem::Value { name: variable.name, value, allowed: "a finite seed" });
+            }
+        }
+        if initial {
+            let samples = self.differences(knowns, seed)?;
+            for (i, &reference) in unknowns.iter().enumerate() {
+                write(i, difference(look_up(reference, Bases::REAL)?, &samples));
+            }
+        } else {
+            let values = self.varied(knowns, seed)?;
+            for (i, &reference) in unknowns.iter().enumerate() {
+                write(i, rate(look_up(reference, Bases::REAL)?, &values));
+            }
+        }
+        Ok(())
+    }
+
+    /// What the outputs read at the present point, and how it varies along the seed.
+    fn varied(&self, knowns: &[u32], seed: &[f64]) -> Outcome<OutputValues<Varied>> {
+        // Settings serve as the vector of states and loads.
+        let mut direction = Settings { start: simulator::State::default(), ..Settings::default() };
+        for (&reference, &value) in knowns.iter().zip(seed) {
+            let variable = look_up(reference, Bases::REAL)?;
+            add(&mut direction, variable, value);
+        }
+        let (dx, df) = (&direction.start, forces(&direction));
+        let rates = match &self.engine {
+            Engine::Simulation(simulator) => {
+                let model = Model::new(simulator.parameters())?;
+                variation(&model, simulator.parameters(), simulator.contact(), &simulator.state(), dx, df)
+            }
+            Engine::Continuous(continuous) => continuous.variation(dx, df),
+            // A closed form follows time alone.
+            Engine::Closed(_) | Engine::None => OutputValues::default(),
+        };
+        Ok(self.present_values()?.varied(&rates))
+    }
+
+    /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends.
+    fn differences(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
+        const FORMULAS: [&[(f64, f64)]; 3] = [
+            &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)],
+            &[(0.0, -25.0 / 12.0), (1.0, 4.0), (2.0, -3.0), (3.0, 4.0 / 3.0), (4.0, -0.25)],
+            &[(0.0, 25.0 / 12.0), (-1.0, -4.0), (-2.0, 3.0), (-3.0, -4.0 / 3.0), (-4.0, 0.25)],
+        ];
+        let contact = match self.settings.mode {
+            SolutionMode::EventDriven => self.initial_simulator(&self.settings)?.0.contact(),
+            _ => Contact::Flight,
+        };
+        let mut step = f64::INFINITY;
+        for (&reference, &value) in knowns.iter().zip(seed).filter(|(_, value)| **value != 0.0) {
+            let variable = look_up(reference, Bases::REAL)?;
+            let size = read(&self.settings, variable).abs();
+            step = step.min(STEP * if size > 0.0 { size } else { 1.0 } / value.abs());
+        }
+        if step == f64::INFINITY {
+            return Ok(Vec::new());
+        }
+        let mut outcome = Ok(Vec::new());
+        for formula in FORMULAS {
+            outcome = formula
+                .iter()
+                .map(|&(place, weight)| {
+                    let mut settings = self.settings;
+                    for (&reference, &value) in knowns.iter().zip(seed) {
+                        add(&mut settings, look_up(reference, Bases::REAL)?, place * step * value);
+                    }
+                    settings.parameters.validate()?;
+                    Ok((weight / step, self.sample(&settings, contact)?))
+                })
+                .collect();
+            if outcome.is_ok() {
+                break;
+            }
+        }
+        outcome
+    }
+
+    fn sample(&self, settings: &Settings, contact: Contact) -> Outcome<Sample> {
+        let values = if settings.mode == SolutionMode::EventDriven && !settings.start_on_orbit {
+            // The contact is held: a start at a stop must not change sides.
+            let (p, time) = (&settings.parameters, self.start_time());
+            Continuous::frozen(p, settings.start, time, contact, forces(settings))?.values()
+        } else {
+            self.initial_values(settings)?
+        };
+        Ok((values, steady::derived(&settings.parameters)))
+    }
+}
+
+fn no(variable: &Variable, allowed: &'static str) -> Problem {
+    Problem::NoDerivative { name: variable.name, allowed }
+}
+
+fn read(settings: &Settings, variable: &Variable) -> f64 {
+    match variable.access {
+        Access::Setting { get, .. } | Access::Start { get, .. } => get(settings),
+        Access::Output(_) | Access::Derived(_) => 0.0,
+    }
+}
+
+fn add(settings: &mut Settings, variable: &Variable, value: f64) {
+    if let Access::Setting { get, set } | Access::Start { get, set, .. } = variable.access {
+        let sum = get(settings) + value;
+        set(settings, sum);
+    }
+}
+
+/// The derivative of a variable from what varies; what changes at events only, and what is set, does not.
+fn rate(variable: &Variable, values: &OutputValues<Varied>) -> f64 {
+    match variable.access {
+        Access::Output(reading) | Access::Start { now: reading, .. } => {
+            reading.varied.map_or(0.0, |varied| varied(values).rate)
+        }
+        Access::Setting { .. } | Access::Derived(_) => 0.0,
+    }
+}
+
+/// The derivative of a variable from weighted samples.
+fn difference(variable: &Variable, samples: &[(f64, Sample)]) -> f64 {
+    let values = samples.iter().map(|(weight, (values, derived))| {
+        weight
+            * match variable.access {
+                Access::Output(reading) | Access::Start { now: reading, .. } => (reading.value)(values),
+                Access::Derived(get) => get(derived),
+                Access::Setting { .. } => 0.0,
+            }
+    });
+    values.sum()
+}

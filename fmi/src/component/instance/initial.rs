@@ -1,0 +1,85 @@
+//! What an instance starts from.
+
+use super::access::NO_LOADS;
+use super::{Engine, Instance, Interface, Outcome, Problem};
+use crate::component::closed_form::ClosedForm;
+use crate::component::continuous::Continuous;
+use crate::component::settings::{Settings, SolutionMode};
+use crate::component::structure::input_of;
+use crate::component::values::OutputValues;
+use vibro_impact::simulator::{Simulator, State};
+
+impl Instance {
+    /// Start time.
+    pub(super) fn start_time(&self) -> f64 {
+        self.experiment.unwrap_or_default().start
+    }
+
+    /// What will move, with what speaks against a steady state that is played or started on.
+    ///
+    /// # Errors
+    /// When start values, parameters or mode are not possible.
+    pub(super) fn initial_engine(&self) -> Outcome<(Engine, Option<String>)> {
+        let settings = &self.settings;
+        if settings.mode == SolutionMode::EventDriven {
+            let (simulator, objections) = self.initial_simulator(settings)?;
+            let engine = match self.interface {
+                Interface::CoSimulation => Engine::Simulation(Box::new(simulator)),
+                Interface::ModelExchange => {
+                    Engine::Continuous(Box::new(Continuous::start(&simulator, forces(settings))?))
+                }
+            };
+            return Ok((engine, objections));
+        }
+        if self.interface == Interface::ModelExchange {
+            return Err(Problem::Value {
+                name: "mode",
+                value: f64::from(settings.mode.number()),
+                allowed: "1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate",
+            });
+        }
+        let form = self.initial_form(settings)?;
+        let objections = form.solution().objections();
+        Ok((Engine::Closed(Box::new(form)), objections))
+    }
+
+    /// What the outputs read at the start.
+    pub(super) fn initial_values(&self, settings: &Settings) -> Outcome<OutputValues> {
+        match settings.mode {
+            SolutionMode::EventDriven => Ok(OutputValues::of(&self.initial_simulator(settings)?.0)),
+            _ => Ok(self.initial_form(settings)?.values()),
+        }
+    }
+
+    /// A simulator at the start, with the loads that act there.
+    pub(super) fn initial_simulator(&self, settings: &Settings) -> Outcome<(Simulator, Option<String>)> {
+        let (start, objections) = self.initial_state(settings)?;
+        let mut simulator = Simulator::new(&settings.parameters, &start, self.start_time())?;
+        simulator.set_loads(&settings.loads)?;
+        Ok((simulator, objections))
+    }
+
+    /// The start values, or the exact orbit at the drive's initial phase.
+    fn initial_state(&self, settings: &Settings) -> Outcome<(State, Option<String>)> {
+        if !settings.start_on_orbit {
+            return Ok((settings.start, None));
+        }
+        let form = ClosedForm::new(SolutionMode::ExactOrbit, &settings.parameters, self.start_time())?;
+        Ok((form.values().state(), form.solution().objections()))
+    }
+
+    fn initial_form(&self, settings: &Settings) -> Outcome<ClosedForm> {
+        for (body, load) in settings.loads.derivatives.iter().enumerate() {
+            if let Some(&value) = load.iter().find(|value| **value != 0.0) {
+                let name = input_of(body).map_or("a load", |input| input.name);
+                return Err(Problem::Value { name, value, allowed: NO_LOADS });
+            }
+        }
+        ClosedForm::new(settings.mode, &settings.parameters, self.start_time())
+    }
+}
+
+/// The loads now.
+pub(super) fn forces(settings: &Settings) -> [f64; 3] {
+    settings.loads.derivatives.map(|load| load[0])
+}

@@ -1,0 +1,172 @@
+//! Stepping from one communication point to the next.
+
+use super::{Engine, Instance, Outcome, Phase, Problem};
+use crate::component::log::{Category, Log};
+use vibro_impact::error::Error;
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Event, EventObserver, Loads, Simulator, Stop, StopReason};
+
+/// How far a master's time may be off ours, relative to max(1, |t|): masters add step sizes up and drift by about 1e-14 a
+/// step, which stays below this for 1e5 steps; anything larger is a mistake.
+const TIME_TOLERANCE: f64 = 1e-9;
+
+/// How a step ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepOutcome {
+    /// The time reached, s.
+    pub time: f64,
+    /// Why it ended there.
+    pub reason: StepReason,
+}
+
+/// Why a step ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepReason {
+    /// It reached its end.
+    EndReached,
+    /// It stands at its first impact, whose law has been applied, before its end (`stopAtImpact`).
+    Impact,
+}
+
+impl Instance {
+    /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off by rounding. Where the
+    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`].
+    ///
+    /// # Errors
+    /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
+    pub fn step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome<StepOutcome> {
+        if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
+            return Err(Problem::Sequence { what: "the instance is not initialized" });
+        }
+        check_step(point, size, self.time())?;
+        let end = point + size;
+        if let Some(stop) = self.experiment.and_then(|experiment| experiment.stop)
+            && end > stop + TIME_TOLERANCE * stop.abs().max(1.0)
+        {
+            return Err(Problem::StopTime { end, stop });
+        }
+        let wanted = log.wants(Category::Events);
+        let mut report = |event: &Event| log.log(Category::Events, &describe(event));
+        let report: EventObserver = if wanted { Some(&mut report) } else { None };
+        let reason = match &mut self.engine {
+            Engine::Simulation(simulator) => {
+                let parameters = self.parameters_set.then_some(&self.settings.parameters);
+                let loads = self.loads_set.then_some(&self.settings.loads);
+                simulate(simulator, parameters, loads, (point, size), self.settings.stop_at_impact, report)?
+            }
+            Engine::Closed(form) => {
+                if self.parameters_set {
+                    form.set_parameters(&self.settings.parameters)?;
+                }
+                form.advance(point, size, self.settings.stop_at_impact, report)?
+            }
+            Engine::None | Engine::Continuous(_) => StopReason::End,
+        };
+        Ok(self.finish_step(reason, end))
+    }
+
+    /// What a step leaves behind: nothing pending, and the loads as they have become.
+    fn finish_step(&mut self, reason: StopReason, end: f64) -> StepOutcome {
+        (self.parameters_set, self.loads_set) = (false, false);
+        self.slopes_set = [false; 3];
+        self.values_stale = true;
+        if let Engine::Simulation(simulator) = &self.engine {
+            let slopes = self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]);
+            if slopes.into_iter().any(|slope| *slope != 0.0) {
+                self.settings.loads = simulator.loads();
+            }
+        }
+        let time = self.time();
+        let early = reason == StopReason::Impact && time < end;
+        if early {
+            self.phase = Phase::StoppedEarly;
+        }
+        StepOutcome { time, reason: if early { StepReason::Impact } else { StepReason::EndReached } }
+    }
+}
+
+/// One step of the simulator, all or nothing.
+fn simulate(
+    simulator: &mut Simulator,
+    parameters: Option<&Parameters>,
+    loads: Option<&Loads>,
+    (point, size): (f64, f64),
+    stop_at_impact: bool,
+    mut report: EventObserver<'_, '_>,
+) -> Outcome<StopReason> {
+    let before = simulator.snapshot();
+    let end = DoubleDouble::sum(point, size);
+    let stop = if stop_at_impact { Stop::AfterImpact } else { Stop::Never };
+    let mut advance = || {
+        if let Some(parameters) = parameters {
+            simulator.set_parameters(parameters)?;
+        }
+        if let Some(loads) = loads {
+            simulator.set_loads(loads)?;
+        }
+        match simulator.advance_until(end, stop, report.as_deref_mut()) {
+            // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
+            Err(Error::Step { .. }) => Ok(StopReason::End),
+            Ok(StopReason::End) if stop_at_impact => {
+                impact_at(simulator, point + size, report.as_deref_mut())?;
+                Ok(StopReason::End)
+            }
+            // At the end but for rounding.
+            Ok(StopReason::Impact) if point + size - simulator.time() <= rounding(point + size) => {
+                simulator.advance_until(end, Stop::Never, report.as_deref_mut())
+            }
+            reason => reason,
+        }
+    };
+    advance().map_err(|error| {
+        // Cannot fail: it is this simulator's own.
+        let _ = simulator.restore(&before);
+        error.into()
+    })
+}
+
+/// How far off a step's end an impact still is at its end, s: a master's sum of time and step size may be off by this.
+fn rounding(end: f64) -> f64 {
+    const UNITS: f64 = 4.0; // of the last place
+    UNITS * f64::EPSILON * end.abs()
+}
+
+/// Takes an impact that lies past a step's end by rounding alone. A master that comes to the time of an impact it was
+/// told must have it behind itself: else its next step would end where it began, and it could not get on.
+fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>) -> Result<(), Error> {
+    let before = simulator.snapshot();
+    match simulator.advance_until(DoubleDouble::sum(end, rounding(end)), Stop::AfterImpact, report)? {
+        StopReason::Impact => Ok(()),
+        StopReason::End | StopReason::EventDue => simulator.restore(&before),
+    }
+}
+
+fn check_step(point: f64, size: f64, own: f64) -> Outcome {
+    let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
+    if !point.is_finite() {
+        return refuse("currentCommunicationPoint", point, "a finite number");
+    }
+    if !(size > 0.0 && size.is_finite()) {
+        return refuse("communicationStepSize", size, "a finite number > 0");
+    }
+    if (point - own).abs() > TIME_TOLERANCE * point.abs().max(1.0) {
+        return Err(Problem::Time { given: point, own });
+    }
+    Ok(())
+}
+
+/// An event in words.
+pub(super) fn describe(event: &Event) -> String {
+    let stop = |side: i8| if side > 0 { "upper" } else { "lower" };
+    match *event {
+        Event::Impact { time, side, speed, impulse } => format!(
+            "impact on the {} stop at t = {time} s: approach speed {speed} m/s, impulse {impulse} N.s",
+            stop(side)
+        ),
+        Event::Rest { time, side } => {
+            format!("the block comes to rest on the {} stop at t = {time} s", stop(side))
+        }
+        Event::Release { time, side } => format!("the block leaves the {} stop at t = {time} s", stop(side)),
+    }
+}

@@ -1,0 +1,178 @@
+//! Directional derivatives against differences.
+
+use super::*;
+
+const KNOWNS: [&str; 9] =
+    ["box.f", "block.f", "secondary.f", "box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
+const SEED: [f64; 9] = [0.7, -0.3, 0.2, 0.5, -0.4, 0.9, -0.8, 0.6, 0.1];
+
+fn references(names: &[&str]) -> Vec<u32> {
+    names.iter().map(|name| find(name).unwrap().0).collect()
+}
+
+/// Names of all Real outputs.
+fn outputs() -> Vec<&'static str> {
+    let real = VARIABLES.iter().filter(|v| v.causality == Causality::Output && v.base() == Base::Real);
+    real.map(|v| v.name).collect()
+}
+
+fn derivative(fmu: &mut Instance, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
+    let mut values = vec![f64::NAN; unknowns.len()];
+    let (u, k) = (references(unknowns), references(knowns));
+    fmu.directional_derivative(&u, &k, seed, |i, value| values[i] = value).unwrap();
+    values
+}
+
+fn exchange(prepare: impl Fn(&mut Instance)) -> Instance {
+    let mut fmu = Instance::new(Interface::ModelExchange);
+    prepare(&mut fmu);
+    let mut fmu = initialize(fmu);
+    fmu.handle_events(&mut Messages::default()).unwrap();
+    fmu.enter_continuous();
+    fmu
+}
+
+/// All outputs of a Model Exchange instance at perturbed states and loads.
+fn sampled(fmu: &mut Instance, step: f64) -> Vec<f64> {
+    let saved = fmu.save();
+    for (name, seed) in KNOWNS.iter().zip(SEED) {
+        let value = get(fmu, name);
+        set(fmu, name, value + step * seed).unwrap();
+    }
+    let values = outputs().iter().map(|name| get(fmu, name)).collect();
+    fmu.restore(&saved).unwrap();
+    values
+}
+
+fn against_differences(fmu: &mut Instance) {
+    let names = outputs();
+    let exact = derivative(fmu, &names, &KNOWNS, &SEED);
+    // The outputs are polynomials of degree 2 in states and loads, the quadrature of the damped energy too: no truncation.
+    let (plus, minus) = (sampled(fmu, 0.125), sampled(fmu, -0.125));
+    for (i, name) in names.iter().enumerate() {
+        let difference = (plus[i] - minus[i]) / 0.25;
+        assert!((exact[i] - difference).abs() < 1e-12, "{name}: {} {difference}", exact[i]);
+    }
+}
+
+#[test]
+fn model_exchange_in_flight_and_in_rest() {
+    let mut flight = exchange(|fmu| {
+        set(fmu, "block.s", 0.3).unwrap();
+        set(fmu, "box.v", 0.4).unwrap();
+    });
+    against_differences(&mut flight);
+    flight.set_time(0.3).unwrap(); // an open interval of the damped energy
+    against_differences(&mut flight);
+    let mut rest = exchange(|fmu| {
+        set(fmu, "block.s", 1.0).unwrap();
+        set(fmu, "block.f", 0.2).unwrap();
+    });
+    assert_eq!(get(&mut rest, "stop.state"), 2.0);
+    // λ is clipped at zero outside: stay where it presses.
+    set(&mut rest, "block.f", 2.0).unwrap();
+    against_differences(&mut rest);
+}
+
+#[test]
+fn co_simulation_agrees_with_model_exchange() {
+    let prepare = |fmu: &mut Instance| {
+        set(fmu, "block.s", 0.3).unwrap();
+        set(fmu, "box.v", 0.4).unwrap();
+    };
+    let mut host = exchange(prepare);
+    let mut fmu = instance();
+    prepare(&mut fmu);
+    let mut fmu = initialize(fmu);
+    let names: Vec<_> = outputs().into_iter().filter(|n| !n.starts_with("energy.")).collect();
+    let a = derivative(&mut fmu, &names, &KNOWNS, &SEED);
+    assert_eq!(a, derivative(&mut host, &names, &KNOWNS, &SEED));
+    let b = derivative(&mut fmu, &["energy.mechanical", "energy.damped"], &KNOWNS, &SEED);
+    assert!((b[0] - derivative(&mut host, &["energy.mechanical"], &KNOWNS, &SEED)[0]).abs() < 1e-15);
+    assert_eq!(b[1], 0.0); // what has been summed up does not vary
+}
+
+#[test]
+fn initialization_mode_by_parameters_and_start_values() {
+    let mut fmu = instance();
+    set(&mut fmu, "block.s", 0.3).unwrap();
+    set(&mut fmu, "secondary.s", -0.2).unwrap();
+    set(&mut fmu, "box.v", 0.4).unwrap();
+    fmu.set_experiment(None, 2.0, None).unwrap();
+    fmu.enter_initialization();
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-10, "{a} {b}");
+    // box.a = (F10 sin(ω t + φ) - c1 v1 - k1 x1)/m1
+    let d = |fmu: &mut Instance, known| derivative(fmu, &["box.a"], &[known], &[1.0])[0];
+    let a = get(&mut fmu, "box.a");
+    let cos = 0.15 * (1.04_f64 * 2.0).cos();
+    near(d(&mut fmu, "box.c"), -0.4);
+    near(d(&mut fmu, "box.m"), -a);
+    near(d(&mut fmu, "drive.phase"), cos);
+    near(d(&mut fmu, "drive.frequency"), 2.0 * cos);
+    near(d(&mut fmu, "box.s"), -1.0);
+    near(d(&mut fmu, "box.f"), 1.0);
+    near(d(&mut fmu, "box.k"), 0.0);
+    near(derivative(&mut fmu, &["coupling.f"], &["coupling.k"], &[2.0])[0], 1.0);
+    near(derivative(&mut fmu, &["groups.epsilon"], &["block.m"], &[1.0])[0], 1.0);
+    // At the end of a range: one-sided.
+    set(&mut fmu, "secondary.c", 0.0).unwrap();
+    near(derivative(&mut fmu, &["groups.gamma3"], &["secondary.c"], &[1.0])[0], 100.0);
+    set(&mut fmu, "stop.restitution", 1.0).unwrap();
+    near(derivative(&mut fmu, &["groups.kappa"], &["stop.restitution"], &[1.0])[0], 1.0);
+    assert_eq!(derivative(&mut fmu, &["box.a"], &["box.m"], &[0.0]), [0.0]);
+    assert_eq!(derivative(&mut fmu, &["box.a"], &[], &[]), [0.0]);
+}
+
+#[test]
+fn wrong_unknowns_and_knowns_are_refused() {
+    let mut fmu = initialized();
+    for (unknown, known, seed) in [
+        ("box.k", "box.f", 1.0),
+        ("groups.kappa", "box.f", 1.0),
+        ("box.a", "box.k", 1.0),
+        ("box.a", "time", 1.0),
+        ("box.a", "box.a", 1.0),
+        ("box.a", "box.f", f64::NAN),
+    ] {
+        let (u, k) = (references(&[unknown]), references(&[known]));
+        assert!(fmu.directional_derivative(&u, &k, &[seed], |_, _| panic!()).is_err(), "{unknown} {known}");
+    }
+}
+
+/// `ModelStructure/Outputs` lists a known where, and only where, an output's derivative with respect to it is not zero.
+#[test]
+fn dependencies_are_those_of_the_derivatives() {
+    let mut flight = exchange(|fmu| {
+        for (name, value) in
+            [("box.s", 0.1), ("block.s", 0.3), ("box.v", 0.4), ("block.v", -0.2), ("secondary.s", 0.1)]
+        {
+            set(fmu, name, value).unwrap();
+        }
+        set(fmu, "secondary.v", 0.5).unwrap();
+        set(fmu, "secondary.f", 0.1).unwrap();
+    });
+    flight.set_time(0.3).unwrap(); // an open interval of the energies
+    let mut rest = exchange(|fmu| {
+        // Moving, so that a factor of velocity shows.
+        for (name, value) in [("block.s", 1.0), ("block.f", 2.0), ("box.v", 0.1), ("block.v", 0.1)] {
+            set(fmu, name, value).unwrap();
+        }
+    });
+    assert_eq!(get(&mut rest, "stop.state"), 2.0);
+    let names = outputs();
+    let listed = structure::outputs();
+    for known in KNOWNS {
+        let mut seen = vec![false; names.len()];
+        for fmu in [&mut flight, &mut rest] {
+            let column = derivative(fmu, &names, &[known], &[1.0]);
+            seen.iter_mut().zip(column).for_each(|(seen, value)| *seen |= value != 0.0);
+        }
+        let known_reference = reference(known);
+        for (name, seen) in names.iter().zip(seen) {
+            let unknown = listed.iter().find(|u| u.reference == reference(name)).unwrap();
+            let dependencies = unknown.dependencies.as_ref().unwrap();
+            let says = dependencies.iter().any(|(i, _)| *i == known_reference);
+            assert_eq!(says, seen, "{name} by {known}");
+        }
+    }
+}

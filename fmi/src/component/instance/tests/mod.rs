@@ -1,0 +1,93 @@
+//! The component as a door would use it.
+
+use super::*;
+use crate::component::structure;
+use crate::component::variables::{Base, Bases, COUNT, Causality, VARIABLES, Variability, find, reference};
+
+mod closed;
+mod derivative;
+mod exchange;
+mod memory;
+mod step;
+mod values;
+
+/// Every type.
+const ANY: Bases = Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration]);
+
+/// Keeps what is logged.
+#[derive(Default)]
+struct Messages(Vec<(Category, String)>);
+
+impl Log for Messages {
+    fn wants(&self, _: Category) -> bool {
+        true
+    }
+    fn log(&mut self, category: Category, message: &str) {
+        self.0.push((category, message.to_owned()));
+    }
+}
+
+/// Wants nothing.
+struct Silence;
+
+impl Log for Silence {
+    fn wants(&self, _: Category) -> bool {
+        false
+    }
+    fn log(&mut self, category: Category, message: &str) {
+        panic!("not wanted: {category:?} {message}");
+    }
+}
+
+fn instance() -> Instance {
+    Instance::new(Interface::CoSimulation)
+}
+
+fn initialized() -> Instance {
+    initialize(instance())
+}
+
+fn initialize(mut instance: Instance) -> Instance {
+    instance.set_experiment(None, 0.0, None).unwrap();
+    instance.enter_initialization();
+    instance.exit_initialization(&mut Messages::default()).unwrap();
+    instance
+}
+
+fn get(instance: &mut Instance, name: &str) -> f64 {
+    let mut value = f64::NAN;
+    instance.get(ANY, &[reference(name)], |_, v| value = v).unwrap();
+    value
+}
+
+fn set(instance: &mut Instance, name: &str, value: f64) -> Outcome {
+    instance.set(ANY, &[reference(name)], |_| value)
+}
+
+fn step(instance: &mut Instance, point: f64, size: f64) -> Outcome<StepOutcome> {
+    instance.step(point, size, &mut Messages::default())
+}
+
+/// Outputs that show where a run is.
+const MOTION: [&str; 12] = [
+    "time",
+    "box.s",
+    "box.v",
+    "box.a",
+    "block.s",
+    "block.v",
+    "secondary.s",
+    "stop.s",
+    "impacts.upper",
+    "impacts.lower",
+    "energy.input",
+    "energy.impact",
+];
+
+fn motion(instance: &mut Instance) -> Vec<u64> {
+    MOTION.map(|name| get(instance, name).to_bits()).to_vec()
+}
+
+fn restore_bytes(instance: &mut Instance, bytes: &[u8]) -> Outcome {
+    instance.restore(&SavedState::deserialize(bytes)?)
+}

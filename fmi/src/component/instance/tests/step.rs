@@ -1,0 +1,147 @@
+//! Steps and events.
+
+use super::*;
+
+#[test]
+fn ten_steps_and_one_agree_and_land_on_their_end() {
+    let (mut ten, mut one) = (initialized(), initialized());
+    for i in 0..10 {
+        step(&mut ten, f64::from(i) * 3.0, 3.0).unwrap();
+    }
+    step(&mut one, 0.0, 30.0).unwrap();
+    assert_eq!(get(&mut ten, "time"), 30.0);
+    assert!(get(&mut one, "impacts.upper") > 0.0);
+    for name in MOTION {
+        let (a, b) = (get(&mut ten, name), get(&mut one, name));
+        assert!((a - b).abs() < 1e-11, "{name}: {a} {b}");
+    }
+}
+
+#[test]
+fn time_may_be_off_by_rounding_but_not_by_more() {
+    let mut fmu = initialized();
+    step(&mut fmu, 0.0, 100.0).unwrap();
+    step(&mut fmu, 100.0 + 5e-8, 1.0).unwrap();
+    assert_eq!(get(&mut fmu, "time"), 100.0 + 5e-8 + 1.0);
+    let before = motion(&mut fmu);
+    let error = step(&mut fmu, 101.1, 1.0).unwrap_err().to_string();
+    assert!(error.contains("101.1 s") && error.contains("t = 101.00000005 s"), "{error}");
+    // A step that ends before own time, by less than the allowed mismatch, is a valid one and does nothing.
+    step(&mut fmu, 101.0, 1e-9).unwrap();
+    for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(step(&mut fmu, 101.0, size).is_err(), "{size}");
+    }
+    assert!(step(&mut fmu, f64::NAN, 1.0).is_err());
+    assert_eq!(motion(&mut fmu), before);
+    step(&mut fmu, 101.0, 1e-14).unwrap();
+    step(&mut fmu, 101.0, 1.0).unwrap();
+    assert_eq!(get(&mut fmu, "time"), 102.0);
+}
+
+#[test]
+fn the_smallest_steps_are_steps() {
+    let mut fmu = initialized();
+    for _ in 0..10 {
+        step(&mut fmu, 0.0, 1e-14).unwrap();
+    }
+    step(&mut fmu, 0.0, 1.0).unwrap();
+    for _ in 0..10 {
+        step(&mut fmu, 1.0, 1e-14).unwrap();
+    }
+    assert!((get(&mut fmu, "time") - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_stop_time_is_not_passed() {
+    let mut fmu = instance();
+    fmu.set_experiment(None, 0.0, Some(1.0)).unwrap();
+    fmu.enter_initialization();
+    fmu.exit_initialization(&mut Messages::default()).unwrap();
+    let error = step(&mut fmu, 0.0, 1.5).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "step to t = 1.5 s: allowed is up to the stop time 1 s, which was given before initialization"
+    );
+    step(&mut fmu, 0.0, 1.0 + 1e-12).unwrap();
+}
+
+#[test]
+fn tunable_parameters_act_from_the_next_step_on() {
+    let (mut fmu, mut other) = (initialized(), initialized());
+    step(&mut fmu, 0.0, 5.0).unwrap();
+    step(&mut other, 0.0, 5.0).unwrap();
+    set(&mut fmu, "drive.amplitude", 0.3).unwrap();
+    assert_eq!(get(&mut fmu, "drive.amplitude"), 0.3);
+    assert!((get(&mut fmu, "groups.f10") - 3.0).abs() < 1e-12);
+    assert_eq!(get(&mut fmu, "box.s"), get(&mut other, "box.s"));
+    step(&mut fmu, 5.0, 1.0).unwrap();
+    step(&mut other, 5.0, 1.0).unwrap();
+    assert!((get(&mut fmu, "box.s") - get(&mut other, "box.s")).abs() > 1e-3);
+}
+
+#[test]
+fn events_are_logged_when_asked_for() {
+    let mut fmu = initialized();
+    let mut messages = Messages::default();
+    fmu.step(0.0, 40.0, &mut messages).unwrap();
+    let impacts = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
+    assert!(impacts > 0.0);
+    assert_eq!(messages.0.len() as f64, impacts);
+    assert!(messages.0.iter().all(|(c, _)| *c == Category::Events));
+    assert!(messages.0[0].1.starts_with("impact on the"), "{}", messages.0[0].1);
+    fmu.step(40.0, 40.0, &mut Silence).unwrap();
+}
+
+#[test]
+fn stop_at_impact_ends_the_step_there_and_can_be_redone() {
+    let mut fmu = instance();
+    set(&mut fmu, "stopAtImpact", 1.0).unwrap();
+    let mut fmu = initialize(fmu);
+    let before = fmu.save();
+    let StepOutcome { time, reason } = step(&mut fmu, 0.0, 40.0).unwrap();
+    assert_eq!((reason, fmu.phase(), fmu.time()), (StepReason::Impact, Phase::StoppedEarly, time));
+    assert!(time > 0.0 && time < 40.0);
+    assert_eq!(get(&mut fmu, "impacts.lastTime"), time);
+    // As masters do it: back to the step's start, then a step that ends at the impact.
+    fmu.restore(&before).unwrap();
+    step(&mut fmu, 0.0, time).unwrap();
+    assert_eq!(get(&mut fmu, "time"), time);
+}
+
+/// Against a run that does not stop: the same number of impacts, each step getting on.
+#[test]
+fn a_master_gets_from_impact_to_impact() {
+    const END: f64 = 300.0;
+    let mut plain = initialized();
+    step(&mut plain, 0.0, END).unwrap();
+    let mut fmu = instance();
+    set(&mut fmu, "stopAtImpact", 1.0).unwrap();
+    let mut fmu = initialize(fmu);
+    let (mut time, mut met) = (0.0, 0);
+    while time < END {
+        let before = fmu.save();
+        let size = f64::min(2.0, END - time);
+        let outcome = step(&mut fmu, time, size).unwrap();
+        match outcome.reason {
+            StepReason::EndReached => time += size,
+            StepReason::Impact => {
+                let impact = outcome.time;
+                assert!(impact > time, "the step from t = {time} s does not get on");
+                fmu.restore(&before).unwrap();
+                // A master's sum may round either way.
+                let off = f64::from(met % 3 - 1) * 2.0 * f64::EPSILON * impact;
+                step(&mut fmu, time, impact - time + off).unwrap();
+                time = impact;
+                met += 1;
+                let counted = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
+                assert_eq!(counted, f64::from(met), "at t = {time} s");
+            }
+        }
+    }
+    assert!(met > 50, "{met}");
+    for name in MOTION {
+        let (a, b) = (get(&mut fmu, name), get(&mut plain, name));
+        // Round-off: each stop splits a step.
+        assert!((a - b).abs() < 1e-10, "{name}: {a} {b}");
+    }
+}

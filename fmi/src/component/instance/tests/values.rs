@@ -1,0 +1,227 @@
+//! Start values, sets, gets, input and output derivatives.
+
+use super::*;
+
+#[test]
+fn start_values_come_back_bit_exactly_in_initialization_mode() {
+    let mut fmu = instance();
+    let value = 0.1 + 0.2;
+    set(&mut fmu, "block.s", value).unwrap();
+    set(&mut fmu, "secondary.v", -0.0).unwrap();
+    fmu.set_experiment(Some(1e-6), 2.5, Some(10.0)).unwrap();
+    fmu.enter_initialization();
+    set(&mut fmu, "box.s", 1e-17).unwrap();
+    assert_eq!(get(&mut fmu, "block.s").to_bits(), value.to_bits());
+    assert_eq!(get(&mut fmu, "secondary.v").to_bits(), (-0.0_f64).to_bits());
+    assert_eq!(get(&mut fmu, "box.s"), 1e-17);
+    assert_eq!(get(&mut fmu, "time"), 2.5);
+    assert_eq!(get(&mut fmu, "stop.s"), value);
+}
+
+#[test]
+fn outputs_in_initialization_mode_follow_what_is_set() {
+    let mut fmu = instance();
+    fmu.set_experiment(None, 0.0, None).unwrap();
+    fmu.enter_initialization();
+    assert_eq!(get(&mut fmu, "box.a"), 0.0);
+    set(&mut fmu, "box.f", 2.0).unwrap();
+    assert_eq!(get(&mut fmu, "box.a"), 2.0);
+    set(&mut fmu, "box.m", 4.0).unwrap();
+    assert_eq!(get(&mut fmu, "box.a"), 0.5);
+    assert!((get(&mut fmu, "groups.epsilon") - 0.025).abs() < 1e-16);
+}
+
+#[test]
+fn a_block_outside_the_box_is_refused_on_leaving_initialization_and_can_be_put_right() {
+    let mut fmu = instance();
+    set(&mut fmu, "block.s", 1.5).unwrap();
+    fmu.set_experiment(None, 0.0, None).unwrap();
+    fmu.enter_initialization();
+    assert_eq!(get(&mut fmu, "block.s"), 1.5);
+    let reference = [reference("block.a")];
+    assert!(fmu.get(Bases::REAL, &reference, |_, _| panic!("nothing must be written")).is_err());
+    let error = fmu.exit_initialization(&mut Messages::default()).unwrap_err();
+    assert!(error.to_string().starts_with("block.s - box.s = 1.5 m: allowed is"), "{error}");
+    assert_eq!(fmu.phase(), Phase::Initialization);
+    set(&mut fmu, "box.s", 1.0).unwrap();
+    fmu.exit_initialization(&mut Messages::default()).unwrap();
+}
+
+#[test]
+fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
+    let mut fmu = instance();
+    let references = [reference("box.k"), reference("stop.restitution")];
+    let values = [7.0, 1.5];
+    let error = fmu.set(Bases::REAL, &references, |i| values[i]).unwrap_err();
+    assert_eq!(error.to_string(), "stop.restitution = 1.5: allowed is 0 <= stop.restitution <= 1");
+    fmu.set_experiment(None, 0.0, None).unwrap();
+    fmu.enter_initialization();
+    assert_eq!(get(&mut fmu, "box.k"), 1.0);
+    for (name, value, text) in [
+        ("box.m", 0.0, "box.m = 0: allowed is a finite number > 0"),
+        ("box.m", f64::NAN, "box.m = NaN: allowed is a finite number > 0"),
+        ("box.f", f64::INFINITY, "box.f = inf: allowed is a finite number"),
+        ("mode", 4.0, "mode = 4: allowed is 1 (EventDriven), 2 (MultipleScales) or 3 (ExactOrbit)"),
+        ("stopAtImpact", 2.0, "stopAtImpact = 2: allowed is 0 (false) or 1 (true)"),
+    ] {
+        assert_eq!(set(&mut fmu, name, value).unwrap_err().to_string(), text);
+    }
+    let (integers, strings) = (Bases::new("Integer", &[Base::Integer]), Bases::new("String", &[]));
+    let beyond = COUNT as u32;
+    for (bases, reference, text) in [
+        (
+            Bases::REAL,
+            beyond,
+            &*format!("value reference {beyond} is no Real variable: allowed is 0 to {}", beyond - 1),
+        ),
+        (integers, reference("mode"), "value reference 14 is no Integer variable: mode is Enumeration"),
+        (strings, 0, "value reference 0 is no String variable: time is Real"),
+    ] {
+        assert_eq!(fmu.set(bases, &[reference], |_| 0.0).unwrap_err().to_string(), text);
+        assert_eq!(fmu.get(bases, &[reference], |_, _| ()).unwrap_err().to_string(), text);
+    }
+    for name in ["time", "box.a", "groups.kappa", "steady.exists"] {
+        assert!(matches!(set(&mut fmu, name, 0.0), Err(Problem::NotSettable { .. })), "{name}");
+    }
+}
+
+#[test]
+fn between_steps_only_inputs_and_tunable_parameters_are_set() {
+    let mut fmu = initialized();
+    for (i, variable) in VARIABLES.iter().enumerate() {
+        let may = variable.causality == Causality::Input
+            || (variable.causality == Causality::Parameter && variable.variability == Variability::Tunable);
+        let start = variable.start().unwrap_or(0.0);
+        let outcome = fmu.set(ANY, &[i as u32], |_| start);
+        assert_eq!(outcome.is_ok(), may, "{} {outcome:?}", variable.name);
+    }
+}
+
+#[test]
+fn experiments_are_checked_and_needed() {
+    let mut fmu = instance();
+    assert!(!fmu.has_experiment());
+    for (tolerance, start, stop) in [
+        (Some(-1.0), 0.0, None),
+        (Some(f64::NAN), 0.0, None),
+        (None, f64::INFINITY, None),
+        (None, 1.0, Some(0.5)),
+        (None, 0.0, Some(f64::NAN)),
+    ] {
+        assert!(fmu.set_experiment(tolerance, start, stop).is_err());
+    }
+    assert!(!fmu.has_experiment());
+    fmu.set_experiment(None, 0.0, None).unwrap();
+    fmu.set_experiment(None, 7.0, Some(7.0)).unwrap();
+    fmu.enter_initialization();
+    assert_eq!(get(&mut fmu, "time"), 7.0);
+}
+
+#[test]
+fn input_derivatives_are_checked() {
+    let mut fmu = initialized();
+    let body = reference("box.f");
+    for (reference, order, value) in [
+        (body, 0, 1.0),
+        (body, 4, 1.0),
+        (body, -1, 1.0),
+        (body, 1, f64::NAN),
+        (reference("box.s"), 1, 1.0),
+        (999, 1, 1.0),
+    ] {
+        let before = fmu.save();
+        fmu.set_input_derivatives(&[body, reference], &[1, order], &[1.0, value]).unwrap_err();
+        assert_eq!(fmu.save(), before);
+    }
+}
+
+#[test]
+fn output_derivatives_are_those_of_the_motion() {
+    let mut fmu = initialized();
+    step(&mut fmu, 0.0, 0.7).unwrap();
+    let names = ["box.s", "box.s", "box.v", "stop.s", "coupling.f", "secondary.a"];
+    let references = names.map(|name| find(name).unwrap().0);
+    let mut values = [0.0; 6];
+    fmu.output_derivatives(&references, &[1, 2, 1, 1, 1, 1], |i, v| values[i] = v).unwrap();
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-14, "{a} {b}");
+    near(values[0], get(&mut fmu, "box.v"));
+    near(values[1], get(&mut fmu, "box.a"));
+    near(values[2], get(&mut fmu, "box.a"));
+    near(values[3], get(&mut fmu, "stop.v"));
+    near(values[4], 0.006 * (get(&mut fmu, "block.v") - get(&mut fmu, "secondary.v")));
+    let h = 1e-4;
+    let before = fmu.save();
+    step(&mut fmu, 0.7, h).unwrap();
+    let after = get(&mut fmu, "secondary.a");
+    fmu.restore(&before).unwrap();
+    assert!((values[5] - (after - get(&mut fmu, "secondary.a")) / h).abs() < 1e-4);
+    for (name, order) in [("energy.input", 1), ("box.s", 0), ("box.s", 4), ("box.m", 1)] {
+        let reference = [find(name).unwrap().0];
+        assert!(fmu.output_derivatives(&reference, &[order], |_, _| panic!()).is_err(), "{name}");
+    }
+}
+
+#[test]
+fn loads_follow_their_derivatives_whichever_is_set_first() {
+    let body = reference("block.f");
+    let run = |order: [u8; 2]| {
+        let mut fmu = initialized();
+        for call in order {
+            match call {
+                0 => set(&mut fmu, "block.f", 0.01).unwrap(),
+                _ => fmu.set_input_derivatives(&[body, body], &[1, 3], &[0.02, -0.03]).unwrap(),
+            }
+        }
+        step(&mut fmu, 0.0, 1.5).unwrap();
+        (get(&mut fmu, "block.f"), motion(&mut fmu))
+    };
+    let (load, moved) = run([0, 1]);
+    assert!((load - (0.01 + 0.02 * 1.5 - 0.03 * 1.5_f64.powi(3) / 6.0)).abs() < 1e-15);
+    assert_eq!(run([1, 0]), (load, moved.clone()));
+    let (held, otherwise) = run([0, 0]);
+    assert_eq!(held, 0.01);
+    assert_ne!(otherwise, moved);
+}
+
+#[test]
+fn a_value_without_derivatives_is_held() {
+    let mut fmu = initialized();
+    let body = reference("box.f");
+    fmu.set_input_derivatives(&[body], &[1], &[1.0]).unwrap();
+    step(&mut fmu, 0.0, 0.5).unwrap();
+    assert!((get(&mut fmu, "box.f") - 0.5).abs() < 1e-15);
+    set(&mut fmu, "box.f", 0.25).unwrap();
+    step(&mut fmu, 0.5, 0.5).unwrap();
+    assert_eq!(get(&mut fmu, "box.f"), 0.25);
+}
+
+/// In all ways to move; the sign of zero counts, since hosts print it.
+#[test]
+fn invariant_the_contact_force_is_plus_zero_in_flight_and_never_negative() {
+    let mut resting = instance();
+    for (name, value) in
+        [("stop.restitution", 0.3), ("drive.amplitude", 0.4), ("block.v", 0.3), ("block.f", 0.02)]
+    {
+        set(&mut resting, name, value).unwrap();
+    }
+    let mut played = instance();
+    set(&mut played, "mode", 3.0).unwrap();
+    let mut exchange = Instance::new(Interface::ModelExchange);
+    set(&mut exchange, "block.v", -0.3).unwrap();
+    let mut exchange = initialize(exchange);
+    assert_eq!(get(&mut exchange, "stop.force").to_bits(), 0);
+    let mut rested = 0;
+    for mut fmu in [initialize(resting), initialize(played)] {
+        for i in 0..600 {
+            step(&mut fmu, 0.1 * f64::from(i), 0.1).unwrap();
+            let force = get(&mut fmu, "stop.force");
+            if get(&mut fmu, "stop.state") == 1.0 {
+                assert_eq!(force.to_bits(), 0, "at step {i}");
+            } else {
+                assert!(force >= 0.0 && force.is_sign_positive(), "at step {i}: {force}");
+                rested += 1;
+            }
+        }
+    }
+    assert!(rested > 10, "{rested}");
+}

@@ -1,0 +1,32 @@
+//! The vibro-impact machine as a component that a host can set, step, read, save and restore. It knows no version of FMI:
+//! the rules it follows are those that all versions share, and a door maps its calls, phases and outcomes to functions,
+//! states and statuses of one version.
+//!
+//! ```text
+//! instance ── variables, units, structure    one table: names, units, ranges, dependencies, getters, setters
+//!    │
+//!    ├─ simulator (vibro_impact)             it steps itself, event by event
+//!    ├─ closed_form, steady                  it plays a steady state in time
+//!    ├─ continuous, variation                a host's solver integrates it
+//!    └─ saved_state                          all of it as bytes
+//! ```
+
+mod closed_form;
+mod continuous;
+pub mod identity;
+pub mod instance;
+pub mod log;
+pub mod phase;
+pub mod problem;
+pub mod saved_state;
+pub mod settings;
+mod steady;
+pub mod structure;
+pub mod units;
+pub mod values;
+pub mod variables;
+mod variation;
+
+pub use instance::{Instance, StepOutcome, StepReason};
+pub use phase::{Interface, Phase};
+pub use problem::{Outcome, Problem};

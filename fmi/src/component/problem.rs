@@ -1,0 +1,89 @@
+//! Why the component refuses.
+
+/// Outcome of a call.
+pub type Outcome<T = ()> = Result<T, Problem>;
+
+/// Why a call was refused; the component is then as it was. Each text names the thing, its value and what is allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// No variable of the wanted types has that reference.
+    #[error("value reference {reference} is no {wanted} variable: {found}")]
+    Reference {
+        /// The reference.
+        reference: u32,
+        /// The wanted types, in words.
+        wanted: &'static str,
+        /// What is there.
+        found: String,
+    },
+    /// The variable can never be set, or not now.
+    #[error("{name} cannot be set {phase}: allowed are {allowed}")]
+    NotSettable {
+        /// The variable.
+        name: &'static str,
+        /// Present phase, in words.
+        phase: &'static str,
+        /// What may be set.
+        allowed: &'static str,
+    },
+    /// The variable does not have the derivative that was asked for or given.
+    #[error("{name} has no such derivative: allowed are {allowed}")]
+    NoDerivative {
+        /// The variable.
+        name: &'static str,
+        /// What has one.
+        allowed: &'static str,
+    },
+    /// A value outside its range.
+    #[error("{name} = {value}: allowed is {allowed}")]
+    Value {
+        /// What was to be set.
+        name: &'static str,
+        /// The value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The host's time is not the component's.
+    #[error(
+        "currentCommunicationPoint = {given} s, but the instance is at t = {own} s: allowed is a difference of 1e-9 max(1, |t|)"
+    )]
+    Time {
+        /// The host's time.
+        given: f64,
+        /// The component's time.
+        own: f64,
+    },
+    /// A step beyond the stop time.
+    #[error(
+        "step to t = {end} s: allowed is up to the stop time {stop} s, which was given before initialization"
+    )]
+    StopTime {
+        /// End of the step.
+        end: f64,
+        /// Stop time.
+        stop: f64,
+    },
+    /// Something must be done first.
+    #[error("{what}")]
+    Sequence {
+        /// What.
+        what: &'static str,
+    },
+    /// A saved state that does not fit or is not intact.
+    #[error("saved state refused: {what}")]
+    SavedState {
+        /// Why.
+        what: String,
+    },
+    /// The model refuses.
+    #[error(transparent)]
+    Model(#[from] vibro_impact::error::Error),
+    /// A closed-form mode cannot be played.
+    #[error("{what}")]
+    ClosedForm {
+        /// Why.
+        what: String,
+    },
+}

@@ -1,0 +1,136 @@
+//! Saved states, and how they are laid out as bytes.
+//!
+//! ```text
+//! bytes    content
+//! 8        "VIBROFMU"
+//! 4        VERSION of the layout, little-endian
+//! 16       number of the build that wrote it (identity::number), little-endian
+//! 4        length of the payload, little-endian
+//! …        payload: SavedState in postcard's format
+//! 8        checksum of all that comes before it (FNV-1a, 64 bit), little-endian
+//! ```
+//!
+//! The payload holds the fields of [`SavedState`] one after the other, each in the order of its declaration, without names
+//! or padding: a double as its 8 bytes, so that every bit comes back, of NaN and -0 too; a Boolean and the tag of an
+//! `Option` as one byte; other whole numbers and the numbers of enum variants with 7 bits a byte, the lowest first. The structs
+//! are those of this crate ([`Settings`], what is played or integrated) and of `vibro-impact` (`Snapshot`, `Parameters`,
+//! `DoubleDouble`, …): **whoever changes one of their fields, or their order, changes the layout and must raise
+//! [`VERSION`]**; the test `golden_file_of_the_layout` notices it.
+//!
+//! Nothing in the payload belongs to a protocol, so a state that one door has written can be read by another of the same
+//! build. The checksum notices accidents; it is no signature.
+
+use super::closed_form;
+use super::continuous;
+use super::identity;
+use super::phase::{Experiment, Interface, Phase};
+use super::problem::{Outcome, Problem};
+use super::settings::Settings;
+use serde::{Deserialize, Serialize};
+use vibro_impact::simulator::Snapshot;
+
+/// First bytes of a serialized state.
+const MAGIC: [u8; 8] = *b"VIBROFMU";
+/// Version of the layout of the bytes that follow.
+pub const VERSION: u32 = 3;
+
+/// Everything a component needs to continue: its phase, what was set, and what moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedState {
+    pub(super) interface: Interface,
+    pub(super) phase: Phase,
+    pub(super) settings: Settings,
+    pub(super) experiment: Option<Experiment>,
+    pub(super) slopes_set: [bool; 3],
+    pub(super) parameters_set: bool,
+    pub(super) loads_set: bool,
+    pub(super) engine: EngineState,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant)] // saved states are boxed as a whole
+pub(super) enum EngineState {
+    None,
+    Simulation(Snapshot),
+    Closed(closed_form::Data),
+    Continuous(continuous::Data),
+}
+
+fn refused(what: impl Into<String>) -> Problem {
+    Problem::SavedState { what: what.into() }
+}
+
+/// FNV-1a, 64 bit: enough to notice truncation and accidental change.
+fn checksum(bytes: &[u8]) -> u64 {
+    const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+    bytes.iter().fold(OFFSET, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(PRIME))
+}
+
+/// Takes the first `N` bytes away from `bytes`.
+fn take<const N: usize>(bytes: &mut &[u8]) -> Outcome<[u8; N]> {
+    let (head, rest) = bytes.split_first_chunk::<N>().ok_or_else(|| refused("it ends too early"))?;
+    *bytes = rest;
+    Ok(*head)
+}
+
+impl SavedState {
+    /// Its bytes: header, payload, checksum.
+    ///
+    /// # Errors
+    /// [`Problem::SavedState`], which would be a mistake of ours.
+    pub fn serialize(&self) -> Outcome<Vec<u8>> {
+        let payload = postcard::to_stdvec(self).map_err(|error| refused(error.to_string()))?;
+        let length = u32::try_from(payload.len()).map_err(|error| refused(error.to_string()))?;
+        let mut bytes = Vec::with_capacity(payload.len() + 64);
+        bytes.extend_from_slice(&MAGIC);
+        bytes.extend_from_slice(&VERSION.to_le_bytes());
+        bytes.extend_from_slice(&identity::number().to_le_bytes());
+        bytes.extend_from_slice(&length.to_le_bytes());
+        bytes.extend_from_slice(&payload);
+        let checksum = checksum(&bytes);
+        bytes.extend_from_slice(&checksum.to_le_bytes());
+        Ok(bytes)
+    }
+
+    /// The state of these bytes. Whether it can be carried on shows when it is restored.
+    ///
+    /// # Errors
+    /// [`Problem::SavedState`] for bytes that are truncated, altered, of another version or of another build.
+    pub fn deserialize(serialized: &[u8]) -> Outcome<Self> {
+        let Some((content, sum)) = serialized.split_last_chunk::<8>() else {
+            return Err(refused(format!("{} bytes are too few", serialized.len())));
+        };
+        let mut rest = content;
+        if take(&mut rest)? != MAGIC {
+            return Err(refused("the bytes are not of this FMU"));
+        }
+        let version = u32::from_le_bytes(take(&mut rest)?);
+        if version != VERSION {
+            return Err(refused(format!("version {version}: allowed is {VERSION}")));
+        }
+        if checksum(content) != u64::from_le_bytes(*sum) {
+            return Err(refused("the checksum does not fit: truncated or altered"));
+        }
+        if u128::from_le_bytes(take(&mut rest)?) != identity::number() {
+            return Err(refused(
+                "it comes from another build of this FMU (its variables or its version differ)",
+            ));
+        }
+        let length = u32::from_le_bytes(take(&mut rest)?);
+        if rest.len() != length as usize {
+            return Err(refused(format!("{} bytes of payload: allowed is {length}", rest.len())));
+        }
+        Self::from_payload(rest)
+    }
+
+    fn from_payload(payload: &[u8]) -> Outcome<Self> {
+        match postcard::take_from_bytes(payload).map_err(|error| refused(error.to_string()))? {
+            (state, []) => Ok(state),
+            (_, left) => Err(refused(format!("{} bytes too many", left.len()))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

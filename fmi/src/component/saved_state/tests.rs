@@ -1,0 +1,150 @@
+use super::*;
+use crate::component::Instance;
+use crate::component::log::{Category, Log};
+use crate::component::variables::{Base, Bases, reference};
+use std::path::PathBuf;
+
+struct Silence;
+
+impl Log for Silence {
+    fn wants(&self, _: Category) -> bool {
+        false
+    }
+    fn log(&mut self, _: Category, _: &str) {}
+}
+
+fn set(instance: &mut Instance, name: &str, value: f64) {
+    let any = Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration]);
+    instance.set(any, &[reference(name)], |_| value).unwrap();
+}
+
+/// A state with the given way to move, in which no field is what it is by default and few are equal.
+fn state(interface: Interface, start: &[(&str, f64)], initialized: bool) -> SavedState {
+    let mut instance = Instance::new(interface);
+    for (name, value) in [("box.k", 1.5), ("block.m", 0.125), ("drive.phase", 0.25)].iter().chain(start) {
+        set(&mut instance, name, *value);
+    }
+    instance.set_experiment(None, 2.0, Some(900.0)).unwrap();
+    instance.enter_initialization();
+    if initialized {
+        instance.exit_initialization(&mut Silence).unwrap();
+        set(&mut instance, "drive.amplitude", 0.175);
+    }
+    instance.save()
+}
+
+/// One of each kind.
+fn states() -> [(&'static str, SavedState); 4] {
+    let place = &[("block.s", 0.5), ("secondary.v", -0.25), ("box.f", 0.75)];
+    [
+        ("none", state(Interface::CoSimulation, place, false)),
+        ("simulation", state(Interface::CoSimulation, place, true)),
+        ("closed", state(Interface::CoSimulation, &[("mode", 3.0)], true)),
+        ("continuous", state(Interface::ModelExchange, place, true)),
+    ]
+}
+
+/// The golden file: bytes of one state of each kind, and below them how they read. Bytes of a version never change.
+fn golden() -> PathBuf {
+    let name = format!("tests/data/saved_state.v{VERSION}.txt");
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn bytes_of(text: &str) -> Vec<u8> {
+    let pairs = text.as_bytes().chunks(2);
+    pairs.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).unwrap(), 16).unwrap()).collect()
+}
+
+/// A field added, removed, renamed, moved or of another type reads the old bytes as something else. Arithmetic plays no
+/// part: states are not stepped, and only read.
+#[test]
+fn golden_file_of_the_layout() {
+    let file = golden();
+    if !file.exists() && std::env::var_os("UPDATE").is_some() {
+        let line = |(name, state): &(&str, SavedState)| {
+            let payload = postcard::to_stdvec(state).unwrap();
+            let read = SavedState::from_payload(&payload).unwrap();
+            format!("{name}\n{}\n{read:?}\n", hexadecimal(&payload))
+        };
+        std::fs::write(&file, states().iter().map(line).collect::<String>()).unwrap();
+    }
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|_| {
+        panic!(
+            "no golden file for VERSION {VERSION}: make it with UPDATE=1 and commit it beside the older ones"
+        )
+    });
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 3 * states().len());
+    for part in lines.chunks(3) {
+        let [name, bytes, meaning] = part else { panic!("{part:?}") };
+        let bytes = bytes_of(bytes);
+        let read = SavedState::from_payload(&bytes).map(|state| format!("{state:?}"));
+        assert_eq!(
+            read.as_deref().unwrap_or("refused"),
+            *meaning,
+            "the layout of a saved state ({name}) has changed: raise VERSION in saved_state.rs, then UPDATE=1"
+        );
+        let again = postcard::to_stdvec(&SavedState::from_payload(&bytes).unwrap()).unwrap();
+        assert_eq!(again, bytes, "{name}");
+    }
+}
+
+#[test]
+fn invariant_every_state_comes_back_from_its_bytes() {
+    for (name, state) in states() {
+        let bytes = state.serialize().unwrap();
+        assert_eq!(SavedState::deserialize(&bytes).unwrap(), state, "{name}");
+    }
+}
+
+/// Bits of every kind of double: -0, a number below the normal ones, infinity, NaN with sign and payload.
+#[test]
+fn invariant_every_bit_of_a_double_comes_back() {
+    let (_, mut state) = states().into_iter().next().unwrap();
+    for bits in
+        [1 << 63, 1, 0x7ff0 << 48, 0xfff8_dead_beef_0001, 0x7ff0_0000_0000_0001, 0x3ff5_5555_5555_5555]
+    {
+        state.settings.start.x[1] = f64::from_bits(bits);
+        let bytes = state.serialize().unwrap();
+        let back = SavedState::deserialize(&bytes).unwrap();
+        assert_eq!(back.settings.start.x[1].to_bits(), bits);
+        assert_eq!(back.serialize().unwrap(), bytes);
+    }
+}
+
+/// `bytes` with the right checksum behind them.
+fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
+    let length = bytes.len() - 8;
+    let sum = checksum(&bytes[..length]);
+    bytes[length..].copy_from_slice(&sum.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn bytes_of_others_are_refused_with_the_reason() {
+    let (_, state) = states().into_iter().nth(1).unwrap();
+    let bytes = state.serialize().unwrap();
+    let refusal = |place: usize| {
+        let mut foreign = bytes.clone();
+        foreign[place] ^= 1;
+        SavedState::deserialize(&mended(foreign)).unwrap_err().to_string()
+    };
+    assert!(refusal(0).contains("not of this FMU"), "{}", refusal(0));
+    assert!(refusal(8).contains("version 2: allowed is 3"), "{}", refusal(8));
+    assert!(refusal(12).contains("another build"), "{}", refusal(12));
+    assert!(refusal(28).contains("bytes of payload"), "{}", refusal(28));
+    let mut longer = bytes[..bytes.len() - 8].to_vec();
+    longer.extend_from_slice(&[0; 9]);
+    assert!(SavedState::deserialize(&mended(longer)).unwrap_err().to_string().contains("bytes of payload"));
+    assert!(SavedState::deserialize(b"short").unwrap_err().to_string().contains("too few"));
+}
+
+/// Test vector of the hash's authors.
+#[test]
+fn golden_value_of_the_checksum() {
+    assert_eq!(checksum(b"a"), 0xaf63_dc4c_8601_ec8c);
+}

@@ -1,0 +1,126 @@
+//! What a host can set, and what follows from it without a motion: plain data that the accessors of the variable table work on.
+
+use serde::{Deserialize, Serialize};
+use vibro_impact::parameters::{Groups, Parameters};
+use vibro_impact::simulator::{Loads, State};
+
+/// How the motion is obtained; the numbers are those of the enumeration `Mode`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SolutionMode {
+    /// Event-driven simulation.
+    #[default]
+    EventDriven,
+    /// Closed-form steady state by multiple scales.
+    MultipleScales,
+    /// Closed-form exact two-impact orbit.
+    ExactOrbit,
+}
+
+impl SolutionMode {
+    /// Its number in the enumeration.
+    pub fn number(self) -> i32 {
+        match self {
+            Self::EventDriven => 1,
+            Self::MultipleScales => 2,
+            Self::ExactOrbit => 3,
+        }
+    }
+
+    /// The mode of that number.
+    pub fn from_number(number: i32) -> Option<Self> {
+        [Self::EventDriven, Self::MultipleScales, Self::ExactOrbit].into_iter().find(|m| m.number() == number)
+    }
+}
+
+/// Everything a host can set. `Default` holds the start values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Physical parameters.
+    pub parameters: Parameters,
+    /// Start values of displacements and velocities.
+    pub start: State,
+    /// Loads and their derivatives at the coming communication point.
+    pub loads: Loads,
+    /// How the motion is obtained.
+    pub mode: SolutionMode,
+    /// Start on the exact orbit instead of at `start`.
+    pub start_on_orbit: bool,
+    /// End a step at its first impact.
+    pub stop_at_impact: bool,
+}
+
+/// What follows from the parameters alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Derived {
+    /// The dimensionless groups, where defined.
+    pub groups: Option<Groups>,
+    /// The steady state.
+    pub steady: Steady,
+}
+
+/// The steady state in numbers; NaN where there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steady {
+    /// A real solution exists.
+    pub exists: bool,
+    /// It keeps the block between the stops.
+    pub geometric: bool,
+    /// The slow flow's fixed point is stable.
+    pub fixed_point_stable: bool,
+    /// The two-impact motion is stable.
+    pub motion_stable: bool,
+    /// All three tests hold.
+    pub stable: bool,
+    /// Amplitude B of the centre-of-mass coordinate, in units of the gap.
+    pub b: f64,
+    /// Amplitude C of the sawtooth, in units of the gap.
+    pub c: f64,
+    /// Amplitude of the secondary oscillator, in units of the gap.
+    pub a3: f64,
+    /// ρ = (2/π)(1-κ)/(1+κ).
+    pub rho: f64,
+    /// Smallest C of the slow invariant manifold's stable branch.
+    pub c_min: f64,
+    /// Smallest C of stable periodic motion.
+    pub cs_min: f64,
+    /// Largest C of stable periodic motion.
+    pub cs_max: f64,
+    /// Largest geometrically admissible C.
+    pub cg_max: f64,
+    /// Phase of the drive at the impact on the upper stop, rad.
+    pub phase: f64,
+    /// Amplitude of the box, in units of the gap.
+    pub a1: f64,
+    /// Amplitude of the block, in units of the gap.
+    pub a2: f64,
+    /// Impulse of each impact of the exact orbit, N·s.
+    pub impulse: f64,
+    /// Spectral radius of the exact orbit's half-cycle map.
+    pub spectral_radius: f64,
+}
+
+impl Default for Steady {
+    fn default() -> Self {
+        let none = f64::NAN;
+        Self {
+            exists: false,
+            geometric: false,
+            fixed_point_stable: false,
+            motion_stable: false,
+            stable: false,
+            b: none,
+            c: none,
+            a3: none,
+            rho: none,
+            c_min: none,
+            cs_min: none,
+            cs_max: none,
+            cg_max: none,
+            phase: none,
+            a1: none,
+            a2: none,
+            impulse: none,
+            spectral_radius: none,
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! The steady states as the component shows them: the `steady.*` variables, and what the closed-form modes play.
+
+use super::problem::Problem;
+use super::settings::{Derived, SolutionMode, Steady};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+use vibro_impact::flow::Series;
+use vibro_impact::model::{self, DRIVE_COS, DRIVE_SIN, LANES, Model};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::State;
+use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
+use vibro_impact::steady::multiple_scales::{FixedPoint, MultipleScales};
+use vibro_impact::steady::{Roots, Sheet};
+
+/// Orders of the displacements' derivatives, 0 to 5.
+pub(crate) const ORDERS: usize = 6;
+
+/// What follows from the parameters alone.
+pub(crate) fn derived(parameters: &Parameters) -> Derived {
+    Derived { groups: parameters.groups().ok(), steady: values(parameters) }
+}
+
+/// The `steady.*` variables: multiple scales, with impulse and spectral radius of the exact orbit.
+fn values(parameters: &Parameters) -> Steady {
+    let mut steady = Steady::default();
+    if let Ok(scales) = parameters.groups().and_then(|groups| MultipleScales::new(&groups)) {
+        let manifold = scales.manifold();
+        steady.rho = manifold.rho();
+        steady.c_min = manifold.c_min();
+        steady.cs_min = manifold.c_smin();
+        steady.cs_max = manifold.c_smax();
+        steady.cg_max = manifold.c_gmax();
+        if let Some(point) = upper(&scales) {
+            steady.exists = true;
+            steady.geometric = point.admissibility.geometric;
+            steady.fixed_point_stable = point.admissibility.fixed_point;
+            steady.motion_stable = point.admissibility.periodic_motion;
+            steady.stable = point.admissibility.all();
+            (steady.b, steady.c, steady.a3) = (point.b, point.c, point.a3);
+            steady.phase = point.drive_phase;
+            (steady.a1, steady.a2) = (point.a1(), point.a2());
+        }
+    }
+    if let Ok(Some(orbit)) = OrbitFamily::new(parameters).and_then(|family| family.orbit(Sheet::Upper)) {
+        steady.impulse = orbit.impulse();
+        steady.spectral_radius = orbit.spectral_radius();
+    }
+    steady
+}
+
+/// The upper fixed point, where the block really moves.
+fn upper(scales: &MultipleScales) -> Option<FixedPoint> {
+    scales.fixed_points().map(|Roots { upper, .. }| upper).filter(|point| point.c > 0.0)
+}
+
+/// A steady state to play.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // what plays it is boxed as a whole
+pub(crate) enum Solution {
+    Scales { parameters: Parameters, point: FixedPoint },
+    Orbit(Box<ExactOrbit>),
+}
+
+impl Solution {
+    /// The steady state of a closed-form mode.
+    ///
+    /// # Errors
+    /// [`Problem::ClosedForm`] with the range of existence when there is none; [`Problem::Model`] where it is undefined.
+    pub(crate) fn new(mode: SolutionMode, parameters: &Parameters) -> Result<Self, Problem> {
+        if parameters.drive_frequency == 0.0 {
+            return Err(Problem::Value {
+                name: "drive.frequency",
+                value: 0.0,
+                allowed: "a finite number > 0 for a steady state",
+            });
+        }
+        match mode {
+            SolutionMode::EventDriven | SolutionMode::ExactOrbit => exact(parameters),
+            SolutionMode::MultipleScales => approximate(parameters),
+        }
+    }
+
+    /// What speaks against it: which of the tests fails, in words.
+    pub(crate) fn objections(&self) -> Option<String> {
+        let failed: Vec<_> = match self {
+            Self::Scales { point, .. } => {
+                let a = point.admissibility;
+                [
+                    (a.geometric, "steady.geometric (the block passes through a stop)"),
+                    (a.fixed_point, "steady.fixedPointStable (the slow flow leaves it)"),
+                    (a.periodic_motion, "steady.motionStable (the two-impact motion is unstable)"),
+                ]
+                .into_iter()
+                .filter_map(|(holds, test)| (!holds).then_some(test.to_owned()))
+                .collect()
+            }
+            Self::Orbit(orbit) => {
+                let radius = orbit.spectral_radius();
+                let clear = (!orbit.is_clear()).then(|| "the block passes through a stop".to_owned());
+                let stable =
+                    (radius >= 1.0).then(|| format!("it is unstable (steady.spectralRadius = {radius})"));
+                clear.into_iter().chain(stable).collect()
+            }
+        };
+        (!failed.is_empty()).then(|| {
+            format!(
+                "the steady state exists, but would not be seen in the real system: {}",
+                failed.join("; ")
+            )
+        })
+    }
+
+    /// Phase of the drive at the impact on the upper stop, rad; the lower stop follows half a period later.
+    pub(crate) fn impact_phase(&self) -> f64 {
+        match self {
+            Self::Scales { point, .. } => point.drive_phase,
+            Self::Orbit(orbit) => orbit.drive_phase(),
+        }
+    }
+
+    /// Relative speed of approach (m/s) and impulse (N·s) of each impact.
+    pub(crate) fn impact(&self, model: &Model) -> (f64, f64) {
+        match self {
+            Self::Scales { parameters: p, point } => {
+                // W' just before the upper impact, from the slope 2/π of the sawtooth and B cos Φ = -ρ C.
+                let rho = FRAC_2_PI * (1.0 - p.stop_restitution) / (1.0 + p.stop_restitution);
+                let speed = p.stop_gap * p.drive_frequency * point.c * (FRAC_2_PI + rho);
+                let [_, impulse, _] = model.impact_factors();
+                (speed, impulse * speed)
+            }
+            Self::Orbit(orbit) => {
+                let before = orbit.before_impact();
+                (before.v[1] - before.v[0], orbit.impulse())
+            }
+        }
+    }
+
+    /// Displacements and velocities at drive phase `theta` (rad).
+    pub(crate) fn state(&self, theta: f64) -> State {
+        match self {
+            Self::Scales { parameters, point } => {
+                let motion = point.motion_at_drive(theta);
+                let length = parameters.stop_gap;
+                let speed = length * parameters.drive_frequency;
+                State { x: motion.x.map(|x| length * x), v: motion.dx.map(|dx| speed * dx) }
+            }
+            Self::Orbit(orbit) => {
+                let state = orbit.state(theta);
+                State { x: state.x, v: state.v }
+            }
+        }
+    }
+
+    /// Time derivatives of the displacements at drive phase `theta`, `[body][order]`.
+    pub(crate) fn derivatives(&self, theta: f64) -> [[f64; ORDERS]; 3] {
+        let state = self.state(theta);
+        let mut d: [[f64; ORDERS]; 3] =
+            std::array::from_fn(|body| [state.x[body], state.v[body], 0.0, 0.0, 0.0, 0.0]);
+        match self {
+            Self::Scales { parameters: p, point } => {
+                // The sawtooth is straight between impacts: from the second order on only the sines are left.
+                for (body, amplitude, lag) in [(0, point.b, point.psi), (2, point.a3, point.psi3)] {
+                    let mut scale = p.stop_gap * amplitude * p.drive_frequency;
+                    for (order, d) in d[body].iter_mut().enumerate().skip(2) {
+                        scale *= p.drive_frequency;
+                        *d = scale * (theta - lag + order as f64 * FRAC_PI_2).sin();
+                    }
+                }
+            }
+            Self::Orbit(orbit) => {
+                // The orbit flies by the model's own equations.
+                let Ok(model) = Model::new(orbit.parameters()) else { return d };
+                let mut z = [0.0; LANES];
+                z[..6].copy_from_slice(&state.to_relative());
+                (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
+                let series =
+                    Series::<ORDERS>::expand(&model, model::SmoothMode::Flight, &z, None, 1.0 / model.rate);
+                // The place itself stays as the orbit has it.
+                for (d, own) in d.iter_mut().zip(series.derivatives::<ORDERS>(model.rate)) {
+                    d[1..].copy_from_slice(&own[1..]);
+                }
+            }
+        }
+        d
+    }
+}
+
+fn approximate(parameters: &Parameters) -> Result<Solution, Problem> {
+    let groups = parameters.groups()?;
+    let scales = MultipleScales::new(&groups)?;
+    if let Some(point) = upper(&scales) {
+        return Ok(Solution::Scales { parameters: *parameters, point });
+    }
+    let from = scales.force_range()?.positive_from;
+    let unit = parameters.box_stiffness * parameters.stop_gap * groups.epsilon;
+    Err(Problem::ClosedForm {
+        what: format!(
+            "drive.amplitude = {} N: the steady state by multiple scales exists from {} N on (groups.f10 = {}, from {from} on)",
+            parameters.drive_amplitude,
+            from * unit,
+            groups.f10
+        ),
+    })
+}
+
+fn exact(parameters: &Parameters) -> Result<Solution, Problem> {
+    let family = OrbitFamily::new(parameters)?;
+    if let Some(orbit) = family.orbit(Sheet::Upper)? {
+        return Ok(Solution::Orbit(Box::new(orbit)));
+    }
+    // The response of w to the force alone grows with the force: where does the quadratic get a root p > 0?
+    let unit = OrbitFamily::new(&Parameters { drive_amplitude: 1.0, ..*parameters })?;
+    let (a, b, c) = unit.quadratic();
+    let response = (1.0 - c).max(0.0).sqrt();
+    let needed = if b < 0.0 { (1.0 - b * b / (4.0 * a)).max(0.0).sqrt() } else { 1.0 };
+    Err(Problem::ClosedForm {
+        what: format!(
+            "drive.amplitude = {} N: the exact two-impact orbit exists from {} N on",
+            parameters.drive_amplitude,
+            needed / response
+        ),
+    })
+}

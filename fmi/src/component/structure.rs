@@ -1,0 +1,128 @@
+//! Which unknown depends on which known, and how: lists made from the table's columns.
+
+use super::variables::{
+    Access, Causality, Dependencies, DependencyKind, Initial, Knowns, VARIABLES, Variable, find, reference,
+};
+
+/// An unknown and what it depends on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    /// Its value reference.
+    pub reference: u32,
+    /// Dependencies as (value reference, kind), ordered by reference; `None` means on all knowns, empty means on none.
+    pub dependencies: Option<Vec<(u32, DependencyKind)>>,
+}
+
+/// Names of the continuous states, in the order in which a solver takes them.
+pub const STATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
+
+/// Names of their derivatives, in the same order.
+pub const DERIVATIVES: [&str; 6] = ["box.v", "block.v", "secondary.v", "box.a", "block.a", "secondary.a"];
+
+/// Number of event indicators: both gaps and the contact force in rest.
+pub const EVENT_INDICATORS: usize = 3;
+
+// A name that is not in the table does not compile.
+const _: () = {
+    let mut i = 0;
+    while i < VARIABLES.len() {
+        if let Dependencies::On(knowns) = VARIABLES[i].dependencies {
+            let mut k = 0;
+            while k < knowns.len() {
+                reference(knowns[k].0);
+                k += 1;
+            }
+        }
+        i += 1;
+    }
+    let mut i = 0;
+    while i < STATES.len() {
+        reference(STATES[i]);
+        reference(DERIVATIVES[i]);
+        i += 1;
+    }
+};
+
+/// The input that acts on a body.
+pub fn input_of(body: usize) -> Option<&'static Variable> {
+    VARIABLES.iter().find(|variable| variable.body == Some(body))
+}
+
+fn known(knowns: Knowns) -> Vec<(u32, DependencyKind)> {
+    let mut dependencies: Vec<_> =
+        knowns.iter().filter_map(|(name, kind)| Some((find(name)?.0, *kind))).collect();
+    dependencies.sort_by_key(|(reference, _)| *reference);
+    dependencies
+}
+
+fn unknown((reference, variable): (u32, &Variable)) -> Unknown {
+    let dependencies = match variable.dependencies {
+        Dependencies::On(knowns) => Some(known(knowns)),
+        Dependencies::All | Dependencies::NotUnknown => None,
+    };
+    Unknown { reference, dependencies }
+}
+
+/// Every output, in the order of the table, with what it depends on outside initialization.
+pub fn outputs() -> Vec<Unknown> {
+    let outputs = (0..).zip(&VARIABLES).filter(|(_, variable)| variable.causality == Causality::Output);
+    outputs.map(unknown).collect()
+}
+
+/// The derivatives of the states, in the order of the states.
+pub fn derivatives() -> Vec<Unknown> {
+    DERIVATIVES.iter().filter_map(|name| find(name)).map(unknown).collect()
+}
+
+/// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table. A group
+/// lists the parameters it is made of; everything else may depend on everything, since `mode` and `startOnOrbit` choose
+/// what the start is made of.
+pub fn initial_unknowns() -> Vec<Unknown> {
+    let unknowns =
+        (0..).zip(&VARIABLES).filter(|(_, variable)| variable.initial == Some(Initial::Calculated));
+    unknowns
+        .map(|(reference, variable)| match variable.access {
+            Access::Derived(_) => unknown((reference, variable)),
+            _ => Unknown { reference, dependencies: None },
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::component::variables::Kind;
+
+    #[test]
+    fn invariant_dependencies_are_listed_once_and_in_order() {
+        for list in [outputs(), derivatives(), initial_unknowns()] {
+            for unknown in list {
+                for pair in unknown.dependencies.iter().flat_map(|d| d.windows(2)) {
+                    assert!(pair[0].0 < pair[1].0, "{unknown:?}");
+                }
+            }
+        }
+        assert_eq!(derivatives().len(), STATES.len());
+    }
+
+    #[test]
+    fn invariant_derivatives_belong_to_the_states() {
+        for (state, derivative) in STATES.iter().zip(&DERIVATIVES) {
+            let (_, variable) = find(derivative).unwrap();
+            assert!(
+                matches!(variable.kind, Kind::Real { derivative_of: Some(of), .. } if of == *state),
+                "{derivative} must be the derivative of {state}"
+            );
+        }
+    }
+
+    #[test]
+    fn invariant_each_body_has_one_input() {
+        for body in 0..3 {
+            let inputs = VARIABLES.iter().filter(|variable| variable.body == Some(body));
+            assert_eq!(inputs.count(), 1);
+            assert_eq!(input_of(body).unwrap().causality, Causality::Input);
+        }
+        assert!(VARIABLES.iter().all(|v| v.body.is_some() == (v.causality == Causality::Input)));
+    }
+}

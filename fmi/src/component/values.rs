@@ -1,0 +1,144 @@
+//! What the outputs read: the motion at the present time, in plain numbers or with a variation of each.
+
+use std::ops::{Add, Mul, Neg, Sub};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Contact, EnergyAccounts, ImpactRecord, Simulator, State};
+
+/// A number and how it varies along one direction of states and loads, to first order: the row of an output is evaluated
+/// on these as it stands, so that a product varies by the product rule.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Varied {
+    /// The value.
+    pub value: f64,
+    /// Its derivative along the direction.
+    pub rate: f64,
+}
+
+impl Add for Varied {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { value: self.value + other.value, rate: self.rate + other.rate }
+    }
+}
+
+impl Sub for Varied {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { value: self.value - other.value, rate: self.rate - other.rate }
+    }
+}
+
+impl Mul for Varied {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let rate = self.rate * other.value + self.value * other.rate;
+        Self { value: self.value * other.value, rate }
+    }
+}
+
+impl Neg for Varied {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { value: -self.value, rate: -self.rate }
+    }
+}
+
+/// What the outputs read of the motion. `T` is `f64`, or [`Varied`] for directional derivatives; what changes at events
+/// only is a plain number in both, since it does not vary between them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OutputValues<T = f64> {
+    /// Time, s.
+    pub time: T,
+    /// Displacements of box, block and secondary oscillator, m.
+    pub x: [T; 3],
+    /// Their velocities, m/s.
+    pub v: [T; 3],
+    /// Their accelerations, m/s².
+    pub acceleration: [T; 3],
+    /// Relative displacement w (m) and velocity w' (m/s) of block and box.
+    pub gap: (T, T),
+    /// Contact force in rest, N: never negative, and exactly 0 in flight.
+    pub contact_force: T,
+    /// Force in the coupling spring, N.
+    pub coupling_force: T,
+    /// Kinetic and elastic energy, J.
+    pub mechanical: T,
+    /// Work of drive and loads since the start, J.
+    pub input: T,
+    /// Energy dissipated in the dampers since the start, J.
+    pub damped: T,
+    /// Energy lost at impacts since the start, J.
+    pub impact_loss: f64,
+    /// Flight or rest.
+    pub contact: Contact,
+    /// Impacts so far.
+    pub impacts: ImpactRecord,
+}
+
+/// Force in the coupling spring, k23 (x2 - x3), N.
+pub(crate) fn coupling_force(p: &Parameters, x: &[f64; 3]) -> f64 {
+    p.coupling_stiffness * (x[1] - x[2])
+}
+
+impl OutputValues {
+    /// Where a simulator stands.
+    pub fn of(simulator: &Simulator) -> Self {
+        let State { x, v } = simulator.state();
+        let EnergyAccounts { mechanical, input, damped, impact } = simulator.energy_accounts();
+        Self {
+            time: simulator.time(),
+            x,
+            v,
+            acceleration: simulator.acceleration(),
+            gap: simulator.relative_motion(),
+            contact_force: simulator.contact_force(),
+            coupling_force: coupling_force(simulator.parameters(), &x),
+            mechanical,
+            input,
+            damped,
+            impact_loss: impact,
+            contact: simulator.contact(),
+            impacts: *simulator.impacts(),
+        }
+    }
+
+    /// Displacements and velocities.
+    pub fn state(&self) -> State {
+        State { x: self.x, v: self.v }
+    }
+
+    /// Each value together with its rate; what changes at events only is taken from `self`.
+    pub fn varied(&self, rate: &Self) -> OutputValues<Varied> {
+        let pair = |value, rate| Varied { value, rate };
+        let three = |value: [f64; 3], rate: [f64; 3]| std::array::from_fn(|i| pair(value[i], rate[i]));
+        OutputValues {
+            time: pair(self.time, rate.time),
+            x: three(self.x, rate.x),
+            v: three(self.v, rate.v),
+            acceleration: three(self.acceleration, rate.acceleration),
+            gap: (pair(self.gap.0, rate.gap.0), pair(self.gap.1, rate.gap.1)),
+            contact_force: pair(self.contact_force, rate.contact_force),
+            coupling_force: pair(self.coupling_force, rate.coupling_force),
+            mechanical: pair(self.mechanical, rate.mechanical),
+            input: pair(self.input, rate.input),
+            damped: pair(self.damped, rate.damped),
+            impact_loss: self.impact_loss,
+            contact: self.contact,
+            impacts: self.impacts,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_variation_of_a_polynomial() {
+        // f(a, b) = a b - a + b² at (3, 2) along (1, 5): df = (b - 1) da + (a + 2 b) db
+        let (a, b) = (Varied { value: 3.0, rate: 1.0 }, Varied { value: 2.0, rate: 5.0 });
+        let f = a * b + -a + b * b;
+        assert_eq!(f, Varied { value: 7.0, rate: 36.0 });
+        assert_eq!(f - a, Varied { value: 4.0, rate: 35.0 });
+    }
+}

@@ -1,0 +1,356 @@
+//! A row of the table and its columns: what can be said of a variable.
+
+use crate::component::settings::{Derived, Settings};
+use crate::component::units::{EnumerationType, RealType};
+use crate::component::values::{OutputValues, Varied};
+use vibro_impact::parameters::Range;
+
+/// Who sets a variable, and what it is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Set by the environment, constant during simulation.
+    Parameter,
+    /// Follows from parameters.
+    CalculatedParameter,
+    /// Set by the environment.
+    Input,
+    /// Read by the environment.
+    Output,
+    /// Time.
+    Independent,
+}
+
+/// When a variable changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variability {
+    /// Constant after initialization.
+    Fixed,
+    /// Constant between communication points or external events.
+    Tunable,
+    /// Changes at events only.
+    Discrete,
+    /// Changes any time.
+    Continuous,
+}
+
+/// Where the initial value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Initial {
+    /// Has a start value that is its initial value.
+    Exact,
+    /// Computed.
+    Calculated,
+}
+
+/// The type specific part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A Real.
+    Real {
+        /// Declared type, which gives quantity, unit and display unit.
+        declared: RealType,
+        /// Allowed values of what is set; every number for what is only read.
+        range: Range,
+        /// Nominal value.
+        nominal: Option<f64>,
+        /// Name of the variable whose time derivative this is.
+        derivative_of: Option<&'static str>,
+        /// Whether events may change this continuous state.
+        reinit: bool,
+    },
+    /// An Integer.
+    Integer {
+        /// Smallest value.
+        min: i32,
+    },
+    /// A Boolean.
+    Boolean,
+    /// An Enumeration.
+    Enumeration(EnumerationType),
+}
+
+/// Type of a variable's values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// A floating-point number.
+    Real,
+    /// A whole number.
+    Integer,
+    /// True or false.
+    Boolean,
+    /// One of named items.
+    Enumeration,
+}
+
+impl Base {
+    /// Its name in messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Real => "Real",
+            Self::Integer => "Integer",
+            Self::Boolean => "Boolean",
+            Self::Enumeration => "Enumeration",
+        }
+    }
+}
+
+/// The types that one kind of getter and setter serves; which these are is the matter of an interface standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bases {
+    /// Their name in messages.
+    pub name: &'static str,
+    bits: u8,
+}
+
+impl Bases {
+    /// The Reals.
+    pub const REAL: Self = Self::new("Real", &[Base::Real]);
+
+    /// These types under one name.
+    pub const fn new(name: &'static str, bases: &[Base]) -> Self {
+        let (mut bits, mut i) = (0, 0);
+        while i < bases.len() {
+            bits |= 1 << bases[i] as u8;
+            i += 1;
+        }
+        Self { name, bits }
+    }
+
+    /// Whether a type is one of them.
+    #[inline]
+    pub const fn contains(self, base: Base) -> bool {
+        self.bits & (1 << base as u8) != 0
+    }
+}
+
+/// How an output is read.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Its value.
+    pub value: fn(&OutputValues) -> f64,
+    /// The same expression on numbers that vary; none for what changes at events only.
+    pub varied: Option<fn(&OutputValues<Varied>) -> Varied>,
+}
+
+/// Where a variable's value lives. All values travel as `f64`: Integers and enumerations are exact in it, Booleans
+/// are 0 and 1.
+#[derive(Clone, Copy, Debug)]
+pub enum Access {
+    /// Kept in the settings.
+    Setting {
+        /// Reads it.
+        get: fn(&Settings) -> f64,
+        /// Writes it.
+        set: fn(&mut Settings, f64),
+    },
+    /// A start value until initialization ends, then an output of the motion.
+    Start {
+        /// Reads the start value.
+        get: fn(&Settings) -> f64,
+        /// Writes the start value.
+        set: fn(&mut Settings, f64),
+        /// Reads the present value.
+        now: Reading,
+    },
+    /// An output of the motion.
+    Output(Reading),
+    /// Follows from the parameters.
+    Derived(fn(&Derived) -> f64),
+}
+
+/// How an unknown depends on a known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DependencyKind {
+    /// No particular structure.
+    Dependent,
+    /// A constant factor.
+    Constant,
+    /// A factor of fixed parameters.
+    Fixed,
+    /// A factor of tunable parameters.
+    Tunable,
+    /// A factor that changes at events.
+    Discrete,
+}
+
+/// Knowns by name, and how an unknown depends on each.
+pub type Knowns = &'static [(&'static str, DependencyKind)];
+
+/// What a variable depends on: an output on inputs, continuous states and time; a calculated parameter on parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Dependencies {
+    /// It is no unknown: it is set, or it is time.
+    NotUnknown,
+    /// On these and no others.
+    On(Knowns),
+    /// On everything, or nobody knows.
+    All,
+}
+
+/// An output as a combination of displacements or their derivatives: its own time derivatives are then known exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Derivative `order` of a body's displacement.
+    Body {
+        /// 0 is the box, 1 the block, 2 the secondary oscillator.
+        body: usize,
+        /// Order of the derivative.
+        order: usize,
+    },
+    /// Derivative `order` of w = x2 - x1.
+    Gap {
+        /// Order of the derivative.
+        order: usize,
+    },
+    /// k23 (x2 - x3).
+    Coupling,
+}
+
+/// Section of the documentation's table under which a variable stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// Time.
+    Time,
+    /// Physical parameters.
+    Parameters,
+    /// How the motion is obtained.
+    Solution,
+    /// Loads.
+    Loads,
+    /// The bodies' motion.
+    Motion,
+    /// Stops and coupling.
+    Contact,
+    /// Energy accounts.
+    Energy,
+    /// Dimensionless groups.
+    Groups,
+    /// Steady state.
+    Steady,
+}
+
+/// All sections, in the order of the documentation.
+pub const SECTIONS: &[Section] = &[
+    Section::Time,
+    Section::Parameters,
+    Section::Solution,
+    Section::Loads,
+    Section::Motion,
+    Section::Contact,
+    Section::Energy,
+    Section::Groups,
+    Section::Steady,
+];
+
+impl Section {
+    /// Heading in the documentation.
+    pub const fn heading(self) -> &'static str {
+        match self {
+            Self::Time => "Time",
+            Self::Parameters => "Physical parameters",
+            Self::Solution => "How the motion is obtained",
+            Self::Loads => "Loads",
+            Self::Motion => "Motion",
+            Self::Contact => "Contact",
+            Self::Energy => "Energy",
+            Self::Groups => "Dimensionless groups",
+            Self::Steady => "Steady state",
+        }
+    }
+}
+
+/// One variable: every column of its row. Who needs to know something of a variable reads a column; nothing is told from
+/// a name.
+#[derive(Clone, Copy, Debug)]
+pub struct Variable {
+    /// Structured name: identifiers with dots between them.
+    pub name: &'static str,
+    /// What it is, with the sign where it has one.
+    pub description: &'static str,
+    /// Section of the documentation.
+    pub section: Section,
+    /// Causality.
+    pub causality: Causality,
+    /// Variability.
+    pub variability: Variability,
+    /// Where the initial value comes from; none for inputs and time.
+    pub initial: Option<Initial>,
+    /// Type specific part.
+    pub kind: Kind,
+    /// How to read and write it.
+    pub access: Access,
+    /// What it depends on.
+    pub dependencies: Dependencies,
+    /// The time derivatives it has beside its value, if any.
+    pub path: Option<Path>,
+    /// Of an input, the body it acts on: 0 the box, 1 the block, 2 the secondary oscillator.
+    pub body: Option<usize>,
+}
+
+impl Variable {
+    /// Type of its values.
+    pub const fn base(&self) -> Base {
+        match self.kind {
+            Kind::Real { .. } => Base::Real,
+            Kind::Integer { .. } => Base::Integer,
+            Kind::Boolean => Base::Boolean,
+            Kind::Enumeration(_) => Base::Enumeration,
+        }
+    }
+
+    /// Start value, for every variable that has one: parameters, inputs and those whose initial value is exact.
+    pub fn start(&self) -> Option<f64> {
+        match self.access {
+            Access::Setting { get, .. } | Access::Start { get, .. } => Some(get(&Settings::default())),
+            Access::Output(_) | Access::Derived(_) => None,
+        }
+    }
+
+    /// Smallest and largest allowed value of a Real, where there is one.
+    pub fn bounds(&self) -> (Option<f64>, Option<f64>) {
+        let Kind::Real { range, .. } = self.kind else { return (None, None) };
+        (Some(range.min).filter(|x| x.is_finite()), Some(range.max).filter(|x| x.is_finite()))
+    }
+
+    /// What a set value may be, in words.
+    pub fn allowed(&self) -> &'static str {
+        match self.kind {
+            Kind::Real { range, .. } => range.allowed,
+            Kind::Integer { .. } => "a whole number",
+            Kind::Boolean => "0 (false) or 1 (true)",
+            Kind::Enumeration(declared) => declared.allowed,
+        }
+    }
+
+    /// Declared type of a Real.
+    pub fn real_type(&self) -> Option<&RealType> {
+        match &self.kind {
+            Kind::Real { declared, .. } => Some(declared),
+            _ => None,
+        }
+    }
+
+    /// Name of the declared type, where there is one.
+    pub fn declared_type(&self) -> Option<&'static str> {
+        match &self.kind {
+            Kind::Real { declared, .. } => Some(declared.name),
+            Kind::Enumeration(declared) => Some(declared.name),
+            _ => None,
+        }
+    }
+
+    /// Unit of a Real.
+    pub fn unit(&self) -> Option<&'static str> {
+        self.real_type().map(|declared| declared.unit)
+    }
+
+    /// Whether `value` may be set: finite, inside the range, an item of the enumeration.
+    pub fn accepts(&self, value: f64) -> bool {
+        match self.kind {
+            Kind::Real { range, .. } => range.contains(value),
+            Kind::Integer { min } => value >= f64::from(min),
+            Kind::Boolean => value == 0.0 || value == 1.0,
+            Kind::Enumeration(declared) => declared.items.iter().any(|item| f64::from(item.value) == value),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The table of variables as getters and setters need it: packed, made at compile time.
+
+use super::columns::{Access, Base, Bases, Causality, Initial, Kind, Variability, Variable};
+use super::table::{COUNT, VARIABLES};
+use crate::component::settings::{Derived, Settings};
+use crate::component::values::OutputValues;
+
+/// How to read a variable.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Get {
+    /// From the settings.
+    Setting(fn(&Settings) -> f64),
+    /// From the settings until initialization ends, then from the motion.
+    Start(fn(&Settings) -> f64, fn(&OutputValues) -> f64),
+    /// From the motion.
+    Output(fn(&OutputValues) -> f64),
+    /// From what follows from the parameters.
+    Derived(fn(&Derived) -> f64),
+}
+
+/// How to write a variable.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Set {
+    /// A setting.
+    Setting(fn(&mut Settings, f64)),
+    /// A start value, or a continuous state once there is a motion.
+    Start(fn(&mut Settings, f64)),
+    /// Not at all.
+    Never,
+}
+
+/// What a getter needs of a variable, packed: ten of them fit into a few cache lines.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reader {
+    /// Base type.
+    pub(crate) base: Base,
+    /// What must be up to date to read it: one of the bits below, or none.
+    pub(crate) needs: u8,
+    /// How to read it.
+    pub(crate) get: Get,
+}
+
+impl Reader {
+    /// Needs the motion.
+    pub(crate) const MOTION: u8 = 1;
+    /// Needs the motion once there is one.
+    pub(crate) const START: u8 = 2;
+    /// Needs what follows from the parameters.
+    pub(crate) const DERIVED: u8 = 4;
+
+    const fn of(variable: &Variable) -> Self {
+        let (needs, get) = match variable.access {
+            Access::Output(reading) => (Self::MOTION, Get::Output(reading.value)),
+            Access::Start { get, now, .. } => (Self::START, Get::Start(get, now.value)),
+            Access::Derived(get) => (Self::DERIVED, Get::Derived(get)),
+            Access::Setting { get, .. } => (0, Get::Setting(get)),
+        };
+        Self { base: variable.base(), needs, get }
+    }
+}
+
+/// The readers of all variables, by value reference.
+pub(crate) static READERS: [Reader; COUNT] = {
+    let mut readers = [Reader::of(&VARIABLES[0]); COUNT];
+    let mut i = 0;
+    while i < COUNT {
+        readers[i] = Reader::of(&VARIABLES[i]);
+        i += 1;
+    }
+    readers
+};
+
+/// What a setter needs of a variable, packed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Writer {
+    /// Base type.
+    base: Base,
+    /// When it may be set: the bits below.
+    when: u8,
+    /// Whether it is an input.
+    pub(crate) input: bool,
+    /// Smallest and largest value that needs no closer look; the smallest is above the largest where every value does.
+    range: (f64, f64),
+    /// How to write it.
+    pub(crate) set: Set,
+}
+
+impl Writer {
+    /// Before and during initialization.
+    pub(crate) const INITIAL: u8 = 1;
+    /// Between events, while a host's solver is at work.
+    pub(crate) const CONTINUOUS: u8 = 2;
+    /// At communication points and events.
+    pub(crate) const EVENT: u8 = 4;
+
+    /// What may be set when. Inputs are also taken before initialization, where the standards have their start values stand:
+    /// several hosts set them there.
+    const fn of(variable: &Variable) -> Self {
+        let input = matches!(variable.causality, Causality::Input);
+        let parameter = matches!(variable.causality, Causality::Parameter);
+        let tunable = parameter && matches!(variable.variability, Variability::Tunable);
+        let mut when = 0;
+        if input || matches!(variable.initial, Some(Initial::Exact)) {
+            when |= Self::INITIAL;
+        }
+        if input || matches!(variable.access, Access::Start { .. }) {
+            when |= Self::CONTINUOUS;
+        }
+        if input || tunable {
+            when |= Self::EVENT;
+        }
+        let range = match variable.kind {
+            Kind::Real { range, .. } => (
+                if range.open_min { range.min.next_up() } else { range.min.max(f64::MIN) },
+                range.max.min(f64::MAX),
+            ),
+            _ => (1.0, 0.0),
+        };
+        let set = match variable.access {
+            Access::Setting { set, .. } => Set::Setting(set),
+            Access::Start { set, .. } => Set::Start(set),
+            Access::Output(_) | Access::Derived(_) => Set::Never,
+        };
+        Self { base: variable.base(), when, input, range, set }
+    }
+
+    /// Whether it may be set now, by the bit.
+    pub(crate) fn settable(&self, when: u8) -> bool {
+        self.when & when != 0
+    }
+
+    /// Whether a value may be set now without a closer look.
+    #[inline]
+    pub(crate) fn takes(&self, bases: Bases, when: u8, value: f64) -> bool {
+        bases.contains(self.base) && self.settable(when) && self.range.0 <= value && value <= self.range.1
+    }
+}
+
+/// The writers of all variables, by value reference.
+pub(crate) static WRITERS: [Writer; COUNT] = {
+    let mut writers = [Writer::of(&VARIABLES[0]); COUNT];
+    let mut i = 0;
+    while i < COUNT {
+        writers[i] = Writer::of(&VARIABLES[i]);
+        i += 1;
+    }
+    writers
+};

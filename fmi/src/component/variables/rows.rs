@@ -1,0 +1,293 @@
+//! Constructors of the table's rows. Each asks for every column that its kind of variable must have, so that a row that
+//! leaves one out does not compile.
+
+use super::columns::DependencyKind::Dependent;
+use super::columns::{
+    Access, Causality, Dependencies, Initial, Kind, Knowns, Path, Reading, Section, Variability, Variable,
+};
+use crate::component::settings::{Derived, Settings};
+use crate::component::units::{self, RealType};
+use crate::component::values::OutputValues;
+use vibro_impact::parameters::{FIELDS, Range};
+
+/// An output's [`Reading`] from one expression: `reading!(|m| m.contact_force * m.v[1])`. It may add, subtract and multiply.
+macro_rules! reading {
+    (|$m:ident| $value:expr) => {
+        $crate::component::variables::columns::Reading {
+            value: |$m: &$crate::component::values::OutputValues| $value,
+            varied: Some(
+                |$m: &$crate::component::values::OutputValues<$crate::component::values::Varied>| $value,
+            ),
+        }
+    };
+}
+pub(super) use reading;
+
+/// A Real of any finite value.
+pub(super) const fn real(declared: RealType) -> Kind {
+    Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: None, reinit: false }
+}
+
+const fn derivative_of(declared: RealType, of: &'static str) -> Kind {
+    Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: Some(of), reinit: false }
+}
+
+/// A continuous state; its nominal value is that of all states.
+const fn state(declared: RealType, derivative_of: Option<&'static str>, reinit: bool) -> Kind {
+    Kind::Real { declared, range: Range::FINITE, nominal: Some(1.0), derivative_of, reinit }
+}
+
+/// Time.
+pub(super) const TIME: Variable = Variable {
+    name: "time",
+    description: "Time",
+    section: Section::Time,
+    causality: Causality::Independent,
+    variability: Variability::Continuous,
+    initial: None,
+    kind: real(units::TIME),
+    access: Access::Output(reading!(|m| m.time)),
+    dependencies: Dependencies::NotUnknown,
+    path: None,
+    body: None,
+};
+
+fn get_field<const I: usize>(settings: &Settings) -> f64 {
+    (FIELDS[I].get)(&settings.parameters)
+}
+
+/// A physical parameter; name, meaning and range are those of [`FIELDS`].
+pub(super) const fn parameter<const I: usize>(variability: Variability, declared: RealType) -> Variable {
+    let field = FIELDS[I];
+    let kind = Kind::Real { declared, range: field.range, nominal: None, derivative_of: None, reinit: false };
+    let get: fn(&Settings) -> f64 = get_field::<I>;
+    let option = option(field.name, field.description, kind, get, |s, value| {
+        (FIELDS[I].set)(&mut s.parameters, value);
+    });
+    Variable { section: Section::Parameters, variability, ..option }
+}
+
+/// A choice that is fixed after initialization.
+pub(super) const fn option(
+    name: &'static str,
+    description: &'static str,
+    kind: Kind,
+    get: fn(&Settings) -> f64,
+    set: fn(&mut Settings, f64),
+) -> Variable {
+    Variable {
+        name,
+        description,
+        section: Section::Solution,
+        causality: Causality::Parameter,
+        variability: Variability::Fixed,
+        initial: Some(Initial::Exact),
+        kind,
+        access: Access::Setting { get, set },
+        dependencies: Dependencies::NotUnknown,
+        path: None,
+        body: None,
+    }
+}
+
+/// An external force on a body.
+pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'static str) -> Variable {
+    Variable {
+        name,
+        description,
+        section: Section::Loads,
+        causality: Causality::Input,
+        variability: Variability::Continuous,
+        initial: None,
+        kind: real(units::FORCE),
+        access: Access::Setting {
+            get: |s| s.loads.derivatives[BODY][0],
+            // A new value without derivatives is held.
+            set: |s, value| s.loads.derivatives[BODY] = [value, 0.0, 0.0, 0.0],
+        },
+        dependencies: Dependencies::NotUnknown,
+        path: None,
+        body: Some(BODY),
+    }
+}
+
+/// Displacement of a body; impacts may shift box and block by round-off to keep the gap exact. Like every state, it depends
+/// on itself alone.
+pub(super) const fn position<const BODY: usize>(
+    name: &'static str,
+    description: &'static str,
+    reinit: bool,
+    itself: Knowns,
+) -> Variable {
+    let now = reading!(|m| m.x[BODY]);
+    let access = Access::Start { get: |s| s.start.x[BODY], set: |s, value| s.start.x[BODY] = value, now };
+    let kind = state(units::POSITION, None, reinit);
+    let output = moving::<BODY>(name, description, kind, now, itself, 0);
+    Variable { initial: Some(Initial::Exact), access, ..output }
+}
+
+/// Velocity of a body.
+pub(super) const fn velocity<const BODY: usize>(
+    name: &'static str,
+    of: &'static str,
+    description: &'static str,
+    reinit: bool,
+    itself: Knowns,
+) -> Variable {
+    let now = reading!(|m| m.v[BODY]);
+    let access = Access::Start { get: |s| s.start.v[BODY], set: |s, value| s.start.v[BODY] = value, now };
+    let kind = state(units::VELOCITY, Some(of), reinit);
+    let output = moving::<BODY>(name, description, kind, now, itself, 1);
+    Variable { initial: Some(Initial::Exact), access, ..output }
+}
+
+/// Acceleration of a body.
+pub(super) const fn acceleration<const BODY: usize>(
+    name: &'static str,
+    of: &'static str,
+    description: &'static str,
+    knowns: Knowns,
+) -> Variable {
+    let kind = derivative_of(units::ACCELERATION, of);
+    moving::<BODY>(name, description, kind, reading!(|m| m.acceleration[BODY]), knowns, 2)
+}
+
+/// Derivative `order` of a body's displacement.
+const fn moving<const BODY: usize>(
+    name: &'static str,
+    description: &'static str,
+    kind: Kind,
+    reading: Reading,
+    knowns: Knowns,
+    order: usize,
+) -> Variable {
+    let path = Some(Path::Body { body: BODY, order });
+    output(Section::Motion, name, description, kind, reading, knowns, path)
+}
+
+/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends on; `path` says what its
+/// time derivatives are, where they are known.
+pub(super) const fn output(
+    section: Section,
+    name: &'static str,
+    description: &'static str,
+    kind: Kind,
+    reading: Reading,
+    knowns: Knowns,
+    path: Option<Path>,
+) -> Variable {
+    Variable {
+        name,
+        description,
+        section,
+        causality: Causality::Output,
+        variability: Variability::Continuous,
+        initial: Some(Initial::Calculated),
+        kind,
+        access: Access::Output(reading),
+        dependencies: Dependencies::On(knowns),
+        path,
+        body: None,
+    }
+}
+
+/// An output that changes at events only: it holds what the last event made of it, and depends on nothing else.
+pub(super) const fn event_output(
+    section: Section,
+    name: &'static str,
+    description: &'static str,
+    kind: Kind,
+    value: fn(&OutputValues) -> f64,
+) -> Variable {
+    let reading = Reading { value, varied: None };
+    let output = output(section, name, description, kind, reading, &[], None);
+    Variable { variability: Variability::Discrete, ..output }
+}
+
+/// What follows from the parameters.
+const fn derived(
+    section: Section,
+    name: &'static str,
+    description: &'static str,
+    kind: Kind,
+    get: fn(&Derived) -> f64,
+    dependencies: Dependencies,
+) -> Variable {
+    Variable {
+        name,
+        description,
+        section,
+        causality: Causality::CalculatedParameter,
+        variability: Variability::Tunable,
+        initial: Some(Initial::Calculated),
+        kind,
+        access: Access::Derived(get),
+        dependencies,
+        path: None,
+        body: None,
+    }
+}
+
+/// A dimensionless group, made of the parameters in `knowns`; NaN when `box.k` = 0, where the dimensionless form is
+/// undefined.
+pub(super) const fn group(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Derived) -> f64,
+    knowns: Knowns,
+) -> Variable {
+    let number = real(units::NUMBER);
+    derived(Section::Groups, name, description, number, get, Dependencies::On(knowns))
+}
+
+/// The same of fixed parameters.
+pub(super) const fn fixed_group(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Derived) -> f64,
+    knowns: Knowns,
+) -> Variable {
+    Variable { variability: Variability::Fixed, ..group(name, description, get, knowns) }
+}
+
+/// A number of the steady state; it may depend on every parameter.
+pub(super) const fn steady(
+    name: &'static str,
+    description: &'static str,
+    declared: RealType,
+    get: fn(&Derived) -> f64,
+) -> Variable {
+    derived(Section::Steady, name, description, real(declared), get, Dependencies::All)
+}
+
+/// A test of the steady state.
+pub(super) const fn flag(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Derived) -> f64,
+) -> Variable {
+    derived(Section::Steady, name, description, Kind::Boolean, get, Dependencies::All)
+}
+
+/// Parameters, by name, that a group is made of.
+macro_rules! of {
+    ($($name:literal),*) => { &[$(($name, $crate::component::variables::columns::DependencyKind::Dependent)),*] };
+}
+pub(super) use of;
+
+/// Everything: accumulated work and energies.
+pub(super) const ALL: Knowns = &[
+    ("time", Dependent),
+    ("box.f", Dependent),
+    ("block.f", Dependent),
+    ("secondary.f", Dependent),
+    ("box.s", Dependent),
+    ("box.v", Dependent),
+    ("block.s", Dependent),
+    ("block.v", Dependent),
+    ("secondary.s", Dependent),
+    ("secondary.v", Dependent),
+];
+
+/// The bodies' places and velocities, the last six of [`ALL`].
+pub(super) const STATES: Knowns = ALL.split_at(4).1;

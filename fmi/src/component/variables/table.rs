@@ -1,0 +1,189 @@
+//! The table itself. Append only: a variable's place is its value reference.
+
+use super::columns::DependencyKind::{
+    Constant, Dependent, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
+};
+use super::columns::Path::{Coupling, Gap};
+use super::columns::Variability::{Fixed, Tunable};
+use super::columns::{Kind, Knowns, Section, Variable};
+use super::rows::*;
+use crate::component::settings::{Derived, SolutionMode};
+use crate::component::units;
+use vibro_impact::parameters::Groups;
+use vibro_impact::simulator::Contact;
+
+/// What box and block feel, in flight or as one body in rest: the factors change with the contact.
+const PAIR: Knowns = &[
+    ("time", Dependent),
+    ("box.f", AtEvents),
+    ("block.f", AtEvents),
+    ("box.s", AtEvents),
+    ("box.v", AtEvents),
+    ("block.s", AtEvents),
+    ("secondary.s", AtEvents),
+];
+
+/// What the secondary oscillator feels.
+const SECONDARY: Knowns = &[
+    ("secondary.f", OfFixed),
+    ("block.s", OfTunable),
+    ("secondary.s", OfTunable),
+    ("secondary.v", OfTunable),
+];
+
+/// A group's value; NaN when `box.k` = 0, where the dimensionless form is undefined.
+fn value(derived: &Derived, get: fn(&Groups) -> f64) -> f64 {
+    derived.groups.as_ref().map_or(f64::NAN, get)
+}
+
+/// A count as a C int, saturating: 2^31 impacts take years of computing.
+fn count(value: u64) -> f64 {
+    f64::from(i32::try_from(value).unwrap_or(i32::MAX))
+}
+
+/// Every variable, in the order of its value reference.
+#[rustfmt::skip]
+const TABLE: &[Variable] = &[
+    TIME,
+
+    // Physical parameters
+    parameter::<0>(Fixed, units::MASS),
+    parameter::<1>(Tunable, units::STIFFNESS),
+    parameter::<2>(Tunable, units::DAMPING),
+    parameter::<3>(Fixed, units::MASS),
+    parameter::<4>(Fixed, units::MASS),
+    parameter::<5>(Tunable, units::STIFFNESS),
+    parameter::<6>(Tunable, units::DAMPING),
+    parameter::<7>(Tunable, units::STIFFNESS),
+    parameter::<8>(Fixed, units::POSITION),
+    parameter::<9>(Tunable, units::NUMBER),
+    parameter::<10>(Tunable, units::FORCE),
+    parameter::<11>(Tunable, units::ANGULAR_FREQUENCY),
+    parameter::<12>(Tunable, units::ANGLE),
+
+    // How the motion is obtained
+    option("mode", "How the motion is obtained: simulation or one of two closed forms of the steady state",
+        Kind::Enumeration(units::MODE),
+        |s| s.mode.number() as f64, |s, v| if let Some(mode) = SolutionMode::from_number(v as i32) { s.mode = mode }),
+    option("startOnOrbit", "Start on the exact two-impact orbit at the drive's initial phase instead of at the start values",
+        Kind::Boolean, |s| f64::from(s.start_on_orbit), |s, v| s.start_on_orbit = v != 0.0),
+    option("stopAtImpact", "End a communication step early, at its first impact; few importers handle that",
+        Kind::Boolean, |s| f64::from(s.stop_at_impact), |s, v| s.stop_at_impact = v != 0.0),
+
+    // Loads
+    load::<0>("box.f", "External force on the box, beside the drive"),
+    load::<1>("block.f", "External force on the block"),
+    load::<2>("secondary.f", "External force on the secondary oscillator"),
+
+    // Motion
+    position::<0>("box.s", "Displacement of the box (x1)", true, &[("box.s", Constant)]),
+    velocity::<0>("box.v", "box.s", "Velocity of the box", true, &[("box.v", Constant)]),
+    acceleration::<0>("box.a", "box.v", "Acceleration of the box", PAIR),
+    position::<1>("block.s", "Displacement of the block (x2)", true, &[("block.s", Constant)]),
+    velocity::<1>("block.v", "block.s", "Velocity of the block", true, &[("block.v", Constant)]),
+    acceleration::<1>("block.a", "block.v", "Acceleration of the block", PAIR),
+    position::<2>("secondary.s", "Displacement of the secondary oscillator (x3)", false, &[("secondary.s", Constant)]),
+    velocity::<2>("secondary.v", "secondary.s", "Velocity of the secondary oscillator", false, &[("secondary.v", Constant)]),
+    acceleration::<2>("secondary.a", "secondary.v", "Acceleration of the secondary oscillator", SECONDARY),
+
+    // Contact
+    output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
+        real(units::POSITION), reading!(|m| m.gap.0), &[("box.s", AtEvents), ("block.s", AtEvents)], Some(Gap { order: 0 })),
+    output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
+        &[("box.v", AtEvents), ("block.v", AtEvents)], Some(Gap { order: 1 })),
+    output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
+        the block away from the stop and the box towards it (stop.state says which stop); exactly 0 in flight",
+        real(units::FORCE), reading!(|m| m.contact_force), PAIR, None),
+    event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
+        |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 }),
+    event_output(Section::Contact, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
+        |m| count(m.impacts.upper)),
+    event_output(Section::Contact, "impacts.lower", "Number of impacts on the lower stop since the start", Kind::Integer { min: 0 },
+        |m| count(m.impacts.lower)),
+    event_output(Section::Contact, "impacts.lastTime", "Time of the last impact; 0 before the first", real(units::TIME),
+        |m| m.impacts.last_time),
+    event_output(Section::Contact, "impacts.lastImpulse", "Impulse of the last impact; 0 before the first", real(units::IMPULSE),
+        |m| m.impacts.last_impulse),
+    event_output(Section::Contact, "impacts.lastSpeed", "Relative speed of approach at the last impact; 0 before the first",
+        real(units::VELOCITY), |m| m.impacts.last_speed),
+    event_output(Section::Contact, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
+        |m| m.impacts.total_impulse),
+    output(Section::Contact, "coupling.f", "Force in the coupling spring, k23 (x2 - x3): on the secondary oscillator as is, on the block reversed",
+        real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)], Some(Coupling)),
+
+    // Energy
+    output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None),
+    output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None),
+    output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None),
+    event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss),
+
+    // Dimensionless groups
+    fixed_group("groups.epsilon", "Mass ratio m2/m1", |d| value(d, |g| g.epsilon),
+        of!("box.m", "block.m")),
+    group("groups.kappa", "Restitution coefficient", |d| value(d, |g| g.kappa),
+        of!("stop.restitution")),
+    group("groups.f10", "Drive amplitude F10/(k1 L epsilon)", |d| value(d, |g| g.f10),
+        of!("box.m", "box.k", "block.m", "stop.gap", "drive.amplitude")),
+    group("groups.sigma1", "Detuning of the drive, (omega1/omega10 - 1)/epsilon", |d| value(d, |g| g.sigma1),
+        of!("box.m", "box.k", "block.m", "drive.frequency")),
+    group("groups.gamma1", "Damping of the box, c1/(m1 omega10 epsilon)", |d| value(d, |g| g.gamma1),
+        of!("box.m", "box.k", "box.c", "block.m")),
+    group("groups.alpha23", "Weak coupling, beta2/epsilon", |d| value(d, |g| g.alpha23),
+        of!("box.m", "box.k", "block.m", "coupling.k")),
+    group("groups.beta2", "Coupling, k23/(m2 omega10^2)", |d| value(d, |g| g.beta2),
+        of!("box.m", "box.k", "block.m", "coupling.k")),
+    group("groups.sigma30", "Detuning of the secondary oscillator, (omega30^2/omega10^2 - 1)/epsilon", |d| value(d, |g| g.sigma30),
+        of!("box.m", "box.k", "block.m", "secondary.m", "secondary.k")),
+    group("groups.gamma3", "Damping of the secondary oscillator, c3/(m3 omega10 epsilon)", |d| value(d, |g| g.gamma3),
+        of!("box.m", "box.k", "block.m", "secondary.m", "secondary.c")),
+    fixed_group("groups.mu13", "Mass ratio m1/m3", |d| value(d, |g| g.mu13),
+        of!("box.m", "secondary.m")),
+
+    // Steady state
+    flag("steady.exists", "A two-impact steady state exists, by multiple scales",
+        |d| f64::from(d.steady.exists)),
+    flag("steady.geometric", "It keeps the block between the stops", |d| f64::from(d.steady.geometric)),
+    flag("steady.fixedPointStable", "The slow flow's fixed point is stable", |d| f64::from(d.steady.fixed_point_stable)),
+    flag("steady.motionStable", "The periodic two-impact motion is stable", |d| f64::from(d.steady.motion_stable)),
+    flag("steady.stable", "All three tests hold: the steady state is seen in the real system, as far as multiple scales tell", |d| f64::from(d.steady.stable)),
+    steady("steady.B", "Amplitude of the centre-of-mass coordinate in gaps, by multiple scales; NaN without a steady state", units::NUMBER,
+        |d| d.steady.b),
+    steady("steady.C", "Amplitude of the sawtooth in gaps; NaN without a steady state", units::NUMBER,
+        |d| d.steady.c),
+    steady("steady.A3", "Amplitude of the secondary oscillator in gaps; NaN without a steady state", units::NUMBER,
+        |d| d.steady.a3),
+    steady("steady.rho", "Loss parameter (2/pi)(1 - kappa)/(1 + kappa)", units::NUMBER,
+        |d| d.steady.rho),
+    steady("steady.Cmin", "Smallest C of the slow invariant manifold's upper branch", units::NUMBER,
+        |d| d.steady.c_min),
+    steady("steady.CSmin", "Smallest C of stable periodic motion", units::NUMBER,
+        |d| d.steady.cs_min),
+    steady("steady.CSmax", "Largest C of stable periodic motion", units::NUMBER,
+        |d| d.steady.cs_max),
+    steady("steady.CGmax", "Largest geometrically admissible C", units::NUMBER,
+        |d| d.steady.cg_max),
+    steady("steady.phase", "Phase of the drive when the block meets the upper stop; NaN without a steady state", units::ANGLE,
+        |d| d.steady.phase),
+    steady("steady.A1", "Amplitude of the box in gaps; NaN without a steady state", units::NUMBER,
+        |d| d.steady.a1),
+    steady("steady.A2", "Amplitude of the block in gaps; NaN without a steady state", units::NUMBER,
+        |d| d.steady.a2),
+    steady("steady.impulse", "Impulse of each impact on the exact orbit; NaN where there is none", units::IMPULSE,
+        |d| d.steady.impulse),
+    steady("steady.spectralRadius", "Spectral radius of the half-cycle map of the exact orbit, stable below 1; NaN where there is none", units::NUMBER,
+        |d| d.steady.spectral_radius),
+];
+
+/// Number of variables.
+pub const COUNT: usize = TABLE.len();
+
+/// Every variable, in the order of its value reference.
+pub static VARIABLES: [Variable; COUNT] = {
+    let mut variables = [TIME; COUNT];
+    let mut i = 0;
+    while i < COUNT {
+        variables[i] = TABLE[i];
+        i += 1;
+    }
+    variables
+};

@@ -1,0 +1,77 @@
+//! Derivatives of the motion at a point: with respect to time, for quadrature, and to states and forces.
+
+use super::values::{OutputValues, coupling_force};
+use vibro_impact::flow::Series;
+use vibro_impact::model::{Augmented, BOX_RATE, GAP, GAP_RATE, LANES, Model, SECONDARY_RATE, SmoothMode};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Contact, ImpactRecord, State};
+
+/// v1 and v3 with three derivatives each.
+pub(crate) type Velocities = [[f64; 4]; 2];
+
+/// They at one point, the forces changing at `slope`.
+pub(crate) fn velocities(
+    model: &Model,
+    mode: SmoothMode,
+    z: &Augmented,
+    forces: [f64; 3],
+    slope: [f64; 3],
+) -> Velocities {
+    let forces = std::array::from_fn(|i| [forces[i], slope[i], 0.0, 0.0]);
+    let series = Series::<4>::expand(model, mode, z, Some(&forces), 1.0 / model.rate);
+    let rate = model.rate;
+    let scale = [1.0, rate, 2.0 * rate * rate, 6.0 * rate * rate * rate]; // k!/r^k
+    [BOX_RATE, SECONDARY_RATE].map(|lane| std::array::from_fn(|k| series.lanes[k][lane] * scale[k]))
+}
+
+/// Integral over an interval of length h from values and three derivatives at its ends.
+pub(crate) fn quadrature(h: f64, a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    let h2 = h * h;
+    h * (0.5 * (a[0] + b[0])
+        + h * (3.0 / 28.0) * (a[1] - b[1])
+        + h2 / 84.0 * (a[2] + b[2])
+        + h2 * h / 1680.0 * (a[3] - b[3]))
+}
+
+/// How the outputs vary with states and forces in a given contact: everything is linear but the mechanical energy, whose
+/// gradient is taken. Energies that have been summed up do not vary.
+pub(crate) fn variation(
+    model: &Model,
+    p: &Parameters,
+    contact: Contact,
+    state: &State,
+    dx: &State,
+    df: [f64; 3],
+) -> OutputValues {
+    let mut z = [0.0; LANES];
+    z[..6].copy_from_slice(&dx.to_relative());
+    let mode = if contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest };
+    let (a, free) = model.acceleration(mode, &z, Some(df));
+    let (x, v) = (&state.x, &state.v);
+    let (gap, contact_force) = match contact {
+        Contact::Flight => ((z[GAP], z[GAP_RATE]), 0.0),
+        contact => ((0.0, 0.0), model.reduced_mass * contact.side() * free),
+    };
+    let mechanical = p.box_mass * v[0] * dx.v[0]
+        + p.block_mass * v[1] * dx.v[1]
+        + p.secondary_mass * v[2] * dx.v[2]
+        + p.box_stiffness * x[0] * dx.x[0]
+        + p.secondary_stiffness * x[2] * dx.x[2]
+        + p.coupling_stiffness * (x[1] - x[2]) * (dx.x[1] - dx.x[2]);
+    OutputValues {
+        time: 0.0,
+        x: dx.x,
+        v: dx.v,
+        acceleration: [a[0], a[0] + a[1], a[2]],
+        gap,
+        contact_force,
+        coupling_force: coupling_force(p, &dx.x),
+        mechanical,
+        input: 0.0,
+        damped: 0.0,
+        // What changes at events only has no rate.
+        impact_loss: 0.0,
+        contact,
+        impacts: ImpactRecord::default(),
+    }
+}
