@@ -57,6 +57,11 @@ pub mod theory {}
 #[doc = include_str!("../docs/numerics.md")]
 pub mod numerical_method {}
 
+// The Rust block of the README is run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeBlocks;
+
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};
 pub use simulator::Simulator;
