@@ -3,7 +3,7 @@
 
 use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
 use crate::model::{
-    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, GAP_RATE, LANES, Model, SECONDARY_RATE,
+    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE_RATE, SECONDARY_RATE,
     SmoothMode,
 };
 use crate::numerics::double_double::DoubleDouble;
@@ -53,7 +53,7 @@ const FOUR: Rule<4> = Rule {
     ],
 };
 
-/// Pieces into which the Gramians' own quadrature divides an interval's half.
+/// Forms of each kind: from a sub-step's start to each of the interval centres, and to its end.
 const PREFIXES: usize = INTERVALS + 1;
 /// An 8 × 8 quadratic form of the augmented state.
 type Form = [[f64; LANES]; LANES];
@@ -247,7 +247,7 @@ impl Gramians {
         let (drive, c1, c3) = self.coefficients();
         // Of the augmented state the powers need the rates and sin θ only.
         let rates: [[f64; 4]; N] =
-            series.lanes.map(|z| [z[BOX_RATE], z[GAP_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]);
+            series.lanes.map(|z| [z[BOX_RATE], z[RELATIVE_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]);
         let (mut input, mut damped) = (0.0, 0.0);
         let width = u1 - u0;
         for (node, weight) in rule.nodes.iter().zip(&rule.weights) {

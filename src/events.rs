@@ -56,7 +56,7 @@ fn value_and_slope<const N: usize>(c: &[f64; N], u: f64) -> (f64, f64) {
     (sums[0] + u * sums[1], sums[2] + u * sums[3])
 }
 
-/// The sign pattern of p on |u| ≤ 1, where it is certain.
+/// The shape of p on |u| ≤ 1, by the sign of p' or of p'', where that is certain.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Shape {
     Rising,

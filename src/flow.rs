@@ -6,7 +6,7 @@
 //! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
 
 use crate::model::{
-    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, GAP, GAP_RATE, LANES, Model, SECONDARY,
+    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY,
     SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::simd::{PADDED, Rows, product, row, value};
@@ -16,17 +16,17 @@ pub const INTERVALS: usize = 16;
 /// Sub-step times rate, so that most flights between two impacts of a period take one or two sub-steps; the series about
 /// an interval's centre then has radius 0.075/rate.
 const SUBSTEP_TIMES_RATE: f64 = 2.4;
-/// Coefficients of a series about an interval's centre: the rest is 0.075¹⁰/10! < 2e-18 of the largest coordinate.
+/// Coefficients of a series about an interval's centre: the remainder is 0.075¹⁰/10! < 2e-18 of the largest coordinate.
 pub const CENTRED: usize = 10;
-/// Coefficients of a series about the start, of radius 0.15/rate: the rest is 0.15¹²/12! < 3e-19.
+/// Coefficients of a series about the start, of radius 0.15/rate: the remainder is 0.15¹²/12! < 3e-19.
 pub const ANCHORED: usize = 12;
-/// Coefficients of a series over a whole sub-step, for the tables: the rest is 2.4³⁰/30! < 1e-20.
+/// Coefficients of a series over a whole sub-step, for the tables: the remainder is 2.4³⁰/30! < 1e-20.
 pub const WHOLE: usize = 30;
 /// Columns of the augmented state.
 pub const CORE: usize = LANES;
 /// Columns of the loads: 3 forces, each with its value and 3 derivatives.
 pub const LOAD: usize = 12;
-/// Covers the rounding of the bound and of the samples themselves.
+/// Covers the rounding of the bound itself. Why that of the samples is not added: docs/numerics.md, "Events".
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
 /// 1/(k+1) of the recurrence.
@@ -75,7 +75,7 @@ impl<const N: usize> Series<N> {
                 let turn = q * model.omega;
                 lanes[k + 1] = [
                     q * c[BOX_RATE],
-                    q * c[GAP_RATE],
+                    q * c[RELATIVE_RATE],
                     q * c[SECONDARY_RATE],
                     q * a[0],
                     q * a[1],
@@ -99,7 +99,7 @@ impl<const N: usize> Series<N> {
     pub fn excess_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
         let mut p = [0.0; N];
         for (pk, lane) in p.iter_mut().zip(&self.lanes) {
-            *pk = side * lane[GAP];
+            *pk = side * lane[RELATIVE];
         }
         p[0] -= gap;
         p
@@ -114,7 +114,7 @@ impl<const N: usize> Series<N> {
             if k > 0 {
                 scale *= k as f64 * rate;
             }
-            let bodies = [lane[BOX], lane[BOX] + lane[GAP], lane[SECONDARY]];
+            let bodies = [lane[BOX], lane[BOX] + lane[RELATIVE], lane[SECONDARY]];
             for (derivative, value) in derivatives.iter_mut().zip(bodies) {
                 derivative[k] = value * scale;
             }
@@ -126,7 +126,7 @@ impl<const N: usize> Series<N> {
     #[inline(always)]
     pub fn functional(&self, mode: SmoothMode) -> [f64; N] {
         match mode {
-            SmoothMode::Flight => self.lanes.map(|lane| lane[GAP]),
+            SmoothMode::Flight => self.lanes.map(|lane| lane[RELATIVE]),
             SmoothMode::Rest => self.free,
         }
     }
@@ -202,7 +202,7 @@ impl Local {
                 Series::<CENTRED>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, radius);
             for (k, lane) in series.lanes.iter().enumerate() {
                 self.lanes[k][c] = *lane;
-                gap[k] = lane[GAP];
+                gap[k] = lane[RELATIVE];
             }
         }
         for (columns, centre) in self.relative.iter_mut().zip(&core.centre) {
@@ -258,7 +258,7 @@ impl Column {
         Self {
             z: [
                 z[BOX_RATE],
-                z[GAP_RATE],
+                z[RELATIVE_RATE],
                 z[SECONDARY_RATE],
                 a[0],
                 a[1],
@@ -273,7 +273,7 @@ impl Column {
     /// The event functional: w in flight, the free relative acceleration in rest.
     fn functional(&self, model: &Model, mode: SmoothMode) -> f64 {
         match mode {
-            SmoothMode::Flight => self.z[GAP],
+            SmoothMode::Flight => self.z[RELATIVE],
             SmoothMode::Rest => model.acceleration(mode, &self.z, Some(self.values())).1,
         }
     }
@@ -309,7 +309,7 @@ impl<const C: usize> Table<C> {
                 self.peak[c] = self.peak[c].max(second.abs());
                 self.centre[i][c] = centre.z;
                 let node = match mode {
-                    SmoothMode::Flight => value(&series.lanes.map(|l| l[GAP]), end),
+                    SmoothMode::Flight => value(&series.lanes.map(|l| l[RELATIVE]), end),
                     SmoothMode::Rest => value(&series.free, end),
                 };
                 self.sample[c][i] = node;

@@ -11,13 +11,13 @@ pub const LANES: usize = 8;
 /// Lane of the box's displacement x1.
 pub const BOX: usize = 0;
 /// Lane of the relative displacement w (the coordinate across the gap).
-pub const GAP: usize = 1;
+pub const RELATIVE: usize = 1;
 /// Lane of the secondary oscillator's displacement x3.
 pub const SECONDARY: usize = 2;
 /// Lane of x1'.
 pub const BOX_RATE: usize = 3;
 /// Lane of w'.
-pub const GAP_RATE: usize = 4;
+pub const RELATIVE_RATE: usize = 4;
 /// Lane of x3'.
 pub const SECONDARY_RATE: usize = 5;
 /// Lane of cos θ.
@@ -141,7 +141,7 @@ impl Model {
     /// linear in its arguments (docs/theory.md (6), (7), (13)). `f` are the loads on the three bodies in N, if any act.
     #[inline(always)]
     pub fn acceleration(&self, mode: SmoothMode, z: &Augmented, f: Option<[f64; 3]>) -> ([f64; 3], f64) {
-        let stretch = (z[BOX] - z[SECONDARY]) + z[GAP]; // x2 - x3
+        let stretch = (z[BOX] - z[SECONDARY]) + z[RELATIVE]; // x2 - x3
         let mut a1 = (self.drive * z[DRIVE_SIN] - self.k1 * z[BOX]) - self.c1 * z[BOX_RATE];
         let mut a2 = -(self.k2 * stretch);
         let mut a3 = (self.k32 * stretch - self.k3 * z[SECONDARY]) - self.c3 * z[SECONDARY_RATE];
@@ -161,10 +161,10 @@ impl Model {
     /// speed |w'⁻| in m/s, the impulse p in N s and the energy lost in J.
     #[inline(always)]
     pub fn impact(&self, z: &mut Augmented, side: f64) -> (f64, f64, f64) {
-        let speed = side * z[GAP_RATE];
+        let speed = side * z[RELATIVE_RATE];
         let [kick, impulse, loss] = self.impact_factors();
         z[BOX_RATE] += side * kick * speed;
-        z[GAP_RATE] *= -self.restitution;
+        z[RELATIVE_RATE] *= -self.restitution;
         (speed, impulse * speed, loss * speed * speed)
     }
 
@@ -183,9 +183,9 @@ impl Model {
     /// The inelastic merge into resting contact, docs/theory.md (17): momentum is kept, and the energy lost, J, is returned.
     #[inline(always)]
     pub fn merge(&self, z: &mut Augmented) -> f64 {
-        let slip = z[GAP_RATE];
+        let slip = z[RELATIVE_RATE];
         z[BOX_RATE] += self.block_share * slip;
-        z[GAP_RATE] = 0.0;
+        z[RELATIVE_RATE] = 0.0;
         0.5 * self.reduced_mass * slip * slip
     }
 }

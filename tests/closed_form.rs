@@ -1,7 +1,7 @@
 //! The simulator against motions that are known in closed form.
 
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{Contact, Event, Loads, Stop};
+use vibro_impact::simulator::{Contact, Event, Loads, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// A few hundred roundings of numbers of order one, over at most a few hundred sub-steps.
@@ -173,7 +173,7 @@ fn closed_form_of_the_release() {
             simulator
                 .advance_until(
                     DoubleDouble::sum(step * f64::from(n), step),
-                    Stop::Never,
+                    Pause::Never,
                     Some(&mut |event| {
                         if let Event::Release { time, .. } = event {
                             released = Some(*time);

@@ -4,7 +4,7 @@ mod common;
 
 use common::golden::{distance, table};
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{Contact, Event, Stop};
+use vibro_impact::simulator::{Contact, Event, Pause};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 /// Round-off of the gap after a flight of up to one and a half periods (the rows' states are of order one).
@@ -91,7 +91,7 @@ fn golden_standard_work_over_twenty_periods() {
         simulator
             .advance_until(
                 DoubleDouble::sum(begin, end - begin),
-                Stop::Never,
+                Pause::Never,
                 Some(&mut |e| {
                     if let Event::Impact { time, side, speed, .. } = *e {
                         impacts.push((time, f64::from(side), speed));

@@ -1,7 +1,7 @@
 //! What must hold whatever the motion: laws of impact, energy, independence of the steps, symmetry, repeatability.
 
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{Contact, Event, Loads, Stop};
+use vibro_impact::simulator::{Contact, Event, Loads, Pause};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 fn start() -> State {
@@ -54,7 +54,7 @@ fn invariant_momentum_and_restitution_at_each_impact() {
         simulator
             .advance_until(
                 DoubleDouble::sum(begin, 100.0),
-                Stop::AfterImpact,
+                Pause::AfterImpact,
                 Some(&mut |e| {
                     if let Event::Impact { time, side, speed, impulse } = *e {
                         impact = Some((time, f64::from(side), speed, impulse));
@@ -155,7 +155,7 @@ fn invariant_energy_balance_under_loads_in_all_modes() {
         simulator
             .advance_until(
                 DoubleDouble::sum(t, 0.31),
-                Stop::Never,
+                Pause::Never,
                 Some(&mut |e| rests += u32::from(matches!(e, Event::Rest { .. }))),
             )
             .unwrap();
@@ -234,7 +234,7 @@ fn invariant_rest_holds_the_stop_and_lets_go_with_falling_force() {
         simulator
             .advance_until(
                 DoubleDouble::sum(0.01 * f64::from(n), 0.01),
-                Stop::Never,
+                Pause::Never,
                 Some(&mut |e| match e {
                     Event::Rest { .. } => rests += 1,
                     Event::Release { .. } => releases += 1,

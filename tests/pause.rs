@@ -1,6 +1,6 @@
 //! Pausing before an event, applying its law, and looking ahead.
 
-use vibro_impact::simulator::{Contact, DueEvent, Event, Loads, Stop, StopReason};
+use vibro_impact::simulator::{AdvanceOutcome, Contact, DueEvent, Event, Loads, Pause};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 /// Sums of the input energy are formed in another order where a motion pauses: round-off of a few hundred additions.
@@ -40,14 +40,14 @@ fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
         let (mut impacts, mut releases) = (0, false);
         loop {
             let seen = after.advance_to_impact(end).unwrap();
-            let reason = before.advance_until(end, Stop::BeforeEvent, None).unwrap();
+            let reason = before.advance_until(end, Pause::BeforeEvent, None).unwrap();
             if let Some(DueEvent::Release { side }) = before.due_event() {
                 assert_eq!(before.contact().side(), f64::from(side));
                 releases = true;
                 break; // from here on the phase is taken anew at other times
             }
-            assert_eq!(reason == StopReason::EventDue, seen == StopReason::Impact, "{kappa}");
-            if reason == StopReason::End {
+            assert_eq!(reason == AdvanceOutcome::EventDue, seen == AdvanceOutcome::Impact, "{kappa}");
+            if reason == AdvanceOutcome::End {
                 break;
             }
             let mut shown = 0;
@@ -70,8 +70,8 @@ fn invariant_a_pause_changes_nothing_but_round_off() {
         let (mut whole, mut paused) = (simulator(&p), simulator(&p));
         let mut events = [0, 0];
         whole.advance_observed(end, &mut |_| events[0] += 1).unwrap();
-        while paused.advance_until(end, Stop::BeforeEvent, Some(&mut |_| events[1] += 1)).unwrap()
-            == StopReason::EventDue
+        while paused.advance_until(end, Pause::BeforeEvent, Some(&mut |_| events[1] += 1)).unwrap()
+            == AdvanceOutcome::EventDue
         {
             let (w, rate) = paused.relative_motion();
             let side = f64::from(paused.due_event().unwrap().side());
@@ -90,7 +90,7 @@ fn invariant_a_pause_changes_nothing_but_round_off() {
 fn closed_form_the_left_limit_and_the_law() {
     let p = system(1.5, 0.7);
     let mut s = simulator(&p);
-    assert_eq!(s.advance_until(100.0, Stop::BeforeEvent, None).unwrap(), StopReason::EventDue);
+    assert_eq!(s.advance_until(100.0, Pause::BeforeEvent, None).unwrap(), AdvanceOutcome::EventDue);
     let (time, before, (w, rate)) = (s.time(), s.state(), s.relative_motion());
     let mut event = None;
     s.apply_due_event(Some(&mut |e| event = Some(*e)));
@@ -113,7 +113,7 @@ fn invariant_a_snapshot_of_a_pause_goes_on_with_the_same_bits() {
         let p = system(1.5, kappa);
         let mut one = simulator(&p);
         let mut kinds = [false; 2];
-        while one.advance_until(end, Stop::BeforeEvent, None).unwrap() == StopReason::EventDue {
+        while one.advance_until(end, Pause::BeforeEvent, None).unwrap() == AdvanceOutcome::EventDue {
             kinds[usize::from(one.contact() != Contact::Flight)] = true;
             let mut two = Simulator::new(&system(0.5, 0.9), &State::default(), 0.0).unwrap();
             two.restore(&one.snapshot()).unwrap();
@@ -137,7 +137,7 @@ fn invariant_a_look_ahead_tells_what_comes_and_changes_nothing() {
         let ahead = s.next_event(1e3).unwrap().expect("events without end");
         assert!(s.snapshot() == before && *s.work_counters() == work);
         assert_eq!(s.next_event(s.time()).unwrap(), None);
-        assert_eq!(s.advance_until(1e3, Stop::BeforeEvent, None).unwrap(), StopReason::EventDue);
+        assert_eq!(s.advance_until(1e3, Pause::BeforeEvent, None).unwrap(), AdvanceOutcome::EventDue);
         assert_eq!(s.next_event(s.time()).unwrap(), Some(ahead), "what is due is next");
         let mut first = None;
         s.apply_due_event(Some(&mut |e| first = first.or(Some(*e))));
@@ -149,13 +149,13 @@ fn invariant_a_look_ahead_tells_what_comes_and_changes_nothing() {
 fn invariant_a_pause_in_an_advance_counts_as_its_first_impact() {
     let p = system(1.5, 0.7);
     let mut s = simulator(&p);
-    s.advance_until(100.0, Stop::BeforeEvent, None).unwrap();
+    s.advance_until(100.0, Pause::BeforeEvent, None).unwrap();
     let time = s.time();
     assert!(s.advance_to(time - 0.1).is_err() && s.due_event().is_some(), "an error applies nothing");
-    assert_eq!(s.advance_to_impact(100.0).unwrap(), StopReason::Impact);
+    assert_eq!(s.advance_to_impact(100.0).unwrap(), AdvanceOutcome::Impact);
     assert_eq!((s.time(), s.due_event()), (time, None));
     // An advance of no length applies it as well.
-    s.advance_until(100.0, Stop::BeforeEvent, None).unwrap();
+    s.advance_until(100.0, Pause::BeforeEvent, None).unwrap();
     let count = s.impacts().upper + s.impacts().lower;
     s.advance_to(s.time()).unwrap();
     assert_eq!((s.due_event(), s.impacts().upper + s.impacts().lower), (None, count + 1));
@@ -165,7 +165,7 @@ fn invariant_a_pause_in_an_advance_counts_as_its_first_impact() {
 fn closed_form_changes_while_an_event_is_due() {
     let p = system(1.5, 0.7);
     let mut s = simulator(&p);
-    s.advance_until(100.0, Stop::BeforeEvent, None).unwrap();
+    s.advance_until(100.0, Pause::BeforeEvent, None).unwrap();
     let (due, rate) = (s.due_event(), s.relative_motion().1);
     // The law takes the new restitution.
     s.set_parameters(&Parameters { stop_restitution: 0.25, ..p }).unwrap();
@@ -175,14 +175,14 @@ fn closed_form_changes_while_an_event_is_due() {
     assert_eq!(s.relative_motion().1, -0.25 * rate);
     // A wider gap: the block no longer touches the stop.
     s.set_parameters(&p).unwrap();
-    s.advance_until(200.0, Stop::BeforeEvent, None).unwrap();
+    s.advance_until(200.0, Pause::BeforeEvent, None).unwrap();
     assert!(s.due_event().is_some());
     s.set_parameters(&Parameters { stop_gap: 1.5 * p.stop_gap, ..p }).unwrap();
     assert_eq!((s.due_event(), s.contact()), (None, Contact::Flight));
     // A release that a load presses down again is none.
     let mut s = simulator(&system(1.5, 0.0));
     while !matches!(s.due_event(), Some(DueEvent::Release { .. })) {
-        s.advance_until(1e3, Stop::BeforeEvent, None).unwrap();
+        s.advance_until(1e3, Pause::BeforeEvent, None).unwrap();
     }
     let side = s.contact().side();
     let mut loads = Loads::default();

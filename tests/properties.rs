@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::reference::{Reference, Tolerance};
-use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads, Stop, advance_together};
+use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads, Pause, advance_together};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 /// A number over several decades.
@@ -114,7 +114,7 @@ proptest! {
             prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
             let mut previous = f64::NEG_INFINITY;
             let mut wrong = None;
-            let outcome = simulator.advance_until(DoubleDouble::sum(t, step), Stop::Never, Some(&mut |e| {
+            let outcome = simulator.advance_until(DoubleDouble::sum(t, step), Pause::Never, Some(&mut |e| {
                 let (time, speed, impulse) = match *e {
                     Event::Impact { time, speed, impulse, .. } => (time, speed, impulse),
                     Event::Rest { .. } => return,

@@ -1,7 +1,7 @@
 //! Every way to start, and parameters at the edge of what is allowed.
 
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{Contact, Event, Loads, Stop};
+use vibro_impact::simulator::{Contact, Event, Loads, Pause};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 fn at_stop(side: f64, relative: f64) -> State {
@@ -55,7 +55,7 @@ fn closed_form_approach_speed_at_the_start_is_an_impact_at_once() {
             simulator
                 .advance_until(
                     DoubleDouble::sum(3.0, step),
-                    Stop::AfterImpact,
+                    Pause::AfterImpact,
                     Some(&mut |e| first = first.or(Some(*e))),
                 )
                 .unwrap();
@@ -198,7 +198,7 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     for n in 0..200 {
         // The end of a step is begin + step in extended precision, which the present as a double may round down.
-        simulator.advance_until(DoubleDouble::sum(simulator.time(), 0.0317), Stop::Never, None).unwrap();
+        simulator.advance_until(DoubleDouble::sum(simulator.time(), 0.0317), Pause::Never, None).unwrap();
         let before = simulator.time();
         simulator.advance_observed(before, &mut |_| {}).unwrap_or_else(|e| panic!("step {n}: {e}"));
         assert_eq!(simulator.time(), before);

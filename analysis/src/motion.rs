@@ -2,7 +2,7 @@
 
 use vibro_impact::error::Result;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Event, Simulator, State, Stop, StopReason};
+use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator, State};
 
 /// Samples per drive period: cubic interpolation between them is good to about 1e-8 of the amplitudes.
 const PER_PERIOD: u32 = 128;
@@ -51,7 +51,7 @@ pub fn record_flights(simulator: &mut Simulator, periods: u32) -> Result<Vec<Fli
             let now = simulator.time();
             let reason = simulator.advance_until(
                 end,
-                Stop::AfterImpact,
+                Pause::AfterImpact,
                 Some(&mut |e| {
                     if let Event::Impact { side, impulse, .. } = e {
                         last = Some(f64::from(*side) * impulse);
@@ -59,10 +59,10 @@ pub fn record_flights(simulator: &mut Simulator, periods: u32) -> Result<Vec<Fli
                 }),
             );
             // The last impact was at the end itself: a step of no length is refused, and nothing is left to do.
-            let reason = reason.or_else(|e| if now >= end { Ok(StopReason::End) } else { Err(e) })?;
+            let reason = reason.or_else(|e| if now >= end { Ok(AdvanceOutcome::End) } else { Err(e) })?;
             let after = simulator.state();
             match (reason, last) {
-                (StopReason::Impact, Some(push)) => {
+                (AdvanceOutcome::Impact, Some(push)) => {
                     let mut before = after;
                     before.v[0] -= push / p.box_mass;
                     before.v[1] += push / p.block_mass;

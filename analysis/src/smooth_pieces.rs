@@ -5,8 +5,8 @@
 
 use vibro_impact::error::{Error, Result};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
-use vibro_impact::simulator::{Contact, Event, Simulator, Stop};
+use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use vibro_impact::simulator::{Contact, Event, Pause, Simulator};
 
 /// Terms of a series over a time of at most [`PIECE_TIMES_RATE`] over the model's rate: the remainder is
 /// 1.2²⁰/20! < 2e-17.
@@ -76,7 +76,7 @@ pub(crate) fn expand_along(
         visit(&series, radius);
         z = series.at(1.0);
         if mode == SmoothMode::Rest {
-            (z[GAP], z[GAP_RATE]) = (start[GAP], 0.0);
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
         }
     }
     z
@@ -116,7 +116,7 @@ pub(crate) fn smooth_pieces(
         // The simulator stops at the first impact; before it, at most one release can happen.
         simulator.advance_until(
             end,
-            Stop::AfterImpact,
+            Pause::AfterImpact,
             Some(&mut |event| match *event {
                 Event::Release { time, .. } => release = Some(time),
                 Event::Impact { time, side, speed, .. } => hit = Some((time, f64::from(side), speed)),

@@ -7,7 +7,7 @@
 
 use super::smooth_pieces::{Piece, PieceEnd};
 use vibro_impact::flow::{Series, WHOLE};
-use vibro_impact::model::{Augmented, GAP, GAP_RATE, LANES, Model, SmoothMode};
+use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
 
 /// Exponents of the system: six coordinates and the phase of the drive.
 pub(crate) const DIMENSION: usize = 7;
@@ -109,13 +109,13 @@ impl Transition {
 
 /// A variation in the coordinates of the model (docs/theory.md (83)).
 fn physical(v: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
-    let (x1, rate1) = (v[0] - share * v[GAP], v[3] - share * v[GAP_RATE]);
+    let (x1, rate1) = (v[0] - share * v[RELATIVE], v[3] - share * v[RELATIVE_RATE]);
     [gap * x1, gap * v[1], gap * v[2], speed * rate1, speed * v[4], speed * v[5], v[6], v[7]]
 }
 
 /// A variation of the model's coordinates in those used here (docs/theory.md (83)).
 fn varied(z: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
-    let (centre, rate) = (z[0] + share * z[GAP], z[3] + share * z[GAP_RATE]);
+    let (centre, rate) = (z[0] + share * z[RELATIVE], z[3] + share * z[RELATIVE_RATE]);
     [centre / gap, z[1] / gap, z[2] / gap, rate / speed, z[4] / speed, z[5] / speed, z[6], z[7]]
 }
 
@@ -160,7 +160,7 @@ impl Variation {
         self.jump(frame, *rate, after);
         if *rests {
             for v in frame.iter_mut() {
-                (v[GAP], v[GAP_RATE]) = (0.0, 0.0);
+                (v[RELATIVE], v[RELATIVE_RATE]) = (0.0, 0.0);
             }
             return Rank::Limited(DIMENSION - 2);
         }
@@ -175,20 +175,20 @@ impl Variation {
         }
         let (model, kappa) = (&self.model, self.model.restitution);
         // The state just before and after the impact, also where a merge followed it.
-        let centre = after[3] + model.block_share * after[GAP_RATE];
+        let centre = after[3] + model.block_share * after[RELATIVE_RATE];
         let with = |w: f64| {
             let mut z = *after;
-            (z[3], z[GAP_RATE]) = (centre - model.block_share * w, w);
+            (z[3], z[RELATIVE_RATE]) = (centre - model.block_share * w, w);
             model.acceleration(SmoothMode::Flight, &z, None).1
         };
         let kick = (with(-kappa * rate) + kappa * with(rate)) / rate;
         // The centre of mass feels the damper's force on the box jump; everything in 1/rate of the model.
         let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
         for v in frame.iter_mut() {
-            let w = v[GAP];
-            v[GAP_RATE] = -kappa * v[GAP_RATE] + kick / model.rate * w;
+            let w = v[RELATIVE];
+            v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick / model.rate * w;
             v[3] -= push * w;
-            v[GAP] = -kappa * w;
+            v[RELATIVE] = -kappa * w;
         }
     }
 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use vibro_fmi::component::variables;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{DueEvent, Stop};
+use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Communication steps per drive period: enough for a smooth picture and for amplitudes to three digits.
@@ -98,7 +98,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
         let impacts = instance.integer(&counts)?;
         whole += begin.elapsed();
 
-        native.advance_until(DoubleDouble::sum(from, step), Stop::Never, None)?;
+        native.advance_until(DoubleDouble::sum(from, step), Pause::Never, None)?;
         let (state, time) = (native.state(), native.time());
         let record = native.impacts();
         let expected = [state.x, state.v].concat();
@@ -121,7 +121,7 @@ fn impacts(parameters: &Parameters, end: f64) -> Result<Vec<ImpactSample>> {
     let mut simulator = Simulator::new(parameters, &State::default(), 0.0)?;
     let mut found = Vec::new();
     while simulator.time() < end {
-        simulator.advance_until(end, Stop::BeforeEvent, None)?;
+        simulator.advance_until(end, Pause::BeforeEvent, None)?;
         let (time, before) = (simulator.time(), simulator.state());
         if let Some(DueEvent::Impact { .. }) = simulator.apply_due_event(None) {
             found.push(ImpactSample { time, before, after: simulator.state() });

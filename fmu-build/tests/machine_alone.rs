@@ -48,7 +48,7 @@ fn example(name: &str) -> PathBuf {
 
 #[test]
 fn a_program_with_the_machine_has_no_symbol_of_fmi() {
-    let bytes = std::fs::read(example("count_impacts")).unwrap();
+    let bytes = std::fs::read(example("run")).unwrap();
     let binary = object::File::parse(&*bytes).unwrap();
     let names: Vec<&str> =
         binary.symbols().chain(binary.dynamic_symbols()).filter_map(|s| s.name().ok()).collect();

@@ -1,7 +1,7 @@
 //! The ways to advance: to a time, to an impact, with an observer, up to an event and over it, and a look ahead.
 
 use super::step::EventObserver;
-use super::{DueEvent, Event, Simulator, Stop, StopReason, check_time};
+use super::{AdvanceOutcome, DueEvent, Event, Pause, Simulator, check_time};
 use crate::error::{Error, Result};
 use crate::numerics::double_double::DoubleDouble;
 
@@ -11,15 +11,15 @@ impl Simulator {
     /// # Errors
     /// As [`advance_until`](Self::advance_until).
     pub fn advance_to(&mut self, end: f64) -> Result<()> {
-        self.advance_until(end, Stop::Never, None).map(|_| ())
+        self.advance_until(end, Pause::Never, None).map(|_| ())
     }
 
     /// Advances to just after the first impact, or to `end` (s) if none comes before.
     ///
     /// # Errors
     /// As [`advance_until`](Self::advance_until).
-    pub fn advance_to_impact(&mut self, end: f64) -> Result<StopReason> {
-        self.advance_until(end, Stop::AfterImpact, None)
+    pub fn advance_to_impact(&mut self, end: f64) -> Result<AdvanceOutcome> {
+        self.advance_until(end, Pause::AfterImpact, None)
     }
 
     /// Advances to exactly `end` (s) and shows `observer` each event in order of time.
@@ -27,12 +27,12 @@ impl Simulator {
     /// # Errors
     /// As [`advance_until`](Self::advance_until).
     pub fn advance_observed(&mut self, end: f64, observer: &mut dyn FnMut(&Event)) -> Result<()> {
-        self.advance_until(end, Stop::Never, Some(observer)).map(|_| ())
+        self.advance_until(end, Pause::Never, Some(observer)).map(|_| ())
     }
 
     /// Advances to `end` (s, a double or a double-double) or to where `stop` says, and shows `observer`, if there is one,
     /// each event in order of time. The law of an event that is [due](Self::due_event) is applied first; it counts as the
-    /// first impact for [`Stop::AfterImpact`].
+    /// first impact for [`Pause::AfterImpact`].
     ///
     /// An end before the present by no more than the rounding of [`time`](Self::time) to a double is the present.
     ///
@@ -43,9 +43,9 @@ impl Simulator {
     pub fn advance_until(
         &mut self,
         end: impl Into<DoubleDouble>,
-        stop: Stop,
+        pause: Pause,
         mut observer: EventObserver<'_, '_>,
-    ) -> Result<StopReason> {
+    ) -> Result<AdvanceOutcome> {
         let end = end.into();
         let span = end.minus(self.hybrid.time).value();
         let rounded = span < 0.0 && span >= -f64::EPSILON * self.time().abs();
@@ -54,23 +54,23 @@ impl Simulator {
         }
         check_time(self.model.rate, end.value())?;
         let applied = self.apply_due_event(observer.as_deref_mut());
-        if stop == Stop::AfterImpact && matches!(applied, Some(DueEvent::Impact { .. })) {
-            return Ok(StopReason::Impact);
+        if pause == Pause::AfterImpact && matches!(applied, Some(DueEvent::Impact { .. })) {
+            return Ok(AdvanceOutcome::Impact);
         }
         if rounded {
-            return Ok(StopReason::End);
+            return Ok(AdvanceOutcome::End);
         }
-        self.run(end, stop, observer)
+        self.run(end, pause, observer)
     }
 
-    /// The event at which an advance with [`Stop::BeforeEvent`] has stopped and whose law is not yet applied. State,
+    /// The event at which an advance with [`Pause::BeforeEvent`] has stopped and whose law is not yet applied. State,
     /// accelerations and contact are those before it.
     pub fn due_event(&self) -> Option<DueEvent> {
         self.hybrid.due
     }
 
     /// Applies the law of the event that is due and returns which it was; nothing happens when none is. A further advance
-    /// would do it by itself. The motion goes on with the same bits as after [`Stop::AfterImpact`], but for the account of
+    /// would do it by itself. The motion goes on with the same bits as after [`Pause::AfterImpact`], but for the account of
     /// input energy, which is summed in another order.
     pub fn apply_due_event(&mut self, mut observer: EventObserver<'_, '_>) -> Option<DueEvent> {
         let due = self.hybrid.due.take()?;
@@ -92,7 +92,7 @@ impl Simulator {
     pub fn next_event(&self, horizon: f64) -> Result<Option<Event>> {
         let mut ahead = self.clone().without_energy_accounts();
         if ahead.hybrid.due.is_none() {
-            ahead.advance_until(horizon, Stop::BeforeEvent, None)?;
+            ahead.advance_until(horizon, Pause::BeforeEvent, None)?;
         }
         let mut next = None;
         ahead.apply_due_event(Some(&mut |event: &Event| next = next.or(Some(*event))));

@@ -3,7 +3,7 @@
 use super::step::EventObserver;
 use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::Series;
-use crate::model::{Augmented, GAP, GAP_RATE, SmoothMode};
+use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
 
 /// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by more than this many gaps, half
 /// a unit in the last place.
@@ -11,13 +11,14 @@ const CHATTER: f64 = 0.5 * f64::EPSILON;
 /// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
 /// without end; it is closed by the height of its bounces instead.
 const LEAST_LOSS: f64 = 1e-3;
-/// e_h of docs/theory.md (18), that height in gaps: not round-off, but under what any host resolves, and 10⁵ bounces a second instead of 10⁹.
+/// e_h of docs/theory.md (18), that height in gaps. It is under what any host resolves, and leaves 10⁵ bounces a second to compute,
+/// where round-off would leave 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
 /// A run is closed only if the free acceleration a, changing at its present rate, changes by at most this part of itself within
 /// the run's length t_c at constant acceleration (docs/theory.md (16), (19)). 1/4 is the largest part s for which this contains
 /// the true run. Let the run last x t_c. While a falls, no bounce returns faster than it left, and each is shorter than at the
-/// least acceleration, a (1 - s x): the lengths sum to at most t_c/(1 - s x), so that x (1 - s x) ≤ 1 has to have a solution,
-/// which it has for s ≤ 1/4: x = 2 at the limit. Then a stays above half its value and the run ends within 2 t_c. While a
+/// least acceleration, a (1 - s x): the lengths sum to at most t_c/(1 - s x), so x (1 - s x) ≤ 1. From x = 0 on, this contains x
+/// if x (1 - s x) reaches 1, which it does only for s ≤ 1/4; at s = 1/4 that is at x = 2. Then a stays above half its value and the run ends within 2 t_c. While a
 /// rises, the speeds grow by at most sqrt(1 + s) and the run ends within t_c. Either way what the run moves is at most 2.3
 /// times what the threshold is made for, about one unit in the last place of the gap.
 const STEADY: f64 = 0.25;
@@ -39,22 +40,22 @@ impl Simulator {
         observer: &mut EventObserver<'_, '_>,
     ) -> bool {
         let (time, stop) = (self.time(), side as i8);
-        z[GAP] = side * self.model.gap;
+        z[RELATIVE] = side * self.model.gap;
         if self.hybrid.contact != Contact::Flight {
-            z[GAP_RATE] = 0.0;
+            z[RELATIVE_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
             self.hybrid.departing = 3; // w' and w'' are zero, the jerk leads away
             report(observer, Event::Release { time, side: stop });
             return false;
         }
         // A root whose speed round-off has turned negative is a touch.
-        z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
+        z[RELATIVE_RATE] = side * (side * z[RELATIVE_RATE]).max(0.0);
         let (speed, impulse, lost) = self.model.impact(z, side);
         self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
         self.hybrid.record.count(side, time, speed, impulse);
         report(observer, Event::Impact { time, side: stop, speed, impulse });
         self.hybrid.departing = 1;
-        let rebound = z[GAP_RATE].abs();
+        let rebound = z[RELATIVE_RATE].abs();
         if rebound == 0.0 {
             self.rest_or_depart(*z, side);
             if self.hybrid.contact != Contact::Flight {
@@ -71,10 +72,10 @@ impl Simulator {
         true
     }
 
-    /// Whether the chatter run that starts with rebound speed `u` is to be closed. It lasts 2u/(a(1-κ)) and moves the
-    /// block relative to the box, and box and block against the merged motion, by no more than u times that: closed when
-    /// this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are under
-    /// [`LEAST_BOUNCE`]. Returns the time to the instant at which the run's impacts accumulate, s.
+    /// The time until the impacts of the chatter run that starts with rebound speed `u` accumulate, s, if the run is to be
+    /// closed now (0 for nearly elastic runs), else `None`. The run lasts t_c = 2u/(a(1-κ)) and moves the block relative to the
+    /// box, and box and block against the merged motion, by no more than u t_c: it is closed when this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are under
+    /// [`LEAST_BOUNCE`].
     #[inline(always)]
     fn time_to_chatter_end<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
@@ -89,7 +90,7 @@ impl Simulator {
         let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
         let series = Series::<4>::expand(&self.model, SmoothMode::Flight, z, forces.first(), span);
         // Half the second and a sixth of the third derivative, in units of the span.
-        let (second, third) = (series.lanes[2][GAP], series.lanes[3][GAP]);
+        let (second, third) = (series.lanes[2][RELATIVE], series.lanes[3][RELATIVE]);
         let steady = (3.0 * third).abs() <= STEADY * second.abs();
         steady.then_some(if elastic { 0.0 } else { span })
     }
@@ -102,8 +103,8 @@ impl Simulator {
         part * self.model.gap
     }
 
-    /// Decides between rest and flight for a block at a stop without approach speed, from the first derivative of w
-    /// that is not zero; called whenever state, parameters or loads are set from outside.
+    /// Sets contact, `departing` and the due event anew from state, parameters and loads; called whenever one of these is set
+    /// from outside.
     pub(super) fn classify_contact(&mut self) {
         let (gap, y) = (self.model.gap, &mut self.hybrid.y);
         let due = self.hybrid.due.take();
@@ -117,10 +118,10 @@ impl Simulator {
             return;
         }
         let side = y[1].signum();
-        if side * y[GAP_RATE] > 0.0 {
+        if side * y[RELATIVE_RATE] > 0.0 {
             return; // an impact is due at once
         }
-        if y[GAP_RATE] != 0.0 {
+        if y[RELATIVE_RATE] != 0.0 {
             self.hybrid.departing = 1;
             return;
         }

@@ -4,7 +4,7 @@ use super::Simulator;
 use super::general::{SeriesPoint, SubstepStart};
 use crate::events::flight_crossing;
 use crate::flow::{ANCHORED, INTERVALS, Series};
-use crate::model::{Augmented, GAP, SmoothMode};
+use crate::model::{Augmented, RELATIVE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::{at_least, excess_over, polynomial, product};
 use pulp::Simd;
@@ -125,7 +125,7 @@ impl Simulator {
         let rows = self.flight.local.lanes(simd, &centre);
         let u = if centred { remaining - radius } else { remaining } / radius;
         let arrived = polynomial(simd, &rows, u);
-        if arrived[GAP].abs() >= limit {
+        if arrived[RELATIVE].abs() >= limit {
             return false;
         }
         if ACCOUNTS {

@@ -5,7 +5,7 @@ use super::step::MAX_REACH;
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
-use crate::model::{Augmented, Forces, GAP, GAP_RATE, SmoothMode};
+use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use std::sync::Arc;
 
@@ -97,13 +97,14 @@ impl Simulator {
         let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
         if self.hybrid.contact == Contact::Flight {
             // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the step is shortened.
-            let reach = |u: f64| series.lanes[1..].iter().rev().fold(0.0, |sum, c| (sum + c[GAP].abs()) * u);
+            let reach =
+                |u: f64| series.lanes[1..].iter().rev().fold(0.0, |sum, c| (sum + c[RELATIVE].abs()) * u);
             let mut part = 1.0;
             while reach(part) > MAX_REACH * gap {
                 part *= 0.5;
             }
             let path = reach(part);
-            near = [z[GAP] + path >= gap, path - z[GAP] >= gap];
+            near = [z[RELATIVE] + path >= gap, path - z[RELATIVE] >= gap];
             if part < 1.0 {
                 span *= part;
                 self.work.expansions += 1;
@@ -236,7 +237,7 @@ impl Simulator {
             Table::transit(&tables.load.centre[index], &columns, &mut z);
         }
         if self.hybrid.contact != Contact::Flight {
-            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start.z[RELATIVE], 0.0);
         }
         (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
     }
@@ -285,9 +286,9 @@ impl Simulator {
             let functional = series.functional(self.mode());
             return self.first_event(&functional, 0.0, 1.0, near);
         }
-        let side = start.z[GAP].signum();
+        let side = start.z[RELATIVE].signum();
         let mut found = None;
-        if order > 1 || start.z[GAP_RATE].abs() <= 0.5 * start.bound * span {
+        if order > 1 || start.z[RELATIVE_RATE].abs() <= 0.5 * start.bound * span {
             let p = series.excess_polynomial(side, self.model.gap);
             let mut q = [0.0; ANCHORED];
             q[..ANCHORED - order].copy_from_slice(&p[order..]);
@@ -316,7 +317,7 @@ impl Simulator {
         }
         *z = to.series.at(to.u);
         if self.hybrid.contact != Contact::Flight {
-            (z[GAP], z[GAP_RATE]) = (start.z[GAP], 0.0);
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start.z[RELATIVE], 0.0);
         }
         self.hybrid.time = self.hybrid.time.plus(to.base).plus(to.u * to.radius);
         self.hybrid.departing = 0;
@@ -339,7 +340,7 @@ impl Simulator {
             Table::transit(&tables.load.full, &columns, &mut next);
         }
         if self.hybrid.contact != Contact::Flight {
-            (next[GAP], next[GAP_RATE]) = (start.z[GAP], 0.0);
+            (next[RELATIVE], next[RELATIVE_RATE]) = (start.z[RELATIVE], 0.0);
         }
         *z = next;
         self.hybrid.time = self.hybrid.time.plus(self.substep);

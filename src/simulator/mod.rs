@@ -1,7 +1,7 @@
 //! The event-driven simulator: exact flow between events, events found with proof, the event's law at each.
 //!
 //! A communication step is a reporting interval, not an integration step: ten steps of h and one of 10 h agree to round-off.
-//! Nothing is allocated while advancing.
+//! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then copied.
 //!
 //! | kernel | when it runs | what proves that no event is missed | bits equal to which |
 //! |---|---|---|---|
@@ -10,8 +10,9 @@
 //! | `general_substep` (`general.rs`) | rest, loads, fast blocks, and what the two above leave | the same samples and bound, for w or the contact force; dominance on series from the start | its own, equal on all instruction sets |
 //! | `batch/` | many flights without loads or energy accounts side by side | the same bound; dominance in vectors | its own: independent of the other motions, not equal to one by one |
 //!
-//! All of them end in `finish_substep` (`step.rs`), which applies the event's law (`contact.rs`) and limits the work. The
-//! statements and their error bounds are in `docs/numerics.md`.
+//! The first three end in `finish_substep` (`step.rs`), which applies the event's law (`contact.rs`) and limits the work; `batch/`
+//! applies the law to plain impacts in its lanes and leaves rest, chatter and release to `finish_substep`. The statements and their
+//! error bounds are in `docs/numerics.md`.
 
 mod account;
 mod advance;
@@ -27,7 +28,7 @@ mod types;
 pub use batch::advance_together;
 pub use step::EventObserver;
 pub use types::{
-    Contact, DueEvent, EnergyAccounts, Event, ImpactRecord, Loads, Stop, StopReason, WorkCounters,
+    AdvanceOutcome, Contact, DueEvent, EnergyAccounts, Event, ImpactRecord, Loads, Pause, WorkCounters,
 };
 
 use crate::energy::{self, Pending, Sums};
@@ -158,7 +159,7 @@ impl Simulator {
         &self.parameters
     }
 
-    /// Takes effect at once; a change of drive frequency keeps the drive's phase continuous, a change of drive phase
+    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase continuous, a change of drive phase
     /// shifts it. Energy that the change itself adds to springs and masses counts as input.
     ///
     /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop, and its law takes the new
@@ -192,7 +193,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// Loads from now on, as polynomials in the time from now; they hold until set again.
+    /// Sets the loads from now on, as polynomials in the time from now; they hold until set again.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when one is not finite, [`Error::PrecisionLost`] when it is out of all proportion; nothing
@@ -234,7 +235,7 @@ impl Simulator {
         State::from_relative(&self.hybrid.y)
     }
 
-    /// The smooth mode.
+    /// Whether the block flies or rests, and at which stop.
     pub fn contact(&self) -> Contact {
         self.hybrid.contact
     }

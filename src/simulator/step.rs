@@ -1,9 +1,9 @@
 //! An advance: sub-step after sub-step, each to its end or to its first event, whose law is applied.
 
-use super::{Contact, DueEvent, Event, ModeTables, Simulator, Stop, StopReason};
+use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulator};
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
-use crate::model::{Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE};
+use crate::model::{Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd;
 use pulp::Simd;
@@ -20,7 +20,7 @@ const WORK_BASE: u64 = 1_000_000;
 /// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is.
 const WORK_PER_SUBSTEP: f64 = 32.0;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
-/// steps are shortened so that the root's resolution keeps to the gap.
+/// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
 
 /// What an advance carries from sub-step to sub-step; the state in one cache line.
@@ -43,7 +43,7 @@ pub(super) struct AdvanceState {
 struct Run<'a, 'b, const ACCOUNTS: bool> {
     simulator: &'a mut Simulator,
     end: DoubleDouble,
-    stop: Stop,
+    pause: Pause,
     observer: EventObserver<'a, 'b>,
 }
 
@@ -51,12 +51,12 @@ struct Run<'a, 'b, const ACCOUNTS: bool> {
 pub type EventObserver<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
 
 impl<const ACCOUNTS: bool> pulp::WithSimd for Run<'_, '_, ACCOUNTS> {
-    type Output = Result<StopReason>;
+    type Output = Result<AdvanceOutcome>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { simulator, end, stop, observer } = self;
-        simulator.run_as::<S, 0, ACCOUNTS>(simd, end, stop, observer)
+        let Self { simulator, end, pause, observer } = self;
+        simulator.run_as::<S, 0, ACCOUNTS>(simd, end, pause, observer)
     }
 }
 
@@ -65,14 +65,14 @@ impl Simulator {
     pub(super) fn run(
         &mut self,
         end: DoubleDouble,
-        stop: Stop,
+        pause: Pause,
         observer: EventObserver<'_, '_>,
-    ) -> Result<StopReason> {
+    ) -> Result<AdvanceOutcome> {
         match (self.loaded(), self.keeps_energy_accounts) {
-            (false, false) => self.dispatch::<false>(end, stop, observer),
-            (false, true) => self.dispatch::<true>(end, stop, observer),
-            (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, stop, observer),
-            (true, true) => self.run_as::<_, 1, true>(pulp::Scalar, end, stop, observer),
+            (false, false) => self.dispatch::<false>(end, pause, observer),
+            (false, true) => self.dispatch::<true>(end, pause, observer),
+            (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, pause, observer),
+            (true, true) => self.run_as::<_, 1, true>(pulp::Scalar, end, pause, observer),
         }
     }
 
@@ -81,10 +81,10 @@ impl Simulator {
     fn dispatch<const ACCOUNTS: bool>(
         &mut self,
         end: DoubleDouble,
-        stop: Stop,
+        pause: Pause,
         observer: EventObserver<'_, '_>,
-    ) -> Result<StopReason> {
-        pulp::Arch::new().dispatch(Run::<ACCOUNTS> { simulator: self, end, stop, observer })
+    ) -> Result<AdvanceOutcome> {
+        pulp::Arch::new().dispatch(Run::<ACCOUNTS> { simulator: self, end, pause, observer })
     }
 
     #[inline(always)]
@@ -92,9 +92,9 @@ impl Simulator {
         &mut self,
         simd: S,
         end: DoubleDouble,
-        stop: Stop,
+        pause: Pause,
         mut observer: EventObserver<'_, '_>,
-    ) -> Result<StopReason> {
+    ) -> Result<AdvanceOutcome> {
         let mut advance = self.begin_advance();
         // The drive's work in a flight without loads is kept as a difference of values.
         let by_difference = ACCOUNTS && LOADS == 0;
@@ -102,7 +102,8 @@ impl Simulator {
             self.open_account(&mut advance);
         }
         loop {
-            let going = self.next_substep::<S, LOADS, ACCOUNTS>(simd, &mut advance, end, stop, &mut observer);
+            let going =
+                self.next_substep::<S, LOADS, ACCOUNTS>(simd, &mut advance, end, pause, &mut observer);
             if let ControlFlow::Break(reason) = going {
                 if by_difference {
                     if self.hybrid.contact == Contact::Flight {
@@ -138,9 +139,9 @@ impl Simulator {
         simd: S,
         advance: &mut AdvanceState,
         end: DoubleDouble,
-        stop: Stop,
+        pause: Pause,
         observer: &mut EventObserver<'_, '_>,
-    ) -> ControlFlow<Result<StopReason>> {
+    ) -> ControlFlow<Result<AdvanceOutcome>> {
         // Far from the end the leading parts tell enough; near it every digit counts.
         let mut remaining = end.hi - self.hybrid.time.hi;
         if remaining <= 2.0 * self.substep {
@@ -149,19 +150,19 @@ impl Simulator {
         if remaining <= 0.0 {
             self.hybrid.y.copy_from_slice(&advance.z[..6]);
             self.hybrid.time = end;
-            return ControlFlow::Break(Ok(StopReason::End));
+            return ControlFlow::Break(Ok(AdvanceOutcome::End));
         }
         self.renew(advance);
         let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut advance.z, remaining, end);
         let (contact, speed) = (self.hybrid.contact, advance.z[BOX_RATE]);
-        let going = self.finish_substep::<LOADS>(advance, passage, stop, observer);
+        let going = self.finish_substep::<LOADS>(advance, passage, pause, observer);
         if ACCOUNTS && LOADS == 0 && passage.is_some() {
             self.account_event(advance, contact, speed);
         }
         going
     }
 
-    /// Takes cos θ and sin θ anew, and up what is pending, when it is time.
+    /// Every [`RENEW`] sub-steps computes cos θ and sin θ from the phase and adds the pending energies to the sums.
     #[inline(always)]
     pub(super) fn renew(&mut self, advance: &mut AdvanceState) {
         if advance.since_renewal == RENEW {
@@ -172,7 +173,7 @@ impl Simulator {
         advance.since_renewal += 1;
     }
 
-    /// sin θ and cos θ from the extended phase; rare, and kept out of the way of what is not.
+    /// sin θ and cos θ from the drive's phase; a function of its own, so that the frequent path stays short.
     #[cold]
     #[inline(never)]
     fn sine_and_cosine(&self) -> (f64, f64) {
@@ -185,18 +186,18 @@ impl Simulator {
         &mut self,
         advance: &mut AdvanceState,
         passage: Option<f64>,
-        stop: Stop,
+        pause: Pause,
         observer: &mut EventObserver<'_, '_>,
-    ) -> ControlFlow<Result<StopReason>> {
+    ) -> ControlFlow<Result<AdvanceOutcome>> {
         if let Some(side) = passage {
-            if stop == Stop::BeforeEvent {
+            if pause == Pause::BeforeEvent {
                 return ControlFlow::Break(Ok(self.stop_before_event(advance, side)));
             }
             self.work.events += 1;
             let impact = self.apply_event_law::<LOADS>(&mut advance.z, side, observer);
-            if impact && stop == Stop::AfterImpact {
+            if impact && pause == Pause::AfterImpact {
                 self.hybrid.y.copy_from_slice(&advance.z[..6]);
-                return ControlFlow::Break(Ok(StopReason::Impact));
+                return ControlFlow::Break(Ok(AdvanceOutcome::Impact));
             }
         }
         if self.work.substeps > advance.allowed
@@ -231,19 +232,19 @@ impl Simulator {
 
     /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits that the law takes.
     #[cold]
-    fn stop_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> StopReason {
+    fn stop_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> AdvanceOutcome {
         let z = &mut advance.z;
-        z[GAP] = side * self.model.gap;
-        let stop = side as i8;
+        z[RELATIVE] = side * self.model.gap;
+        let side = side as i8;
         self.hybrid.due = Some(if self.hybrid.contact == Contact::Flight {
-            z[GAP_RATE] = side * (side * z[GAP_RATE]).max(0.0);
-            DueEvent::Impact { side: stop }
+            z[RELATIVE_RATE] = side * (side * z[RELATIVE_RATE]).max(0.0);
+            DueEvent::Impact { side }
         } else {
-            z[GAP_RATE] = 0.0;
-            DueEvent::Release { side: stop }
+            z[RELATIVE_RATE] = 0.0;
+            DueEvent::Release { side }
         });
         self.hybrid.y.copy_from_slice(&z[..6]);
-        StopReason::EventDue
+        AdvanceOutcome::EventDue
     }
 
     #[inline(always)]
@@ -293,8 +294,8 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn clears_first_interval(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
         match self.hybrid.departing {
-            0 => z[GAP].abs() < limit,
-            1 => z[GAP_RATE].abs() > 0.5 * bound * self.interval(),
+            0 => z[RELATIVE].abs() < limit,
+            1 => z[RELATIVE_RATE].abs() > 0.5 * bound * self.interval(),
             _ => false,
         }
     }
@@ -303,6 +304,6 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn exceeds_reach(&self, z: &Augmented, bound: f64) -> bool {
         let interval = self.interval();
-        z[GAP_RATE].abs() * interval + 0.5 * bound * interval * interval > MAX_REACH * self.model.gap
+        z[RELATIVE_RATE].abs() * interval + 0.5 * bound * interval * interval > MAX_REACH * self.model.gap
     }
 }

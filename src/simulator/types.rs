@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which smooth mode the motion is in.
+/// Whether the block flies or rests, and at which stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Contact {
     /// The block is free between the stops.
@@ -87,7 +87,7 @@ pub struct EnergyAccounts {
 
 /// Where an advance ends if not at the time it was given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stop {
+pub enum Pause {
     /// Nowhere: it goes through all events.
     #[default]
     Never,
@@ -99,12 +99,12 @@ pub enum Stop {
 
 /// How an advance ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StopReason {
+pub enum AdvanceOutcome {
     /// At the requested end.
     End,
-    /// Just after the first impact, as [`Stop::AfterImpact`] asks for.
+    /// Just after the first impact, as [`Pause::AfterImpact`] asks for.
     Impact,
-    /// Before the first event, as [`Stop::BeforeEvent`] asks for; the event is due.
+    /// Before the first event, as [`Pause::BeforeEvent`] asks for; the event is due.
     EventDue,
 }
 

@@ -1,4 +1,4 @@
-//! Pictures: what they consist of, how they are drawn, and the figures of the paper.
+//! Pictures: what they consist of and how they are drawn.
 
 pub mod canvas;
 pub mod chart;

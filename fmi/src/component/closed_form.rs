@@ -11,7 +11,9 @@ use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Contact, Event, EventObserver, ImpactRecord, State, StopReason, check_time};
+use vibro_impact::simulator::{
+    AdvanceOutcome, Contact, Event, EventObserver, ImpactRecord, State, check_time,
+};
 
 /// Length of a piece of the energies' quadrature in units of the fastest rate: five Gauss nodes leave under 1e-12 of it.
 const PIECE: f64 = 0.5;
@@ -168,11 +170,11 @@ impl ClosedForm {
         step: f64,
         stop_at_impact: bool,
         observer: EventObserver<'_, '_>,
-    ) -> Result<StopReason, Problem> {
+    ) -> Result<AdvanceOutcome, Problem> {
         let end = DoubleDouble::sum(begin, step);
         check_time(self.data.parameters.drive_frequency, end.value())?;
         if end.minus(self.data.time).value() <= 0.0 {
-            return Ok(StopReason::End);
+            return Ok(AdvanceOutcome::End);
         }
         let before = self.halves(self.data.time).0;
         let after = self.halves(end).0;
@@ -181,7 +183,7 @@ impl ClosedForm {
             if let Some(report) = observer {
                 report(&self.event(before + 1.0));
             }
-            return Ok(StopReason::Impact);
+            return Ok(AdvanceOutcome::Impact);
         }
         self.data.time = end;
         if let Some(report) = observer {
@@ -191,7 +193,7 @@ impl ClosedForm {
                 n += 1.0;
             }
         }
-        Ok(StopReason::End)
+        Ok(AdvanceOutcome::End)
     }
 
     /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
 use vibro_impact::error::Error;
 use vibro_impact::model::{
-    Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE, LANES, Model, SmoothMode,
+    Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode,
 };
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::numerics::drive_phase::DrivePhase;
@@ -293,13 +293,13 @@ impl Continuous {
     fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
         let (time, stop) = (self.data.time, side as i8);
         let mut z = self.augmented();
-        if side * z[GAP_RATE] > 0.0 {
+        if side * z[RELATIVE_RATE] > 0.0 {
             let (speed, impulse, lost) = self.model.impact(&mut z, side);
             self.data.record.count(side, time, speed, impulse);
             self.data.lost += lost;
             report(&Event::Impact { time, side: stop, speed, impulse });
         }
-        let rebound = -side * z[GAP_RATE];
+        let rebound = -side * z[RELATIVE_RATE];
         let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
         // Height of the bounce: rebound²/(2 pressing). An elastic block bounces for ever.
         let low = rebound * rebound <= 2.0 * pressing * CONTACT * self.model.gap;
@@ -308,7 +308,7 @@ impl Continuous {
             self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             report(&Event::Rest { time, side: stop });
         }
-        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[GAP_RATE]);
+        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[RELATIVE_RATE]);
         let resting = self.data.contact != Contact::Flight;
         self.place(side, if resting { 1.0 } else { 1.0 - SHIFT });
         if resting {
@@ -331,7 +331,7 @@ impl Continuous {
         let (data, (a, free)) = (&self.data, self.accelerations());
         let z = self.augmented();
         let (gap, contact_force) = match data.contact {
-            Contact::Flight => ((z[GAP], z[GAP_RATE]), 0.0),
+            Contact::Flight => ((z[RELATIVE], z[RELATIVE_RATE]), 0.0),
             contact => {
                 let force = self.model.reduced_mass * contact.side() * free;
                 ((contact.side() * self.model.gap, 0.0), if force > 0.0 { force } else { 0.0 })

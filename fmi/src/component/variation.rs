@@ -2,7 +2,9 @@
 
 use super::values::{OutputValues, coupling_force};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{Augmented, BOX_RATE, GAP, GAP_RATE, LANES, Model, SECONDARY_RATE, SmoothMode};
+use vibro_impact::model::{
+    Augmented, BOX_RATE, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY_RATE, SmoothMode,
+};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, ImpactRecord, State};
 
@@ -49,7 +51,7 @@ pub(crate) fn variation(
     let (a, free) = model.acceleration(mode, &z, Some(df));
     let (x, v) = (&state.x, &state.v);
     let (gap, contact_force) = match contact {
-        Contact::Flight => ((z[GAP], z[GAP_RATE]), 0.0),
+        Contact::Flight => ((z[RELATIVE], z[RELATIVE_RATE]), 0.0),
         contact => ((0.0, 0.0), model.reduced_mass * contact.side() * free),
     };
     let mechanical = p.box_mass * v[0] * dx.v[0]

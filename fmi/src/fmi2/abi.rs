@@ -273,7 +273,7 @@ export! {
         |instance, _| instance.component.set(STRING, vr, |_| 0.0);
 
     "2.1.8":
-    /// A new one, or in the place of one this instance gave out.
+    /// Writes into a new FMU state, or over one that this instance gave out.
     fmi2GetFMUstate, GetFMUstate(handle FMUstate)
         |instance, _| FMUstate.replace(|old| instance.save(old));
     /// Any address is safe: only those this instance gave out are accepted.
@@ -285,7 +285,7 @@ export! {
     /// Into as many bytes as `fmi2SerializedFMUstateSize` says.
     fmi2SerializeFMUstate, SerializeFMUstate(state FMUstate, out serializedState: u8[size], value size: usize)
         |instance, _| serializedState.copy(&instance.serialized(FMUstate)?, "size");
-    /// A new one, or in the place of one this instance gave out.
+    /// Writes into a new FMU state, or over one that this instance gave out.
     fmi2DeSerializeFMUstate, DeSerializeFMUstate(array serializedState: u8[size], value size: usize, handle FMUstate)
         |instance, _| FMUstate.replace(|old| instance.deserialize(serializedState, old));
 
@@ -342,7 +342,7 @@ export! {
     fmi2CancelStep, CancelStep() |instance, _| instance.cancel_step();
 
     "4.2.3":
-    /// Of asynchronous steps, which there are none of.
+    /// The status of asynchronous steps, of which there are none.
     fmi2GetStatus, GetStatus(value s: c_int, out value: FmiStatus[1])
         |_instance, _| Outcome::Err(StatusKind::from_number(s)?.not_available());
     /// `fmi2LastSuccessfulTime`.
@@ -354,7 +354,7 @@ export! {
     /// `fmi2Terminated`.
     fmi2GetBooleanStatus, GetBooleanStatus(value s: c_int, out value: FmiBoolean[1])
         |instance, _| value.give(instance.boolean_status(StatusKind::from_number(s)?).map(Into::into));
-    /// Of asynchronous steps, which there are none of.
+    /// The status of asynchronous steps, of which there are none.
     fmi2GetStringStatus, GetStringStatus(value s: c_int, out value: *const c_char[1])
         |_instance, _| Outcome::Err(StatusKind::from_number(s)?.not_available());
 }

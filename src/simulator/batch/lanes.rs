@@ -10,9 +10,9 @@ mod rows;
 mod substep;
 
 use super::super::step::{AdvanceState, RENEW};
-use super::super::{Contact, Simulator, Stop, StopReason};
+use super::super::{AdvanceOutcome, Contact, Pause, Simulator};
 use crate::error::Result;
-use crate::model::{Augmented, GAP};
+use crate::model::{Augmented, RELATIVE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
 use pulp::Simd;
@@ -151,18 +151,18 @@ impl LaneMotion<'_> {
         // The lanes renew cos θ and sin θ less often than the code for a single motion does.
         advance.since_renewal = advance.since_renewal.min(RENEW);
         let mut going = match touched {
-            Some(_) => simulator.finish_substep::<0>(advance, touched, Stop::Never, &mut None),
-            None => simulator.next_substep::<S, 0, false>(simd, advance, *end, Stop::Never, &mut None),
+            Some(_) => simulator.finish_substep::<0>(advance, touched, Pause::Never, &mut None),
+            None => simulator.next_substep::<S, 0, false>(simd, advance, *end, Pause::Never, &mut None),
         };
         loop {
             if let ControlFlow::Break(reason) = going {
-                **result = reason.map(|_: StopReason| ());
+                **result = reason.map(|_: AdvanceOutcome| ());
                 return false;
             }
             if simulator.suits_lanes(&advance.z, *end) {
                 return true;
             }
-            going = simulator.next_substep::<S, 0, false>(simd, advance, *end, Stop::Never, &mut None);
+            going = simulator.next_substep::<S, 0, false>(simd, advance, *end, Pause::Never, &mut None);
         }
     }
 }
@@ -175,7 +175,7 @@ impl Simulator {
     fn suits_lanes(&self, z: &Augmented, end: DoubleDouble) -> bool {
         self.hybrid.contact == Contact::Flight
             && self.hybrid.departing <= 1
-            && (self.hybrid.departing == 1 || z[GAP].abs() < self.model.gap)
+            && (self.hybrid.departing == 1 || z[RELATIVE].abs() < self.model.gap)
             && end.minus(self.hybrid.time).value() >= self.substep + self.interval()
     }
 }

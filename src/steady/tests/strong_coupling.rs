@@ -16,7 +16,7 @@ const MULTIPLIER: f64 = 1e-6;
 /// Just before an impact, and by how much slopes and the gap change until then, with the rounding of the phase.
 const BEFORE: f64 = 1e-10;
 const SLOPE: f64 = 1e-8;
-const GAP: f64 = 1e-9;
+const RELATIVE: f64 = 1e-9;
 /// Step of second differences, with rounding over its square.
 const STEP: f64 = 1e-4;
 const SECOND_DIFFERENCE: f64 = 1e-6;
@@ -91,7 +91,7 @@ fn invariant_impact_law_and_equations_of_strong_coupling() {
             let (at, before) = (p.motion(0.0), p.motion(-BEFORE));
             assert!((at.w - 1.0).abs() < ROUNDING * scale);
             assert!((at.dw + g.kappa * before.dw).abs() < SLOPE * scale);
-            assert!((p.motion(PI - 1e-12).w + 1.0).abs() < GAP * scale);
+            assert!((p.motion(PI - 1e-12).w + 1.0).abs() < RELATIVE * scale);
             // X2'' + β²(X2 - X3) = 0 in between, at leading order
             let h = STEP;
             let x2 = |s: f64| p.motion(s).w + p.motion(s).u;
@@ -145,7 +145,10 @@ fn second_method_amplitudes_and_clearance_by_sampling() {
                         && exact - sample < SAMPLING * (1.0 + exact)
                 );
             }
-            assert_eq!(p.admissibility.geometric, sampled[2] < 1.0 + GAP && p.motion(-GAP).dw > 0.0);
+            assert_eq!(
+                p.admissibility.geometric,
+                sampled[2] < 1.0 + RELATIVE && p.motion(-RELATIVE).dw > 0.0
+            );
         }
     }
 }

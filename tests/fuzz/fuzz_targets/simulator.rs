@@ -10,7 +10,7 @@ use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::parameters::FIELDS;
-use vibro_impact::simulator::{Contact, Loads, Stop};
+use vibro_impact::simulator::{Contact, Loads, Pause};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 /// A number: a few bits choose a plain value, a value over many decades, or raw bits.
@@ -101,7 +101,7 @@ fn run(input: &Input) -> Option<()> {
                     continue;
                 }
                 let time = simulator.time();
-                match simulator.advance_until(DoubleDouble::sum(time, size), Stop::Never, None) {
+                match simulator.advance_until(DoubleDouble::sum(time, size), Pause::Never, None) {
                     Ok(_) => {}
                     Err(Error::WorkLimit { restitution, .. }) => {
                         assert!(restitution > 0.99, "only nearly elastic stops may be refused: {restitution}");

@@ -1,4 +1,4 @@
-//! The paper's statements of states 3 to 5, each with a rule by which agreement is decided.
+//! The paper's statements of sections 3 to 5, each with a rule by which agreement is decided.
 //!
 //! The parameters are not the paper's own data set (docs/theory.md, end of section 4), so agreement means: the same kind of
 //! motion at about the same place.

@@ -108,7 +108,7 @@ impl Instance {
         self.with_continuous(Continuous::indicators)
     }
 
-    /// Nominal values of the continuous states, as the table has them.
+    /// Nominal values of the continuous states, all 1, as `rows::state` declares them.
     pub fn nominals(&self) -> [f64; 6] {
         [1.0; 6]
     }

@@ -5,7 +5,7 @@ use crate::component::log::{Category, Log};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Event, EventObserver, Loads, Simulator, Stop, StopReason};
+use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Loads, Pause, Simulator};
 
 /// How far a master's time may be off ours, relative to max(1, |t|): masters add step sizes up and drift by about 1e-14 a
 /// step, which stays below this for 1e5 steps; anything larger is a mistake.
@@ -61,13 +61,13 @@ impl Instance {
                 }
                 form.advance(point, size, self.settings.stop_at_impact, report)?
             }
-            Engine::None | Engine::Continuous(_) => StopReason::End,
+            Engine::None | Engine::Continuous(_) => AdvanceOutcome::End,
         };
         Ok(self.finish_step(reason, end))
     }
 
     /// What a step leaves behind: nothing pending, and the loads as they have become.
-    fn finish_step(&mut self, reason: StopReason, end: f64) -> StepOutcome {
+    fn finish_step(&mut self, reason: AdvanceOutcome, end: f64) -> StepOutcome {
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
         self.values_stale = true;
@@ -78,7 +78,7 @@ impl Instance {
             }
         }
         let time = self.time();
-        let early = reason == StopReason::Impact && time < end;
+        let early = reason == AdvanceOutcome::Impact && time < end;
         if early {
             self.phase = Phase::StoppedEarly;
         }
@@ -94,10 +94,10 @@ fn simulate(
     (point, size): (f64, f64),
     stop_at_impact: bool,
     mut report: EventObserver<'_, '_>,
-) -> Outcome<StopReason> {
+) -> Outcome<AdvanceOutcome> {
     let before = simulator.snapshot();
     let end = DoubleDouble::sum(point, size);
-    let stop = if stop_at_impact { Stop::AfterImpact } else { Stop::Never };
+    let stop = if stop_at_impact { Pause::AfterImpact } else { Pause::Never };
     let mut advance = || {
         if let Some(parameters) = parameters {
             simulator.set_parameters(parameters)?;
@@ -107,14 +107,14 @@ fn simulate(
         }
         match simulator.advance_until(end, stop, report.as_deref_mut()) {
             // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
-            Err(Error::Step { .. }) => Ok(StopReason::End),
-            Ok(StopReason::End) if stop_at_impact => {
+            Err(Error::Step { .. }) => Ok(AdvanceOutcome::End),
+            Ok(AdvanceOutcome::End) if stop_at_impact => {
                 impact_at(simulator, point + size, report.as_deref_mut())?;
-                Ok(StopReason::End)
+                Ok(AdvanceOutcome::End)
             }
             // At the end but for rounding.
-            Ok(StopReason::Impact) if point + size - simulator.time() <= rounding(point + size) => {
-                simulator.advance_until(end, Stop::Never, report.as_deref_mut())
+            Ok(AdvanceOutcome::Impact) if point + size - simulator.time() <= rounding(point + size) => {
+                simulator.advance_until(end, Pause::Never, report.as_deref_mut())
             }
             reason => reason,
         }
@@ -136,9 +136,9 @@ fn rounding(end: f64) -> f64 {
 /// told must have it behind itself: else its next step would end where it began, and it could not get on.
 fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>) -> Result<(), Error> {
     let before = simulator.snapshot();
-    match simulator.advance_until(DoubleDouble::sum(end, rounding(end)), Stop::AfterImpact, report)? {
-        StopReason::Impact => Ok(()),
-        StopReason::End | StopReason::EventDue => simulator.restore(&before),
+    match simulator.advance_until(DoubleDouble::sum(end, rounding(end)), Pause::AfterImpact, report)? {
+        AdvanceOutcome::Impact => Ok(()),
+        AdvanceOutcome::End | AdvanceOutcome::EventDue => simulator.restore(&before),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::rows::LaneSystems;
 use crate::flow::CENTRED;
-use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, GAP, GAP_RATE, SECONDARY, SECONDARY_RATE};
+use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
 use crate::simulator::batch::vectors::{Mask, Row, Wide};
 use pulp::Simd;
 
@@ -54,15 +54,16 @@ impl<S: Simd> CentredFlights<S> {
         let (k1, c1, k2) = (load(&systems.k1), load(&systems.c1), load(&systems.k2));
         let (k3, c3, k32) = (load(&systems.k3), load(&systems.c3), load(&systems.k32));
         let (drive, omega, radius) = (load(&systems.drive), load(&systems.omega), load(&systems.radius));
-        let positions = [z[BOX], z[GAP], z[SECONDARY]];
-        let mut rates = [[z[BOX_RATE] * radius, z[GAP_RATE] * radius, z[SECONDARY_RATE] * radius]; CENTRED];
+        let positions = [z[BOX], z[RELATIVE], z[SECONDARY]];
+        let mut rates =
+            [[z[BOX_RATE] * radius, z[RELATIVE_RATE] * radius, z[SECONDARY_RATE] * radius]; CENTRED];
         // The drive's derivatives of even and odd order: each is the one two orders before times -ω².
         let square = -(omega * omega);
         let mut push = [drive * z[DRIVE_SIN], drive * omega * z[DRIVE_COS]];
         let mut x = positions;
         for k in 0..CENTRED - 1 {
             let v = rates[k];
-            let stretch = (x[BOX] - x[SECONDARY]) + x[GAP];
+            let stretch = (x[BOX] - x[SECONDARY]) + x[RELATIVE];
             let back = k1.mul_add(x[BOX], c1.mul_add(v[BOX], -push[k % 2])); // minus the derivative of x1''
             rates[k + 1] = [
                 -back,
@@ -80,9 +81,9 @@ impl<S: Simd> CentredFlights<S> {
     pub(super) fn excess(&self, side: Wide<S>, gap: Wide<S>) -> Excess<S> {
         let zero = side.uniform(0.0);
         let mut excess = Excess { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
-        excess.c[0] = side * self.positions[GAP] - gap;
+        excess.c[0] = side * self.positions[RELATIVE] - gap;
         for k in 1..CENTRED {
-            let derivative = side * self.rates[k - 1][GAP];
+            let derivative = side * self.rates[k - 1][RELATIVE];
             excess.c[k] = derivative * side.uniform(FACTORIALS[k]);
             excess.d[k - 1] = derivative * side.uniform(FACTORIALS[k - 1]);
         }

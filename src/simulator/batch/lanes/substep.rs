@@ -4,7 +4,7 @@ use super::passage::{CentredFlights, REACH};
 use super::rows::{LaneStates, LaneSystems};
 use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
-use crate::model::{BOX_RATE, GAP, GAP_RATE};
+use crate::model::{BOX_RATE, RELATIVE, RELATIVE_RATE};
 use crate::numerics::simd::product;
 use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
 use pulp::Simd;
@@ -36,7 +36,7 @@ pub(super) fn flight_substep<S: Simd>(
         if active >> (v * lanes) & part == 0 {
             continue;
         }
-        let samples = sample_gap(simd, systems, states, v, &mut searched);
+        let samples = sample_displacement(simd, systems, states, v, &mut searched);
         ready |= samples.ready.bits() << (v * lanes);
         near |= samples.near.bits() << (v * lanes);
         near_start |= samples.near_start.bits() << (v * lanes);
@@ -90,7 +90,7 @@ impl SearchedIntervals {
 }
 
 /// What the samples of the gap over a sub-step tell.
-struct GapSamples<S: Simd> {
+struct DisplacementSamples<S: Simd> {
     /// Flight from inside or just off a stop, with a whole sub-step and an interval to go.
     ready: Mask<S>,
     /// An end of an interval is near a stop, so that interval is to be searched.
@@ -99,16 +99,16 @@ struct GapSamples<S: Simd> {
     near_start: Mask<S>,
 }
 
-/// Samples the gap at the ends of the intervals, as `Simulator::sample_gap` does: a gap that stays a margin, which bounds the
+/// Samples the gap at the ends of the intervals, as `Simulator::sample_displacement` does: a gap that stays a margin, which bounds the
 /// bend of its path, away from the stops at both ends of an interval does not reach them in between.
 #[inline(always)]
-fn sample_gap<S: Simd>(
+fn sample_displacement<S: Simd>(
     simd: S,
     systems: &LaneSystems,
     states: &LaneStates,
     v: usize,
     searched: &mut SearchedIntervals,
-) -> GapSamples<S> {
+) -> DisplacementSamples<S> {
     let load = |row: &Row| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
@@ -120,7 +120,7 @@ fn sample_gap<S: Simd>(
     let limit = (change * interval).neg_mul_add(splat(0.25), load(&systems.gap));
     let departing = load(&states.departing);
     let inside = departing.at_most(zero);
-    let speed = z[GAP_RATE].abs();
+    let speed = z[RELATIVE_RATE].abs();
     let leaving = !inside & departing.at_most(splat(1.0));
     let within_reach = (speed * interval + change * interval).at_most(load(&systems.reach));
     let remaining =
@@ -138,11 +138,11 @@ fn sample_gap<S: Simd>(
     }
     index.store(&mut searched.index, v);
     // A block that leaves a stop may be too slow to be sure of leaving the first interval, or of leaving its end far behind.
-    let near_start =
-        (leaving & (speed.at_most(change) | index.at_most(zero))) | (inside & limit.at_most(z[GAP].abs()));
-    let nearest = near_start.select(z[GAP], gap);
+    let near_start = (leaving & (speed.at_most(change) | index.at_most(zero)))
+        | (inside & limit.at_most(z[RELATIVE].abs()));
+    let nearest = near_start.select(z[RELATIVE], gap);
     zero.less_than(nearest).select(splat(1.0), splat(-1.0)).store(&mut searched.side, v);
-    GapSamples {
+    DisplacementSamples {
         ready: (leaving | inside) & within_reach & whole,
         near: near_start | index.less_than(splat(INTERVALS as f64)),
         near_start,
@@ -310,11 +310,11 @@ fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: 
     let load = |row: &Row| Wide::load(simd, row, v);
     let mut z = *z;
     // A root whose speed round-off has turned negative is a touch.
-    let approach = (side * z[GAP_RATE]).max(Wide::splat(simd, 0.0));
+    let approach = (side * z[RELATIVE_RATE]).max(Wide::splat(simd, 0.0));
     let speed = load(&systems.restitution) * approach;
     z[BOX_RATE] = (side * load(&systems.kick)).mul_add(approach, z[BOX_RATE]);
-    z[GAP_RATE] = -(side * speed);
-    z[GAP] = side * load(&systems.gap);
+    z[RELATIVE_RATE] = -(side * speed);
+    z[RELATIVE] = side * load(&systems.gap);
     Rebound { approach, speed, z }
 }
 

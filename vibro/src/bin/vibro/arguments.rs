@@ -72,7 +72,7 @@ pub enum Command {
     Stability(Stability),
     /// Existence and stability over planes of two groups (figure 12)
     Plane(Plane),
-    /// MethodName against simulation (figures 8, 16, 17, 18 and 19)
+    /// Theory against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
     /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
     ///
@@ -266,7 +266,7 @@ pub struct Plane {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,
-    /// MethodName
+    /// The theory by which existence and stability are decided
     #[arg(long, value_enum, default_value_t = MethodName::MultipleScales)]
     pub method: MethodName,
 }

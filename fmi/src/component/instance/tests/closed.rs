@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::component::settings::SolutionMode;
-use vibro_impact::simulator::StopReason;
+use vibro_impact::simulator::AdvanceOutcome;
 use vibro_impact::steady::exact_orbit;
 
 fn closed(mode: f64) -> Instance {
@@ -213,7 +213,7 @@ fn played_impacts_stop_a_step_and_are_logged() {
     let mut times = Vec::new();
     while times.len() < 20 {
         let now = form.time();
-        assert!(matches!(form.advance(now, 100.0, true, None), Ok(StopReason::Impact)));
+        assert!(matches!(form.advance(now, 100.0, true, None), Ok(AdvanceOutcome::Impact)));
         times.push(form.time());
         assert_eq!(form.values().impacts.last_time, form.time());
     }
