@@ -191,7 +191,7 @@ impl Simulator {
     ) -> ControlFlow<Result<AdvanceOutcome>> {
         if let Some(side) = passage {
             if pause == Pause::BeforeEvent {
-                return ControlFlow::Break(Ok(self.stop_before_event(advance, side)));
+                return ControlFlow::Break(Ok(self.pause_before_event(advance, side)));
             }
             self.work.events += 1;
             let impact = self.apply_event_law::<LOADS>(&mut advance.z, side, observer);
@@ -232,16 +232,16 @@ impl Simulator {
 
     /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits that the law takes.
     #[cold]
-    fn stop_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> AdvanceOutcome {
+    fn pause_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> AdvanceOutcome {
         let z = &mut advance.z;
         z[RELATIVE] = side * self.model.gap;
-        let side = side as i8;
+        let stop = side as i8;
         self.hybrid.due = Some(if self.hybrid.contact == Contact::Flight {
             z[RELATIVE_RATE] = side * (side * z[RELATIVE_RATE]).max(0.0);
-            DueEvent::Impact { side }
+            DueEvent::Impact { side: stop }
         } else {
             z[RELATIVE_RATE] = 0.0;
-            DueEvent::Release { side }
+            DueEvent::Release { side: stop }
         });
         self.hybrid.y.copy_from_slice(&z[..6]);
         AdvanceOutcome::EventDue
