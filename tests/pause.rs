@@ -1,6 +1,6 @@
 //! Pausing before an event, applying its law, and looking ahead.
 
-use vibro_impact::simulator::{AdvanceOutcome, Contact, DueEvent, Event, Loads, Pause};
+use vibro_impact::simulator::{AdvanceOutcome, Contact, DueEvent, Event, Loads, Pause, advance_together};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 /// Sums of the input energy are formed in another order where a motion pauses: round-off of a few hundred additions.
@@ -189,4 +189,78 @@ fn closed_form_changes_while_an_event_is_due() {
     loads.derivatives[1][0] = side;
     s.set_loads(&loads).unwrap();
     assert_eq!((s.due_event(), s.contact().side()), (None, side));
+}
+
+#[test]
+fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pauses() {
+    /// Round-off of a thousand sums, of the largest energy.
+    const BALANCE: f64 = 1e-11;
+    /// Impact, capture into rest and release may fall on one instant, but no more.
+    const AT_ONE_TIME: u32 = 3;
+    for (f10, kappa) in [(3.0, 0.0), (3.0, 0.1), (1.5, 0.75), (1.5, 1.0)] {
+        for force in [[0.0; 4], [-0.02, 1e-5, 0.0, 0.0]] {
+            let p = system(f10, kappa);
+            let mut s = simulator(&p);
+            s.set_loads(&Loads { derivatives: [[0.0; 4], force, [0.0; 4]] }).unwrap();
+            let first = s.energy_accounts().mechanical;
+            let (mut largest, mut last, mut same, mut shown) = (first, -1.0, 0, 0);
+            for pause in 0..1000 {
+                let mut laws = 0;
+                let mut count = |event: &Event| laws += u32::from(!matches!(event, Event::Rest { .. }));
+                let reason = s.advance_until(2000.0, Pause::BeforeEvent, Some(&mut count)).unwrap();
+                assert_eq!(laws, u32::from(pause > 0), "each return has one law to apply");
+                shown += 1;
+                if reason == AdvanceOutcome::End {
+                    break;
+                }
+                same = if s.time() == last { same + 1 } else { 0 };
+                last = s.time();
+                assert!(same < AT_ONE_TIME, "kappa {kappa}: no way on from t = {last}");
+                let e = s.energy_accounts();
+                largest = e.mechanical.max(e.input.abs()).max(largest);
+                let error = e.mechanical - first - e.input + e.damped + e.impact;
+                assert!(error.abs() < BALANCE * largest, "kappa {kappa}, pause {pause}: {error:e}");
+            }
+            assert!(shown > 200, "kappa {kappa}: {shown}");
+        }
+    }
+}
+
+#[test]
+fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
+    // An advance to that very time may end just before the event; a pause on the way to a later end comes to it.
+    for kappa in [0.0, 0.3, 0.75] {
+        let mut s = simulator(&system(1.5, kappa));
+        for _ in 0..100 {
+            let told = s.next_event(1e4).unwrap().expect("events without end");
+            let (Event::Impact { time, .. } | Event::Release { time, .. } | Event::Rest { time, .. }) = told;
+            if s.advance_until(time, Pause::BeforeEvent, None).unwrap() == AdvanceOutcome::End {
+                assert_eq!(s.advance_until(1e4, Pause::BeforeEvent, None).unwrap(), AdvanceOutcome::EventDue);
+            }
+            assert_eq!(s.time(), time);
+            let mut first = None;
+            s.apply_due_event(Some(&mut |event| first = first.or(Some(*event))));
+            assert!(first.is_some());
+        }
+    }
+}
+
+#[test]
+fn second_method_the_lanes_take_the_ends_that_one_by_one_takes() {
+    // The present as a double is off the present by rounding, to either side, and the next double below is still taken.
+    let mut s = simulator(&system(1.5, 0.75)).without_energy_accounts();
+    for _ in 0..50 {
+        s.advance_until(1e4, Pause::BeforeEvent, None).unwrap();
+        for due in [true, false] {
+            if !due {
+                s.apply_due_event(None);
+            }
+            for end in [s.time().next_down(), s.time(), s.time().next_up(), 0.5 * s.time()] {
+                let (mut alone, mut together) = (s.clone(), [s.clone()]);
+                let result = alone.advance_to(end);
+                assert_eq!(advance_together(&mut together, |_| end), [result]);
+                assert_eq!(together[0].snapshot(), alone.snapshot(), "{end}");
+            }
+        }
+    }
 }

@@ -290,3 +290,35 @@ fn a_thousand_instances_in_eight_threads() {
         }
     });
 }
+
+/// A host that meets the limit of work in one step: the step is refused as a whole, and shorter ones get on.
+#[test]
+fn a_step_with_too_much_work_is_refused_and_can_be_taken_in_parts() {
+    /// About a second, on a machine with other work to do.
+    const LONGEST: f64 = 15.0;
+    let host = Host::new();
+    let names = ["stop.restitution", "block.s", "box.f", "block.f"].map(reference);
+    // SAFETY: four of each.
+    assert_eq!(unsafe { fmi2SetReal(host.c, names.as_ptr(), 4, [1.0, 0.99, -100.0, 100.0].as_ptr()) }, OK);
+    host.initialize();
+    // Quiet, so that events are not logged one by one.
+    // SAFETY: one C string.
+    assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 0, 1, &c"logEvents".as_ptr()) }, OK);
+    assert_eq!(host.step(0.0, 1.0), OK);
+    let before = host.motion().map(f64::to_bits);
+    let begin = std::time::Instant::now();
+    assert_eq!(host.step(1.0, 1e5), ERROR);
+    assert!(begin.elapsed().as_secs_f64() < LONGEST);
+    // Nothing has changed, and the text does not say otherwise.
+    assert_eq!((host.time(), host.motion().map(f64::to_bits)), (1.0, before));
+    let (status, category, message) = host.log().last().unwrap();
+    assert_eq!((*status, category.as_str()), (ERROR, "logStatusError"));
+    for part in ["fmi2DoStep: ", "stop.restitution = 1 ", "t = 1 s", "smaller steps"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    assert!(!message.contains("advance again"), "{message}");
+    for i in 0..20 {
+        assert_eq!(host.step(1.0 + f64::from(i), 1.0), OK);
+    }
+    assert_eq!(host.time(), 21.0);
+}

@@ -47,20 +47,26 @@ impl Simulator {
         mut observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
         let end = end.into();
+        let present = self.check_end(end)?;
+        let applied = self.apply_due_event(observer.as_deref_mut());
+        if pause == Pause::AfterImpact && matches!(applied, Some(DueEvent::Impact { .. })) {
+            return Ok(AdvanceOutcome::Impact);
+        }
+        if present {
+            return Ok(AdvanceOutcome::End);
+        }
+        self.run(end, pause, observer)
+    }
+
+    /// Checks the end of an advance; true where it lies before the present by rounding alone, so that there is no way to go.
+    pub(super) fn check_end(&self, end: DoubleDouble) -> Result<bool> {
         let span = end.minus(self.hybrid.time).value();
         let rounded = span < 0.0 && span >= -f64::EPSILON * self.time().abs();
         if !(end.value().is_finite() && (span >= 0.0 || rounded)) {
             return Err(Error::Step { time: self.time(), end: end.value() });
         }
         check_time(self.model.rate, end.value())?;
-        let applied = self.apply_due_event(observer.as_deref_mut());
-        if pause == Pause::AfterImpact && matches!(applied, Some(DueEvent::Impact { .. })) {
-            return Ok(AdvanceOutcome::Impact);
-        }
-        if rounded {
-            return Ok(AdvanceOutcome::End);
-        }
-        self.run(end, pause, observer)
+        Ok(rounded)
     }
 
     /// The event at which an advance with [`Pause::BeforeEvent`] has stopped and whose law is not yet applied. State,
@@ -86,6 +92,9 @@ impl Simulator {
     }
 
     /// The next event up to `horizon` (s), found on a copy: this simulator stays as it is. An event that is due is the next.
+    ///
+    /// Its time is rounded to a double, and an advance to that time may end just before the event. To come to it, advance to a
+    /// later end with [`Pause::BeforeEvent`] or [`Pause::AfterImpact`].
     ///
     /// # Errors
     /// As [`advance_until`](Self::advance_until).

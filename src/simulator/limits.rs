@@ -1,6 +1,6 @@
 //! What a start, a drive and loads may be, so that double precision carries the motion.
 
-use super::State;
+use super::{Contact, DueEvent, HybridState, State};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parameters::Parameters;
@@ -12,6 +12,9 @@ const MAX_DRIFT: f64 = 1e10;
 /// Speeds, and accelerations by drive and loads, in gaps and the system's fastest rate: beyond this the block's flights are
 /// shorter than the resolution of the motion that they are part of.
 const MAX_VIOLENCE: f64 = 1e12;
+
+/// The highest order of the first derivative that leads away from a stop.
+const MAX_DEPARTING: u8 = 8;
 
 /// Time in units of the fastest rate: beyond this a double does not tell two moments of the motion apart.
 const MAX_TIME: f64 = 1e15;
@@ -77,4 +80,36 @@ pub(super) fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64
         return Err(Error::Penetration { value: *w, gap });
     }
     Ok(y)
+}
+
+/// Whether contact, departure and due event of a snapshot fit its place: each of them is at a stop.
+pub(super) fn check_contact(hybrid: &HybridState, gap: f64) -> Result<()> {
+    let refuse = |name, value, allowed| Err(Error::OutOfRange { name, value, allowed });
+    let (w, rate, side) = (hybrid.y[1], hybrid.y[4], hybrid.contact.side());
+    if side != 0.0 && !(w == side * gap && rate == 0.0) {
+        return refuse(
+            "snapshot: block.s - box.s in rest",
+            w,
+            "the stop at which the block rests, without relative speed",
+        );
+    }
+    let departing = f64::from(hybrid.departing);
+    if hybrid.departing != 0 && (hybrid.departing > MAX_DEPARTING || side != 0.0 || w.abs() != gap) {
+        return refuse("snapshot: order of departure", departing, "0, and 1 to 8 in flight from a stop");
+    }
+    let Some(due) = hybrid.due else { return Ok(()) };
+    let stop = f64::from(due.side());
+    let touches = stop.abs() == 1.0 && w == stop * gap;
+    let fits = match due {
+        DueEvent::Impact { .. } => hybrid.contact == Contact::Flight && stop * rate >= 0.0,
+        DueEvent::Release { .. } => side == stop,
+    };
+    if !(touches && fits) {
+        return refuse(
+            "snapshot: stop of the event that is due",
+            stop,
+            "the stop, +1 or -1, that the block touches",
+        );
+    }
+    Ok(())
 }

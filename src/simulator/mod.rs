@@ -40,7 +40,7 @@ use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
 pub use limits::check_time;
-use limits::{check_speeds, coordinates, limit};
+use limits::{check_contact, check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use tables::ModeTables;
@@ -312,30 +312,19 @@ impl Simulator {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let hybrid = snapshot.hybrid;
         let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();
-        let plain = hybrid.y.iter().chain(hybrid.loads.iter().flatten()).all(|x| x.is_finite());
-        if !(plain && finite(&hybrid.time) && finite(&hybrid.loads_from) && hybrid.phase.is_finite()) {
+        let record = [hybrid.record.last_time, hybrid.record.last_impulse, hybrid.record.last_speed];
+        let numbers = hybrid.y.iter().chain(hybrid.loads.iter().flatten()).chain(&record);
+        let plain = numbers.chain([&hybrid.record.total_impulse]).all(|x| x.is_finite());
+        let sums = [&hybrid.sums.input, &hybrid.sums.damped, &hybrid.sums.impact].into_iter().all(finite);
+        if !(plain && sums && finite(&hybrid.time) && finite(&hybrid.loads_from) && hybrid.phase.is_finite())
+        {
             return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
         }
         let gap = snapshot.parameters.stop_gap;
         if hybrid.y[1].abs() > gap {
             return Err(Error::Penetration { value: hybrid.y[1], gap });
         }
-        if let Some(due) = hybrid.due {
-            let side = f64::from(due.side());
-            let touches = side.abs() == 1.0 && hybrid.y[1] == side * gap;
-            let fits = match due {
-                DueEvent::Impact { .. } => hybrid.contact == Contact::Flight && side * hybrid.y[4] >= 0.0,
-                DueEvent::Release { .. } => hybrid.contact.side() == side,
-            };
-            if !(touches && fits) {
-                let allowed = "the stop, +1 or -1, that the block touches";
-                return Err(Error::OutOfRange {
-                    name: "snapshot: stop of the event that is due",
-                    value: side,
-                    allowed,
-                });
-            }
-        }
+        check_contact(&hybrid, gap)?;
         if snapshot.parameters != self.parameters {
             let model = Model::new(&snapshot.parameters)?;
             check_time(model.rate, hybrid.time.value())?;

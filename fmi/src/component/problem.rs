@@ -65,6 +65,25 @@ pub enum Problem {
         /// Stop time.
         stop: f64,
     },
+    /// A step with more work than one step may have; it has been taken back.
+    #[error(
+        "step from t = {own} s: it reached the limit of work in one step at t = {time} s, after {events} events, and has been taken \
+         back. Cause: stop.restitution = {restitution} lets a pressed block bounce too long, or the block is too fast (its path in \
+         a sub-step is {path:e} times stop.gap). Remedy: take smaller steps from t = {own} s, or set stop.restitution below \
+         0.999, so that bouncing ends sooner"
+    )]
+    WorkLimit {
+        /// Where the step began and the component still stands, s.
+        own: f64,
+        /// Where the limit was reached, s.
+        time: f64,
+        /// Events (impacts and releases) up to there.
+        events: u64,
+        /// Restitution coefficient.
+        restitution: f64,
+        /// The block's relative speed there times a sub-step's length over the gap.
+        path: f64,
+    },
     /// Something must be done first.
     #[error("{what}")]
     Sequence {

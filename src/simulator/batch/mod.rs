@@ -15,8 +15,8 @@ mod lanes;
 pub(crate) mod vectors;
 
 use self::lanes::{LaneMotion, Lanes};
-use super::{Simulator, check_time};
-use crate::error::{Error, Result};
+use super::{Pause, Simulator};
+use crate::error::Result;
 use crate::numerics::double_double::DoubleDouble;
 
 /// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in the simulators' order; an
@@ -45,32 +45,24 @@ use crate::numerics::double_double::DoubleDouble;
 /// # Ok::<(), vibro_impact::Error>(())
 /// ```
 pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -> f64) -> Vec<Result<()>> {
-    let mut results: Vec<Result<()>> = simulators.iter().map(|s| s.check_end(end(s))).collect();
+    let mut results = Vec::with_capacity(simulators.len());
+    results.resize(simulators.len(), Ok(()));
     let mut waiting = Vec::new();
     for (simulator, result) in simulators.iter_mut().zip(&mut results).rev() {
-        if result.is_err() {
-            continue;
-        }
-        if simulator.keeps_energy_accounts || simulator.loaded() {
-            *result = simulator.advance_to(end(simulator));
-        } else {
-            simulator.apply_due_event(None);
-            let (advance, end) = (simulator.begin_advance(), DoubleDouble::new(end(simulator)));
-            waiting.push(LaneMotion { simulator, advance, end, result });
+        let end = DoubleDouble::new(end(simulator));
+        let alone = simulator.keeps_energy_accounts || simulator.loaded();
+        match simulator.check_end(end) {
+            Ok(false) if !alone => {
+                simulator.apply_due_event(None);
+                let advance = simulator.begin_advance();
+                waiting.push(LaneMotion { simulator, advance, end, result });
+            }
+            Ok(_) => *result = simulator.advance_until(end, Pause::Never, None).map(|_| ()),
+            Err(error) => *result = Err(error),
         }
     }
     pulp::Arch::new().dispatch(Lanes { waiting });
     results
-}
-
-impl Simulator {
-    /// Checks an end as an advance to it does.
-    fn check_end(&self, end: f64) -> Result<()> {
-        if end.is_finite() && end >= self.time() {
-            return check_time(self.model.rate, end);
-        }
-        Err(Error::Step { time: self.time(), end })
-    }
 }
 
 #[cfg(test)]

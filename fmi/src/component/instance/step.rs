@@ -122,7 +122,12 @@ fn simulate(
     advance().map_err(|error| {
         // Cannot fail: it is this simulator's own.
         let _ = simulator.restore(&before);
-        error.into()
+        match error {
+            Error::WorkLimit { time, events, restitution, path, .. } => {
+                Problem::WorkLimit { own: simulator.time(), time, events, restitution, path }
+            }
+            error => error.into(),
+        }
     })
 }
 
