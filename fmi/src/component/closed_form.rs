@@ -270,29 +270,35 @@ impl ClosedForm {
         let pieces = (PI * rate / (PIECE * self.data.parameters.drive_frequency))
             .ceil()
             .clamp(1.0, MAX_PIECES) as usize;
-        self.knots = vec![[0.0; 2]; pieces + 1];
-        for i in 0..pieces {
-            let (from, to) = (i as f64 * self.piece(), (i + 1) as f64 * self.piece());
-            let energy = self.integrate(from, to);
-            self.knots[i + 1] = [self.knots[i][0] + energy[0], self.knots[i][1] + energy[1]];
-        }
+        let piece = PI / pieces as f64;
+        let mut knots = vec![[0.0; 2]; pieces + 1];
+        // One walk along the orbit for all pieces: each state by itself would go the way from the impact again.
+        self.solution.with_states(|states| {
+            for i in 0..pieces {
+                let (from, to) = (i as f64 * piece, (i + 1) as f64 * piece);
+                let energy = self.integrate(states, from, to);
+                knots[i + 1] = [knots[i][0] + energy[0], knots[i][1] + energy[1]];
+            }
+        });
+        self.knots = knots;
     }
 
     /// Input and damped energy from an impact to a drive phase `since` ∈ [0, π] later.
     fn energies(&self, since: f64) -> [f64; 2] {
         let index = ((since / self.piece()) as usize).min(self.knots.len() - 2);
-        let rest = self.integrate(index as f64 * self.piece(), since);
+        let from = index as f64 * self.piece();
+        let rest = self.solution.with_states(|states| self.integrate(states, from, since));
         [self.knots[index][0] + rest[0], self.knots[index][1] + rest[1]]
     }
 
     /// The powers' integrals between two phases after the upper impact; the half period after the lower is its mirror
     /// image, with the same powers.
-    fn integrate(&self, from: f64, to: f64) -> [f64; 2] {
+    fn integrate(&self, states: &mut dyn FnMut(f64) -> State, from: f64, to: f64) -> [f64; 2] {
         let p = &self.data.parameters;
         let mut sums = [0.0; 2];
         for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
             let theta = self.solution.impact_phase() + from + node * (to - from);
-            let v = self.solution.state(theta).v;
+            let v = states(theta).v;
             sums[0] += weight * p.drive_amplitude * theta.sin() * v[0];
             sums[1] += weight * (p.box_damping * v[0] * v[0] + p.secondary_damping * v[2] * v[2]);
         }

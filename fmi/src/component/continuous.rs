@@ -40,6 +40,26 @@ pub(crate) struct Data {
     accepted: Point,
 }
 
+impl Data {
+    /// Refuses numbers that no motion has: they can only come from a saved state that was damaged.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] that names what is not finite.
+    fn check(&self) -> Result<(), Error> {
+        let at = &self.accepted;
+        let points = [(&self.state, &self.forces, self.time), (&at.state, &at.forces, at.time)];
+        let numbers = points.iter().flat_map(|(s, f, t)| s.x.iter().chain(&s.v).chain(f.iter()).chain([t]));
+        let sums = [self.initial, self.damped, self.lost, self.record.total_impulse];
+        match numbers.chain(&sums).find(|x| !x.is_finite()) {
+            None if self.phase.is_finite() => Ok(()),
+            found => {
+                let value = found.copied().unwrap_or(f64::NAN);
+                Err(Error::OutOfRange { name: "saved state", value, allowed: "finite numbers" })
+            }
+        }
+    }
+}
+
 /// The last accepted step or event; contact and parameters have not changed since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Point {
@@ -92,6 +112,7 @@ impl Continuous {
     }
 
     pub(crate) fn of(data: Data) -> Result<Self, Error> {
+        data.check()?;
         Ok(Self { data, model: Model::new(&data.parameters)? })
     }
 
@@ -100,6 +121,7 @@ impl Continuous {
     /// # Errors
     /// As [`of`](Self::of); nothing has changed then.
     pub(crate) fn restore(&mut self, data: Data) -> Result<(), Error> {
+        data.check()?;
         if data.parameters != self.data.parameters {
             self.model = Model::new(&data.parameters)?;
         }

@@ -134,6 +134,18 @@ impl Solution {
         }
     }
 
+    /// Calls `use_states` with a function that gives the state at one drive phase (rad) after another, as
+    /// [`state`](Self::state); for rising phases they cost no more than the way along the orbit once.
+    pub(crate) fn with_states<R>(&self, use_states: impl FnOnce(&mut dyn FnMut(f64) -> State) -> R) -> R {
+        match self {
+            Self::Scales { .. } => use_states(&mut |theta| self.state(theta)),
+            Self::Orbit(orbit) => {
+                let mut walk = orbit.walk();
+                use_states(&mut |theta| walk.state(theta))
+            }
+        }
+    }
+
     /// Displacements and velocities at drive phase `theta` (rad).
     pub(crate) fn state(&self, theta: f64) -> State {
         match self {

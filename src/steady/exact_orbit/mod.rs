@@ -8,7 +8,7 @@
 mod flight;
 mod orbit;
 
-pub use orbit::ExactOrbit;
+pub use orbit::{ExactOrbit, OrbitWalk};
 
 use super::{Quadratic, Roots, Sheet};
 use crate::error::{Error, Result};

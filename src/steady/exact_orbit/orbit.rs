@@ -16,6 +16,60 @@ const PHASE_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Deflation threshold of the QR sweeps.
 const EIGENVALUE_PRECISION: f64 = f64::EPSILON;
 
+/// The Taylor pieces of half a period from the upper impact, in order.
+#[derive(Clone, Debug)]
+struct Pieces {
+    flight: Flight,
+    state: Vector6,
+    phase: f64,
+    next: u32,
+}
+
+impl Iterator for Pieces {
+    type Item = [Polynomial; 3];
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.next == self.flight.pieces {
+            return None;
+        }
+        let h = self.flight.step();
+        let x = self.flight.piece(&self.state, self.phase + f64::from(self.next) * h, h, self.flight.force);
+        self.state = Flight::state(&x, 1.0, h);
+        self.next += 1;
+        Some(x)
+    }
+}
+
+/// States of an orbit at one phase after another. Each piece of the orbit starts where the one before ends, so a state costs the
+/// way to its piece; for rising phases a walk goes that way once, and a phase that lies behind starts it anew. The states are those
+/// of [`ExactOrbit::state`] to the last bit.
+#[derive(Clone, Debug)]
+pub struct OrbitWalk<'a> {
+    orbit: &'a ExactOrbit,
+    pieces: Pieces,
+    /// Pieces taken so far; the last of them is `piece`.
+    next: u32,
+    piece: [Polynomial; 3],
+}
+
+impl OrbitWalk<'_> {
+    /// The state at phase θ (rad) of the drive, as [`ExactOrbit::state`].
+    pub fn state(&mut self, theta: f64) -> State {
+        let (since, sign) = self.orbit.since_impact(theta);
+        let (flight, h) = (&self.orbit.flight, self.orbit.flight.step());
+        let index = (since / h).floor().min(f64::from(flight.pieces - 1));
+        if (index as u32) + 1 < self.next {
+            (self.pieces, self.next) = (self.orbit.pieces(), 0);
+        }
+        while self.next <= index as u32 {
+            // The index is under the number of pieces, so there is one.
+            self.piece = self.pieces.next().unwrap_or_default();
+            self.next += 1;
+        }
+        self.orbit.si(&(sign * Flight::state(&self.piece, since / h - index, h)))
+    }
+}
+
 /// One symmetric orbit with two impacts per period.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactOrbit {
@@ -64,14 +118,8 @@ impl ExactOrbit {
     }
 
     /// The Taylor pieces of half a period from the upper impact, in order.
-    fn pieces(&self) -> impl Iterator<Item = [Polynomial; 3]> + use<> {
-        let (flight, h) = (self.flight, self.flight.step());
-        let (mut state, phase) = (self.after, self.phase);
-        (0..flight.pieces).map(move |i| {
-            let x = flight.piece(&state, phase + f64::from(i) * h, h, flight.force);
-            state = Flight::state(&x, 1.0, h);
-            x
-        })
+    fn pieces(&self) -> Pieces {
+        Pieces { flight: self.flight, state: self.after, phase: self.phase, next: 0 }
     }
 
     /// The parameters whose orbit this is.
@@ -108,16 +156,21 @@ impl ExactOrbit {
     /// The state at phase θ (rad) of the drive F10 sin θ; just after the impact at an impact. On the orbit,
     /// θ = ω1 t + [`Parameters::drive_phase`].
     pub fn state(&self, theta: f64) -> State {
+        self.walk().state(theta)
+    }
+
+    /// A walk along the orbit, for states at many phases: see [`OrbitWalk`].
+    pub fn walk(&self) -> OrbitWalk<'_> {
+        OrbitWalk { orbit: self, pieces: self.pieces(), next: 0, piece: Default::default() }
+    }
+
+    /// The phase since the last impact as (since, sign): at the lower stop the orbit is the mirror image, sign = -1.
+    fn since_impact(&self, theta: f64) -> (f64, f64) {
         // A phase that is that of an impact but for rounding counts as the impact's, and the state is the one after it.
         let rounding = PHASE_ROUNDING * (theta.abs() + TAU);
         let since = (theta - self.phase + rounding).rem_euclid(TAU);
         let (since, sign) = if since < PI { (since, 1.0) } else { (since - PI, -1.0) };
-        let since = (since - rounding).max(0.0);
-        let (flight, h) = (&self.flight, self.flight.step());
-        let index = (since / h).floor().min(f64::from(flight.pieces - 1));
-        // The loop stops at `index`, so the iterator yields it.
-        let x = self.pieces().nth(index as usize).unwrap_or_default();
-        self.si(&(sign * Flight::state(&x, since / h - index, h)))
+        ((since - rounding).max(0.0), sign)
     }
 
     /// The state at time 0, where the phase of the drive is [`Parameters::drive_phase`].
