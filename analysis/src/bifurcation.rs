@@ -1,4 +1,4 @@
-//! Bifurcation diagrams: the local maxima of X2 over one group, upwards and downwards, with period, class and exponents.
+//! Bifurcation diagrams: the local maxima of X2 over one parameter, upwards and downwards, with period, class and exponents.
 //!
 //! As in the paper, section 4: at each value a number of drive periods is discarded and a number kept, and the last state is
 //! the start of the next value. The motion from value to value is one chain and cannot be divided. What is observed at each
@@ -14,7 +14,7 @@ use super::parts::Task;
 use super::plane::ParameterAxis;
 use super::stroboscopic::moving_block;
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::{Parameters, check_together};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
 /// Values in a part.
@@ -25,7 +25,7 @@ const RESOLUTION: f64 = 1e-6;
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
-    /// The group and its values.
+    /// The parameter and its values.
     pub axis: ParameterAxis,
     /// Drive periods discarded at each value.
     pub discard: u32,
@@ -38,7 +38,7 @@ pub struct Sweep {
 /// The motion at one value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepPoint {
-    /// The group's value.
+    /// The parameter's value.
     pub value: f64,
     /// Local maxima of X2 (units of L, to six digits after the point), ascending, with the times each was met.
     pub maxima: Vec<(f64, u32)>,
@@ -76,9 +76,7 @@ fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledS
     let mut starts = Vec::with_capacity(count);
     for i in 0..count {
         let value = sweep.axis.value(if upward { i } else { count - 1 - i });
-        let groups = set.vary(sweep.axis.group, value);
-        check_together(&groups)?;
-        let p = set.parameters_of(&groups)?;
+        let p = *set.with(sweep.axis.name, value)?.parameters();
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> vibro_impact::Result<(State, State)> {
             let mut simulator = settled_simulator(&p, &state, discard)?;

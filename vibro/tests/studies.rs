@@ -68,7 +68,7 @@ fn golden_windows_of_the_default_set() {
 fn second_method_maxima_are_the_exact_orbits_amplitude() {
     let (sweep, found) = sweep((1.0, 2.0), 11, None);
     for p in found.up.iter().chain(&found.down).flatten() {
-        let set = ParameterSet::basic().with(sweep.axis.group, p.value).unwrap();
+        let set = ParameterSet::basic().with(sweep.axis.name, p.value).unwrap();
         let orbit = exact_orbit::solve(set.parameters()).unwrap().upper.unwrap();
         assert!(orbit.is_stable());
         let expected = orbit.amplitudes()[1];

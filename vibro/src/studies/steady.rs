@@ -8,6 +8,7 @@ use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, THIN};
 use crate::table::{Table, exact};
 use nalgebra::Complex;
 use vibro_analysis::ParameterSet;
+use vibro_impact::steady::continuation::Special;
 use vibro_impact::steady::multiple_scales::MultipleScales;
 use vibro_impact::steady::{Bifurcation, Sheet, exact_orbit, strong_coupling};
 
@@ -44,7 +45,7 @@ impl Rows {
     fn stability(&mut self, column: (&str, &str), stable: bool, radius: f64, next: Bifurcation) {
         self.flag(column, "stable and admissible", stable);
         self.number(column, "spectral radius", "1", radius);
-        self.put(column, "largest multiplier heads for", "", format!("{next:?}"));
+        self.put(column, "largest multiplier heads for", "", Special::Bifurcation(next).to_string());
     }
 }
 
