@@ -22,6 +22,9 @@ const BLOCK: usize = 8;
 /// Maxima are told apart by this, units of L: six digits after the point are kept.
 const RESOLUTION: f64 = 1e-6;
 
+/// Part of the gap by which a block scaled to another gap may be past a stop: rounding of a place some gaps away.
+const ROUNDING: f64 = 1e-12;
+
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
@@ -68,15 +71,34 @@ struct SettledStart {
     state: Option<State>,
 }
 
+/// A state of a machine with one gap for a machine with another: where the gap changes, displacements and velocities change
+/// in proportion, so that the block stays between the stops.
+fn within_gap(state: State, from: f64, to: f64) -> State {
+    if from == to {
+        return state;
+    }
+    let mut scaled = State { x: state.x.map(|x| x * to / from), v: state.v.map(|v| v * to / from) };
+    // Rounding may have put the block past a stop by some digits of its place, which is a few gaps.
+    let room = to * (1.0 - ROUNDING);
+    let relative = scaled.x[1] - scaled.x[0];
+    if relative.abs() > room {
+        scaled.x[1] = scaled.x[0] + relative.clamp(-room, room);
+    }
+    scaled
+}
+
 /// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
 /// starts with [`moving_block`].
 fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledStart>> {
     let count = sweep.axis.count;
     let mut state = moving_block(set.parameters());
+    let mut gap = set.parameters().stop_gap;
     let mut starts = Vec::with_capacity(count);
     for i in 0..count {
         let value = sweep.axis.value(if upward { i } else { count - 1 - i });
         let p = *set.with(sweep.axis.name, value)?.parameters();
+        state = within_gap(state, gap, p.stop_gap);
+        gap = p.stop_gap;
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> vibro_impact::Result<(State, State)> {
             let mut simulator = settled_simulator(&p, &state, discard)?;

@@ -135,7 +135,7 @@ impl ParameterSet {
             Name::Group(group) => {
                 definitions()
                 .filter(|d| d.0 == group.name)
-                .any(|d| given(&d.0) || given(&d.1) || d.2.iter().any(|f| given(f)))
+                .any(|d| given(&d.0) || given(&d.1) || d.2.iter().any(given))
                 // Two names of one coupling.
                 || (group.name == "alpha23" && given(&"beta2"))
                 || (group.name == "beta2" && given(&"alpha23"))

@@ -40,18 +40,18 @@ const UNITS: [Unit; 39] = [
 
 /// A number as it was written: its value and whether a unit stood beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quantity {
+struct Quantity {
     /// In the parameter's SI unit.
-    pub value: f64,
+    value: f64,
     /// Whether a unit was written.
-    pub has_unit: bool,
+    has_unit: bool,
 }
 
 /// Reads a number, with or without a unit such as `48 kN/m`; without one it is in the parameter's SI unit.
 ///
 /// # Errors
 /// [`Error::NotANumber`]; [`Error::Unit`] for a unit of another dimension or an unknown one.
-pub fn quantity(name: Name, text: &str) -> Result<Quantity> {
+fn quantity(name: Name, text: &str) -> Result<Quantity> {
     let text = text.trim();
     if let Ok(value) = text.parse() {
         return Ok(Quantity { value, has_unit: false });
@@ -75,10 +75,17 @@ pub fn quantity(name: Name, text: &str) -> Result<Quantity> {
     Ok(Quantity { value: number * unit.times / unit.over, has_unit: true })
 }
 
-/// The value of a number, with or without a unit.
+/// The value of a number, with or without a unit, in the parameter's SI unit.
+///
+/// ```
+/// use vibro_analysis::{Name, number};
+///
+/// assert_eq!(number(Name::find("box.k")?, "48 kN/m")?, 48_000.0);
+/// # Ok::<(), vibro_analysis::Error>(())
+/// ```
 ///
 /// # Errors
-/// As [`quantity`].
+/// [`Error::NotANumber`]; [`Error::Unit`] for a unit of another dimension or an unknown one.
 pub fn number(name: Name, text: &str) -> Result<f64> {
     Ok(quantity(name, text)?.value)
 }
@@ -86,7 +93,7 @@ pub fn number(name: Name, text: &str) -> Result<f64> {
 /// The values of several numbers of one parameter. Either all have a unit or none, so that `9:11Hz` is no mixture.
 ///
 /// # Errors
-/// As [`quantity`], the range of a value, and [`Error::Form`] for a mixture.
+/// As [`number`], the range of a value, and [`Error::Form`] for a mixture.
 pub fn numbers(name: Name, texts: &[&str]) -> Result<Vec<f64>> {
     let all = texts.iter().map(|text| quantity(name, text)).collect::<Result<Vec<_>>>()?;
     if all.iter().any(|q| q.has_unit != all[0].has_unit) {
