@@ -1,4 +1,4 @@
-//! Bifurcation diagrams: the local maxima of X2 over one group, upwards and downwards, with period, class and exponents.
+//! Bifurcation diagrams: the local maxima of X2 over one parameter, upwards and downwards, with period, class and exponents.
 //!
 //! As in the paper, section 4: at each value a number of drive periods is discarded and a number kept, and the last state is
 //! the start of the next value. The motion from value to value is one chain and cannot be divided. What is observed at each
@@ -14,7 +14,7 @@ use super::parts::Task;
 use super::plane::ParameterAxis;
 use super::stroboscopic::moving_block;
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::{Parameters, check_together};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
 /// Values in a part.
@@ -22,10 +22,13 @@ const BLOCK: usize = 8;
 /// Maxima are told apart by this, units of L: six digits after the point are kept.
 const RESOLUTION: f64 = 1e-6;
 
+/// Part of the gap by which a block scaled to another gap may be past a stop: rounding of a place some gaps away.
+const ROUNDING: f64 = 1e-12;
+
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
-    /// The group and its values.
+    /// The parameter and its values.
     pub axis: ParameterAxis,
     /// Drive periods discarded at each value.
     pub discard: u32,
@@ -38,7 +41,7 @@ pub struct Sweep {
 /// The motion at one value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepPoint {
-    /// The group's value.
+    /// The parameter's value.
     pub value: f64,
     /// Local maxima of X2 (units of L, to six digits after the point), ascending, with the times each was met.
     pub maxima: Vec<(f64, u32)>,
@@ -68,17 +71,34 @@ struct SettledStart {
     state: Option<State>,
 }
 
+/// A state of a machine with one gap for a machine with another: where the gap changes, displacements and velocities change
+/// in proportion, so that the block stays between the stops.
+fn within_gap(state: State, from: f64, to: f64) -> State {
+    if from == to {
+        return state;
+    }
+    let mut scaled = State { x: state.x.map(|x| x * to / from), v: state.v.map(|v| v * to / from) };
+    // Rounding may have put the block past a stop by some digits of its place, which is a few gaps.
+    let room = to * (1.0 - ROUNDING);
+    let relative = scaled.x[1] - scaled.x[0];
+    if relative.abs() > room {
+        scaled.x[1] = scaled.x[0] + relative.clamp(-room, room);
+    }
+    scaled
+}
+
 /// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
 /// starts with [`moving_block`].
 fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledStart>> {
     let count = sweep.axis.count;
     let mut state = moving_block(set.parameters());
+    let mut gap = set.parameters().stop_gap;
     let mut starts = Vec::with_capacity(count);
     for i in 0..count {
         let value = sweep.axis.value(if upward { i } else { count - 1 - i });
-        let groups = set.vary(sweep.axis.group, value);
-        check_together(&groups)?;
-        let p = set.parameters_of(&groups)?;
+        let p = *set.with(sweep.axis.name, value)?.parameters();
+        state = within_gap(state, gap, p.stop_gap);
+        gap = p.stop_gap;
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> vibro_impact::Result<(State, State)> {
             let mut simulator = settled_simulator(&p, &state, discard)?;

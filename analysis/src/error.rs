@@ -8,16 +8,24 @@ pub enum Error {
     #[error(transparent)]
     Model(#[from] vibro_impact::Error),
     /// No parameter has this name.
-    #[error("no parameter is named `{name}`; the nearest is `{nearest}`: {description}, {allowed}")]
+    #[error("no parameter is named `{name}`; {advice}")]
     UnknownName {
         /// What was given.
         name: String,
-        /// The nearest valid name.
-        nearest: &'static str,
-        /// What that one is.
-        description: &'static str,
-        /// The range of that one.
-        allowed: &'static str,
+        /// The nearest valid name with its meaning and range or, where none is near, all valid names.
+        advice: String,
+    },
+    /// A number has a unit of another dimension than the parameter's, or one that is not known.
+    #[error(
+        "{name}: `{unit}` is no unit of it; allowed are {allowed}, or a number without a unit in the first of these"
+    )]
+    Unit {
+        /// The parameter.
+        name: &'static str,
+        /// The unit given.
+        unit: String,
+        /// The units of the parameter's dimension.
+        allowed: String,
     },
     /// The value of a parameter is no number.
     #[error("{name} = `{text}` is not a number: allowed is {allowed}")]

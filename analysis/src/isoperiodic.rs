@@ -1,4 +1,4 @@
-//! Simulated motion over a plane of two groups: its period, impacts and class (an isoperiodic diagram), beside the exact
+//! Simulated motion over a plane of two parameters: its period, impacts and class (an isoperiodic diagram), beside the exact
 //! orbit with two symmetric impacts a period, which needs no simulation.
 //!
 //! Every point is a motion of its own, so that a whole row goes through [`propagate`] at once.
@@ -12,7 +12,7 @@ use super::plane::{self, ParameterAxis, SteadyStateClass, check_pair};
 use super::stroboscopic::{COORDINATES, MOVING_BLOCK, StroboscopicState, dimensional, dimensionless};
 use super::trajectories::{Start, propagate};
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::{Parameters, check_together};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
 /// The rule by which the motions of a plane get their starts.
@@ -170,19 +170,15 @@ struct Site {
     theory: SteadyStateClass,
     /// The stable exact orbit's state at time 0.
     orbit: Option<State>,
-    /// `None` where the groups make no system.
+    /// `None` where the values make no system.
     start: Option<Start>,
 }
 
 fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Site {
     let none = Site { theory: SteadyStateClass::Undefined, orbit: None, start: None };
-    let groups = set
-        .with_groups_only(request.y.group, request.y.value(row))
-        .vary(request.x.group, request.x.value(column));
-    if check_together(&groups).is_err() {
-        return none;
-    }
-    let Ok(parameters) = set.parameters_of(&groups) else { return none };
+    let row = set.with(request.y.name, request.y.value(row));
+    let Ok(set) = row.and_then(|row| row.with(request.x.name, request.x.value(column))) else { return none };
+    let parameters = *set.parameters();
     let (theory, orbit) = plane::exact(&parameters).unwrap_or((SteadyStateClass::Undefined, None));
     let orbit = orbit.map(|o| o.initial_state()).map(|o| State { x: o.x, v: o.v });
     let state = match (&request.start, orbit) {

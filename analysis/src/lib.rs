@@ -16,11 +16,11 @@
 //! | [`attractor`] | period, impacts, symmetry and class of a settled motion | constructed sequences; the stable exact orbit; the limit without impacts |
 //! | [`trajectories`] | many independent motions at once | the same motions one by one |
 //! | [`parts`] | long studies in parts, shared and continued | interrupted and divided work against whole work |
-//! | [`bifurcation`] | maxima, classes and exponents over one group, both directions | exact orbit and its limits of stability (tests of `vibro`) |
+//! | [`bifurcation`] | maxima, classes and exponents over one parameter, both directions | exact orbit and its limits of stability (tests of `vibro`) |
 //! | [`basin`] | attractors over two initial values | single simulations (tests of `vibro`) |
-//! | [`isoperiodic`] | simulated motion over two groups, beside the exact orbit | single simulations, the plane of the exact orbit (tests of `vibro`) |
-//! | [`plane`] | existence and stability of the two-impact motion over two groups | single solutions (tests of `vibro`) |
-//! | [`response`](mod@response) | steady states along one group | located limits of stability (tests of `vibro`) |
+//! | [`isoperiodic`] | simulated motion over two parameters, beside the exact orbit | single simulations, the plane of the exact orbit (tests of `vibro`) |
+//! | [`plane`] | existence and stability of the two-impact motion over two parameters | single solutions (tests of `vibro`) |
+//! | [`response`](mod@response) | steady states along one parameter | located limits of stability (tests of `vibro`) |
 //!
 //! # Example
 //!
@@ -59,5 +59,5 @@ pub mod trajectories;
 mod variation;
 
 pub use error::{Error, Result};
-pub use parameter_set::{Name, ParameterSet, find_field, find_group, number, short};
+pub use parameter_set::{Name, ParameterSet, find_field, find_group, number, numbers, short};
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

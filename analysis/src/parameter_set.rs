@@ -1,17 +1,16 @@
 //! The parameters of an analysis as a user gives them: by name, in SI or as dimensionless groups.
 
+mod caption;
+mod name;
+mod units;
+
+pub use caption::short;
+pub use name::{Name, find_field, find_group};
+pub use units::{number, numbers};
+
 use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::{FIELDS, Field, GROUPS, Group, Groups, Parameters, check_together};
-
-/// A parameter of either form.
-#[derive(Clone, Copy, Debug)]
-pub enum Name {
-    /// A physical parameter.
-    Si(&'static Field),
-    /// A dimensionless group.
-    Group(&'static Group),
-}
+use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_together};
 
 /// Parameters in both forms, kept in step.
 ///
@@ -36,7 +35,7 @@ pub struct ParameterSet {
     holds_beta2: bool,
     holds_mu13: bool,
     base: Base,
-    changed: bool,
+    given: Given,
     parameters: Parameters,
     groups: Groups,
 }
@@ -48,100 +47,45 @@ enum Base {
     Strong,
 }
 
-impl Base {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Basic => "BASIC, a reconstruction, not the paper's own data set",
-            Self::Strong => "STRONG, a set of ours, not the paper's own data set",
-        }
-    }
+/// Which parameters were set, a bit for each in the order of the lists.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Given {
+    fields: u16,
+    groups: u16,
 }
 
-impl Name {
-    /// Finds a parameter by its name.
-    ///
-    /// # Errors
-    /// [`Error::UnknownName`] with the nearest valid name.
-    pub fn find(name: &str) -> Result<Self> {
-        if let Some(group) = Group::named(name) {
-            return Ok(Self::Group(group));
-        }
-        if let Some(field) = FIELDS.iter().find(|f| f.name == name) {
-            return Ok(Self::Si(field));
-        }
-        Err(unknown(name, &all_names()))
-    }
-
-    /// The name itself.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Si(f) => f.name,
-            Self::Group(g) => g.name,
+impl Given {
+    fn add(&mut self, name: Name) {
+        match name {
+            Name::Si(field) => self.fields |= bit(FIELDS.iter().map(|f| f.name), field.name),
+            Name::Group(group) => self.groups |= bit(GROUPS.iter().map(|g| g.name), group.name),
         }
     }
 
-    fn description(self) -> &'static str {
-        match self {
-            Self::Si(f) => f.description,
-            Self::Group(g) => g.description,
-        }
-    }
-
-    fn allowed(self) -> &'static str {
-        match self {
-            Self::Si(f) => f.range.allowed,
-            Self::Group(g) => g.range.allowed,
-        }
+    fn has(&self, name: &str) -> bool {
+        let field = self.fields & bit(FIELDS.iter().map(|f| f.name), name);
+        (field | self.groups & bit(GROUPS.iter().map(|g| g.name), name)) != 0
     }
 }
 
-/// The group of a name; an SI name is refused with the nearest group.
-///
-/// # Errors
-/// [`Error::UnknownName`].
-pub fn find_group(name: &str) -> Result<&'static Group> {
-    let groups: Vec<Name> = GROUPS.iter().map(Name::Group).collect();
-    Group::named(name).ok_or_else(|| unknown(name, &groups))
+/// The bit of a name's place in a list; none where it is not in the list.
+fn bit(mut names: impl Iterator<Item = &'static str>, name: &str) -> u16 {
+    names.position(|n| n == name).map_or(0, |i| 1 << i)
 }
 
-/// The physical parameter of a structured name; a group's name is refused with the nearest physical parameter.
-///
-/// # Errors
-/// [`Error::UnknownName`].
-pub fn find_field(name: &str) -> Result<&'static Field> {
-    let fields: Vec<Name> = FIELDS.iter().map(Name::Si).collect();
-    FIELDS.iter().find(|f| f.name == name).ok_or_else(|| unknown(name, &fields))
-}
-
-fn all_names() -> Vec<Name> {
-    GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si)).collect()
-}
-
-fn unknown(name: &str, valid: &[Name]) -> Error {
-    let lower = name.to_lowercase();
-    let distance = |n: &Name| strsim::damerau_levenshtein(&lower, n.name());
-    // The lists are never empty.
-    let nearest = valid.iter().copied().min_by_key(distance).unwrap_or(Name::Group(&GROUPS[0]));
-    Error::UnknownName {
-        name: name.into(),
-        nearest: nearest.name(),
-        description: nearest.description(),
-        allowed: nearest.allowed(),
-    }
-}
-
-/// A number, or an error that names the parameter and its range.
-///
-/// # Errors
-/// [`Error::NotANumber`].
-pub fn number(name: Name, text: &str) -> Result<f64> {
-    let text = text.trim();
-    text.parse().map_err(|_| Error::NotANumber {
-        name: name.name(),
-        text: text.into(),
-        allowed: name.allowed(),
-    })
-}
+/// Each group, the physical parameter it is made of, and the others that scale it: docs/theory.md (21), (22).
+const DEFINITIONS: [(&str, &str, &[&str]); 10] = [
+    ("epsilon", "block.m", &["box.m"]),
+    ("kappa", "stop.restitution", &[]),
+    ("f10", "drive.amplitude", &["box.k", "stop.gap", "box.m", "block.m"]),
+    ("sigma1", "drive.frequency", &["box.k", "box.m", "block.m"]),
+    ("gamma1", "box.c", &["box.k", "box.m", "block.m"]),
+    ("alpha23", "coupling.k", &["box.k", "box.m", "block.m"]),
+    ("beta2", "coupling.k", &["box.k", "box.m", "block.m"]),
+    ("sigma30", "secondary.k", &["secondary.m", "box.k", "box.m", "block.m"]),
+    ("gamma3", "secondary.c", &["secondary.m", "box.k", "box.m", "block.m"]),
+    ("mu13", "secondary.m", &["box.m"]),
+];
 
 impl ParameterSet {
     /// The set BASIC, docs/theory.md, end of section 4: ε, κ and f̂10 are the paper's, the other groups a reconstruction.
@@ -152,7 +96,7 @@ impl ParameterSet {
             holds_beta2: false,
             holds_mu13: false,
             base: Base::Basic,
-            changed: false,
+            given: Given::default(),
         }
     }
 
@@ -165,7 +109,7 @@ impl ParameterSet {
         let groups = Groups { beta2: 0.3, alpha23: 3.0, mu13: 1.0, sigma30: 0.5, ..Groups::basic() };
         let base = Base::Strong;
         let parameters = groups.to_parameters(vibro_impact::Scales::default())?;
-        Ok(Self { parameters, groups, holds_beta2: true, holds_mu13: true, base, changed: false })
+        Ok(Self { parameters, groups, holds_beta2: true, holds_mu13: true, base, given: Given::default() })
     }
 
     /// The dimensionless groups.
@@ -178,39 +122,45 @@ impl ParameterSet {
         &self.parameters
     }
 
-    /// Where these numbers come from, in the words of a caption.
-    pub fn origin(&self) -> String {
-        if self.changed {
-            format!("what was not set is {}", self.base.name())
-        } else {
-            self.base.name().into()
+    /// Whether a parameter was set, in either form: a group also by any physical parameter that it is made of, and a
+    /// physical parameter also by its group.
+    pub fn is_set(&self, name: Name) -> bool {
+        let given = |name: &&str| self.given.has(name);
+        let definitions = || DEFINITIONS.iter();
+        match name {
+            Name::Si(field) => {
+                let own = || definitions().any(|d| d.1 == field.name && given(&d.0));
+                given(&field.name) || own()
+            }
+            Name::Group(group) => {
+                definitions()
+                .filter(|d| d.0 == group.name)
+                .any(|d| given(&d.0) || given(&d.1) || d.2.iter().any(given))
+                // Two names of one coupling.
+                || (group.name == "alpha23" && given(&"beta2"))
+                || (group.name == "beta2" && given(&"alpha23"))
+            }
         }
     }
 
-    /// The groups in one line, with the origin.
-    pub fn caption(&self) -> String {
-        let g = &self.groups;
-        let shown = |group: &&Group| match group.name {
-            // Of the two names for the coupling, the one that is held.
-            "alpha23" => !self.holds_beta2,
-            "beta2" => self.holds_beta2,
-            "mu13" => self.holds_mu13,
-            _ => true,
-        };
-        let values = GROUPS.iter().filter(shown).map(|x| format!("{} = {}", x.symbol, short((x.get)(g))));
-        format!("{} ({})", values.collect::<Vec<_>>().join(", "), self.origin())
+    /// The first parameter that was set by its own name or as the physical parameter of its group, among these groups.
+    pub fn first_set(&self, groups: &[&str]) -> Option<Name> {
+        let names = groups.iter().filter_map(|group| DEFINITIONS.iter().find(|d| d.0 == *group));
+        let mut names = names.flat_map(|d| [d.0, d.1]);
+        Name::find(names.find(|name| self.given.has(name))?).ok()
     }
 
-    /// The groups with one of them changed, the tied ones following.
-    pub fn vary(&self, group: &Group, value: f64) -> Groups {
-        let mut g = self.groups;
-        (group.set)(&mut g, value);
-        self.tie(g, group.name)
+    /// Whether a physical parameter was set, so that the machine is one in SI.
+    pub fn is_si(&self) -> bool {
+        self.given.fields != 0
     }
 
-    /// The set with one group changed, for [`Self::vary`] over a second group. Its physical parameters do not follow.
-    pub(super) fn with_groups_only(&self, group: &Group, value: f64) -> Self {
-        Self { groups: self.vary(group, value), ..self.clone() }
+    /// The physical parameters that were not set although others were, and whose values therefore belong to another
+    /// machine. Those that a group fixes are not among them, nor is the drive's phase.
+    pub fn not_given(&self) -> Vec<Name> {
+        let fixed = |f: &&'static Field| self.is_set(Name::Si(f)) || f.name == "drive.phase";
+        let missing = FIELDS.iter().filter(|f| self.is_si() && !fixed(f));
+        missing.map(Name::Si).collect()
     }
 
     fn tie(&self, mut g: Groups, changed: &str) -> Groups {
@@ -225,14 +175,12 @@ impl ParameterSet {
         g
     }
 
-    /// The parameter set with one group changed.
+    /// The parameter set with one parameter of either form changed: the one way to vary a parameter.
     ///
     /// # Errors
-    /// As [`Self::apply`].
-    pub fn with(&self, group: &'static Group, value: f64) -> Result<Self> {
-        let mut set = self.clone();
-        set.assign(&[(Name::Group(group), value)])?;
-        Ok(set)
+    /// The range that the value violates.
+    pub fn with(&self, name: impl Into<Name>, value: f64) -> vibro_impact::Result<Self> {
+        self.changed(&[(name.into(), value)])
     }
 
     /// The physical parameters with these groups, in the scales and with the drive phase of this parameter set.
@@ -247,7 +195,8 @@ impl ParameterSet {
     /// Applies texts of the form `name=value`, in order.
     ///
     /// # Errors
-    /// [`Error::Form`], [`Error::UnknownName`], [`Error::NotANumber`] or the range that a value violates.
+    /// [`Error::Form`], [`Error::UnknownName`], [`Error::NotANumber`], [`Error::Unit`] or the range that a value
+    /// violates.
     pub fn apply<T: AsRef<str>>(&mut self, assignments: &[T]) -> Result<()> {
         let parse = |text: &T| {
             let text = text.as_ref();
@@ -265,24 +214,29 @@ impl ParameterSet {
     /// # Errors
     /// The range that a value violates; nothing is changed then.
     pub fn assign(&mut self, assignments: &[(Name, f64)]) -> Result<()> {
+        *self = self.changed(assignments)?;
+        Ok(())
+    }
+
+    fn changed(&self, assignments: &[(Name, f64)]) -> vibro_impact::Result<Self> {
         let mut next = self.clone();
         let mut pending = false;
         for &(name, value) in assignments {
-            next.changed = true;
+            name.check(value)?;
+            next.given.add(name);
             match name {
                 Name::Group(group) => {
-                    group.check(value)?;
                     match group.name {
                         "beta2" => next.holds_beta2 = true,
                         "alpha23" => next.holds_beta2 = false,
                         "mu13" => next.holds_mu13 = true,
                         _ => {}
                     }
-                    next.groups = next.vary(group, value);
+                    (group.set)(&mut next.groups, value);
+                    next.groups = next.tie(next.groups, group.name);
                     pending = true;
                 }
                 Name::Si(field) => {
-                    field.check(value)?;
                     if pending {
                         next.refresh()?;
                         pending = false;
@@ -296,25 +250,13 @@ impl ParameterSet {
         if pending {
             next.refresh()?;
         }
-        *self = next;
-        Ok(())
+        Ok(next)
     }
 
-    fn refresh(&mut self) -> Result<()> {
+    fn refresh(&mut self) -> vibro_impact::Result<()> {
         check_together(&self.groups)?;
         self.parameters = self.parameters_of(&self.groups)?;
         Ok(())
-    }
-}
-
-/// A number for captions: four decimals at most, a true minus sign.
-pub fn short(value: f64) -> String {
-    let rounded = (value * 1e4).round() / 1e4;
-    if rounded == 0.0 && value != 0.0 || value.abs() >= 1e6 {
-        format!("{value:.3e}").replace('-', "−")
-    } else {
-        // Adding zero turns -0 into 0.
-        format!("{}", rounded + 0.0).replace('-', "−")
     }
 }
 

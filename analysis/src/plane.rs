@@ -1,10 +1,10 @@
-//! Existence and stability of the two-impact motion over a plane of two groups (figure 12).
+//! Existence and stability of the two-impact motion over a plane of two parameters (figure 12).
 
 use super::error::{Error, Result};
-use super::parameter_set::{ParameterSet, find_group};
+use super::parameter_set::{Name, ParameterSet};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::{Group, Groups, Parameters, check_together};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
 use vibro_impact::steady::multiple_scales::MultipleScales;
@@ -35,13 +35,13 @@ pub enum SteadyStateClass {
     Undefined,
 }
 
-/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the group's name, and checked
+/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the parameter's name, and checked
 /// when read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct ParameterAxis {
-    /// What varies.
-    pub group: &'static Group,
+    /// What varies, of either form.
+    pub name: Name,
     /// First value.
     pub from: f64,
     /// Last value.
@@ -50,10 +50,10 @@ pub struct ParameterAxis {
     pub count: usize,
 }
 
-/// An axis as a file holds it: the group by its name.
+/// An axis as a file holds it: the parameter by its name.
 #[derive(Serialize, Deserialize)]
 struct Written {
-    group: String,
+    name: String,
     from: f64,
     to: f64,
     count: usize,
@@ -61,7 +61,7 @@ struct Written {
 
 impl From<ParameterAxis> for Written {
     fn from(axis: ParameterAxis) -> Self {
-        Self { group: axis.group.name.into(), from: axis.from, to: axis.to, count: axis.count }
+        Self { name: axis.name.name().into(), from: axis.from, to: axis.to, count: axis.count }
     }
 }
 
@@ -69,7 +69,7 @@ impl TryFrom<Written> for ParameterAxis {
     type Error = Error;
 
     fn try_from(axis: Written) -> Result<Self> {
-        Self::new(find_group(&axis.group)?, (axis.from, axis.to), axis.count)
+        Self::new(Name::find(&axis.name)?, (axis.from, axis.to), axis.count)
     }
 }
 
@@ -132,16 +132,17 @@ impl ParameterAxis {
     /// An axis, checked.
     ///
     /// # Errors
-    /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the group's own range.
-    pub fn new(group: &'static Group, (from, to): (f64, f64), count: usize) -> Result<Self> {
+    /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the parameter's own range.
+    pub fn new(name: impl Into<Name>, (from, to): (f64, f64), count: usize) -> Result<Self> {
+        let name = name.into();
         if !(from < to && (to - from).is_finite() && count >= 2) {
-            let text = format!("{}={from}:{to} in {count} values", group.name);
+            let text = format!("{}={from}:{to} in {count} values", name.name());
             return Err(Error::Form { text, expected: "from < to, both finite, and at least 2 values" });
         }
         // ε = 0 and the like are left out where they end the range that pictures show.
-        group.check(from)?;
-        group.check(to)?;
-        Ok(Self { group, from, to, count })
+        name.check(from)?;
+        name.check(to)?;
+        Ok(Self { name, from, to, count })
     }
 
     /// Ends of the cells that are centred on the values.
@@ -157,11 +158,9 @@ impl ParameterAxis {
     }
 }
 
-/// The class of one set of groups.
-pub fn classify(set: &ParameterSet, groups: &Groups, method: Method) -> SteadyStateClass {
-    if check_together(groups).is_err() {
-        return SteadyStateClass::Undefined;
-    }
+/// The class of one parameter set.
+pub fn classify(set: &ParameterSet, method: Method) -> SteadyStateClass {
+    let groups = set.groups();
     let class = match method {
         Method::MultipleScales => MultipleScales::new(groups).map(|m| {
             let roots = m.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
@@ -171,7 +170,7 @@ pub fn classify(set: &ParameterSet, groups: &Groups, method: Method) -> SteadySt
             let roots = roots.into_iter().flat_map(|r| [r.upper, r.lower]);
             SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
         }),
-        Method::ExactOrbit => set.parameters_of(groups).and_then(|p| exact(&p)).map(|found| found.0),
+        Method::ExactOrbit => exact(set.parameters()).map(|found| found.0),
     };
     class.unwrap_or(SteadyStateClass::Undefined)
 }
@@ -196,12 +195,12 @@ pub fn exact(p: &Parameters) -> vibro_impact::Result<(SteadyStateClass, Option<E
 /// Two axes of a plane.
 ///
 /// # Errors
-/// [`Error::Form`] when both are the same or tied groups (α̂23 and β² are two names of one).
+/// [`Error::Form`] when one is the other by another name: α̂23, β² and k23, κ and the stops' restitution coefficient, or a
+/// group and the physical parameter that it is made of.
 pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
-    let coupling = |g: &Group| ["alpha23", "beta2"].contains(&g.name);
-    if x.group == y.group || (coupling(x.group) && coupling(y.group)) {
-        let text = format!("{},{}", x.group.name, y.group.name);
-        return Err(Error::Form { text, expected: "two independent groups, e.g. sigma1,f10" });
+    if x.name.is_same_quantity(y.name) {
+        let text = format!("{},{}", x.name.name(), y.name.name());
+        return Err(Error::Form { text, expected: "two independent parameters, e.g. sigma1,f10" });
     }
     Ok(())
 }
@@ -221,8 +220,10 @@ pub fn plane(
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()
         .map(|j| {
-            let row = set.with_groups_only(y.group, y.value(j));
-            let class = |i| classify(set, &row.vary(x.group, x.value(i)), method);
+            // A value that makes no machine with the others is a point without an answer.
+            let row = set.with(y.name, y.value(j));
+            let at = |i| row.as_ref().ok()?.with(x.name, x.value(i)).ok();
+            let class = |i| at(i).map_or(SteadyStateClass::Undefined, |set| classify(&set, method));
             let classes = (0..x.count).map(class).collect();
             done();
             classes

@@ -1,16 +1,16 @@
-//! Response curves: steady states along one group, with their stability (figures 10, 11).
+//! Response curves: steady states along one parameter, with their stability (figures 10, 11).
 
 use super::error::Result;
-use super::parameter_set::ParameterSet;
+use super::parameter_set::{Name, ParameterSet};
 use super::plane::Method;
-use vibro_impact::parameters::{Group, Groups, check_together};
+use vibro_impact::parameters::Groups;
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Branch, Special};
 
 /// One point of a response curve. Amplitudes in units of L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResponsePoint {
-    /// The group that varies.
+    /// The parameter that varies.
     pub value: f64,
     /// Which root.
     pub sheet: Sheet,
@@ -39,42 +39,44 @@ pub struct Response {
     pub curves: Vec<Vec<ResponsePoint>>,
 }
 
-/// The response of a theory along a group over a range, with `nodes` points per sheet.
+/// The response of a theory along a parameter over a range, with `nodes` points per sheet.
 ///
 /// # Errors
-/// The range of the group, and what the theory refuses.
+/// The range of the parameter, and what the theory refuses.
 pub fn response(
     set: &ParameterSet,
-    along: &'static Group,
+    along: impl Into<Name>,
     range: (f64, f64),
     method: Method,
     nodes: usize,
 ) -> Result<Response> {
+    let along = along.into();
     for value in [range.0, range.1] {
-        along.check(value)?;
-        check_together(&set.vary(along, value))?;
+        set.with(along, value)?;
     }
-    let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(set.vary(along, value)) };
+    let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(*set.with(along, value)?.groups()) };
+    // A branch has points only where there is a system, so that the other case never comes.
+    let at = |value: f64| groups(value).unwrap_or(*set.groups());
     let curves = match method {
         Method::MultipleScales => {
             let branch = continuation::multiple_scales(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::multiple_scales::FixedPoint| {
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, set.vary(along, value))
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, at(value))
             };
             collect(&branch, point)
         }
         Method::StrongCoupling => {
             let branch = continuation::strong_coupling(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::strong_coupling::StrongPoint| {
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, set.vary(along, value))
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, at(value))
             };
             collect(&branch, point)
         }
         Method::ExactOrbit => {
-            let path = |value| set.parameters_of(&groups(value)?);
+            let path = |value| Ok(*set.with(along, value)?.parameters());
             let branch = continuation::exact_orbit(path, range, nodes)?;
             let point = |value: f64, o: &vibro_impact::steady::exact_orbit::ExactOrbit| {
-                let g = set.vary(along, value);
+                let g = at(value);
                 let gap = o.parameters().stop_gap;
                 let a = o.amplitudes().map(|a| a / gap);
                 let b = o.amplitude_of([1.0, g.epsilon, 0.0]) / gap;

@@ -17,6 +17,14 @@ pub enum Error {
         /// What is wrong, and where.
         problem: String,
     },
+    /// Input that does not fit the study that was asked for.
+    #[error("{what}: {problem}")]
+    Refused {
+        /// What was given.
+        what: String,
+        /// Why it does not fit, and what does.
+        problem: String,
+    },
     /// Reading or writing a file failed.
     #[error("{doing} {}: {source}", path.display())]
     File {

@@ -26,7 +26,7 @@ pub struct LongStudy {
 /// Kinds of long studies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StudyKind {
-    /// Maxima, periods and, if asked for, exponents over a group.
+    /// Maxima, periods and, if asked for, exponents over a parameter.
     Sweep {
         /// The sweep.
         sweep: Sweep,
@@ -35,7 +35,7 @@ pub enum StudyKind {
     },
     /// Basins over two initial values.
     Basin(basin::Request),
-    /// Simulated motion over two groups.
+    /// Simulated motion over two parameters.
     Isoperiodic(isoperiodic::Request),
 }
 
@@ -73,10 +73,10 @@ impl LongStudy {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
                 let mut found = vec![studies::sweep(&self.set, &sweep, &diagram, &self.name)?];
                 if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
-                    let (group, stem) = (sweep.axis.group, &self.name);
+                    let (along, stem) = (sweep.axis.name, &self.name);
                     found.push(studies::spectra(&sweep, &diagram, at, &format!("{stem}-spectra"))?.1);
                     let name = format!("{stem}-running");
-                    found.push(studies::running(&self.set, group, at, sweep.discard, options, &name)?);
+                    found.push(studies::running(&self.set, along, at, sweep.discard, options, &name)?);
                 }
                 Ok(Some(found))
             }

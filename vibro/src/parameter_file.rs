@@ -3,7 +3,7 @@
 //! ```toml
 //! [si]
 //! box.m = 2.0
-//! stop.gap = 0.01
+//! stop.gap = "10 mm"
 //!
 //! [groups]
 //! f10 = 1.5
@@ -11,7 +11,8 @@
 
 use crate::{Error, Result};
 use std::path::Path;
-use vibro_analysis::{Name, ParameterSet, find_field, find_group, number};
+use vibro_analysis::{GROUPS, Name, ParameterSet, find_field, find_group, number};
+use vibro_impact::parameters::FIELDS;
 
 /// Applies a parameter file to a parameter set: first `[si]`, then `[groups]`.
 ///
@@ -29,12 +30,20 @@ pub fn read(set: &mut ParameterSet, path: &Path) -> Result<()> {
 /// [`Error::Output`] for what is not TOML, [`vibro_analysis::Error::Form`] for other tables, and as
 /// [`ParameterSet::assign`].
 pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
-    let table: toml::Table = text.parse().map_err(Error::output("sense of the file"))?;
+    let table: toml::Table = text.parse().map_err(|error| explained(text, &error))?;
     if let Some(key) = table.keys().find(|k| !["si", "groups"].contains(&k.as_str())) {
         return Err(Error::form(key, "the tables [si] and [groups] and nothing else"));
     }
-    let si = |name: &str| find_field(name).map(Name::Si);
-    let group = |name: &str| find_group(name).map(Name::Group);
+    let si = |name: &str| match Name::find(name) {
+        Ok(Name::Group(_)) if find_field(name).is_err() => {
+            Err(misplaced(name, "a group: it belongs in [groups]"))
+        }
+        _ => find_field(name).map(Name::Si),
+    };
+    let group = |name: &str| match Name::find(name) {
+        Ok(Name::Si(_)) => Err(misplaced(name, "a physical parameter: it belongs in [si]")),
+        _ => find_group(name).map(Name::Group),
+    };
     let mut assignments = Vec::new();
     if let Some(value) = table.get("si") {
         collect("", value, &si, &mut assignments)?;
@@ -63,10 +72,62 @@ fn collect(
     let value = match value {
         toml::Value::Float(x) => *x,
         toml::Value::Integer(i) => *i as f64,
+        toml::Value::String(text) => number(name, text)?,
         other => number(name, &other.to_string())?,
     };
     into.push((name, value));
     Ok(())
+}
+
+fn misplaced(name: &str, what: &str) -> vibro_analysis::Error {
+    vibro_analysis::Error::UnknownName { name: name.into(), advice: format!("in this table: it is {what}") }
+}
+
+/// What is wrong with a text that is no TOML. The commonest case, a word or a number with a unit without quotation marks,
+/// is told by the parameter's name, because the parser takes `t…` for the beginning of `true`.
+fn explained(text: &str, error: &toml::de::Error) -> Error {
+    let explain = || -> Option<Error> {
+        let before = text.get(..error.span()?.start)?;
+        let line = text.lines().nth(before.matches('\n').count())?;
+        let (key, value) = line.split_once('=')?;
+        let value = value.split('#').next().unwrap_or_default().trim();
+        let plain = !value.is_empty() && !value.contains(['"', '\'', '[', '{', '=']);
+        let name = Name::find(key.trim()).ok().filter(|_| plain)?;
+        let problem = match number(name, value) {
+            Ok(_) => format!("{} = {value}: a number with a unit is written in quotation marks", name.name()),
+            Err(error) => error.to_string(),
+        };
+        Some(Error::Refused { what: format!("line {}", before.matches('\n').count() + 1), problem })
+    };
+    explain().unwrap_or_else(|| Error::output("sense of the file")(error))
+}
+
+/// A parameter file with every parameter of one form: what it is, its unit, what is allowed, and the default value.
+pub fn template(groups: bool) -> String {
+    let set = ParameterSet::basic();
+    let mut text = String::from(
+        "# Parameters of vibro. What is left out or begins with # has the default value, which is BASIC: a\n\
+         # reconstruction of the paper's machine, not its own data set.\n",
+    );
+    let names: Vec<Name> = if groups {
+        text.push_str("# Dimensionless groups. The machine in SI: vibro template --si\n\n[groups]\n");
+        GROUPS.iter().map(Name::Group).collect()
+    } else {
+        text.push_str(
+            "# A number is in the unit told; another unit goes with it in quotation marks, e.g. \"48 kN/m\", \"2.5 mm\",\n\
+             # \"350 g\", \"10 Hz\". Dimensionless groups: vibro template --groups\n\n[si]\n",
+        );
+        FIELDS.iter().map(Name::Si).collect()
+    };
+    for name in names {
+        let unit = if name.unit() == "1" { "no unit" } else { name.unit() };
+        // Of the two names for one coupling only one can be set.
+        let second = if name.name() == "beta2" { "# " } else { "" };
+        let (description, allowed) = (name.description(), name.allowed());
+        let value = name.value(&set);
+        text.push_str(&format!("# {description}; {unit}; {allowed}\n{second}{} = {value:?}\n", name.name()));
+    }
+    text
 }
 
 #[cfg(test)]
@@ -83,14 +144,58 @@ mod tests {
     }
 
     #[test]
+    fn units_are_understood() {
+        let mut set = ParameterSet::basic();
+        apply(&mut set, "[si]\nbox.k = \"48 kN/m\"\nm1 = \"12 kg\"\ndrive.frequency = \"10 Hz\"\n").unwrap();
+        let p = set.parameters();
+        assert_eq!((p.box_stiffness, p.box_mass), (48_000.0, 12.0));
+        assert_eq!(p.drive_frequency, 10.0 * std::f64::consts::TAU);
+    }
+
+    #[test]
+    fn templates_come_back_as_the_default_set() {
+        for groups in [false, true] {
+            let mut set = ParameterSet::basic();
+            apply(&mut set, &template(groups)).unwrap();
+            let names = GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si));
+            for name in names {
+                let (found, expected) = (name.value(&set), name.value(&ParameterSet::basic()));
+                assert!((found - expected).abs() <= 1e-14 * (1.0 + expected.abs()), "{}", name.name());
+            }
+            // Every parameter of the form is told with its range.
+            let text = template(groups);
+            let told =
+                |name: Name| text.contains(&format!("{} = ", name.name())) && text.contains(name.allowed());
+            assert!(if groups {
+                GROUPS.iter().map(Name::Group).all(told)
+            } else {
+                FIELDS.iter().map(Name::Si).all(told)
+            });
+            assert_eq!(set.not_given(), []);
+        }
+    }
+
+    #[test]
     fn what_is_no_parameter_file_is_refused_by_name() {
         let error = |text: &str| apply(&mut ParameterSet::basic(), text).unwrap_err().to_string();
-        assert!(error("[si]\nkappa = 1").contains("no parameter is named `kappa`; the nearest is"));
+        assert!(error("[si]\nkappa = 1").ends_with("it is a group: it belongs in [groups]"));
         assert!(error("[groups]\nbox.m = 1").contains("no parameter is named `box.m`"));
         assert!(error("[group]\nf10 = 1").contains("[si] and [groups]"));
         assert_eq!(
             error("[groups]\nkappa = \"high\""),
-            "kappa = `\"high\"` is not a number: allowed is 0 <= kappa <= 1"
+            "kappa = `high` is not a number: allowed is 0 <= kappa <= 1"
+        );
+        assert_eq!(
+            error("[si]\nbox.m = twelve"),
+            "line 2: box.m = `twelve` is not a number: allowed is a finite number > 0"
+        );
+        assert!(
+            error("[si]\nbox.k = 48 kN/m # stiff")
+                .contains("line 2: box.k = 48 kN/m: a number with a unit is")
+        );
+        assert!(
+            error("[si]\nbox.m = \"12 mm\"")
+                .contains("box.m: `mm` is no unit of it; allowed are kg, g, mg, t")
         );
         assert!(error("[groups\nf10 = 1").contains("line 1"));
     }

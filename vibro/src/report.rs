@@ -18,7 +18,7 @@ use vibro_analysis::bifurcation::{Diagram, Sweep};
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
-use vibro_analysis::{ParameterSet, find_group};
+use vibro_analysis::{Name, ParameterSet, find_group};
 
 /// Values of table 2: of each window and band that the diagrams show.
 const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
@@ -96,7 +96,7 @@ impl Plan {
     pub fn run(&self, home: &Path, done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
         let set = &self.set;
         let mut all = self.theory(done)?;
-        let (thirteen, modulation) = studies::histories_of(set, find_group("f10")?, MODULATED)?;
+        let (thirteen, modulation) = studies::histories_of(set, find_group("f10")?.into(), MODULATED)?;
         all.push(thirteen);
         done(false);
         let (coarse, fine) = (self.diagram(&self.coarse, home, done)?, self.diagram(&self.fine, home, done)?);
@@ -129,7 +129,11 @@ impl Plan {
             all.extend(studies);
             done(false);
         };
-        add(vec![studies::shapes(set)?, studies::branches(set)?, studies::families(set, "f10", &FORCES)?]);
+        add(vec![
+            studies::shapes(set)?,
+            studies::branches(set)?,
+            studies::families(set, Name::find("f10")?, &FORCES)?,
+        ]);
         add(vec![studies::regions(set)?, studies::masri(set)?]);
         add(vec![studies::steady(set)?, studies::histories(set)?]);
         let shown = |name: &str| -> Result<(f64, f64)> { Ok(find_group(name)?.shown) };
@@ -166,7 +170,7 @@ impl Plan {
         (sweep, coarse): &(Sweep, Diagram),
         (fine_sweep, fine): &(Sweep, Diagram),
     ) -> Result<(Table, Vec<Study>)> {
-        let (set, force) = (&self.set, find_group("f10")?);
+        let (set, force) = (&self.set, Name::Group(find_group("f10")?));
         let (table, spectra) = studies::spectra(sweep, coarse, &TABLE, "table-2")?;
         let options = sweep.exponents.unwrap_or_default();
         let running = studies::running(set, force, &RUNNING, sweep.discard, &options, "exponents-running")?;

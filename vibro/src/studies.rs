@@ -19,7 +19,7 @@ pub use isoperiodic::isoperiodic;
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
 pub use plane::planes;
-pub use response::{force, frequency};
+pub use response::{along, force, frequency};
 pub use stability::{masri, regions};
 pub use steady::steady;
 pub use strong::strong_case;

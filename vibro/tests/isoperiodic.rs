@@ -28,8 +28,8 @@ fn found(request: &Request) -> Isoperiodic {
 
 fn at(request: &Request, index: usize) -> ParameterSet {
     let (x, y) = (&request.x, &request.y);
-    let set = ParameterSet::basic().with(x.group, x.value(index % x.count)).unwrap();
-    set.with(y.group, y.value(index / x.count)).unwrap()
+    let set = ParameterSet::basic().with(x.name, x.value(index % x.count)).unwrap();
+    set.with(y.name, y.value(index / x.count)).unwrap()
 }
 
 #[test]

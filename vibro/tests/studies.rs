@@ -68,7 +68,7 @@ fn golden_windows_of_the_default_set() {
 fn second_method_maxima_are_the_exact_orbits_amplitude() {
     let (sweep, found) = sweep((1.0, 2.0), 11, None);
     for p in found.up.iter().chain(&found.down).flatten() {
-        let set = ParameterSet::basic().with(sweep.axis.group, p.value).unwrap();
+        let set = ParameterSet::basic().with(sweep.axis.name, p.value).unwrap();
         let orbit = exact_orbit::solve(set.parameters()).unwrap().upper.unwrap();
         assert!(orbit.is_stable());
         let expected = orbit.amplitudes()[1];
@@ -293,7 +293,7 @@ fn errors_of_long_studies_name_what_is_allowed() {
         (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
         (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
         (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
-        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent groups"),
+        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent parameters"),
         (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1, or orbit"),
         (vec!["isoperiodic", "--start", "x2=3"], "stop"),
         (vec!["merge", "absent"], "reading absent"),

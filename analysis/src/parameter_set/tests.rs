@@ -85,6 +85,113 @@ fn errors_name_the_nearest_and_the_range() {
     assert_eq!(error(&["kappa=x"]), "kappa = `x` is not a number: allowed is 0 <= kappa <= 1");
     assert_eq!(error(&["kappa"]), "`kappa`: expected name=value, e.g. kappa=0.75");
     assert!(error(&["box.k=0"]).contains("box.k > 0"));
+    // Far from every name nothing is suggested.
+    assert!(error(&["speed=1"]).starts_with("no parameter is named `speed`; valid are epsilon, kappa, f10"));
+}
+
+#[test]
+fn symbols_of_the_paper_are_names() {
+    for (symbol, name) in [
+        ("m1", "box.m"),
+        ("m2", "block.m"),
+        ("k23", "coupling.k"),
+        ("L", "stop.gap"),
+        ("F10", "drive.amplitude"),
+        ("f10", "f10"),
+        ("omega1", "drive.frequency"),
+        ("ω₁", "drive.frequency"),
+        ("κ", "kappa"),
+        ("σ̂₁", "sigma1"),
+        ("f̂₁₀", "f10"),
+        ("β²", "beta2"),
+    ] {
+        assert_eq!(Name::find(symbol).unwrap().name(), name, "{symbol}");
+    }
+    // Each symbol of a label can be typed.
+    for name in GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si)) {
+        let found = Name::find(name.symbol());
+        assert!(found.is_ok_and(|n| n.is_same_quantity(name)) || name.symbol() == "drive phase", "{name:?}");
+    }
+}
+
+#[test]
+fn units_are_those_of_the_dimension() {
+    for (text, value) in [
+        ("box.m=12 kg", 12.0),
+        ("box.m=350g", 0.35),
+        ("box.m=1.5 t", 1500.0),
+        ("box.k=48 kN/m", 48_000.0),
+        ("box.k=48N/mm", 48_000.0),
+        ("box.c=2 kN·s/m", 2000.0),
+        ("stop.gap=2.1 mm", 0.0021),
+        ("stop.gap=3 µm", 3e-6),
+        ("stop.gap=1e-3", 0.001),
+        ("drive.frequency=10 Hz", 20.0 * std::f64::consts::PI),
+        ("drive.frequency=600rpm", 20.0 * std::f64::consts::PI),
+        ("drive.phase=90 deg", std::f64::consts::FRAC_PI_2),
+        ("stop.restitution=75 %", 0.75),
+    ] {
+        let name = Name::find(text.split('=').next().unwrap()).unwrap();
+        let found = name.value(&with(&[text]));
+        assert!((found / value - 1.0).abs() < ROUNDING, "{text}: {found}");
+    }
+    assert_eq!(
+        error(&["stop.gap=2 kg"]),
+        "stop.gap: `kg` is no unit of it; allowed are m, cm, mm, um, or a number without a unit in the first of these"
+    );
+    assert!(error(&["f10=2 N"]).starts_with("f10: `N` is no unit of it; allowed are 1, %"));
+    assert!(error(&["box.m=nanogram"]).contains("is not a number"));
+    let gap = Name::find("stop.gap").unwrap();
+    assert!(numbers(gap, &["1", "2mm"]).unwrap_err().to_string().contains("a unit at every number"));
+}
+
+#[test]
+fn a_group_is_set_by_what_it_is_made_of() {
+    // A second method: a group depends on a physical parameter if it changes with it.
+    for field in &FIELDS {
+        // Detuned, for at σ̂30 = 0 its scale does not show.
+        let one = ParameterSet { given: Given::default(), ..with(&["sigma30=0.3"]) };
+        let set = one.with(field, 0.7 * (field.get)(one.parameters()) + 0.01).unwrap();
+        for group in &GROUPS {
+            let changes = ((group.get)(set.groups()) - (group.get)(one.groups())).abs() > 1e-9;
+            assert_eq!(set.is_set(Name::Group(group)), changes, "{} by {}", group.name, field.name);
+        }
+    }
+    assert!(with(&["f10=1.5"]).is_set(Name::find("drive.amplitude").unwrap()));
+    assert!(!with(&["f10=1.5"]).is_si());
+}
+
+#[test]
+fn a_machine_in_si_tells_what_was_not_given() {
+    let set = with(&["box.m=12", "box.k=48 kN/m", "kappa=0.8"]);
+    assert_eq!(
+        set.not_given_values(),
+        "box.c = 0.1 N·s/m, block.m = 0.1 kg, secondary.m = 0.1 kg, secondary.k = 0.1 N/m, \
+         secondary.c = 0.006 N·s/m, coupling.k = 0.006 N/m, stop.gap = 1 m, drive.amplitude = 0.15 N, \
+         drive.frequency = 1.04 rad/s"
+    );
+    assert!(set.caption().contains("k₁ = 48000 N/m") && set.caption().contains("stop.gap = 1 m"));
+    assert_eq!(with(&["kappa=0.8"]).not_given(), []);
+}
+
+#[test]
+fn a_caption_leaves_out_what_varies() {
+    let name = |n| Name::find(n).unwrap();
+    let caption = ParameterSet::basic().caption_but(&[name("f10")]);
+    assert!(!caption.contains("f̂₁₀") && caption.contains("κ = 0.75"), "{caption}");
+    // β² = ε α̂23 is not told here, and ε with all that the box's mass changes is not either.
+    let caption = ParameterSet::basic().caption_but(&[name("box.m")]);
+    assert!(!caption.contains("ε =") && !caption.contains("σ̂₁ =") && caption.contains("κ"), "{caption}");
+}
+
+#[test]
+fn tied_groups_keep_their_own_value_when_both_vary() {
+    // μ13 follows ε only until it is set, so that it stays what the row of a plane has.
+    let group = |n: &str| find_group(n).unwrap();
+    let row = ParameterSet::basic().with(group("mu13"), 3.0).unwrap();
+    assert_eq!(row.with(group("epsilon"), 0.2).unwrap().groups().mu13, 3.0);
+    let row = ParameterSet::basic().with(group("beta2"), 0.3).unwrap();
+    assert_eq!(row.with(group("epsilon"), 0.2).unwrap().groups().beta2, 0.3);
 }
 
 #[test]

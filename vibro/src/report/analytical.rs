@@ -30,8 +30,8 @@ pub(super) fn limits(found: &Found) -> Result<Vec<Statement>> {
 }
 
 pub(super) fn upper(set: &ParameterSet, f10: f64) -> Result<Option<FixedPoint>> {
-    let groups = set.vary(find_group("f10")?, f10);
-    Ok(fixed_points(&groups)?.map(|r| r.upper).filter(|p| p.c > 0.0))
+    let set = set.with(find_group("f10")?, f10)?;
+    Ok(fixed_points(set.groups())?.map(|r| r.upper).filter(|p| p.c > 0.0))
 }
 
 pub(super) fn figure_nine(found: &Found) -> Result<Statement> {

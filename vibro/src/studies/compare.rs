@@ -168,7 +168,7 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
         title: "Accuracy of multiple scales (cf. figure 17)".into(),
         caption: vec![
             "Errors are relative to the simulation; ε differs between the panels.".into(),
-            set.caption(),
+            set.caption_but(&[group.into()]),
         ],
         panels,
         columns: 2,
@@ -200,15 +200,18 @@ fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
     let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
     let (mut layers, mut remarks) = (Vec::new(), Vec::new());
     for (k, path) in errors.iter().enumerate() {
-        let slope = slope(path);
+        // One value has no slope.
+        let slope = (path.len() > 1).then(|| slope(path));
+        let rises = slope.map_or(String::new(), |slope| format!(", slope {slope:.3} in the logarithms"));
         remarks.push(format!(
-            "error of {}: {:.2} % at the largest epsilon, slope {slope:.3} in the logarithms",
+            "error of {}: {:.2} % at the largest epsilon{}",
             NAMES[k],
-            path.iter().fold((0.0, 0.0), |m, p| if p.0 > m.0 { *p } else { m }).1
+            path.iter().fold((0.0, 0.0), |m, p| if p.0 > m.0 { *p } else { m }).1,
+            rises
         ));
         let colour = FAMILY[k];
         layers.push(Layer::marks(
-            &format!("{}, slope {slope:.2}", symbols[k]),
+            &slope.map_or(symbols[k].into(), |slope| format!("{}, slope {slope:.2}", symbols[k])),
             colour,
             marks[k],
             path.clone(),

@@ -52,10 +52,13 @@ const TOLD: usize = 8;
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn isoperiodic(set: &ParameterSet, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
-    let pair = format!("({}, {})", request.x.group.symbol, request.y.group.symbol);
+    let pair = format!("({}, {})", request.x.name.symbol(), request.y.name.symbol());
     let figure = Figure {
         title: format!("Simulated motion over {pair}"),
-        caption: vec![method(request), format!("Past the paper. Elsewhere {}", set.caption())],
+        caption: vec![
+            method(request),
+            format!("Past the paper. Elsewhere {}", set.caption_but(&[request.x.name, request.y.name])),
+        ],
         panels: panels(set, request, plane),
         columns: 2,
         panel: (1700, 1400),
@@ -125,13 +128,13 @@ impl PanelOver<'_> {
         let edge = |name, colour| Layer::lines(name, colour, Dash::Solid, self.border.clone());
         layers.push(edge("", Colour(255, 255, 255)).stroke(3 * THIN));
         layers.push(edge("limit of the stable exact orbit", VERMILLION));
-        let here = vec![((x.group.get)(self.set.groups()), (y.group.get)(self.set.groups()))];
+        let here = vec![(x.name.value(self.set), y.name.value(self.set))];
         layers.push(Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here));
         let (across, up) = (x.edges(), y.edges());
         Panel {
             title: title.into(),
-            x: Axis::over(x.group.label(), across.0, across.1),
-            y: Axis::over(y.group.label(), up.0, up.1),
+            x: Axis::over(x.name.label(), across.0, across.1),
+            y: Axis::over(y.name.label(), up.0, up.1),
             layers,
         }
     }
@@ -157,8 +160,8 @@ fn border(request: &Request, plane: &Isoperiodic) -> Vec<Path> {
 fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
     let mut csv = CsvRows::new([
-        x.group.name,
-        y.group.name,
+        x.name.name(),
+        y.name.name(),
         "class",
         "impacts_upper",
         "impacts_lower",

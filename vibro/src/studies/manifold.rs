@@ -6,8 +6,7 @@ use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, GREY, ORANGE, 
 use crate::figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
 use crate::table::{Table, exact};
 use std::f64::consts::{PI, TAU};
-use vibro_analysis::Group;
-use vibro_analysis::{ParameterSet, find_group, short};
+use vibro_analysis::{Name, ParameterSet, short};
 use vibro_impact::steady::Roots;
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales, sawtooth};
 
@@ -223,30 +222,32 @@ fn ascii(name: &str) -> String {
     name.replace('₁', "1").replace('₂', "2")
 }
 
-/// Figure 9: the fixed points and the admissible part for several values of a group (f̂10 in the paper).
+/// Figure 9: the fixed points and the admissible part for several values of a parameter (f̂10 in the paper).
 ///
 /// # Errors
 /// Values that are not allowed, and what multiple scales refuses.
-pub fn families(set: &ParameterSet, name: &str, values: &[f64]) -> Result<Study> {
-    let group = find_group(name)?;
+pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study> {
     let mut table =
-        Table::new(&[group.name, "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
+        Table::new(&[name.name(), "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
     let mut panels = Vec::new();
     for (index, &value) in values.iter().enumerate() {
-        let set = set.with(group, value)?;
-        panels.push(member(&set, group, value, index, &mut table)?);
+        let set = set.with(name, value)?;
+        panels.push(member(&set, name, value, index, &mut table)?);
     }
     Study::of(
         "manifold-9",
         format!(
             "fixed points on the slow invariant manifold for {} values of {} as in figure 9",
             values.len(),
-            group.symbol
+            name.symbol()
         ),
         &table,
         Figure {
-            title: format!("Fixed points for some {} (cf. figure 9)", group.symbol),
-            caption: vec![format!("{} differs between the panels; else:", group.symbol), set.caption()],
+            title: format!("Fixed points for some {} (cf. figure 9)", name.symbol()),
+            caption: vec![
+                format!("{} differs between the panels; else:", name.symbol()),
+                set.caption_but(&[name]),
+            ],
             panels,
             columns: 2,
             panel: super::PANEL,
@@ -255,13 +256,13 @@ pub fn families(set: &ParameterSet, name: &str, values: &[f64]) -> Result<Study>
     )
 }
 
-fn member(set: &ParameterSet, group: &Group, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
+fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
     let system = MultipleScales::new(set.groups())?;
     let m = system.manifold();
     let roots = both(system.fixed_points());
-    for (name, p) in &roots {
+    for (root, p) in &roots {
         let a = p.admissibility;
-        let mut row = vec![exact(value), ascii(name), exact(p.c), exact(p.b), exact(p.a3)];
+        let mut row = vec![exact(value), ascii(root), exact(p.c), exact(p.b), exact(p.a3)];
         row.extend([a.geometric, a.fixed_point, a.periodic_motion].map(|t| t.to_string()));
         table.rows.push(row);
     }
@@ -279,7 +280,7 @@ fn member(set: &ParameterSet, group: &Group, value: f64, index: usize, table: &m
     layers.extend(labels(&roots, 0.08 * top));
     let letter = char::from(b'a' + (index % 26) as u8);
     Ok(Panel {
-        title: format!("({letter}) {} = {}", group.symbol, short(value)),
+        title: format!("({letter}) {} = {}", name.symbol(), name.with_unit(value)),
         x: Axis::over("C (units of L)", from, to),
         y: Axis::over("B (units of L)", 0.0, top),
         layers,

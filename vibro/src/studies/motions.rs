@@ -7,12 +7,11 @@ use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
-use vibro_analysis::Group;
 use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::lyapunov::{Convergence, SpectrumOptions, dimensionless};
 use vibro_analysis::motion::{Flight, record_flights, settled_simulator};
 use vibro_analysis::stroboscopic::{StroboscopicState, dimensional, moving_block};
-use vibro_analysis::{ParameterSet, short};
+use vibro_analysis::{Name, ParameterSet, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
@@ -69,13 +68,13 @@ fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modu
 ///
 /// # Errors
 /// What the simulator refuses.
-pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Result<(Study, Modulation)> {
-    let mut table = Table::new(&[group.name, "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
+pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study, Modulation)> {
+    let mut table = Table::new(&[name.name(), "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
     let mut panels = Vec::new();
     let mut found = None;
-    let own = (group.get)(set.groups());
+    let own = name.value(set);
     for (value, periods, letters) in [(own, STEADY, "abc"), (other, MODULATED, "def")] {
-        let p = set.parameters_of(&set.vary(group, value))?;
+        let p = *set.with(name, value)?.parameters();
         let mut simulator = settled_simulator(&p, &moving_block(&p), TRANSIENT)?;
         let flights = record_flights(&mut simulator, periods)?;
         let points = simulated(&flights, &p);
@@ -88,7 +87,7 @@ pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Re
         found = Some(modulation(&points, &flights, periods));
         let mut letters = letters.chars();
         let mut title = |what: &str| {
-            format!("({}) {what}, {} = {}", letters.next().unwrap_or(' '), group.symbol, short(value))
+            format!("({}) {what}, {} = {}", letters.next().unwrap_or(' '), name.symbol(), short(value))
         };
         let width = if periods > STEADY { 2 } else { THIN };
         panels.push(history(&title("W"), &points, &SHOWN[..1], width));
@@ -98,7 +97,7 @@ pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Re
     let Some(modulation) = found else { unreachable!("two values") };
     let figure = Figure {
         title: "Simulated motions (cf. figure 13)".into(),
-        caption: vec![format!("{TRANSIENT} periods discarded. {}", set.caption())],
+        caption: vec![format!("{TRANSIENT} periods discarded. {}", set.caption_but(&[name]))],
         panels,
         columns: 3,
         panel: (1500, 1100),
@@ -107,7 +106,7 @@ pub fn histories_of(set: &ParameterSet, group: &'static Group, other: f64) -> Re
     let (most, least) = modulation.box_amplitude;
     let remark = format!(
         "{} = {}: the amplitude of X1 goes from {least:.3} to {most:.3}; {:.0} % of the periods have one impact at each stop",
-        group.name,
+        name.name(),
         short(other),
         100.0 * modulation.resonant
     );
@@ -158,22 +157,17 @@ fn inside(p: &Parameters, s: &StroboscopicState) -> State {
 ///
 /// # Errors
 /// What the simulator refuses.
-pub fn portraits(
-    set: &ParameterSet,
-    group: &'static Group,
-    diagram: &Diagram,
-    values: &[f64],
-) -> Result<Study> {
-    let mut table = Table::new(&[group.name, "class", "time", "X2", "dX2"]);
+pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f64]) -> Result<Study> {
+    let mut table = Table::new(&[name.name(), "class", "time", "X2", "dX2"]);
     let mut panels = Vec::new();
     for (letter, value) in ('a'..).zip(values) {
         let Some(point) = diagram.nearest(*value) else { continue };
-        let samples = continued(&set.parameters_of(&set.vary(group, point.value))?, point)?;
+        let samples = continued(set.with(name, point.value)?.parameters(), point)?;
         for sample in &samples {
             let state = [sample.time, sample.x[3], sample.v[3]].map(exact);
             table.rows.push([vec![exact(point.value), point.class.name()], state.to_vec()].concat());
         }
-        let title = format!("({letter}) {} = {}: {}", group.symbol, short(point.value), point.class.name());
+        let title = format!("({letter}) {} = {}: {}", name.symbol(), short(point.value), point.class.name());
         let (name, colour, width) = match point.attractor.period {
             Some(_) => ("X₂, returns", BLUE, THIN),
             None => ("X₂, does not return", VERMILLION, 2),
@@ -185,9 +179,9 @@ pub fn portraits(
         caption: vec![
             format!(
                 "Motions of the sweep with {} rising, over their period, or over {WANDERING} periods.",
-                group.symbol
+                name.symbol()
             ),
-            format!("Elsewhere {}", set.caption()),
+            format!("Elsewhere {}", set.caption_but(&[name])),
         ],
         panels,
         columns: 3,
@@ -205,40 +199,40 @@ fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
     Ok(simulated(&record_flights(&mut simulator, periods)?, p))
 }
 
-/// The running exponents at some values of a group, from a moving block on.
+/// The running exponents at some values of a parameter, from a moving block on.
 ///
 /// # Errors
 /// What the simulator refuses.
 pub fn running(
     set: &ParameterSet,
-    group: &'static Group,
+    along: Name,
     values: &[f64],
     discard: u32,
     options: &SpectrumOptions,
     name: &str,
 ) -> Result<Study> {
     let run = |value: &f64| -> Result<(f64, Convergence)> {
-        let p = set.parameters_of(&set.vary(group, *value))?;
+        let p = *set.with(along, *value)?.parameters();
         let mut simulator = settled_simulator(&p, &moving_block(&p), f64::from(discard))?;
         Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
-    let panels: Vec<_> = ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, group, run)).collect();
+    let panels: Vec<_> = ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, along, run)).collect();
     let figure = Figure {
         title: "Lyapunov exponents on their way".into(),
-        caption: vec![format!("Elsewhere {}", set.caption())],
+        caption: vec![format!("Elsewhere {}", set.caption_but(&[along]))],
         columns: panels.len().clamp(1, 2),
         panels,
         panel: PANEL,
         shared_legend: true,
     };
     let what = "running Lyapunov exponents over the periods counted";
-    let remarks = runs.iter().map(|run| running_remark(group, run)).collect();
-    Ok(Study::of(name, what, &running_table(group, &runs), figure)?.with_remarks(remarks))
+    let remarks = runs.iter().map(|run| running_remark(along, run)).collect();
+    Ok(Study::of(name, what, &running_table(along, &runs), figure)?.with_remarks(remarks))
 }
 
-fn running_table(group: &Group, runs: &[(f64, Convergence)]) -> Table {
-    let mut header = vec![group.name, "period"];
+fn running_table(name: Name, runs: &[(f64, Convergence)]) -> Table {
+    let mut header = vec![name.name(), "period"];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
     let mut table = Table::new(&header);
     for (value, found) in runs {
@@ -251,7 +245,7 @@ fn running_table(group: &Group, runs: &[(f64, Convergence)]) -> Table {
     table
 }
 
-fn running_panel(letter: char, group: &Group, (value, found): &(f64, Convergence)) -> Panel {
+fn running_panel(letter: char, name: Name, (value, found): &(f64, Convergence)) -> Panel {
     let path = |i: usize| (1..).zip(&found.running).map(|(n, e)| (f64::from(n), e[i])).collect();
     let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
     let curve = |(i, (name, colour)): (usize, (&str, Colour))| {
@@ -259,20 +253,20 @@ fn running_panel(letter: char, group: &Group, (value, found): &(f64, Convergence
         Layer::line(name, colour, dash, path(i)).stroke(THIN)
     };
     Panel {
-        title: format!("({letter}) {} = {}", group.symbol, short(*value)),
+        title: format!("({letter}) {} = {}", name.symbol(), short(*value)),
         x: Axis::over("drive periods", 0.0, f64::from(found.spectrum.periods)),
         y: Axis::new("λ (per unit of τ)"),
         layers: EXPONENTS.into_iter().zip(colours).enumerate().map(curve).collect(),
     }
 }
 
-fn running_remark(group: &Group, (value, found): &(f64, Convergence)) -> String {
+fn running_remark(name: Name, (value, found): &(f64, Convergence)) -> String {
     let s = &found.spectrum;
     // Adding zero turns -0 into 0.
     let exponents = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
     format!(
         "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",
-        group.name,
+        name.name(),
         short(*value),
         exponents.join(", "),
         s.deviation,

@@ -1,4 +1,4 @@
-//! Planes of two groups (figure 12).
+//! Planes of two parameters (figure 12).
 
 use super::Study;
 use crate::Result;
@@ -14,7 +14,7 @@ const PANEL: (u32, u32) = (1350, 1150);
 /// The colour of the background: no motion.
 const PAPER: Colour = Colour(255, 255, 255);
 
-/// Planes of pairs of groups, classified by one theory; `done` hears of each finished row.
+/// Planes of pairs of parameters, classified by one theory; `done` hears of each finished row.
 ///
 /// # Errors
 /// Pairs that are no planes, ranges that are not allowed.
@@ -39,10 +39,12 @@ pub fn planes(
         }
     }
     let names: Vec<_> =
-        pairs.iter().map(|(x, y)| format!("({}, {})", x.group.symbol, y.group.symbol)).collect();
+        pairs.iter().map(|(x, y)| format!("({}, {})", x.name.symbol(), y.name.symbol())).collect();
+    // Of one plane both axes are left out; of several each is told, since it holds in the other planes.
+    let varied = if let [(x, y)] = pairs { vec![x.name, y.name] } else { Vec::new() };
     let figure = Figure {
         title: format!("Existence and stability, {} (cf. figure 12)", method.name()),
-        caption: vec![format!("Elsewhere {}", set.caption())],
+        caption: vec![format!("Elsewhere {}", set.caption_but(&varied))],
         columns: panels.len().clamp(1, 3),
         panels,
         panel: if pairs.len() == 1 { (2000, 1500) } else { PANEL },
@@ -65,13 +67,13 @@ fn panel(set: &ParameterSet, index: usize, plane: &Plane, count: usize) -> Panel
         cells: plane.classes.iter().map(|c| *c as u8).collect(),
         colours: vec![None, Some(LIGHT), Some(BLUE), Some(ORANGE)],
     };
-    let here = vec![((x.group.get)(set.groups()), (y.group.get)(set.groups()))];
+    let here = vec![(x.name.value(set), y.name.value(set))];
     let letter = char::from(b'a' + (index % 26) as u8);
-    let pair = format!("({}, {})", x.group.symbol, y.group.symbol);
+    let pair = format!("({}, {})", x.name.symbol(), y.name.symbol());
     Panel {
         title: if count > 1 { format!("({letter}) {pair}") } else { pair },
-        x: Axis::over(x.group.label(), x_range.0, x_range.1),
-        y: Axis::over(y.group.label(), y_range.0, y_range.1),
+        x: Axis::over(x.name.label(), x_range.0, x_range.1),
+        y: Axis::over(y.name.label(), y_range.0, y_range.1),
         layers: vec![
             Layer::new("", GREY, cells),
             Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here),
@@ -82,14 +84,14 @@ fn panel(set: &ParameterSet, index: usize, plane: &Plane, count: usize) -> Panel
 fn csv(plane: &Plane) -> Result<(String, Vec<u8>)> {
     let (x, y) = (&plane.x, &plane.y);
     let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
-    let mut csv = CsvRows::new([x.group.name, y.group.name, "class"])?;
+    let mut csv = CsvRows::new([x.name.name(), y.name.name(), "class"])?;
     for (j, row) in plane.classes.chunks(x.count).enumerate() {
         let value = exact(y.value(j));
         for (class, x) in row.iter().zip(&xs) {
             csv.push([x, &value, class.name()])?;
         }
     }
-    Ok((format!("plane-{}-{}", x.group.name, y.group.name), csv.text()?))
+    Ok((format!("plane-{}-{}", x.name.name(), y.name.name()), csv.text()?))
 }
 
 fn shares(plane: &Plane) -> String {
@@ -99,8 +101,8 @@ fn shares(plane: &Plane) -> String {
     };
     format!(
         "({}, {}): {:.1} % stable, {:.1} % unstable, {:.1} % without such a motion",
-        plane.x.group.name,
-        plane.y.group.name,
+        plane.x.name.name(),
+        plane.y.name.name(),
         part(SteadyStateClass::Stable),
         part(SteadyStateClass::Unstable),
         part(SteadyStateClass::None)

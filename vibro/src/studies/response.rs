@@ -1,15 +1,14 @@
-//! Frequency and force response curves (figures 10, 11).
+//! Frequency and force response curves (figures 10, 11), and the response along any other parameter.
 
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
+use crate::figures::canvas::palette::{BLACK, FAMILY, GREY, VERMILLION};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
-use vibro_analysis::Group;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::{Response, ResponsePoint, response};
-use vibro_analysis::{ParameterSet, find_group, short};
+use vibro_analysis::{Name, ParameterSet};
 
 /// Nodes per sheet and interval of solutions.
 const NODES: usize = 400;
@@ -34,29 +33,27 @@ const HEADER: [&str; 15] = [
     "special",
 ];
 
-/// One family of curves: a group that differs between them.
+/// One family of curves: a parameter that differs between them.
 struct Family {
-    group: &'static Group,
+    name: Name,
     members: Vec<(f64, Vec<Response>)>,
 }
 
 fn family(
     set: &ParameterSet,
-    along: &'static Group,
+    along: Name,
     range: (f64, f64),
-    name: &str,
-    values: &[f64],
+    (name, values): (Name, &[f64]),
 ) -> Result<Family> {
-    let group = find_group(name)?;
     let member = |&value: &f64| {
-        let set = set.with(group, value)?;
+        let set = set.with(name, value)?;
         let curves = METHODS.iter().map(|&m| Ok(response(&set, along, range, m, NODES)?));
         Ok((value, curves.collect::<Result<Vec<_>>>()?))
     };
-    Ok(Family { group, members: values.par_iter().map(member).collect::<Result<_>>()? })
+    Ok(Family { name, members: values.par_iter().map(member).collect::<Result<_>>()? })
 }
 
-fn table(along: &Group, families: &[Family]) -> Table {
+fn table(along: Name, families: &[Family]) -> Table {
     let mut table = Table::new(&HEADER);
     for family in families {
         for (value, responses) in &family.members {
@@ -64,9 +61,9 @@ fn table(along: &Group, families: &[Family]) -> Table {
                 for (index, curve) in response.curves.iter().enumerate() {
                     for p in curve {
                         table.rows.push(vec![
-                            along.name.into(),
+                            along.name().into(),
                             exact(p.value),
-                            family.group.name.into(),
+                            family.name.name().into(),
                             exact(*value),
                             response.method.name().into(),
                             index.to_string(),
@@ -111,13 +108,13 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>;
     parts
 }
 
-fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third: bool) -> Panel {
+fn panel(title: String, x: Axis, own: Option<(f64, &str)>, family: &Family, third: bool) -> Panel {
     let y = |p: &ResponsePoint| if third { p.a[2] } else { p.c };
     let mut layers = Vec::new();
     let mut highest = 0.0_f64;
     let mut over = Vec::new();
-    for ((value, responses), colour) in family.members.iter().zip(FAMILY) {
-        let name = format!("{} = {}", family.group.symbol, short(*value));
+    for ((value, responses), colour) in family.members.iter().zip(FAMILY.into_iter().cycle()) {
+        let name = format!("{} = {}", family.name.symbol(), family.name.with_unit(*value));
         layers.push(Layer::lines(&name, colour, Dash::Solid, Vec::new()));
         for r in responses {
             let [stable, unstable] = pieces(r, y);
@@ -141,69 +138,74 @@ fn panel(title: String, along: &Group, range: (f64, f64), family: &Family, third
     ] {
         layers.push(Layer::lines(name, colour, dash, Vec::new()).stroke(width));
     }
-    let label = if third { "A₃ (units of L)" } else { "C (units of L)" };
-    Panel {
-        title,
-        x: Axis::over(along.label(), range.0, range.1),
-        y: Axis::over(label, 0.0, if highest > 0.0 { 1.05 * highest } else { 1.0 }),
-        layers,
+    let top = if highest > 0.0 { 1.05 * highest } else { 1.0 };
+    if let Some((value, name)) = own {
+        layers
+            .push(Layer::line(name, VERMILLION, Dash::Dotted, vec![(value, 0.0), (value, top)]).stroke(THIN));
     }
+    let label = if third { "A₃ (units of L)" } else { "C (units of L)" };
+    Panel { title, x, y: Axis::over(label, 0.0, top), layers }
 }
 
-fn caption(set: &ParameterSet) -> Vec<String> {
+fn caption(set: &ParameterSet, varied: &[Name]) -> Vec<String> {
     let exact = "Coloured: multiple scales. Black: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
-    vec![exact.into(), set.caption()]
+    vec![exact.into(), set.caption_but(varied)]
 }
 
-/// What figures 10 and 11 differ in.
-struct ResponseFigure {
+/// What the response figures differ in.
+struct ResponseFigure<'a> {
     /// Stem of the files.
-    name: &'static str,
-    title: &'static str,
-    what: &'static str,
-    /// The group along the curves.
-    along: &'static str,
-    /// The two families of curves: the group that differs between the members, and what they are.
-    families: [(&'static str, &'static str); 2],
+    stem: &'a str,
+    title: &'a str,
+    what: &'a str,
+    /// The parameter along the curves, and its range.
+    along: Name,
+    range: (f64, f64),
+    /// The families of curves: the parameter that differs between the members, what they are, and its values.
+    families: &'a [(Name, &'a str, &'a [f64])],
 }
 
-/// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
-const FREQUENCY: ResponseFigure = ResponseFigure {
-    name: "response-frequency",
-    title: "Frequency response (cf. figure 10)",
-    what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
-    along: "sigma1",
-    families: [("f10", "for some excitation amplitudes"), ("gamma1", "for some dampings")],
-};
-
-/// Figure 11: C and A3 over the excitation amplitude f̂10, for detunings σ̂1 of either sign.
-const FORCE: ResponseFigure = ResponseFigure {
-    name: "response-force",
-    title: "Force response (cf. figure 11)",
-    what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
-    along: "f10",
-    families: [("sigma1", "above resonance"), ("sigma1", "below resonance")],
-};
-
-impl ResponseFigure {
-    /// C and A3 of both families, each for some values of its group.
-    fn study(&self, set: &ParameterSet, range: (f64, f64), values: [&[f64]; 2]) -> Result<Study> {
-        let along = find_group(self.along)?;
-        let family = |i: usize| family(set, along, range, self.families[i].0, values[i]);
-        let families = [family(0)?, family(1)?];
-        let pairs = families.iter().zip(self.families).flat_map(|(f, w)| [(f, "C", w.1), (f, "A₃", w.1)]);
+impl ResponseFigure<'_> {
+    /// C and A3 of each family. A family without a value is left out, and so is one whose only curve, that of the set
+    /// itself, is in another family already.
+    fn study(&self, set: &ParameterSet) -> Result<Study> {
+        let (along, range) = (self.along, self.range);
+        let own = |family: &(Name, &str, &[f64])| family.2 == [family.0.value(set)];
+        let mut shown: Vec<_> = self.families.iter().filter(|f| !f.2.is_empty()).collect();
+        if let Some(first) = shown.iter().position(|f| own(f)) {
+            let mut index = 0;
+            shown.retain(|f| {
+                index += 1;
+                index - 1 <= first || !own(f)
+            });
+        }
+        let families =
+            shown.iter().map(|f| family(set, along, range, (f.0, f.2))).collect::<Result<Vec<_>>>()?;
+        // Between the families of one figure other parameters differ: each panel tells those of the other families.
+        let elsewhere = |name: Name| {
+            let others = shown.iter().map(|f| f.0).filter(|other| *other != name);
+            let told = others.map(|o| format!("; {} = {}", o.symbol(), o.with_unit(o.value(set))));
+            told.collect::<String>()
+        };
+        let pairs = families.iter().zip(&shown).flat_map(|(f, w)| [(f, "C", w.1), (f, "A₃", w.1)]);
+        let here = along.value(set);
+        let mark = set.is_set(along) && (range.0..=range.1).contains(&here);
+        let label = format!("this set: {} = {}", along.symbol(), along.with_unit(here));
         let panels = ('a'..).zip(pairs).map(|(letter, (family, symbol, words))| {
-            panel(format!("({letter}) {symbol} {words}"), along, range, family, symbol != "C")
+            let x = Axis::over(along.label(), range.0, range.1);
+            let title = format!("({letter}) {symbol} {words}{}", elsewhere(family.name));
+            panel(title, x, mark.then_some((here, &label)), family, symbol != "C")
         });
+        let varied: Vec<Name> = std::iter::once(along).chain(shown.iter().map(|f| f.0)).collect();
         let figure = Figure {
             title: self.title.into(),
-            caption: caption(set),
+            caption: caption(set, &varied),
             panels: panels.collect(),
             columns: 2,
             panel: PANEL,
             shared_legend: false,
         };
-        Study::of(self.name, self.what, &table(along, &families), figure)
+        Study::of(self.stem, self.what, &table(along, &families), figure)
     }
 }
 
@@ -212,7 +214,18 @@ impl ResponseFigure {
 /// # Errors
 /// Ranges and values that are not allowed.
 pub fn frequency(set: &ParameterSet, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
-    FREQUENCY.study(set, range, [f10, gamma1])
+    ResponseFigure {
+        stem: "response-frequency",
+        title: "Frequency response (cf. figure 10)",
+        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
+        along: Name::find("sigma1")?,
+        range,
+        families: &[
+            (Name::find("f10")?, "for some excitation amplitudes", f10),
+            (Name::find("gamma1")?, "for some dampings", gamma1),
+        ],
+    }
+    .study(set)
 }
 
 /// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
@@ -220,5 +233,35 @@ pub fn frequency(set: &ParameterSet, range: (f64, f64), f10: &[f64], gamma1: &[f
 /// # Errors
 /// Ranges and values that are not allowed.
 pub fn force(set: &ParameterSet, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
-    FORCE.study(set, range, [positive, negative])
+    let sigma1 = Name::find("sigma1")?;
+    ResponseFigure {
+        stem: "response-force",
+        title: "Force response (cf. figure 11)",
+        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
+        along: Name::find("f10")?,
+        range,
+        families: &[(sigma1, "above resonance", positive), (sigma1, "below resonance", negative)],
+    }
+    .study(set)
+}
+
+/// C and A3 along any parameter, for some values of another.
+///
+/// # Errors
+/// Ranges and values that are not allowed.
+pub fn along(
+    set: &ParameterSet,
+    along: Name,
+    range: (f64, f64),
+    (member, values): (Name, &[f64]),
+) -> Result<Study> {
+    ResponseFigure {
+        stem: &format!("response-{}", along.name()),
+        title: &format!("Response along {}", along.symbol()),
+        what: &format!("response C, A₃ along {}, multiple scales and exact orbit", along.name()),
+        along,
+        range,
+        families: &[(member, &format!("along {}", along.symbol()), values)],
+    }
+    .study(set)
 }

@@ -8,6 +8,7 @@ use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, THIN};
 use crate::table::{Table, exact};
 use nalgebra::Complex;
 use vibro_analysis::ParameterSet;
+use vibro_impact::steady::continuation::Special;
 use vibro_impact::steady::multiple_scales::MultipleScales;
 use vibro_impact::steady::{Bifurcation, Sheet, exact_orbit, strong_coupling};
 
@@ -17,6 +18,9 @@ const PERIODS: f64 = 2.0;
 /// Names and colours of U, W, X1, X2, X3.
 pub(super) const CURVES: [(&str, Colour); 5] =
     [("U", PURPLE), ("W", VERMILLION), ("X₁", BLUE), ("X₂", VERMILLION), ("X₃", GREEN)];
+
+/// The quantity that names a bifurcation.
+const HEADS_FOR: &str = "largest multiplier heads for";
 
 /// Rows of the table: quantity, unit, theory, root, value.
 struct Rows(Table);
@@ -44,8 +48,21 @@ impl Rows {
     fn stability(&mut self, column: (&str, &str), stable: bool, radius: f64, next: Bifurcation) {
         self.flag(column, "stable and admissible", stable);
         self.number(column, "spectral radius", "1", radius);
-        self.put(column, "largest multiplier heads for", "", format!("{next:?}"));
+        self.put(column, HEADS_FOR, "", format!("{next:?}"));
     }
+}
+
+/// The table as the screen shows it. The file keeps the identifiers of the bifurcations, for programs that read it; a
+/// reader gets their names.
+fn readable(mut table: Table) -> Table {
+    use Bifurcation::{NeimarkSacker, PeriodDoubling, SaddleNode, SymmetryBreaking};
+    for row in table.rows.iter_mut().filter(|row| row[0] == HEADS_FOR) {
+        let all = [SaddleNode, SymmetryBreaking, PeriodDoubling, NeimarkSacker];
+        if let Some(found) = all.into_iter().find(|b| format!("{b:?}") == row[4]) {
+            row[4] = Special::Bifurcation(found).to_string();
+        }
+    }
+    table
 }
 
 fn root_name(sheet: Sheet) -> &'static str {
@@ -76,7 +93,7 @@ pub fn steady(set: &ParameterSet) -> Result<Study> {
     ));
     let (what, figure) = picture(set)?;
     let tables = vec![("steady".into(), rows.0.csv()?)];
-    Ok(Study { name: "steady".into(), what, tables, shown: Some(rows.0), figure, remarks })
+    Ok(Study { name: "steady".into(), what, tables, shown: Some(readable(rows.0)), figure, remarks })
 }
 
 fn multiple_scales(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {

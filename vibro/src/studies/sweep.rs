@@ -33,15 +33,15 @@ const DECIMALS: usize = 4;
 pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let hysteresis = diagram.hysteresis();
     let axis = &sweep.axis;
-    let mut panels = vec![maxima_panel(axis, sweep.keep, diagram, &hysteresis)];
+    let mut panels = vec![maxima_panel(set, axis, sweep.keep, diagram, &hysteresis)];
     if sweep.exponents.is_some() {
         panels.push(exponent_panel(axis, &diagram.up));
     }
     panels.push(impact_panel(axis, diagram));
     letters(&mut panels);
     let figure = Figure {
-        title: format!("Bifurcation diagram of X₂ over {} (cf. figure 14)", axis.group.symbol),
-        caption: vec![method(sweep), format!("Elsewhere {}", set.caption())],
+        title: format!("Bifurcation diagram of X₂ over {} (cf. figure 14)", axis.name.symbol()),
+        caption: vec![method(sweep), format!("Elsewhere {}", set.caption_but(&[axis.name]))],
         panels,
         columns: 1,
         panel: (2900, 1150),
@@ -54,7 +54,7 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
     if refused > 0 {
         remarks.push(format!("{refused} values left out: the simulator refused them"));
     }
-    let what = format!("local maxima of X₂ over {} as in figure 14, both directions", axis.group.symbol);
+    let what = format!("local maxima of X₂ over {} as in figure 14, both directions", axis.name.symbol());
     Ok(Study {
         tables: vec![
             (name.into(), maxima_table(axis, diagram)?),
@@ -120,15 +120,27 @@ fn cells(axis: &ParameterAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: 
     Shape::Cells { x, y, columns: axis.count, cells, colours }
 }
 
-fn maxima_panel(axis: &ParameterAxis, keep: u32, diagram: &Diagram, apart: &[bool]) -> Panel {
+fn maxima_panel(
+    set: &ParameterSet,
+    axis: &ParameterAxis,
+    keep: u32,
+    diagram: &Diagram,
+    apart: &[bool],
+) -> Panel {
     let both: Vec<Option<SweepPoint>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
     let (x, y) = (axis.edges(), reach(&both));
     let mut layers = vec![Layer::new("", BLACK, cells(axis, keep, diagram, apart, y))];
     layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
     layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
+    let own = axis.name.value(set);
+    if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
+        let name = format!("this set: {} = {}", axis.name.symbol(), axis.name.with_unit(own));
+        let line = vec![(own, y.0), (own, y.1)];
+        layers.push(Layer::line(&name, BLUE, Dash::Dotted, line).stroke(THIN));
+    }
     Panel {
         title: "Local maxima of X₂".into(),
-        x: Axis::over(axis.group.label(), x.0, x.1),
+        x: Axis::over(axis.name.label(), x.0, x.1),
         y: Axis::over("X₂ (units of L)", y.0, y.1),
         layers,
     }
@@ -150,7 +162,7 @@ fn exponent_panel(axis: &ParameterAxis, points: &[Option<SweepPoint>]) -> Panel 
     }
     Panel {
         title: "The three largest Lyapunov exponents, value rising".into(),
-        x: Axis::over(axis.group.label(), x.0, x.1),
+        x: Axis::over(axis.name.label(), x.0, x.1),
         y: Axis::new("λ (per unit of τ)"),
         layers,
     }
@@ -164,7 +176,7 @@ fn impact_panel(axis: &ParameterAxis, diagram: &Diagram) -> Panel {
     };
     Panel {
         title: "Impacts per drive period".into(),
-        x: Axis::over(axis.group.label(), x.0, x.1),
+        x: Axis::over(axis.name.label(), x.0, x.1),
         y: Axis::new("impacts (–)"),
         layers: vec![
             Layer::line("value falling", VERMILLION, Dash::Solid, curve(&diagram.down)).stroke(THIN),
@@ -180,7 +192,7 @@ const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn maxima_table(axis: &ParameterAxis, diagram: &Diagram) -> Result<Vec<u8>> {
-    let mut csv = CsvRows::new([axis.group.name, "direction", "X2_maximum", "count"])?;
+    let mut csv = CsvRows::new([axis.name.name(), "direction", "X2_maximum", "count"])?;
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for point in points.iter().flatten() {
             let value = exact(point.value);
@@ -193,7 +205,7 @@ pub fn maxima_table(axis: &ParameterAxis, diagram: &Diagram) -> Result<Vec<u8>> 
 }
 
 fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table {
-    let mut header = vec![axis.group.name, "direction", "class", "period", "impacts_upper", "impacts_lower"];
+    let mut header = vec![axis.name.name(), "direction", "class", "period", "impacts_upper", "impacts_lower"];
     header.extend(["rests", "symmetric", "hysteresis"]);
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
     header.extend(["deviation", "periods"]);
@@ -221,7 +233,7 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table
 }
 
 fn window_table(axis: &ParameterAxis, diagram: &Diagram) -> Table {
-    let name = axis.group.name;
+    let name = axis.name.name();
     let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for (from, to, class) in Diagram::windows(points) {
@@ -237,7 +249,8 @@ fn window_remarks(axis: &ParameterAxis, diagram: &Diagram) -> Vec<String> {
         .iter()
         .take(TOLD)
         .map(|(from, to, class)| {
-            format!("{} {} … {}: {}", axis.group.name, short(*from), short(*to), class.name())
+            let (name, from, to) = (axis.name, axis.name.with_unit(*from), axis.name.with_unit(*to));
+            format!("{} {from} … {to}: {}", name.name(), class.name())
         })
         .collect();
     if windows.len() > TOLD {
@@ -251,7 +264,7 @@ fn window_remarks(axis: &ParameterAxis, diagram: &Diagram) -> Vec<String> {
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> Result<(Table, Study)> {
-    let mut header = vec![sweep.axis.group.name];
+    let mut header = vec![sweep.axis.name.name()];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7", "class"]);
     let mut table = Table::new(&header);
     let mut remarks = Vec::new();
@@ -280,11 +293,11 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
 pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let axis = &sweep.axis;
     let apart = diagram.hysteresis();
-    let mut panel = maxima_panel(axis, sweep.keep, diagram, &apart);
+    let mut panel = maxima_panel(set, axis, sweep.keep, diagram, &apart);
     panel.title = String::new();
-    let mut table = Table::new(&[axis.group.name, "theory", "A2", "stable"]);
+    let mut table = Table::new(&[axis.name.name(), "theory", "A2", "stable"]);
     for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, GREEN)] {
-        let found = response(set, axis.group, (axis.from, axis.to), method, NODES)?;
+        let found = response(set, axis.name, (axis.from, axis.to), method, NODES)?;
         let (mut stable, mut unstable): (Vec<Path>, Vec<Path>) = (Vec::new(), Vec::new());
         for pair in found.curves.iter().flat_map(|c| c.windows(2)).filter(|w| w[0].clear && w[0].right) {
             let into = if pair[0].stable { &mut stable } else { &mut unstable };
@@ -308,7 +321,7 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
     }
     let figure = Figure {
         title: "Force response over the simulated maxima of X₂ (cf. figure 16)".into(),
-        caption: vec![method(sweep), set.caption()],
+        caption: vec![method(sweep), set.caption_but(&[axis.name])],
         panels: vec![panel],
         columns: 1,
         panel: (2700, 1600),

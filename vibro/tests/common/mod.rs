@@ -1,5 +1,9 @@
 //! Runs the real `vibro`.
 
+// Each test program uses its share of these.
+#![allow(dead_code)]
+
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -35,4 +39,23 @@ pub fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
     let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
     let info = reader.next_frame(&mut pixels).expect("PNG data");
     (info.width, info.height, pixels)
+}
+
+/// Exit code and standard error of a run that must fail.
+pub fn refused(arguments: &[&str]) -> (i32, String) {
+    let output = command(&folder("cli-refused"), arguments).output().expect("vibro runs");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    (output.status.code().expect("a code"), String::from_utf8(output.stderr).expect("text"))
+}
+
+/// The rows of a table by their columns.
+pub fn table(out: &Path, name: &str) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_path(out.join(name)).expect("a table");
+    reader.deserialize().collect::<Result<_, _>>().expect("rows")
+}
+
+/// A value of the table of `steady`.
+pub fn number(rows: &[HashMap<String, String>], quantity: &str, theory: &str, root: &str) -> f64 {
+    let found = rows.iter().find(|r| r["quantity"] == quantity && r["theory"] == theory && r["root"] == root);
+    found.unwrap_or_else(|| panic!("{quantity}, {theory}, {root}"))["value"].parse().expect("a number")
 }

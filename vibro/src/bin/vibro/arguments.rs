@@ -1,6 +1,6 @@
 //! What can be asked for.
 
-use crate::groups::{GroupPair, GroupRange, GroupValues};
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibro_analysis::basin::InitialValueRange;
@@ -16,9 +16,12 @@ PARAMETERS
   Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
   SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
            stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
+  Symbols are names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
+  Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg;
+  without one they are in SI, an angular frequency in rad/s.
   What is not set is BASIC: a reconstruction, not the paper's own data set.
   A parameter file is TOML with a table [si], a table [groups], or both ([groups] is applied last);
-  --set comes after the file.
+  --set comes after the file. `vibro template` writes a file with every parameter.
 
 EXAMPLES
   vibro steady --set kappa=0.6 --set f10=2
@@ -27,6 +30,9 @@ EXAMPLES
   vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
   vibro lyapunov --range f10=1.9:4 --resolution 1051
   vibro isoperiodic --pair sigma1,f10 --resolution 200
+  vibro template > machine.toml    (fill it in; texts with a unit in quotation marks)
+  vibro bifurcation --config machine.toml --vary drive.frequency=9Hz:11Hz:200
+  vibro plane --config machine.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
@@ -48,7 +54,7 @@ pub struct Common {
     /// Parameter file (TOML) with a table "si", a table "groups" or both
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Sets one parameter, e.g. kappa=0.6 or box.m=2; may be repeated
+    /// Sets one parameter, e.g. kappa=0.6 or box.k=48kN/m; may be repeated
     #[arg(long, global = true, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
@@ -70,11 +76,11 @@ pub enum Command {
     Manifold(Manifold),
     /// Stability of the periodic motion (figures 5, 6)
     Stability(Stability),
-    /// Existence and stability over planes of two groups (figure 12)
+    /// Existence and stability over planes of two parameters (figure 12)
     Plane(Plane),
     /// Theory against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
-    /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
+    /// Local maxima of X2 over a parameter, both directions, with periods and windows (figure 14)
     ///
     /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
     /// divided: every shard repeats it, about a fifth of the work. Only what is computed at the values is shared, so that more
@@ -84,10 +90,12 @@ pub enum Command {
     Lyapunov(Lyapunov),
     /// Basins of attraction over two initial values
     Basin(Basin),
-    /// Simulated motion over planes of two groups: period, impacts, chaos, beside the exact orbit
+    /// Simulated motion over planes of two parameters: period, impacts, chaos, beside the exact orbit
     Isoperiodic(Isoperiodic),
     /// Draws a study whose shards were computed apart
     Merge(Merge),
+    /// Writes a parameter file with every parameter, its unit, range and default, to standard output
+    Template(Template),
     /// All figures of the paper and a report that sets its statements beside what is found
     Reproduce(Reproduce),
 }
@@ -103,9 +111,9 @@ pub struct Share {
 /// Arguments of `bifurcation`.
 #[derive(Args, Debug)]
 pub struct Bifurcation {
-    /// Group and range
-    #[arg(long, value_name = "NAME=FROM:TO", default_value = "f10=0.5:5", allow_hyphen_values = true)]
-    pub range: GroupRange,
+    /// Parameter and range [default: f10=0.5:5]
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    pub range: Option<ParameterRange>,
     /// Values in the range
     #[arg(long, value_name = "N", default_value_t = 451, value_parser = clap::value_parser!(u16).range(2..=20_000))]
     pub resolution: u16,
@@ -132,9 +140,10 @@ pub struct Lyapunov {
     /// Ends a spectrum when the running exponents' standard deviation over 200 periods, per unit of tau, is under this
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub threshold: f64,
-    /// Values of which spectra are listed and running exponents shown
-    #[arg(long, value_name = "V,V,…", value_delimiter = ',', default_values_t = [0.6, 1.5, 2.45, 3.6], allow_hyphen_values = true)]
-    pub at: Vec<f64>,
+    /// Values of which spectra are listed and running exponents shown [default: 0.6,1.5,2.45,3.6 of f10; the value that
+    /// was set; of other parameters the quarters of the range]
+    #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pub at: Vec<String>,
 }
 
 /// Arguments of `basin`.
@@ -189,6 +198,17 @@ pub struct Merge {
     pub folders: Vec<PathBuf>,
 }
 
+/// Arguments of `template`.
+#[derive(Args, Debug)]
+pub struct Template {
+    /// The machine in SI (the default)
+    #[arg(long, conflicts_with = "groups")]
+    pub si: bool,
+    /// The dimensionless groups
+    #[arg(long)]
+    pub groups: bool,
+}
+
 /// Arguments of `reproduce`.
 #[derive(Args, Debug)]
 pub struct Reproduce {
@@ -203,12 +223,13 @@ pub struct Response {
     /// Which curves
     #[arg(long, value_enum, default_value_t = ResponseKind::Both)]
     pub kind: ResponseKind,
-    /// Range of sigma1 (frequency response) or f10 (force response)
-    #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
-    pub range: Vec<GroupRange>,
-    /// Values that differ between curves: f10 and gamma1 (frequency), sigma1 (force)
+    /// Range of sigma1 (frequency response) or f10 (force response); of any other parameter: the response along it
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    pub range: Vec<ParameterRange>,
+    /// Values that differ between curves: f10 and gamma1 (frequency), sigma1 (force), any along another parameter. A value
+    /// that was set is one of them, and the only one where none is listed
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
-    pub values: Vec<GroupValues>,
+    pub values: Vec<ParameterValues>,
 }
 
 /// Kinds of response.
@@ -228,14 +249,10 @@ pub struct Manifold {
     /// Figure of the paper: 2, 7 or 9; all unless given
     #[arg(long, value_name = "N", value_parser = ["2", "7", "9"])]
     pub figure: Vec<String>,
-    /// The group that differs between the panels of figure 9, and its values
-    #[arg(
-        long,
-        value_name = "NAME=V,V,…",
-        default_value = "f10=0.6,1.2,1.5,2.5",
-        allow_hyphen_values = true
-    )]
-    pub values: GroupValues,
+    /// The parameter that differs between the panels of figure 9, and its values [default: f10=0.6,1.2,1.5,2.5, or the
+    /// f10 that was set]
+    #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
+    pub values: Option<ParameterValues>,
 }
 
 /// Arguments of `stability`.
@@ -246,15 +263,15 @@ pub struct Stability {
     pub figure: Vec<String>,
 }
 
-/// Planes of two groups.
+/// Planes of two parameters.
 #[derive(Args, Debug)]
 pub struct Planes {
-    /// Two groups, horizontal first, e.g. sigma1,f10; the six pairs of figure 12 unless given
+    /// Two parameters, horizontal first, e.g. sigma1,f10 or block.m,stop.gap; the six pairs of figure 12 unless given
     #[arg(long, value_name = "X,Y")]
-    pub pair: Vec<GroupPair>,
-    /// Range of a group on its axis
-    #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
-    pub range: Vec<GroupRange>,
+    pub pair: Vec<ParameterPair>,
+    /// Range of a parameter on its axis
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    pub range: Vec<ParameterRange>,
 }
 
 /// Arguments of `plane`.
@@ -298,13 +315,13 @@ pub struct Compare {
     /// Figure of the paper: 8, 16, 17 or 19 (with 18); all unless given. What is not set for 19 is a set of ours
     #[arg(long, value_name = "N", value_parser = ["8", "16", "17", "19"])]
     pub figure: Vec<String>,
-    /// Range of f10 in figure 16
-    #[arg(long, value_name = "NAME=FROM:TO", default_value = "f10=0.5:3")]
-    pub range: GroupRange,
+    /// Range of f10 in figure 16 [default: f10=0.5:3]
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    pub range: Option<ParameterRange>,
     /// Values of f10 in figure 16
     #[arg(long, value_name = "N", default_value_t = 251, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,
-    /// Mass ratios of figure 17
-    #[arg(long, value_name = "NAME=V,V,…", default_value = "epsilon=0.1,0.05,0.02,0.01,0.005")]
-    pub values: GroupValues,
+    /// Mass ratios of figure 17 [default: epsilon=0.1,0.05,0.02,0.01,0.005, or the epsilon that was set]
+    #[arg(long, value_name = "NAME=V,V,…")]
+    pub values: Option<ParameterValues>,
 }

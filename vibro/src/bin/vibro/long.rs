@@ -3,30 +3,55 @@
 use crate::arguments::{Basin, Bifurcation, Common, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::output;
 use crate::progress::Progress;
+use crate::ranges;
 use std::path::{Path, PathBuf};
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::part_folder::PartFolder;
 use vibro::report;
 use vibro::{Error, Result};
-use vibro_analysis::ParameterSet;
 use vibro_analysis::basin;
 use vibro_analysis::bifurcation::Sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::parts::{PartStore, Shard, Task};
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::{ParameterSet, find_group, numbers};
+
+/// Forces f10 whose spectra are listed unless told otherwise.
+const SPECTRA: [f64; 4] = [0.6, 1.5, 2.45, 3.6];
 
 /// Ending of the folders of parts.
 const PARTS: &str = "parts";
 
-fn kind(a: &Bifurcation, exponents: Option<SpectrumOptions>, at: &[f64]) -> Result<StudyKind> {
-    let axis = ParameterAxis::new(a.range.group, a.range.ends, a.resolution.into())?;
-    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents };
-    Ok(StudyKind::Sweep { sweep, at: at.to_vec() })
+/// The axis of a sweep: f10 unless told otherwise.
+fn axis(set: &ParameterSet, a: &Bifurcation) -> Result<ParameterAxis> {
+    let default = || Ok::<_, Error>(ranges::shown(set, find_group("f10")?.into(), (0.5, 5.0)));
+    a.range.map_or_else(default, Ok)?.axis(a.resolution.into(), 2..=20_000)
+}
+
+fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>, at: Vec<f64>) -> StudyKind {
+    StudyKind::Sweep { sweep: Sweep { axis, discard: a.discard, keep: a.keep, exponents }, at }
+}
+
+/// The values at which spectra are listed: those given; else the one that was set; else what suits the axis.
+fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
+    if !given.is_empty() {
+        let texts: Vec<&str> = given.iter().map(String::as_str).collect();
+        return Ok(numbers(axis.name, &texts)?);
+    }
+    let own = axis.name.value(set);
+    Ok(if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
+        vec![own]
+    } else if axis.name.name() == "f10" {
+        SPECTRA.to_vec()
+    } else {
+        [0.25, 0.5, 0.75].map(|part| axis.from * (1.0 - part) + axis.to * part).to_vec()
+    })
 }
 
 pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Result<()> {
-    perform(&LongStudy::new("bifurcation", kind(a, None, &[])?, set), common, a.share.shard)
+    let kind = kind(axis(set, a)?, a, None, Vec::new());
+    perform(&LongStudy::new("bifurcation", kind, set), common, a.share.shard)
 }
 
 pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()> {
@@ -36,7 +61,8 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
     }
     let options =
         SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
-    let kind = kind(&a.sweep, Some(options), &a.at)?;
+    let axis = axis(set, &a.sweep)?;
+    let kind = kind(axis, &a.sweep, Some(options), listed(set, &axis, &a.at)?);
     perform(&LongStudy::new("lyapunov", kind, set), common, a.sweep.share.shard)
 }
 
@@ -56,7 +82,7 @@ pub fn isoperiodic(
         (a.periods > 0).then(|| SpectrumOptions { periods: a.periods, ..SpectrumOptions::default() });
     for &(x, y) in planes {
         let request = isoperiodic::Request { x, y, start: a.start, discard: a.discard, exponents };
-        let name = format!("isoperiodic-{}-{}", x.group.name, y.group.name);
+        let name = format!("isoperiodic-{}-{}", x.name.name(), y.name.name());
         perform(&LongStudy::new(&name, StudyKind::Isoperiodic(request), set), common, a.share.shard)?;
     }
     Ok(())

@@ -1,10 +1,10 @@
 //! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
 
 mod arguments;
-mod groups;
 mod long;
 mod output;
 mod progress;
+mod ranges;
 mod short;
 
 use arguments::{Arguments, Command, Common};
@@ -33,7 +33,17 @@ fn run(arguments: &Arguments) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().map_err(Error::output("threads"))?;
     }
+    if let Command::Template(a) = &arguments.command {
+        return output::say(parameter_file::template(a.groups).trim_end());
+    }
     let set = configured(ParameterSet::basic(), common)?;
+    if !set.not_given().is_empty() {
+        eprintln!(
+            "warning: the machine is given in SI, but not {}; these are the default machine's values. `vibro template` \
+             writes a file with every parameter",
+            set.not_given_values()
+        );
+    }
     let studies = match &arguments.command {
         Command::Steady => vec![studies::steady(&set)?],
         Command::Response(a) => short::response(&set, a)?,
@@ -45,10 +55,17 @@ fn run(arguments: &Arguments) -> Result<()> {
         Command::Lyapunov(a) => return long::lyapunov(&set, common, a),
         Command::Basin(a) => return long::basin(&set, common, a),
         Command::Isoperiodic(a) => {
-            return long::isoperiodic(&set, common, a, &short::axes(&a.planes, a.resolution)?);
+            let axes = short::axes(&set, &a.planes, a.resolution, 2..=3_000)?;
+            return long::isoperiodic(&set, common, a, &axes);
         }
         Command::Merge(a) => return long::merge(common, a),
-        Command::Reproduce(a) => return long::reproduce(&set, common, a),
+        Command::Template(_) => return Ok(()),
+        Command::Reproduce(a) => {
+            let instead = "figures 6, 9, 10, 11 and 17 have the paper's values; leave the value out, or draw your \
+                           machine by the other commands";
+            short::check_used(&set, "reproduce", &["f10", "gamma1", "sigma1", "epsilon", "mu13"], instead)?;
+            return long::reproduce(&set, common, a);
+        }
     };
     output::write(&studies, &common.out)?;
     output::print(&studies, &set, &common.out)

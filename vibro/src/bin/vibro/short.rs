@@ -1,26 +1,62 @@
 //! Studies of seconds, which need no parts on disk: from their arguments to the library's studies.
 
 use crate::arguments::{Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
-use crate::groups::{GroupPair, GroupRange};
 use crate::progress::Progress;
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
+use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_analysis::plane::{PAIRS, ParameterAxis};
-use vibro_analysis::{Group, ParameterSet, find_group};
+use vibro_analysis::{Name, ParameterSet};
 
-/// The last given range of a group, or the default.
-fn range_of(given: &[GroupRange], name: &str, default: (f64, f64)) -> (f64, f64) {
-    given.iter().rev().find(|range| range.group.name == name).map_or(default, |range| range.ends)
+/// Values on an axis of a plane.
+const PLANE: RangeInclusive<usize> = 2..=10_000;
+
+/// The last given range of a parameter; else the default, widened to hold the value that was set.
+fn range_of(set: &ParameterSet, given: &[ParameterRange], name: Name, default: (f64, f64)) -> ParameterRange {
+    let found = given.iter().rev().find(|range| range.name == name);
+    found.copied().unwrap_or_else(|| shown(set, name, default))
 }
 
-/// Refuses the first group that is none of the useful ones.
-fn check_useful<'a>(
-    given: impl IntoIterator<Item = &'a &'static Group>,
+/// The members of a family of curves: the value that was set, and those listed; the default where there is neither.
+fn members<'a>(
+    set: &ParameterSet,
+    name: Name,
+    given: impl IntoIterator<Item = &'a ParameterValues>,
+    default: &[f64],
+) -> Vec<f64> {
+    let listed = given.into_iter().filter(|list| list.name == name).last();
+    let mut values = listed.map_or(Vec::new(), |list| list.values.clone());
+    if set.is_set(name) {
+        let own = name.value(set);
+        if !values.iter().any(|v| (v - own).abs() <= 1e-12 * own.abs()) {
+            values.insert(0, own);
+        }
+    } else if values.is_empty() {
+        values = default.to_vec();
+    }
+    values
+}
+
+/// Refuses the first parameter that is none of the useful ones.
+fn check_useful(
+    given: impl IntoIterator<Item = Name>,
     useful: &[&str],
     expected: &'static str,
 ) -> Result<()> {
-    match given.into_iter().find(|group| !useful.contains(&group.name)) {
-        Some(useless) => Err(Error::form(useless.name, expected)),
+    match given.into_iter().find(|name| !useful.contains(&name.name())) {
+        Some(useless) => Err(Error::form(useless.name(), expected)),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a value that was set where a figure holds values of its own for these groups.
+pub fn check_used(set: &ParameterSet, figure: &str, unused: &[&str], instead: &str) -> Result<()> {
+    match set.first_set(unused) {
+        Some(name) => Err(Error::Refused {
+            what: format!("{} = {}", name.name(), name.with_unit(name.value(set))),
+            problem: format!("{figure} does not use this value: {instead}"),
+        }),
         None => Ok(()),
     }
 }
@@ -31,24 +67,58 @@ fn wants(figures: &[String], figure: &str) -> bool {
 }
 
 pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
-    let values = || a.values.iter().map(|list| &list.group);
-    check_useful(a.range.iter().map(|r| &r.group), &["sigma1", "f10"], "a range of sigma1 or f10")?;
-    check_useful(values(), &["f10", "gamma1", "sigma1"], "values of f10, gamma1 or sigma1")?;
-    let list = |name: &str, default: &[f64]| {
-        a.values.iter().rev().find(|l| l.group.name == name).map_or(default.to_vec(), |l| l.values.clone())
-    };
-    let mut found = Vec::new();
-    if a.kind != ResponseKind::Force {
-        let range = range_of(&a.range, "sigma1", (-2.5, 2.5));
-        let (forces, dampings) = (list("f10", &[1.0, 1.5, 2.0, 2.5]), list("gamma1", &[0.2, 0.5, 1.0, 1.5]));
-        found.push(studies::frequency(set, range, &forces, &dampings)?);
+    let (sigma1, f10, gamma1) = (Name::find("sigma1")?, Name::find("f10")?, Name::find("gamma1")?);
+    let others: Vec<_> = a.range.iter().filter(|r| ![sigma1, f10].contains(&r.name)).collect();
+    if !others.is_empty() {
+        return others.into_iter().map(|range| along(set, range, a)).collect();
     }
-    if a.kind != ResponseKind::Frequency {
-        let all = list("sigma1", &[0.2, 0.4, 0.8, 1.2, -0.2, -0.5, -0.8, -1.2]);
+    let members = |name, default: &[f64]| members(set, name, &a.values, default);
+    let listed = || a.values.iter().map(|list| list.name);
+    if let Some(range) = a.range.iter().find(|r| r.count.is_some()) {
+        return Err(Error::form(range.name.name(), COUNT));
+    }
+    let (frequency, force) = (a.kind != ResponseKind::Force, a.kind != ResponseKind::Frequency);
+    let (useful, expected): (&[&str], _) = match (frequency, force) {
+        (true, true) => (&["f10", "gamma1", "sigma1"], "values of f10, gamma1 or sigma1"),
+        (true, false) => (&["f10", "gamma1"], "values of f10 or gamma1 for the frequency response"),
+        _ => (&["sigma1"], "values of sigma1 for the force response"),
+    };
+    check_useful(listed(), useful, expected)?;
+    let mut found = Vec::new();
+    if frequency {
+        let range = range_of(set, &a.range, sigma1, (-2.5, 2.5));
+        let (forces, dampings) =
+            (members(f10, &[1.0, 1.5, 2.0, 2.5]), members(gamma1, &[0.2, 0.5, 1.0, 1.5]));
+        found.push(studies::frequency(set, range.ends, &forces, &dampings)?);
+    }
+    if force {
+        let all = members(sigma1, &[0.2, 0.4, 0.8, 1.2, -0.2, -0.5, -0.8, -1.2]);
         let (above, below): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| *s >= 0.0);
-        found.push(studies::force(set, range_of(&a.range, "f10", (0.0, 4.0)), &above, &below)?);
+        let range = range_of(set, &a.range, f10, (0.0, 4.0));
+        found.push(studies::force(set, range.ends, &above, &below)?);
     }
     Ok(found)
+}
+
+const COUNT: &str = "name=from:to without a count: curves are followed and have no fixed number of values";
+
+/// The response along any parameter, for the values listed of one other.
+fn along(set: &ParameterSet, range: &ParameterRange, a: &Response) -> Result<Study> {
+    if range.count.is_some() {
+        return Err(Error::form(range.name.name(), COUNT));
+    }
+    let (name, values) = match &a.values[..] {
+        // The set itself is the only member.
+        [] => {
+            let other = if range.name.is_same_quantity(Name::find("f10")?) { "kappa" } else { "f10" };
+            let name = Name::find(other)?;
+            (name, vec![name.value(set)])
+        }
+        [one] if !one.name.is_same_quantity(range.name) => (one.name, members(set, one.name, [one], &[])),
+        [one] => return Err(Error::form(one.name.name(), "values of another parameter than the axis")),
+        [_, other, ..] => return Err(Error::form(other.name.name(), "values of one parameter only")),
+    };
+    studies::along(set, range.name, range.ends, (name, &values))
 }
 
 pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
@@ -60,7 +130,9 @@ pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
         found.push(studies::branches(set)?);
     }
     if wants(&a.figure, "9") {
-        found.push(studies::families(set, a.values.group.name, &a.values.values)?);
+        let name = a.values.as_ref().map_or_else(|| Name::find("f10"), |list| Ok(list.name))?;
+        let values = members(set, name, &a.values, &[0.6, 1.2, 1.5, 2.5]);
+        found.push(studies::families(set, name, &values)?);
     }
     Ok(found)
 }
@@ -68,33 +140,42 @@ pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
 pub fn stability(set: &ParameterSet, a: &Stability) -> Result<Vec<Study>> {
     let mut found = Vec::new();
     if wants(&a.figure, "5") {
+        let instead = "it seeks stable motions over all forces; leave the value out";
+        check_used(set, "figure 5", &["f10"], instead)?;
         found.push(studies::regions(set)?);
     }
     if wants(&a.figure, "6") {
+        let instead = "it has epsilon = 0.05, gamma1 = 0.4, sigma1 = 0, m3 = m2 and all forces, as the paper; leave \
+                       the value out, or this figure by --figure 5";
+        check_used(set, "figure 6", &["epsilon", "gamma1", "sigma1", "f10", "mu13"], instead)?;
         found.push(studies::masri(set)?);
     }
     Ok(found)
 }
 
 /// The axes of planes, horizontal first.
-pub fn axes(a: &Planes, resolution: u16) -> Result<Vec<(ParameterAxis, ParameterAxis)>> {
+pub fn axes(
+    set: &ParameterSet,
+    a: &Planes,
+    resolution: u16,
+    allowed: RangeInclusive<usize>,
+) -> Result<Vec<(ParameterAxis, ParameterAxis)>> {
     let pairs = if a.pair.is_empty() {
-        let pair = |&(x, y): &(&str, &str)| Ok(GroupPair { x: find_group(x)?, y: find_group(y)? });
+        let pair = |&(x, y): &(&str, &str)| Ok(ParameterPair { x: Name::find(x)?, y: Name::find(y)? });
         PAIRS.iter().map(pair).collect::<Result<Vec<_>>>()?
     } else {
         a.pair.clone()
     };
-    let drawn: Vec<_> = pairs.iter().flat_map(|pair| [pair.x.name, pair.y.name]).collect();
-    check_useful(a.range.iter().map(|r| &r.group), &drawn, "a range of a group that is on an axis")?;
-    let axis = |group: &'static Group| {
-        ParameterAxis::new(group, range_of(&a.range, group.name, group.shown), resolution.into())
-    };
+    let drawn: Vec<_> = pairs.iter().flat_map(|pair| [pair.x.name(), pair.y.name()]).collect();
+    check_useful(a.range.iter().map(|r| r.name), &drawn, "a range of a parameter that is on an axis")?;
+    let axis =
+        |name: Name| range_of(set, &a.range, name, name.shown(set)).axis(resolution.into(), allowed.clone());
     pairs.iter().map(|pair| Ok((axis(pair.x)?, axis(pair.y)?))).collect()
 }
 
 pub fn plane(set: &ParameterSet, a: &Plane) -> Result<Study> {
-    let axes = axes(&a.planes, a.resolution)?;
-    let progress = Progress::new(axes.len() * usize::from(a.resolution), "rows");
+    let axes = axes(set, &a.planes, a.resolution, PLANE)?;
+    let progress = Progress::new(axes.iter().map(|(_, y)| y.count).sum(), "rows");
     studies::planes(set, &axes, a.method.into(), &|| progress.step())
 }
 
@@ -104,20 +185,24 @@ pub fn compare(
     strong: &dyn Fn() -> Result<ParameterSet>,
     a: &Compare,
 ) -> Result<Vec<Study>> {
-    check_useful([&a.range.group], &["f10"], "a range of f10")?;
-    check_useful([&a.values.group], &["epsilon"], "values of epsilon")?;
+    check_useful(a.range.iter().map(|r| r.name), &["f10"], "a range of f10")?;
+    check_useful(a.values.iter().map(|v| v.name), &["epsilon"], "values of epsilon")?;
     let mut found = Vec::new();
     if wants(&a.figure, "8") {
         found.push(studies::histories(set)?);
     }
     if wants(&a.figure, "16") {
+        let given: Vec<_> = a.range.into_iter().collect();
+        let range = range_of(set, &given, Name::find("f10")?, (0.5, 3.0));
+        let axis = range.axis(a.resolution.into(), PLANE)?;
         // Eight values are a part, each direction has its own.
-        let progress = Progress::new(2 * usize::from(a.resolution).div_ceil(8), "parts of figure 16");
+        let progress = Progress::new(2 * axis.count.div_ceil(8), "parts of figure 16");
         let done = || progress.step();
-        found.push(studies::force_overlay(set, a.range.ends, a.resolution.into(), &done)?);
+        found.push(studies::force_overlay(set, range.ends, axis.count, &done)?);
     }
     if wants(&a.figure, "17") {
-        found.push(studies::accuracy(set, &a.values.values)?);
+        let values = members(set, Name::find("epsilon")?, &a.values, &[0.1, 0.05, 0.02, 0.01, 0.005]);
+        found.push(studies::accuracy(set, &values)?);
     }
     if wants(&a.figure, "19") {
         found.push(studies::strong_case(&strong()?)?);

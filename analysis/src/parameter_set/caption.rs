@@ -1,0 +1,89 @@
+//! What a caption says about a parameter set.
+
+use super::{Base, Given, Name, ParameterSet};
+use vibro_impact::parameters::{FIELDS, GROUPS, Group};
+
+/// Two values of a quantity are the same up to the rounding of a conversion there and back.
+const ROUNDING: f64 = 1e-12;
+
+impl Base {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Basic => "BASIC, a reconstruction, not the paper's own data set",
+            Self::Strong => "STRONG, a set of ours, not the paper's own data set",
+        }
+    }
+}
+
+impl ParameterSet {
+    /// Where these numbers come from, in the words of a caption. Of a machine in SI it lists what was not given, with the
+    /// values that were taken.
+    pub fn origin(&self) -> String {
+        let base = self.base.name();
+        let taken = self.not_given_values();
+        match (self.given == Given::default(), self.is_si(), taken.is_empty()) {
+            (true, ..) => base.into(),
+            (false, false, _) => format!("what was not set is {base}"),
+            (false, true, true) => "all set".into(),
+            (false, true, false) => format!("not given, and taken from {base}: {taken}"),
+        }
+    }
+
+    /// The physical parameters that were [not given](Self::not_given) with the values taken, in one line.
+    pub fn not_given_values(&self) -> String {
+        let told = |name: Name| format!("{} = {}", name.name(), name.with_unit(name.value(self)));
+        self.not_given().into_iter().map(told).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The parameters in one line, with the origin: in SI where the machine was given in SI, else the groups.
+    pub fn caption(&self) -> String {
+        self.caption_but(&[])
+    }
+
+    /// The [caption](Self::caption) without what changes when these parameters vary, so that it is true of every curve.
+    pub fn caption_but(&self, varied: &[Name]) -> String {
+        let others: Vec<Self> = varied.iter().filter_map(|name| self.other(*name)).collect();
+        let same = |name: &Name| {
+            let own = name.value(self);
+            let close = |other: &Self| (name.value(other) - own).abs() <= ROUNDING * (1.0 + own.abs());
+            !varied.contains(name) && others.iter().all(close)
+        };
+        let names: Vec<Name> = if self.is_si() {
+            FIELDS.iter().map(Name::Si).collect()
+        } else {
+            GROUPS.iter().filter(|g| self.is_held(g)).map(Name::Group).collect()
+        };
+        let told = |name: Name| format!("{} = {}", name.symbol(), name.with_unit(name.value(self)));
+        let values: Vec<String> = names.into_iter().filter(same).map(told).collect();
+        format!("{} ({})", values.join(", "), self.origin())
+    }
+
+    /// Whether a group is told: of the two names for the coupling the one that is held, and μ13 where it is no
+    /// consequence of ε.
+    fn is_held(&self, group: &Group) -> bool {
+        match group.name {
+            "alpha23" => !self.holds_beta2,
+            "beta2" => self.holds_beta2,
+            "mu13" => self.holds_mu13,
+            _ => true,
+        }
+    }
+
+    /// The set with another value of one parameter, to see what changes with it.
+    fn other(&self, name: Name) -> Option<Self> {
+        let own = name.value(self);
+        let near = [1.01 * own + 0.01, 0.99 * own - 0.01, 0.99 * own];
+        near.into_iter().find_map(|value| self.with(name, value).ok())
+    }
+}
+
+/// A number for captions: four decimals at most, a true minus sign.
+pub fn short(value: f64) -> String {
+    let rounded = (value * 1e4).round() / 1e4;
+    if rounded == 0.0 && value != 0.0 || value.abs() >= 1e6 {
+        format!("{value:.3e}").replace('-', "−")
+    } else {
+        // Adding zero turns -0 into 0.
+        format!("{}", rounded + 0.0).replace('-', "−")
+    }
+}

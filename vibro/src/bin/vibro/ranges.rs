@@ -1,0 +1,141 @@
+//! Ranges, lists and pairs of parameters as arguments: `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
+
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+use vibro::{Error, Result};
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::{Name, ParameterSet, numbers};
+
+/// A parameter of either form and a range of it, as `name=from:to` or `name=from:to:count`.
+#[derive(Clone, Copy, Debug)]
+pub struct ParameterRange {
+    /// The parameter.
+    pub name: Name,
+    /// Its ends in its SI unit, the lower one first; both are allowed values.
+    pub ends: (f64, f64),
+    /// The number of values, if it was given.
+    pub count: Option<usize>,
+}
+
+/// A parameter of either form and some of its values, as `name=value,value,…`.
+#[derive(Clone, Debug)]
+pub struct ParameterValues {
+    /// The parameter.
+    pub name: Name,
+    /// The values in its SI unit, as given; all are allowed.
+    pub values: Vec<f64>,
+}
+
+/// Two parameters, as `name,name`.
+#[derive(Clone, Copy, Debug)]
+pub struct ParameterPair {
+    /// The parameter on the horizontal axis.
+    pub x: Name,
+    /// The parameter on the vertical axis.
+    pub y: Name,
+}
+
+impl FromStr for ParameterRange {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        const FORM: &str = "name=from:to or name=from:to:count with from < to, e.g. sigma1=-2:2 or drive.frequency=9Hz:11Hz:200";
+        let form = || Error::form(text, FORM);
+        let (name, ends) = text.split_once('=').ok_or_else(form)?;
+        let name = Name::find(name.trim())?;
+        let (from, to, count) = match ends.split(':').collect::<Vec<_>>()[..] {
+            [from, to] => (from, to, None),
+            [from, to, count] => (from, to, Some(count.trim().parse().map_err(|_| form())?)),
+            _ => return Err(form()),
+        };
+        let ends = numbers(name, &[from, to])?;
+        let ends = (ends[0], ends[1]);
+        if ends.0 < ends.1 { Ok(Self { name, ends, count }) } else { Err(form()) }
+    }
+}
+
+impl FromStr for ParameterValues {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let form = || Error::form(text, "name=value,value,…, e.g. f10=0.6,1.2,1.5");
+        let (name, list) = text.split_once('=').ok_or_else(form)?;
+        let name = Name::find(name.trim())?;
+        let values = numbers(name, &list.split(',').collect::<Vec<_>>())?;
+        Ok(Self { name, values })
+    }
+}
+
+impl FromStr for ParameterPair {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let form =
+            || Error::form(text, "two names with a comma between, e.g. sigma1,f10 or block.m,stop.gap");
+        let (x, y) = text.split_once(',').ok_or_else(form)?;
+        Ok(Self { x: Name::find(x.trim())?, y: Name::find(y.trim())? })
+    }
+}
+
+/// A range that pictures show unless told otherwise, widened so that it holds the value that was set.
+pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRange {
+    let own = if set.is_set(name) { name.value(set) } else { default.0 };
+    ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None }
+}
+
+impl ParameterRange {
+    /// The axis over this range, of the given resolution unless the range has its own count.
+    ///
+    /// # Errors
+    /// A count outside `allowed`.
+    pub fn axis(&self, resolution: usize, allowed: RangeInclusive<usize>) -> Result<ParameterAxis> {
+        let count = self.count.unwrap_or(resolution);
+        if !allowed.contains(&count) {
+            let text = format!("{}: {count} values", self.name.name());
+            let problem = format!("allowed are {} to {}", allowed.start(), allowed.end());
+            return Err(Error::Refused { what: text, problem });
+        }
+        Ok(ParameterAxis::new(self.name, self.ends, count)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_each_form_are_read() {
+        let range: ParameterRange = "sigma1 = -2:2".parse().unwrap();
+        assert_eq!((range.name.name(), range.ends, range.count), ("sigma1", (-2.0, 2.0), None));
+        let range: ParameterRange = "stop.gap=1 mm:20mm:40".parse().unwrap();
+        assert_eq!((range.name.name(), range.ends, range.count), ("stop.gap", (0.001, 0.02), Some(40)));
+        let list: ParameterValues = "f10=0.6, 1.2".parse().unwrap();
+        assert_eq!((list.name.name(), list.values), ("f10", vec![0.6, 1.2]));
+        let pair: ParameterPair = "m2,stop.gap".parse().unwrap();
+        assert_eq!((pair.x.name(), pair.y.name()), ("block.m", "stop.gap"));
+    }
+
+    #[test]
+    fn texts_of_another_form_are_refused_with_the_right_one() {
+        fn error<T: FromStr<Err = Error>>(text: &str) -> String {
+            text.parse::<T>().err().expect("an error").to_string()
+        }
+        assert_eq!(
+            error::<ParameterRange>("sigma=-2:2"),
+            "no parameter is named `sigma`; the nearest is `sigma1`: detuning of the excitation, \
+             omega1/omega10 = 1 + epsilon sigma1, a finite number > -1/epsilon"
+        );
+        assert!(error::<ParameterRange>("sigma1=2:-2").contains("from < to"));
+        assert!(error::<ParameterRange>("sigma1=-2:2:many").contains("from < to"));
+        assert!(error::<ParameterRange>("drive.frequency=9:11Hz").contains("a unit at every number"));
+        assert_eq!(error::<ParameterValues>("kappa=0.5,1.5"), "kappa = 1.5: allowed is 0 <= kappa <= 1");
+        assert_eq!(
+            error::<ParameterValues>("kappa=0.5,high"),
+            "kappa = `high` is not a number: allowed is 0 <= kappa <= 1"
+        );
+        assert!(error::<ParameterPair>("kappa").contains("sigma1,f10"));
+        let range: ParameterRange = "f10=1:2:1".parse().unwrap();
+        let refused = range.axis(10, 2..=100).unwrap_err().to_string();
+        assert_eq!(refused, "f10: 1 values: allowed are 2 to 100");
+    }
+}
