@@ -5,6 +5,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibro_analysis::basin::InitialValueRange;
 use vibro_analysis::isoperiodic::StartRule;
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::Method;
 
@@ -74,7 +75,7 @@ pub enum Command {
     Plane(Plane),
     /// MethodName against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
-    /// Local maxima of X2 over a group, both directions, with periods and windows (figure 14)
+    /// Local maxima of X2, or of another coordinate, over a group, both directions, with periods and windows (figure 14)
     ///
     /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
     /// divided: every shard repeats it, about a fifth of the work. Only what is computed at the values is shared, so that more
@@ -112,6 +113,9 @@ pub struct Bifurcation {
     /// Drive periods discarded at each value
     #[arg(long, value_name = "N", default_value_t = 400)]
     pub discard: u32,
+    /// Displacement whose local maxima are drawn: x1, x2, x3 or w
+    #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
+    pub of: Displacement,
     /// Drive periods kept at each value
     #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep: u32,

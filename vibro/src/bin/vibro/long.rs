@@ -13,6 +13,7 @@ use vibro_analysis::basin;
 use vibro_analysis::bifurcation::Sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::lyapunov::SpectrumOptions;
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::{PartStore, Shard, Task};
 use vibro_analysis::plane::ParameterAxis;
 
@@ -21,12 +22,17 @@ const PARTS: &str = "parts";
 
 fn kind(a: &Bifurcation, exponents: Option<SpectrumOptions>, at: &[f64]) -> Result<StudyKind> {
     let axis = ParameterAxis::new(a.range.group, a.range.ends, a.resolution.into())?;
-    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents };
+    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of };
     Ok(StudyKind::Sweep { sweep, at: at.to_vec() })
 }
 
+/// The study's name, with the displacement if that is not the paper's.
+fn name(study: &str, of: Displacement) -> String {
+    if of == Displacement::X2 { study.into() } else { format!("{study}-{of}") }
+}
+
 pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Result<()> {
-    perform(&LongStudy::new("bifurcation", kind(a, None, &[])?, set), common, a.share.shard)
+    perform(&LongStudy::new(&name("bifurcation", a.of), kind(a, None, &[])?, set), common, a.share.shard)
 }
 
 pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()> {
@@ -37,7 +43,7 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
     let options =
         SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
     let kind = kind(&a.sweep, Some(options), &a.at)?;
-    perform(&LongStudy::new("lyapunov", kind, set), common, a.sweep.share.shard)
+    perform(&LongStudy::new(&name("lyapunov", a.sweep.of), kind, set), common, a.sweep.share.shard)
 }
 
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
