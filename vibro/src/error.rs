@@ -17,6 +17,14 @@ pub enum Error {
         /// What is wrong, and where.
         problem: String,
     },
+    /// What is asked for cannot be done.
+    #[error("{text}: allowed is {allowed}")]
+    Request {
+        /// What was asked for.
+        text: String,
+        /// What is allowed.
+        allowed: String,
+    },
     /// Reading or writing a file failed.
     #[error("{doing} {}: {source}", path.display())]
     File {

@@ -1,6 +1,7 @@
 //! What can be asked for.
 
 use crate::groups::{GroupPair, GroupRange, GroupValues};
+use crate::run::Run;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibro_analysis::basin::InitialValueRange;
@@ -23,6 +24,7 @@ PARAMETERS
 
 EXAMPLES
   vibro steady --set kappa=0.6 --set f10=2
+  vibro run --config machine.toml --start x1=0.2,v2=1 --load box=record.csv
   vibro response --values f10=1,1.5,2 --range sigma1=-1:1
   vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
   vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
@@ -65,6 +67,8 @@ pub struct Common {
 pub enum Command {
     /// All steady-state values of one parameter set, by all theories (figure 8)
     Steady,
+    /// A motion of the machine: table, impacts, picture and account; with loads from files
+    Run(Run),
     /// Frequency and force response curves (figures 10, 11)
     Response(Response),
     /// The slow invariant manifold (figures 2, 7, 9)

@@ -5,6 +5,7 @@ mod groups;
 mod long;
 mod output;
 mod progress;
+mod run;
 mod short;
 
 use arguments::{Arguments, Command, Common};
@@ -36,6 +37,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     let set = configured(ParameterSet::basic(), common)?;
     let studies = match &arguments.command {
         Command::Steady => vec![studies::steady(&set)?],
+        Command::Run(a) => vec![run::run(&set, a)?],
         Command::Response(a) => short::response(&set, a)?,
         Command::Manifold(a) => short::manifold(&set, a)?,
         Command::Stability(a) => short::stability(&set, a)?,
