@@ -1,6 +1,7 @@
 //! The picture of a run: histories with impacts marked, the phase portrait between the stops, impact speeds, loads.
 
 use super::history::{History, RunImpact, RunInstant};
+use super::short;
 use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::studies::PANEL;
@@ -93,13 +94,13 @@ impl Shown<'_> {
         let line = |y: f64| vec![(self.from, y), (self.end(), y)];
         let marks = self.impacts(|i| Some(f64::from(i.side) * stop));
         Panel {
-            title: "(b) Block in the box, w = x₂ − x₁".into(),
+            title: "(b) Block in the box, w = x₂ − x₁, with its impacts; dashed: stops".into(),
             x: self.time(),
             y: Axis::over(format!("w ({})", self.unit.1), -1.15 * stop, 1.15 * stop),
             layers: vec![
-                Layer::lines("stops", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
-                Layer::line("w", BLACK, Dash::Solid, self.curve(3)).stroke(THIN),
-                Layer::marks("impacts", VERMILLION, Mark::Disc, marks).stroke(SMALL),
+                Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
+                Layer::line("", BLACK, Dash::Solid, self.curve(3)).stroke(THIN),
+                Layer::marks("", VERMILLION, Mark::Disc, marks).stroke(SMALL),
             ],
         }
     }
@@ -123,12 +124,12 @@ impl Shown<'_> {
         let top = pieces.iter().flatten().map(|p| p.1.abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
         let line = |x: f64| vec![(x, -1.1 * top), (x, 1.1 * top)];
         Panel {
-            title: "(c) Phase portrait between the stops".into(),
+            title: "(c) Phase portrait between the stops (dashed)".into(),
             x: Axis::over(format!("w ({})", self.unit.1), -1.15 * stop, 1.15 * stop),
             y: Axis::over(format!("dw/dt ({}/s)", self.unit.1), -1.1 * top, 1.1 * top),
             layers: vec![
-                Layer::lines("stops", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
-                Layer::lines("w, dw/dt", BLACK, Dash::Solid, pieces).stroke(2),
+                Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
+                Layer::lines("", BLACK, Dash::Solid, pieces).stroke(2),
             ],
         }
     }
@@ -178,10 +179,8 @@ pub(super) fn figure(set: &ParameterSet, history: &History, loads: &[Load], begi
     }
     let mut caption = vec![format!("Run: {beginning}.")];
     if !all {
-        caption.push(format!(
-            "The last {SHOWN} drive periods of {:.6} are shown.",
-            history.duration / p.period()
-        ));
+        caption
+            .push(format!("The last {SHOWN} drive periods of {} are shown.", history.duration / p.period()));
     }
     caption.push(set.caption());
     Figure {
