@@ -179,8 +179,10 @@ pub(super) fn figure(set: &ParameterSet, history: &History, loads: &[Load], begi
     }
     let mut caption = vec![format!("Run: {beginning}.")];
     if !all {
-        caption
-            .push(format!("The last {SHOWN} drive periods of {} are shown.", history.duration / p.period()));
+        caption.push(format!(
+            "The last {SHOWN} drive periods of {} are shown.",
+            short(history.duration / p.period())
+        ));
     }
     caption.push(set.caption());
     Figure {
