@@ -10,6 +10,7 @@ use std::time::Instant;
 use vibro_analysis::attractor::OBSERVED;
 use vibro_analysis::bifurcation::{Sweep, diagram};
 use vibro_analysis::isoperiodic::{Request, StartRule, isoperiodic};
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::stroboscopic::moving_block;
@@ -91,7 +92,7 @@ fn main() {
     let group = find_group("f10").expect("a group");
     for (range, count) in [((0.5, 5.0), 451), ((1.9, 4.0), 1051)] {
         let axis = ParameterAxis::new(group, range, count).expect("an axis");
-        let sweep = Sweep { axis, discard: DISCARD, keep: KEEP, exponents: None };
+        let sweep = Sweep { axis, discard: DISCARD, keep: KEEP, exponents: None, of: Displacement::X2 };
         let time = timed(|| {
             let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL);
             black_box(found.expect("allowed"));

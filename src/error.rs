@@ -78,6 +78,24 @@ pub enum Error {
         /// What was sought.
         what: &'static str,
     },
+    /// A sample of a record cannot be used.
+    #[error("sample {index} (counted from 0), time = {time} s, force = {force} N: allowed is {allowed}")]
+    Sample {
+        /// Its index, counted from 0.
+        index: usize,
+        /// Its time, s.
+        time: f64,
+        /// Its force, N.
+        force: f64,
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
+    /// A record has too few samples.
+    #[error("a record of {count} samples: allowed is two or more, so that the force between them is known")]
+    Samples {
+        /// How many there are.
+        count: usize,
+    },
     /// An interval of a parameter is empty, unbounded or not a number.
     #[error("range of {name} from {from} to {to}: allowed is a finite range with from < to")]
     Range {

@@ -38,6 +38,7 @@ pub mod energy;
 pub mod error;
 pub mod events;
 pub mod flow;
+pub mod load;
 pub mod model;
 pub mod numerics;
 pub mod parameters;

@@ -1,4 +1,5 @@
-//! Bifurcation diagrams: the local maxima of X2 over one parameter, upwards and downwards, with period, class and exponents.
+//! Bifurcation diagrams: the local maxima of X2, or of another displacement, over one parameter, upwards and downwards, with
+//! period, class and exponents.
 //!
 //! As in the paper, section 4: at each value a number of drive periods is discarded and a number kept, and the last state is
 //! the start of the next value. The motion from value to value is one chain and cannot be divided. What is observed at each
@@ -7,7 +8,7 @@
 use super::attractor::{Attractor, MotionClass, Relation, observe};
 use super::error::{Error, Result};
 use super::lyapunov::{self, Spectrum};
-use super::maxima::record_periods;
+use super::maxima::{Displacement, record_periods};
 use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
@@ -36,6 +37,9 @@ pub struct Sweep {
     pub keep: u32,
     /// How the exponents are computed, if they are.
     pub exponents: Option<lyapunov::SpectrumOptions>,
+    /// The displacement whose maxima are kept.
+    #[serde(default)]
+    pub of: Displacement,
 }
 
 /// The motion at one value.
@@ -43,7 +47,7 @@ pub struct Sweep {
 pub struct SweepPoint {
     /// The parameter's value.
     pub value: f64,
-    /// Local maxima of X2 (units of L, to six digits after the point), ascending, with the times each was met.
+    /// Local maxima of the sweep's displacement (units of L, to six digits after the point), ascending, with the times each was met.
     pub maxima: Vec<(f64, u32)>,
     /// What the motion has settled on.
     pub attractor: Attractor,
@@ -129,7 +133,7 @@ fn point(start: &SettledStart, state: &State, sweep: &Sweep) -> Result<SweepPoin
     let p = &start.parameters;
     let mut simulator = Simulator::new(p, state, 0.0)?.without_energy_accounts();
     let mut tops: Vec<i64> = Vec::new();
-    record_periods(&mut simulator, sweep.keep, &mut |period| {
+    record_periods(&mut simulator, sweep.of, sweep.keep, &mut |period| {
         tops.extend(period.maxima.iter().map(|m| (m.value / p.stop_gap / RESOLUTION).round() as i64));
     })?;
     tops.sort_unstable();

@@ -1,12 +1,13 @@
-//! Local maxima of X2 = x2/L, found from the flow and not from samples.
+//! Local maxima of a displacement (x1, x2, x3, w or any sum of them with weights), found from the flow and not from samples.
 //!
-//! X2 is continuous, while its rate v2 jumps at impacts. A maximum lies where v2 passes from above to below zero: at a root
-//! within a smooth piece, which [`first_crossing`] finds with the same proof as the simulator's events, or at an impact that
-//! reverses v2. In the motion with two symmetric impacts a period every maximum is such a corner.
+//! A displacement q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from above to below
+//! zero: at a root within a smooth piece, which [`first_crossing`] finds with the same proof as the simulator's events, or at
+//! an impact that reverses the rate. In the motion with two symmetric impacts a period every maximum of x2 is such a corner.
+//! A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
 
+use super::error::{Error, Result};
 use super::smooth_pieces::{Piece, PieceEnd, TERMS, augmented, expand_along, smooth_pieces};
 use serde::{Deserialize, Serialize};
-use vibro_impact::error::Result;
 use vibro_impact::events::first_crossing;
 use vibro_impact::flow::Series;
 use vibro_impact::model::Model;
@@ -14,15 +15,97 @@ use vibro_impact::numerics::simd::value;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
-/// v2 changes sign at most this often in a series' piece; each change costs at least one of its twenty degrees.
+/// A displacement: a coordinate, or a sum of them with weights.
+///
+/// ```
+/// use vibro_analysis::maxima::Displacement;
+///
+/// assert_eq!(Displacement::W.weights(), [-1.0, 1.0, 0.0]); // w = x2 - x1
+/// assert_eq!("x1".parse::<Displacement>()?, Displacement::X1);
+/// # Ok::<(), vibro_analysis::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Displacement {
+    /// x1, the box.
+    X1,
+    /// x2, the block.
+    #[default]
+    X2,
+    /// x3, the secondary oscillator.
+    X3,
+    /// w = x2 - x1, the block in the box.
+    W,
+    /// a x1 + b x2 + c x3 with the weights a, b, c.
+    Sum([f64; 3]),
+}
+
+impl Displacement {
+    /// The coordinates that have names.
+    pub const NAMED: [Self; 4] = [Self::X1, Self::X2, Self::X3, Self::W];
+
+    /// The weights of x1, x2 and x3.
+    pub fn weights(self) -> [f64; 3] {
+        match self {
+            Self::X1 => [1.0, 0.0, 0.0],
+            Self::X2 => [0.0, 1.0, 0.0],
+            Self::X3 => [0.0, 0.0, 1.0],
+            Self::W => [-1.0, 1.0, 0.0],
+            Self::Sum(weights) => weights,
+        }
+    }
+
+    /// Its name in tables, in units of L: `X1`, `X2`, `X3`, `W` or `sum`.
+    pub fn name(self) -> &'static str {
+        ["X1", "X2", "X3", "W", "sum"][self.index()]
+    }
+
+    /// Its symbol in pictures, in units of L.
+    pub fn symbol(self) -> &'static str {
+        ["X₁", "X₂", "X₃", "W", "aX₁ + bX₂ + cX₃"][self.index()]
+    }
+
+    fn index(self) -> usize {
+        match self {
+            Self::X1 => 0,
+            Self::X2 => 1,
+            Self::X3 => 2,
+            Self::W => 3,
+            Self::Sum(_) => 4,
+        }
+    }
+
+    /// Weights of x1, w and x3, the coordinates of the flow: with x2 = x1 + w, docs/theory.md (5).
+    fn of_flow(self) -> [f64; 3] {
+        let [a, b, c] = self.weights();
+        [a + b, b, c]
+    }
+}
+
+impl std::str::FromStr for Displacement {
+    type Err = Error;
+
+    /// Reads `x1`, `x2`, `x3` or `w`, in either case.
+    fn from_str(text: &str) -> Result<Self> {
+        let named = Self::NAMED.into_iter().find(|d| d.name().eq_ignore_ascii_case(text.trim()));
+        named.ok_or_else(|| Error::Form { text: text.into(), expected: "one of x1, x2, x3, w" })
+    }
+}
+
+impl std::fmt::Display for Displacement {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.name().to_lowercase())
+    }
+}
+
+/// The rate changes sign at most this often in a series' piece; each change costs at least one of its twenty degrees.
 const MOST_TURNS: usize = TERMS;
 
-/// A local maximum of x2.
+/// A local maximum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Maximum {
     /// When, s.
     pub time: f64,
-    /// x2, m.
+    /// The displacement there, m.
     pub value: f64,
     /// Whether it is a corner: at an impact.
     pub corner: bool,
@@ -33,7 +116,7 @@ pub struct Maximum {
 pub struct PeriodRecord {
     /// The state at its end.
     pub state: State,
-    /// Local maxima of x2, in order.
+    /// Local maxima of the displacement asked for, in order.
     pub maxima: Vec<Maximum>,
     /// Impacts in order: whether at the upper stop.
     pub impacts: Vec<bool>,
@@ -41,9 +124,17 @@ pub struct PeriodRecord {
     pub rests: bool,
 }
 
-/// Follows the sign of v2 along a motion and collects the maxima of x2.
+/// Follows the sign of a displacement's rate along a motion and collects its maxima.
 struct MaximumFinder {
+    /// Weights of x1, w and x3.
+    weights: [f64; 3],
     rising: bool,
+}
+
+/// Σ weights z[first..first + 3]: the displacement from `first` = 0, its rate from 3.
+#[inline(always)]
+fn weighted_sum(weights: &[f64; 3], z: &[f64], first: usize) -> f64 {
+    weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
 }
 
 impl MaximumFinder {
@@ -58,18 +149,19 @@ impl MaximumFinder {
 
     #[inline(always)]
     fn search_as(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
-        let mut time = piece.time;
+        let (mut time, weights) = (piece.time, self.weights);
         let visit = |series: &Series<TERMS>, radius: f64| {
-            let v2: [f64; TERMS] = std::array::from_fn(|k| series.lanes[k][3] + series.lanes[k][4]);
-            let spread: f64 = v2[1..].iter().map(|c| c.abs()).sum();
-            let steady = v2[0].abs() > spread && (v2[0] > 0.0) == self.rising;
+            let rate: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.lanes[k], 3));
+            let spread: f64 = rate[1..].iter().map(|c| c.abs()).sum();
+            let steady = rate[0].abs() > spread && (rate[0] > 0.0) == self.rising;
             let mut from = 0.0;
             for _ in 0..if steady { 0 } else { MOST_TURNS } {
-                let sought = if self.rising { v2.map(|c| -c) } else { v2 };
+                let sought = if self.rising { rate.map(|c| -c) } else { rate };
                 let Some(u) = first_crossing(&sought, from, 1.0, &mut 0) else { break };
                 if self.rising {
-                    let x2: [f64; TERMS] = std::array::from_fn(|k| series.lanes[k][0] + series.lanes[k][1]);
-                    found.push(Maximum { time: time + u * radius, value: value(&x2, u), corner: false });
+                    let q: [f64; TERMS] =
+                        std::array::from_fn(|k| weighted_sum(&weights, &series.lanes[k], 0));
+                    found.push(Maximum { time: time + u * radius, value: value(&q, u), corner: false });
                 }
                 self.rising = !self.rising;
                 from = u;
@@ -78,32 +170,34 @@ impl MaximumFinder {
         };
         expand_along(model, piece.mode, &piece.start, piece.span, visit);
         if let PieceEnd::Impact { after, .. } = &piece.end {
-            let v2 = after[3] + after[4];
-            if self.rising && v2 < 0.0 {
-                let (time, value) = (piece.time + piece.span, after[0] + after[1]);
+            let rate = weighted_sum(&weights, after, 3);
+            if self.rising && rate < 0.0 {
+                let (time, value) = (piece.time + piece.span, weighted_sum(&weights, after, 0));
                 found.push(Maximum { time, value, corner: true });
             }
-            // Where v2 is zero after the impact, the next piece decides.
-            self.rising = if v2 == 0.0 { self.rising } else { v2 > 0.0 };
+            // Where the rate is zero after the impact, the next piece decides.
+            self.rising = if rate == 0.0 { self.rising } else { rate > 0.0 };
         }
     }
 }
 
-/// Calls `visit` with a record of each of the next drive periods of a motion without loads. The record is reused, so
-/// `visit` copies what it needs.
+/// Calls `visit` with a record of each of the next drive periods of a motion without loads, with the maxima of a displacement.
+/// The record is reused, so `visit` copies what it needs.
 ///
 /// # Errors
-/// As [`Simulator::advance_until`].
+/// As [`Simulator::advance_until`], and [`vibro_impact::Error::OutOfRange`] under loads.
 pub fn record_periods(
     simulator: &mut Simulator,
+    of: Displacement,
     periods: u32,
     visit: &mut dyn FnMut(&PeriodRecord),
-) -> Result<()> {
+) -> vibro_impact::Result<()> {
     let parameters: Parameters = *simulator.parameters();
     let model = Model::new(&parameters)?;
     let (begin, length) = (simulator.time(), parameters.period());
-    let z = augmented(simulator);
-    let mut finder = MaximumFinder { rising: z[3] + z[4] > 0.0 };
+    let weights = of.of_flow();
+    let rising = weighted_sum(&weights, &augmented(simulator), 3) > 0.0;
+    let mut finder = MaximumFinder { weights, rising };
     let mut period = PeriodRecord::default();
     for i in 1..=periods {
         period.maxima.clear();
@@ -144,7 +238,7 @@ mod tests {
         let p = Parameters::default();
         let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
         let mut simulator = settled_simulator(&p, &moving_block(&p), 600.0).unwrap();
-        record_periods(&mut simulator, 3, &mut |period| {
+        record_periods(&mut simulator, Displacement::X2, 3, &mut |period| {
             assert_eq!(period.impacts.len(), 2);
             let [top] = period.maxima[..] else { panic!("{:?}", period.maxima) };
             assert!(top.corner && (top.value - orbit.amplitudes()[1]).abs() < SETTLED, "{top:?}");
@@ -158,17 +252,65 @@ mod tests {
         const PERIODS: u32 = 6;
         for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
             let p = at(f10, kappa);
-            let mut simulator = settled_simulator(&p, &moving_block(&p), 50.0).unwrap();
-            let mut other = simulator.clone();
-            let mut exact = Vec::new();
-            record_periods(&mut simulator, PERIODS, &mut |period| exact.extend(period.maxima.clone()))
-                .unwrap();
-            let flights = crate::motion::record_flights(&mut other, PERIODS).unwrap();
-            let sampled = crate::motion::maxima(&flights, &p, [0.0, 1.0, 0.0]);
-            assert_eq!(exact.len(), sampled.len(), "f10 = {f10}, kappa = {kappa}");
-            for (top, sample) in exact.iter().zip(sampled) {
-                assert!((top.value - sample).abs() < INTERPOLATION, "f10 = {f10}: {top:?} {sample}");
+            let simulator = settled_simulator(&p, &moving_block(&p), 50.0).unwrap();
+            let flights = crate::motion::record_flights(&mut simulator.clone(), PERIODS).unwrap();
+            let sum = Displacement::Sum([0.7, -0.2, 1.3]);
+            for of in [Displacement::X1, Displacement::X2, Displacement::X3, sum] {
+                let (mut simulator, mut exact) = (simulator.clone(), Vec::new());
+                record_periods(&mut simulator, of, PERIODS, &mut |p| exact.extend(p.maxima.clone())).unwrap();
+                let sampled = crate::motion::maxima(&flights, &p, of.weights());
+                assert_eq!(exact.len(), sampled.len(), "{of}: f10 = {f10}, kappa = {kappa}");
+                for (top, sample) in exact.iter().zip(sampled) {
+                    assert!(
+                        (top.value - sample).abs() < INTERPOLATION,
+                        "{of}, f10 = {f10}: {top:?} {sample}"
+                    );
+                }
             }
+        }
+    }
+
+    #[test]
+    fn second_method_the_exact_orbits_amplitudes_of_all_coordinates() {
+        let p = Parameters::default();
+        let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
+        let simulator = settled_simulator(&p, &moving_block(&p), 600.0).unwrap();
+        for of in Displacement::NAMED.into_iter().chain([Displacement::Sum([0.5, 1.0, -2.0])]) {
+            let mut most = f64::NEG_INFINITY;
+            record_periods(&mut simulator.clone(), of, 2, &mut |period| {
+                most = period.maxima.iter().map(|m| m.value).fold(most, f64::max);
+            })
+            .unwrap();
+            let expected = orbit.amplitude_of(of.weights());
+            assert!((most - expected).abs() < SETTLED, "{of}: {most} {expected}");
+        }
+    }
+
+    #[test]
+    fn invariant_w_is_at_its_maximum_at_each_impact_and_at_the_end_of_each_rest_at_the_upper_stop() {
+        for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (3.0, 0.0), (2.0, 0.3)] {
+            let p = at(f10, kappa);
+            let simulator = settled_simulator(&p, &moving_block(&p), 50.0).unwrap();
+            let (mut tops, mut upper) = (Vec::new(), 0u32);
+            record_periods(&mut simulator.clone(), Displacement::W, 20, &mut |period| {
+                tops.extend(period.maxima.iter().map(|m| m.value));
+            })
+            .unwrap();
+            let end = simulator.time() + 20.0 * p.period();
+            let mut plain = simulator.clone();
+            plain
+                .advance_observed(end, &mut |event| match *event {
+                    // The impact that ends in rest is followed by a rest, at whose end the maximum counts.
+                    vibro_impact::simulator::Event::Impact { side: 1, .. } => upper += 1,
+                    vibro_impact::simulator::Event::Rest { side: 1, .. } => upper -= 1,
+                    vibro_impact::simulator::Event::Release { side: 1, .. } => upper += 1,
+                    _ => {}
+                })
+                .unwrap();
+            let at_stop = tops.iter().filter(|top| **top == p.stop_gap).count();
+            // A period may begin or end in rest.
+            assert!(upper > 10 && at_stop.abs_diff(upper as usize) <= 1, "{f10}: {at_stop} of {upper}");
+            assert!(tops.iter().all(|top| *top <= p.stop_gap));
         }
     }
 
@@ -180,7 +322,7 @@ mod tests {
         let p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
         let mut simulator = settled_simulator(&p, &moving_block(&p), 40.0).unwrap();
         let mut count = 0;
-        record_periods(&mut simulator, 20, &mut |period| {
+        record_periods(&mut simulator, Displacement::X2, 20, &mut |period| {
             count += period.maxima.len();
             assert!(period.maxima.iter().all(|m| m.corner), "{:?}", period.maxima);
         })
@@ -199,7 +341,10 @@ mod tests {
         let start = State { x: [0.0, 0.3, -0.3], v: [0.0; 3] };
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts();
         let mut tops = Vec::new();
-        record_periods(&mut simulator, 20, &mut |period| tops.extend(period.maxima.clone())).unwrap();
+        record_periods(&mut simulator, Displacement::X2, 20, &mut |period| {
+            tops.extend(period.maxima.clone())
+        })
+        .unwrap();
         assert!(tops.len() >= 5);
         // The first one may be the start itself.
         for top in &tops[1..] {

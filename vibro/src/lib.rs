@@ -15,6 +15,7 @@
 mod error;
 pub mod figures;
 pub mod html;
+pub mod load_file;
 pub mod long_study;
 pub mod parameter_file;
 pub mod part_folder;

@@ -16,6 +16,7 @@ use std::path::Path;
 use vibro_analysis::basin::{self, InitialValueRange};
 use vibro_analysis::bifurcation::{Diagram, Sweep};
 use vibro_analysis::lyapunov::SpectrumOptions;
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
 use vibro_analysis::{Name, ParameterSet, find_group};
@@ -68,7 +69,7 @@ impl Plan {
         let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
         let sweep = |name: &str, range, count| -> Result<LongStudy> {
             let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-            let sweep = Sweep { axis, discard, keep, exponents: Some(options) };
+            let sweep = Sweep { axis, discard, keep, exponents: Some(options), of: Displacement::X2 };
             Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new() }, set))
         };
         let cells = if quick { 40 } else { 200 };

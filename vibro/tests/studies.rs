@@ -13,6 +13,7 @@ use vibro::studies;
 use vibro_analysis::attractor::{MotionClass, Relation, observe};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis, InitialValueRange};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group, lyapunov};
@@ -24,7 +25,7 @@ const SETTLED: f64 = 2e-6;
 
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), range, count).unwrap();
-    let sweep = Sweep { axis, discard: 300, keep: 60, exponents };
+    let sweep = Sweep { axis, discard: 300, keep: 60, exponents, of: Displacement::X2 };
     let all = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }

@@ -10,6 +10,7 @@ use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::bifurcation::{Sweep, diagram};
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::motion::{amplitude, record_flights, settled_simulator};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
@@ -106,12 +107,12 @@ pub fn force_overlay(
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
     let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-    let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None };
+    let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None, of: Displacement::X2 };
     let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
     let mut study = overlay(set, &sweep, &found, "compare-16")?;
-    study.tables.push(("compare-16-maxima".into(), maxima_table(&axis, &found)?));
+    study.tables.push(("compare-16-maxima".into(), maxima_table(&sweep, &found)?));
     Ok(study)
 }
 

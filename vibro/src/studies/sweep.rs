@@ -7,6 +7,7 @@ use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, Shap
 use crate::table::{CsvRows, Table, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::{Method, ParameterAxis};
 use vibro_analysis::response::response;
 use vibro_analysis::{ParameterSet, short};
@@ -32,15 +33,18 @@ const DECIMALS: usize = 4;
 /// [`Error::Output`](crate::Error::Output).
 pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let hysteresis = diagram.hysteresis();
-    let axis = &sweep.axis;
-    let mut panels = vec![maxima_panel(set, axis, sweep.keep, diagram, &hysteresis)];
+    let (axis, symbol) = (&sweep.axis, sweep.of.symbol());
+    // The paper shows the block.
+    let (cf, alike) =
+        if sweep.of == Displacement::X2 { (" (cf. figure 14)", " as in figure 14") } else { ("", "") };
+    let mut panels = vec![maxima_panel(set, sweep, diagram, &hysteresis)];
     if sweep.exponents.is_some() {
         panels.push(exponent_panel(axis, &diagram.up));
     }
     panels.push(impact_panel(axis, diagram));
     letters(&mut panels);
     let figure = Figure {
-        title: format!("Bifurcation diagram of X₂ over {} (cf. figure 14)", axis.name.symbol()),
+        title: format!("Bifurcation diagram of {symbol} over {}{cf}", axis.name.symbol()),
         caption: vec![method(sweep), format!("Elsewhere {}", set.caption_but(&[axis.name]))],
         panels,
         columns: 1,
@@ -54,10 +58,10 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
     if refused > 0 {
         remarks.push(format!("{refused} values left out: the simulator refused them"));
     }
-    let what = format!("local maxima of X₂ over {} as in figure 14, both directions", axis.name.symbol());
+    let what = format!("local maxima of {symbol} over {}{alike}, both directions", axis.name.symbol());
     Ok(Study {
         tables: vec![
-            (name.into(), maxima_table(axis, diagram)?),
+            (name.into(), maxima_table(sweep, diagram)?),
             (format!("{name}-points"), point_table(axis, diagram, &hysteresis).csv()?),
             (format!("{name}-windows"), window_table(axis, diagram).csv()?),
         ],
@@ -120,16 +124,11 @@ fn cells(axis: &ParameterAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: 
     Shape::Cells { x, y, columns: axis.count, cells, colours }
 }
 
-fn maxima_panel(
-    set: &ParameterSet,
-    axis: &ParameterAxis,
-    keep: u32,
-    diagram: &Diagram,
-    apart: &[bool],
-) -> Panel {
+fn maxima_panel(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, apart: &[bool]) -> Panel {
+    let (axis, symbol) = (&sweep.axis, sweep.of.symbol());
     let both: Vec<Option<SweepPoint>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
     let (x, y) = (axis.edges(), reach(&both));
-    let mut layers = vec![Layer::new("", BLACK, cells(axis, keep, diagram, apart, y))];
+    let mut layers = vec![Layer::new("", BLACK, cells(axis, sweep.keep, diagram, apart, y))];
     layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
     layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
     let own = axis.name.value(set);
@@ -139,9 +138,9 @@ fn maxima_panel(
         layers.push(Layer::line(&name, BLUE, Dash::Dotted, line).stroke(THIN));
     }
     Panel {
-        title: "Local maxima of X₂".into(),
+        title: format!("Local maxima of {symbol}"),
         x: Axis::over(axis.name.label(), x.0, x.1),
-        y: Axis::over("X₂ (units of L)", y.0, y.1),
+        y: Axis::over(format!("{symbol} (units of L)"), y.0, y.1),
         layers,
     }
 }
@@ -191,8 +190,9 @@ const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn maxima_table(axis: &ParameterAxis, diagram: &Diagram) -> Result<Vec<u8>> {
-    let mut csv = CsvRows::new([axis.name.name(), "direction", "X2_maximum", "count"])?;
+pub fn maxima_table(sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
+    let (axis, maximum) = (&sweep.axis, format!("{}_maximum", sweep.of.name()));
+    let mut csv = CsvRows::new([axis.name.name(), "direction", &maximum, "count"])?;
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for point in points.iter().flatten() {
             let value = exact(point.value);
@@ -293,7 +293,7 @@ pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> 
 pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let axis = &sweep.axis;
     let apart = diagram.hysteresis();
-    let mut panel = maxima_panel(set, axis, sweep.keep, diagram, &apart);
+    let mut panel = maxima_panel(set, sweep, diagram, &apart);
     panel.title = String::new();
     let mut table = Table::new(&[axis.name.name(), "theory", "A2", "stable"]);
     for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, GREEN)] {

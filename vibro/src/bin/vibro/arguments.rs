@@ -1,10 +1,12 @@
 //! What can be asked for.
 
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
+use crate::run::Run;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibro_analysis::basin::InitialValueRange;
 use vibro_analysis::isoperiodic::StartRule;
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::Method;
 
@@ -25,6 +27,7 @@ PARAMETERS
 
 EXAMPLES
   vibro steady --set kappa=0.6 --set f10=2
+  vibro run --config machine.toml --start x1=0.2,v2=1 --load box=record.csv
   vibro response --values f10=1,1.5,2 --range sigma1=-1:1
   vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
   vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
@@ -70,6 +73,8 @@ pub struct Common {
 pub enum Command {
     /// All steady-state values of one parameter set, by all theories (figure 8)
     Steady,
+    /// A motion of the machine: table, impacts, picture and account; with loads from files
+    Run(Run),
     /// Frequency and force response curves (figures 10, 11)
     Response(Response),
     /// The slow invariant manifold (figures 2, 7, 9)
@@ -80,7 +85,7 @@ pub enum Command {
     Plane(Plane),
     /// Theory against simulation (figures 8, 16, 17, 18 and 19)
     Compare(Compare),
-    /// Local maxima of X2 over a parameter, both directions, with periods and windows (figure 14)
+    /// Local maxima of X2, or of another coordinate, over a parameter, both directions, with periods and windows (figure 14)
     ///
     /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
     /// divided: every shard repeats it, about a fifth of the work. Only what is computed at the values is shared, so that more
@@ -120,6 +125,9 @@ pub struct Bifurcation {
     /// Drive periods discarded at each value
     #[arg(long, value_name = "N", default_value_t = 400)]
     pub discard: u32,
+    /// Displacement whose local maxima are drawn: x1, x2, x3 or w
+    #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
+    pub of: Displacement,
     /// Drive periods kept at each value
     #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep: u32,

@@ -13,6 +13,7 @@ use vibro_analysis::basin;
 use vibro_analysis::bifurcation::Sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::lyapunov::SpectrumOptions;
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::{PartStore, Shard, Task};
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group, numbers};
@@ -30,7 +31,7 @@ fn axis(set: &ParameterSet, a: &Bifurcation) -> Result<ParameterAxis> {
 }
 
 fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>, at: Vec<f64>) -> StudyKind {
-    StudyKind::Sweep { sweep: Sweep { axis, discard: a.discard, keep: a.keep, exponents }, at }
+    StudyKind::Sweep { sweep: Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of }, at }
 }
 
 /// The values at which spectra are listed: those given; else the one that was set; else what suits the axis.
@@ -49,9 +50,14 @@ fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<
     })
 }
 
+/// The study's name, with the displacement if that is not the paper's.
+fn name(study: &str, of: Displacement) -> String {
+    if of == Displacement::X2 { study.into() } else { format!("{study}-{of}") }
+}
+
 pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Result<()> {
     let kind = kind(axis(set, a)?, a, None, Vec::new());
-    perform(&LongStudy::new("bifurcation", kind, set), common, a.share.shard)
+    perform(&LongStudy::new(&name("bifurcation", a.of), kind, set), common, a.share.shard)
 }
 
 pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()> {
@@ -63,7 +69,7 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
         SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
     let axis = axis(set, &a.sweep)?;
     let kind = kind(axis, &a.sweep, Some(options), listed(set, &axis, &a.at)?);
-    perform(&LongStudy::new("lyapunov", kind, set), common, a.sweep.share.shard)
+    perform(&LongStudy::new(&name("lyapunov", a.sweep.of), kind, set), common, a.sweep.share.shard)
 }
 
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {

@@ -5,6 +5,7 @@ mod long;
 mod output;
 mod progress;
 mod ranges;
+mod run;
 mod short;
 
 use arguments::{Arguments, Command, Common};
@@ -46,6 +47,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     }
     let studies = match &arguments.command {
         Command::Steady => vec![studies::steady(&set)?],
+        Command::Run(a) => vec![run::run(&set, a)?],
         Command::Response(a) => short::response(&set, a)?,
         Command::Manifold(a) => short::manifold(&set, a)?,
         Command::Stability(a) => short::stability(&set, a)?,

@@ -1,0 +1,196 @@
+//! Loads from samples: what the interpolant is, what the machine does under it, what is refused.
+
+use vibro_impact::load::{Body, Interpolation, Load, loads_at, next_sample};
+use vibro_impact::reference::{Reference, Tolerance};
+use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
+use vibro_impact::{Error, Parameters, Simulator, State};
+
+/// Round-off of a motion of a few units' size over some tens of sub-steps.
+const ROUNDING: f64 = 1e-12;
+/// The reference integrator's error over the time compared, at its tightest tolerance.
+const REFERENCE: f64 = 1e-7;
+
+/// A record with flat parts, turns and unequal steps.
+const RECORD: [(f64, f64); 9] = [
+    (0.5, 0.0),
+    (1.0, 0.3),
+    (1.4, 0.3),
+    (2.5, -0.2),
+    (3.1, -0.25),
+    (4.0, 0.4),
+    (6.0, 0.1),
+    (6.25, 0.05),
+    (8.0, 0.0),
+];
+
+/// Bodies without springs, dampers and drive.
+fn free() -> Parameters {
+    Parameters {
+        box_stiffness: 0.0,
+        box_damping: 0.0,
+        secondary_stiffness: 0.0,
+        secondary_damping: 0.0,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 0.0,
+        stop_gap: 1e3,
+        ..Parameters::default()
+    }
+}
+
+fn load(body: Body, interpolation: Interpolation) -> Load {
+    Load::new(body, &RECORD, interpolation).unwrap()
+}
+
+#[test]
+fn closed_form_of_a_free_block_under_a_ramp() {
+    // f = t up to 1 s, then nothing: x2 = t³/6m, v2 = t²/2m, then straight on.
+    let p = free();
+    let ramp = Load::new(Body::Block, &[(0.0, 0.0), (1.0, 1.0)], Interpolation::Linear).unwrap();
+    let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
+    for t in [0.25, 1.0, 3.5] {
+        simulator.advance_under(std::slice::from_ref(&ramp), t, Pause::Never, None).unwrap();
+        let (under, after) = (f64::min(t, 1.0), f64::max(t - 1.0, 0.0));
+        let v = under * under / 2.0 / p.block_mass;
+        let x = under.powi(3) / 6.0 / p.block_mass + v * after;
+        let State { x: [x1, x2, x3], v: [_, v2, _] } = simulator.state();
+        assert!((x2 - x).abs() < ROUNDING * (1.0 + x) && (v2 - v).abs() < ROUNDING * (1.0 + v), "{t}");
+        assert_eq!((x1, x3), (0.0, 0.0));
+    }
+}
+
+#[test]
+fn closed_form_of_the_cubic() {
+    // Samples of a straight line give it; on a parabola with equal steps the slopes are harmonic means of chords.
+    let line = Load::new(Body::Box, &[(0.0, 1.0), (1.0, 3.0), (3.0, 7.0)], Interpolation::Cubic).unwrap();
+    for t in [0.0, 0.3, 1.0, 2.9] {
+        assert!((line.force(t) - (1.0 + 2.0 * t)).abs() < ROUNDING, "{t}");
+    }
+    let squares: Vec<(f64, f64)> = (0..5).map(|i| (f64::from(i), f64::from(i * i))).collect();
+    let cubic = Load::new(Body::Box, &squares, Interpolation::Cubic).unwrap();
+    let slope = 2.0 / (1.0 / 3.0 + 1.0 / 5.0);
+    assert!((cubic.derivatives(2.0)[1] - slope).abs() < ROUNDING);
+    // The impulse on a free box: the integral of a cubic by its ends, h (f0 + f1)/2 + h² (s0 - s1)/12.
+    let p = free();
+    let mut simulator = Simulator::new(&p, &State::default(), 2.0).unwrap();
+    simulator.advance_under(std::slice::from_ref(&cubic), 3.0, Pause::Never, None).unwrap();
+    let next = 2.0 / (1.0 / 5.0 + 1.0 / 7.0);
+    let impulse = (4.0 + 9.0) / 2.0 + (slope - next) / 12.0;
+    assert!((simulator.state().v[0] * p.box_mass - impulse).abs() < ROUNDING * impulse);
+}
+
+#[test]
+fn invariant_the_cubic_keeps_to_its_samples_and_is_smooth() {
+    let cubic = load(Body::Box, Interpolation::Cubic);
+    for pair in RECORD.windows(2) {
+        let ((t0, f0), (t1, f1)) = (pair[0], pair[1]);
+        let mut before = f0;
+        for i in 0..=50 {
+            let f = cubic.force((t1 - t0).mul_add(f64::from(i) / 50.001, t0));
+            assert!((f1 - f0) * (f - before) >= -ROUNDING, "monotone from {t0} to {t1}");
+            before = f;
+        }
+        assert!((before - f1).abs() < 1e-4);
+        // Slopes from both sides of a sample, by the polynomial before it.
+        let [_, d1, d2, d3] = cubic.derivatives(t0);
+        let h = t1 - t0;
+        if t1 < 8.0 {
+            assert!((d1 + h * (d2 + h * d3 / 2.0) - cubic.derivatives(t1)[1]).abs() < ROUNDING);
+        }
+    }
+    assert_eq!((cubic.force(0.4), cubic.force(8.0), cubic.force(9.0)), (0.0, 0.0, 0.0));
+}
+
+#[test]
+fn second_method_the_reference_integrator_under_the_same_loads() {
+    let p = Parameters::default();
+    let start = State { x: [0.0, 0.5, 0.0], v: [0.2, 0.8, 0.0] };
+    for interpolation in [Interpolation::Linear, Interpolation::Cubic] {
+        let loads = [Body::Box, Body::Block, Body::Secondary].map(|body| load(body, interpolation));
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        let mut impacts = 0;
+        let mut count = |e: &Event| impacts += u32::from(matches!(e, Event::Impact { .. }));
+        simulator.advance_under(&loads, 10.0, Pause::Never, Some(&mut count)).unwrap();
+        assert!(impacts >= 2, "{impacts}");
+        let mut reference = Reference::new(&p, &start, 0.0, Tolerance::new(1e-13)).unwrap();
+        while reference.time() < 10.0 {
+            let now = reference.time();
+            reference.set_loads(&loads_at(&loads, now)).unwrap();
+            reference.advance_to(next_sample(&loads, now).unwrap_or(10.0)).unwrap();
+        }
+        let (a, b) = (simulator.state(), reference.state());
+        for i in 0..3 {
+            assert!(
+                (a.x[i] - b.x[i]).abs() < REFERENCE && (a.v[i] - b.v[i]).abs() < REFERENCE,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn invariant_a_record_split_in_two_and_an_advance_cut_in_pieces_change_nothing() {
+    let p = Parameters::default();
+    let start = State { x: [0.0, 0.5, 0.0], v: [0.2, 0.8, 0.0] };
+    let run = |loads: &[Load], ends: &[f64]| {
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        for end in ends {
+            simulator.advance_under(loads, *end, Pause::Never, None).unwrap();
+        }
+        simulator
+    };
+    let whole = run(&[load(Body::Block, Interpolation::Linear)], &[10.0]);
+    let halves = [&RECORD[..5], &RECORD[4..]];
+    let halves = halves.map(|half| Load::new(Body::Block, half, Interpolation::Linear).unwrap());
+    let split = run(&halves, &[10.0]);
+    let ends: Vec<f64> = (1..=100).map(|i| 0.1 * f64::from(i)).collect();
+    for interpolation in [Interpolation::Linear, Interpolation::Cubic] {
+        let loads = [load(Body::Block, interpolation)];
+        close(&run(&loads, &[10.0]), &run(&loads, &ends));
+    }
+    close(&whole, &split);
+}
+
+fn close(a: &Simulator, b: &Simulator) {
+    assert_eq!(a.impacts().upper + a.impacts().lower, b.impacts().upper + b.impacts().lower);
+    for i in 0..3 {
+        assert!((a.state().x[i] - b.state().x[i]).abs() < ROUNDING, "{:?} {:?}", a.state(), b.state());
+        assert!((a.state().v[i] - b.state().v[i]).abs() < ROUNDING, "{:?} {:?}", a.state(), b.state());
+    }
+}
+
+#[test]
+fn invariant_energy_balance_and_pauses_before_events_under_loads() {
+    let loads = [load(Body::Block, Interpolation::Cubic), load(Body::Block, Interpolation::Linear)];
+    let start = State { x: [0.0, 0.5, 0.0], v: [0.2, 0.8, 0.0] };
+    let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0).unwrap();
+    let mut plain = simulator.clone();
+    let before = simulator.energy_accounts().mechanical;
+    let mut events = 0;
+    while simulator.advance_under(&loads, 20.0, Pause::BeforeEvent, None).unwrap() == AdvanceOutcome::EventDue
+    {
+        simulator.apply_due_event(None);
+        events += 1;
+    }
+    let e = simulator.energy_accounts();
+    assert!(events >= 4);
+    assert!((e.mechanical - (before + e.input - e.damped - e.impact)).abs() < ROUNDING, "{e:?}");
+    plain.advance_under(&loads, 20.0, Pause::Never, None).unwrap();
+    close(&simulator, &plain);
+}
+
+#[test]
+fn what_is_no_record_is_refused_by_index() {
+    let refused = |samples: &[(f64, f64)]| Load::new(Body::Box, samples, Interpolation::Cubic).unwrap_err();
+    let index = |samples: &[(f64, f64)]| match refused(samples) {
+        Error::Sample { index, .. } => index,
+        other => panic!("{other}"),
+    };
+    assert_eq!(refused(&[(0.0, 1.0)]), Error::Samples { count: 1 });
+    assert_eq!(index(&[(0.0, 1.0), (1.0, f64::NAN), (0.5, 1.0)]), 1);
+    assert_eq!(index(&[(0.0, 1.0), (1.0, 1.0), (f64::INFINITY, 1.0)]), 2);
+    assert_eq!(index(&[(0.0, 1.0), (1.0, 1.0), (1.0, 2.0)]), 2);
+    assert_eq!(index(&[(0.0, 1.0), (1.0, 1.0), (0.5, 2.0)]), 2);
+    assert_eq!(index(&[(0.0, 0.0), (1.0, 0.0), (1.0 + f64::EPSILON, 1e300)]), 1);
+    let text = refused(&[(0.0, 1.0), (0.0, 2.0)]).to_string();
+    assert!(text.starts_with("sample 1 ") && text.contains("allowed is a time later"), "{text}");
+}

@@ -1,0 +1,149 @@
+//! Load files: a force record as CSV text, time (s) and force (N), read into a [`Load`].
+//!
+//! ```text
+//! time [s];force [N]
+//! 0;0
+//! 0.001;12.5
+//! ```
+//!
+//! Columns are separated by commas or semicolons, with a decimal point. A header is allowed, and if it names units these are s
+//! and N. Empty lines and lines that begin with # are skipped.
+
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+use vibro_impact::load::{Body, Interpolation, Load};
+
+const EXPECTED: &str =
+    "two numbers, time (s) and force (N), separated by a comma or a semicolon, with a decimal point";
+
+/// A body and the file of its load, as on the command line: `box=record.csv`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LoadFile {
+    /// The body.
+    pub body: Body,
+    /// The file.
+    pub path: PathBuf,
+}
+
+impl std::str::FromStr for LoadFile {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let form =
+            || Error::form(text, "BODY=FILE with a body of box, block, secondary, e.g. box=record.csv");
+        let (name, path) = text.split_once('=').ok_or_else(form)?;
+        let body = Body::ALL.into_iter().find(|b| b.name() == name.trim()).ok_or_else(form)?;
+        if path.is_empty() {
+            return Err(form());
+        }
+        Ok(Self { body, path: path.into() })
+    }
+}
+
+impl LoadFile {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// [`Error::File`], and [`Error::Config`] with the file, the line and what is allowed.
+    pub fn read(&self, interpolation: Interpolation) -> Result<Load> {
+        let bytes = std::fs::read(&self.path).map_err(Error::file("reading", &self.path))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let line =
+                1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+            problem(&self.path, format!("line {line} is no UTF-8 text: allowed is CSV text, {EXPECTED}"))
+        })?;
+        parse(&text, self.body, interpolation).map_err(|words| problem(&self.path, words))
+    }
+}
+
+fn problem(path: &Path, problem: String) -> Error {
+    Error::Config { path: path.into(), problem }
+}
+
+/// The load of a text; what is wrong with it, in words that begin with the line.
+fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::Result<Load, String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let (mut samples, mut lines, mut separator) = (Vec::new(), Vec::new(), None);
+    let mut first = true;
+    for (number, line) in (1..).zip(text.lines()) {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let separator = *separator.get_or_insert(if line.contains(';') { ';' } else { ',' });
+        let cells: Vec<&str> = line.split(separator).map(|c| c.trim().trim_matches('"')).collect();
+        let numbers: Vec<Option<f64>> = cells.iter().map(|c| c.parse().ok()).collect();
+        match numbers[..] {
+            [Some(time), Some(force)] => {
+                samples.push((time, force));
+                lines.push(number);
+            }
+            [None, None] if first => check_units(number, &cells)?,
+            _ => return Err(format!("line {number} is `{line}`: allowed is {EXPECTED}")),
+        }
+        first = false;
+    }
+    Load::new(body, &samples, interpolation).map_err(|error| match error {
+        vibro_impact::Error::Sample { index, time, force, allowed } => {
+            format!("line {}, time {time} s, force {force} N: allowed is {allowed}", lines[index])
+        }
+        other => other.to_string(),
+    })
+}
+
+/// Units in brackets, or round ones, of the two cells of a header: a record in other units would be misread in silence.
+fn check_units(line: usize, cells: &[&str]) -> std::result::Result<(), String> {
+    for (cell, allowed) in cells.iter().zip(["s", "N"]) {
+        let inside = cell.split_once(['[', '(']).and_then(|(_, rest)| rest.split_once([']', ')']));
+        if let Some((unit, _)) = inside
+            && unit.trim() != allowed
+        {
+            return Err(format!("line {line}: the unit of `{cell}` is {unit}: allowed is {allowed}"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> std::result::Result<Load, String> {
+        parse(text, Body::Box, Interpolation::Linear)
+    }
+
+    #[test]
+    fn closed_form_of_records_in_all_allowed_forms() {
+        let expected = Load::new(Body::Box, &[(0.0, 1.0), (0.5, -2.5), (1.0, 0.0)], Interpolation::Linear);
+        for text in [
+            "0,1\n0.5,-2.5\n1,0",
+            "time,force\n0,1\n0.5,-2.5\n1,0\n",
+            "\u{feff}t [s]; F [N]\r\n0;1\r\n0.5;-25e-1\r\n\r\n1;0\r\n",
+            "# from the shaker\n\"t (s)\",\"f (N)\"\n0, 1\n 0.5 , -2.5\n# end\n1,0",
+        ] {
+            assert_eq!(read(text), Ok(expected.clone().unwrap()), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_record_is_refused_by_its_line() {
+        for (text, line) in [
+            ("t,f\n0,1\n1,NaN\n2,0", "line 3, time 1 s, force NaN N: allowed is a finite"),
+            ("t,f\n\n0,1\n1,inf\n2,0", "line 4, "),
+            ("0,1\n1,2\n1,3\n", "line 3, time 1 s, force 3 N: allowed is a time later"),
+            ("0,1\n2,2\n1,3\n", "line 3, "),
+            ("0,1\n1,\n", "line 2 is `1,`: allowed is two numbers"),
+            ("0,1\n1,2,3\n", "line 2 is "),
+            ("0;1\n0,5;2\n", "line 2 is `0,5;2`: allowed is two numbers"),
+            ("t,f\nu,g\n", "line 2 is "),
+            ("t,1\n0,1\n1,1\n", "line 1 is "),
+            ("t [ms],f [N]\n0,1\n1,1\n", "line 1: the unit of `t [ms]` is ms: allowed is s"),
+            ("t,f (kN)\n0,1\n1,1\n", "line 1: the unit of `f (kN)` is kN: allowed is N"),
+            ("t,f\n0,1\n", "a record of 1 samples: allowed is two or more"),
+            ("", "a record of 0 samples"),
+        ] {
+            let words = read(text).unwrap_err();
+            assert!(words.starts_with(line), "{text}: {words}");
+        }
+    }
+}

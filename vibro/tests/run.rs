@@ -1,0 +1,122 @@
+//! Runs the real `vibro run`: its files, its account, loads from files, what it refuses.
+
+#[path = "common/mod.rs"]
+mod command;
+
+use command::{command, drawn, folder, pixels};
+use std::path::{Path, PathBuf};
+use vibro_impact::load::{Body, Interpolation, Load};
+use vibro_impact::simulator::Pause;
+use vibro_impact::{Parameters, Simulator, State};
+
+/// The run reaches its rows in steps of another length than the plain advance.
+const ROUNDING: f64 = 1e-10;
+
+fn columns(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    let header = reader.headers().expect("a header").iter().map(String::from).collect();
+    let rows = reader.records().map(|r| r.expect("a row").iter().map(String::from).collect()).collect();
+    (header, rows)
+}
+
+fn number(cell: &str) -> f64 {
+    cell.parse().expect("a number")
+}
+
+/// A file beside, and not in, the folder of the output.
+fn file(name: &str, text: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+#[test]
+fn second_method_the_default_run_is_the_settled_motion() {
+    let out = folder("run-default");
+    let text = drawn(&out, &["run"]);
+    assert!(text.contains("class: 1T") && text.contains("its own mirror image"), "{text}");
+    assert!(
+        text.contains("impacts: 40 in all; 1 a drive period at the upper stop, 1 at the lower"),
+        "{text}"
+    );
+    assert!(text.contains("400 drive periods discarded") && text.contains("v2=1"), "{text}");
+    let orbit =
+        vibro_impact::steady::exact_orbit::solve(&Parameters::default()).unwrap().upper.expect("an orbit");
+    let (header, rows) = columns(&out.join("run.csv"));
+    assert_eq!(header.join(","), "time,x1,x2,x3,w,v1,v2,v3,dw,contact");
+    assert_eq!(rows.len(), 2001);
+    let p = Parameters::default();
+    for row in &rows {
+        let exact = orbit.state(p.drive_frequency * number(&row[0]) + p.drive_phase);
+        assert!((number(&row[1]) - exact.x[0]).abs() < 1e-8 && row[9] == "flight", "{row:?}");
+    }
+    let (header, impacts) = columns(&out.join("run-impacts.csv"));
+    assert_eq!((header.join(","), impacts.len()), ("time,side,speed,impulse".into(), 40));
+    let (width, height, _) = pixels(&out.join("run.png"));
+    assert!(width > 900 && height > 500);
+}
+
+#[test]
+fn second_method_a_load_from_a_file_is_the_librarys() {
+    let samples = [(0.0, 0.0), (2.0, 0.4), (3.0, -0.1), (9.0, 0.05)];
+    let rows: String = samples.iter().map(|(t, f)| format!("{t};{f}\n")).collect();
+    let record = file("run-record.csv", &format!("t [s];f [N]\n{rows}"));
+    let load = Load::new(Body::Block, &samples, Interpolation::Cubic).unwrap();
+    let out = folder("run-load");
+    let given = format!("block={}", record.display());
+    let cubic = ["--interpolation", "cubic", "--duration", "30", "--start", "x2=0.5"];
+    let text = drawn(&out, &[&["run", "--load", &given], &cubic[..]].concat());
+    assert!(text.contains("load on block from 0 to 9 s") && !text.contains("class:"), "{text}");
+    let start = State { x: [0.0, 0.5, 0.0], v: [0.0; 3] };
+    let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0).unwrap();
+    simulator.advance_under(&[load], 30.0, Pause::Never, None).unwrap();
+    let (_, rows) = columns(&out.join("run.csv"));
+    let last = rows.last().expect("rows");
+    assert_eq!(number(&last[0]), 30.0);
+    for i in 0..3 {
+        assert!((number(&last[1 + i]) - simulator.state().x[i]).abs() < ROUNDING, "{last:?}");
+    }
+    let impacts = columns(&out.join("run-impacts.csv")).1.len() as u64;
+    assert_eq!(impacts, simulator.impacts().upper + simulator.impacts().lower);
+}
+
+#[test]
+fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
+    let bad = file("run-bad.csv", "t,f\n0,1\n0.5,2\n0.25,3\n");
+    let units = file("run-units.csv", "t [ms],f [N]\n0,1\n1,3\n");
+    let (bad, units) = (format!("box={}", bad.display()), format!("box={}", units.display()));
+    for (arguments, words) in [
+        (vec!["--load", &bad], "run-bad.csv: line 4, time 0.25 s, force 3 N: allowed is a time later"),
+        (vec!["--load", &units], "the unit of `t [ms]` is ms: allowed is s"),
+        (vec!["--load", "lid=a.csv"], "a body of box, block, secondary"),
+        (vec!["--load", "box=no-such.csv"], "reading no-such.csv"),
+        (vec!["--duration", "-1"], "--duration -1"),
+        (vec!["--duration", "nan"], "a finite time above 0"),
+        (vec!["--start", "x2=1.5"], "block.s - box.s = 1.5 m"),
+        (
+            vec!["--periods", "4000000"],
+            "a run of 4000000 drive periods with 100 rows in each: allowed is up to",
+        ),
+    ] {
+        let out = folder("run-refused");
+        let output = command(&out, &[&["run"], &arguments[..]].concat()).output().expect("vibro runs");
+        let text = String::from_utf8(output.stderr).expect("text");
+        assert!(text.contains(words), "{arguments:?}: {text}");
+        assert_eq!((output.status.code(), out.exists()), (Some(2), false), "{arguments:?}");
+    }
+}
+
+#[test]
+fn second_method_bifurcation_of_the_box_has_the_orbits_amplitude() {
+    let out = folder("run-bifurcation-of-x1");
+    let few = ["--range", "f10=1.4:1.6", "--resolution", "3", "--keep", "20"];
+    let text = drawn(&out, &[&["bifurcation", "--of", "x1"], &few[..]].concat());
+    assert!(text.contains("local maxima of X₁ over"), "{text}");
+    let (header, rows) = columns(&out.join("bifurcation-x1.csv"));
+    assert_eq!(header[2], "X1_maximum");
+    let row = rows.iter().find(|r| r[0] == "1.5").expect("a row");
+    let orbit =
+        vibro_impact::steady::exact_orbit::solve(&Parameters::default()).unwrap().upper.expect("an orbit");
+    // Six digits after the point are kept.
+    assert!((number(&row[2]) - orbit.amplitudes()[0]).abs() < 1e-6, "{row:?}");
+}
