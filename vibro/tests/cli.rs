@@ -191,7 +191,7 @@ fn planes_do_not_depend_on_threads_and_agree_with_the_library() {
     let arguments = ["plane", "--pair", "sigma1,f10", "--resolution", "60", "--method"];
     for method in ["multiple-scales", "exact-orbit", "strong-coupling"] {
         for (out, threads) in [(&one, "1"), (&two, "2")] {
-            drawn(out, &[&arguments[..], &[method, "--threads", threads]].concat());
+            drawn(out, &[&arguments[..], &[method, "--threads", threads, "--replace"]].concat());
         }
         for file in ["plane.svg", "plane.png", "plane-sigma1-f10.csv"] {
             let same = std::fs::read(one.join(file)).unwrap() == std::fs::read(two.join(file)).unwrap();

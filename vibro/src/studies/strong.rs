@@ -47,7 +47,7 @@ pub fn strong_case(set: &ParameterSet) -> Result<Study> {
     figure.columns = 3;
     figure.panel = (1500, 1100);
     let what = "strong coupling as in figures 18 and 19, closed form against simulation";
-    Ok(Study::of("compare-19", what, &table, figure)?.with_remarks(remarks))
+    Ok(Study::of("compare-19", what, &table, figure)?.with_remarks(remarks).with_set(set))
 }
 
 fn sawtooth_panel(beta: f64) -> Panel {

@@ -1,14 +1,18 @@
 //! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
 
 mod arguments;
+mod destination;
 mod groups;
+mod interruption;
+mod invocation;
 mod long;
 mod output;
 mod progress;
 mod short;
 
 use arguments::{Arguments, Command, Common};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
+use destination::Destination;
 use std::process::ExitCode;
 use vibro::{Error, Result, parameter_file, studies};
 use vibro_analysis::ParameterSet;
@@ -17,7 +21,9 @@ use vibro_analysis::ParameterSet;
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
+    arguments.common.invocation = invocation::invocation(&matches);
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -34,6 +40,10 @@ fn run(arguments: &Arguments) -> Result<()> {
         pool.build_global().map_err(Error::output("threads"))?;
     }
     let set = configured(ParameterSet::basic(), common)?;
+    // Refused before work begins.
+    let destination = Destination::new(common, &common.invocation, &set);
+    let names = short::names(&arguments.command);
+    destination.place(&names.iter().map(|name| destination.result(name)).collect::<Vec<_>>())?;
     let studies = match &arguments.command {
         Command::Steady => vec![studies::steady(&set)?],
         Command::Response(a) => short::response(&set, a)?,
@@ -50,8 +60,10 @@ fn run(arguments: &Arguments) -> Result<()> {
         Command::Merge(a) => return long::merge(common, a),
         Command::Reproduce(a) => return long::reproduce(&set, common, a),
     };
-    output::write(&studies, &common.out)?;
-    output::print(&studies, &set, &common.out)
+    let held = destination::hold(&common.out);
+    let out = destination.write(&studies)?;
+    drop(held);
+    output::print(&studies, &set, &out, common)
 }
 
 /// A parameter set with the changes of the parameter file, then those of `--set`.
