@@ -245,6 +245,34 @@ fn comparisons_find_the_papers_errors() {
     }
 }
 
+/// At f10 = 2.7 the theory's motion is unstable, and the simulated one has three impacts a period: both are told, and no
+/// errors are, for there is nothing to compare.
+#[test]
+fn motions_of_different_kinds_are_not_compared_in_per_cent() {
+    let out = folder("cli-another-motion");
+    let text = drawn(&out, &["compare", "--figure", "8", "--figure", "17", "--set", "f10=2.7"]);
+    assert!(text.contains("theory unstable") && text.contains("another motion"), "{text}");
+    let words = text.lines().find(|l| l.contains("another motion")).unwrap();
+    assert!(words.contains("not symmetric") && words.contains("impacts a period"), "{words}");
+    assert!(!text.contains('%'), "{text}");
+    assert!(std::fs::read_to_string(out.join("compare-8.svg")).unwrap().contains("theory unstable"));
+    for file in ["compare-8.csv", "compare-17.csv"] {
+        let rows = table(&out, file);
+        assert!(rows.len() >= 4);
+        for row in rows.iter().filter(|r| r.get("epsilon").is_none_or(|e| e == "0.1")) {
+            assert!(
+                row["relative_error"].is_empty() && row["not_compared"].contains("theory unstable"),
+                "{row:?}"
+            );
+            assert!(row["simulation"].parse::<f64>().unwrap() > 0.0, "{row:?}");
+        }
+    }
+    drawn(&out, &["compare", "--figure", "8", "--replace"]);
+    for row in table(&out, "compare-8.csv") {
+        assert!(row["not_compared"].is_empty() && row["relative_error"].parse::<f64>().is_ok(), "{row:?}");
+    }
+}
+
 #[test]
 fn help_lists_the_commands() {
     let text = drawn(&folder("cli-help"), &["--help"]);
