@@ -253,7 +253,7 @@ fn motions_of_different_kinds_are_not_compared_in_per_cent() {
     let text = drawn(&out, &["compare", "--figure", "8", "--figure", "17", "--set", "f10=2.7"]);
     assert!(text.contains("theory unstable") && text.contains("another motion"), "{text}");
     let words = text.lines().find(|l| l.contains("another motion")).unwrap();
-    assert!(words.contains("not symmetric") && words.contains("impacts a period"), "{words}");
+    assert!(words.contains("not symmetric") && words.contains("has 3 impacts a period"), "{words}");
     assert!(!text.contains('%'), "{text}");
     assert!(std::fs::read_to_string(out.join("compare-8.svg")).unwrap().contains("theory unstable"));
     for file in ["compare-8.csv", "compare-17.csv"] {

@@ -62,12 +62,13 @@ pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -
     let symmetric = m.is_symmetric();
     if !(m.period == Some(1) && m.impacts == [1.0; 2] && symmetric && !m.rests) {
         let period = m.period.map_or("without a period".into(), |n| format!("of period {n}T"));
+        let all = short(m.impacts[0] + m.impacts[1]);
         let [upper, lower] = m.impacts.map(short);
         let symmetry = if symmetric { "symmetric" } else { "not symmetric" };
-        let rests = if m.rests { ", the block rests" } else { "" };
+        let rests = if m.rests { ", with rest at a stop" } else { "" };
         reasons.push(format!(
-            "another motion: simulated is one {period} with {upper} upper and {lower} lower impacts a period of the drive, \
-             {symmetry}{rests}; the theory's has 1 and 1 and is symmetric"
+            "another motion: the simulated one is {period}, has {all} impacts a period of the drive ({upper} upper, \
+             {lower} lower) and is {symmetry}{rests}, while the theory's has 2 and is symmetric"
         ));
     }
     (!reasons.is_empty()).then(|| reasons.join("; "))
@@ -219,12 +220,16 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     if !panel.layers.is_empty() {
         panels.push(panel);
     }
+    let mut caption = vec!["Errors are relative to the simulation; ε differs between the panels.".into()];
+    let apart: Vec<_> = runs.iter().filter(|r| r.not_compared.is_some()).map(|r| short(r.epsilon)).collect();
+    if !apart.is_empty() {
+        let values = apart.join(", ");
+        caption.push(format!("No errors at ε = {values}: theory unstable or another motion, see the table."));
+    }
+    caption.push(set.caption());
     let figure = Figure {
         title: "Accuracy of multiple scales (cf. figure 17)".into(),
-        caption: vec![
-            "Errors are relative to the simulation; ε differs between the panels.".into(),
-            set.caption(),
-        ],
+        caption,
         panels,
         columns: 2,
         panel: PANEL,
