@@ -331,7 +331,7 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
     }
     // Each result has its manifest, and those that are looked at before the work are those that are written.
     let ending = ".manifest.toml";
-    let written: Vec<_> =
+    let mut written: Vec<_> =
         files(&one).iter().filter_map(|f| Some(f.0.strip_suffix(ending)?.to_owned())).collect();
     let plan = vibro::report::Plan::new(&ParameterSet::basic(), true).unwrap();
     let mut planned: Vec<_> = plan.results().unwrap().iter().map(|r| r.0.to_owned()).collect();
