@@ -4,9 +4,12 @@
     python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:100 --vary drive.amplitude=0.05:0.25:50 \\
         --set stop.restitution=0.6 --scheduler tcp://node1:8786 --output plane.parquet
 
-Every point is a run with fmpy from the same start; the last periods are measured. Workers need fmpy and numpy; the FMU is
-sent to them, also to those that join later. The points of a worker that is lost are computed again by the others. The
-table is the same for any number of workers.
+Every point is a run with fmpy; the last periods are measured. It starts as the studies of the command line do: all at rest
+in the middle but the block, which moves with the speed L ω10 of the point, unless --set or --vary gives another start. (A
+machine that starts at rest may never come to its first impact.) The start is in the table. A point that fails is a row with
+its reason in the column "error" and without measured values. Workers need fmpy and numpy; the FMU is sent to them, also to
+those that join later. The points of a worker that is lost are computed again by the others. The table is the same for any
+number of workers.
 """
 
 from __future__ import annotations
@@ -16,10 +19,10 @@ import math
 import os
 import shutil
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, Mapping, Union
 
 import numpy as np
 from dask.distributed import Client, WorkerPlugin, as_completed, get_worker
@@ -31,6 +34,10 @@ FMU = Path(__file__).parents[1] / "target" / "VibroImpact3DOF.fmu"
 PLUGIN = "vibro-impact-fmu"
 RETRIES = 10  # of a chunk whose workers are lost
 BODIES = ("box.s", "block.s", "secondary.s")
+START = (*BODIES, "box.v", "block.v", "secondary.v")
+MEASURED = (*(f"amplitude.{name}" for name in BODIES), "impacts.upper", "impacts.lower", "power.impact")
+
+Row = dict[str, Union[float, str, None]]
 
 
 class FmuPlugin(WorkerPlugin):  # type: ignore[misc] # distributed comes without types
@@ -63,18 +70,35 @@ class Measure:
     periods: int = 300  # in all
     kept: int = 50  # at the end, measured
     per_period: int = 64  # samples
-    start: Mapping[str, float] = field(default_factory=lambda: {"block.v": 0.3})
 
-    def run(self, unzipped: str, description: Any, point: Mapping[str, float]) -> dict[str, float]:
-        """One point: amplitudes (m), impacts per period, and power lost at the stops (W) over the last periods."""
+    def row(self, unzipped: str, description: Any, point: Mapping[str, float]) -> Row:
+        """One point: what was given, the start, what was measured, and why it was not."""
+        defaults = {v.name: float(v.start) for v in description.modelVariables if v.type == "Real" and v.start}
+        given = {**moving_block({**defaults, **point}), **point}
+        start = {name: given.get(name, defaults.get(name, 0.0)) for name in START}
+        row: Row = {**point, **start, **dict.fromkeys(MEASURED), "error": None}
+        try:
+            row.update(self.run(unzipped, description, given))
+        except Exception as error:  # whatever it is, the other points are still wanted
+            row["error"] = str(error) or type(error).__name__
+        return row
+
+    def run(self, unzipped: str, description: Any, values: Mapping[str, float]) -> dict[str, float]:
+        """With these values set: amplitudes (m), impacts per period, and power lost at the stops (W) over the last periods."""
         import fmpy
+        from fmpy.fmi1 import FMICallException
 
-        values = {**self.start, **point}
         defaults = {v.name: v.start for v in description.modelVariables}
         period = 2.0 * math.pi / float(values.get("drive.frequency", defaults["drive.frequency"]))
         names = [*BODIES, "impacts.upper", "impacts.lower", "energy.impact"]
         skipped = (self.periods - self.kept) * period
-        slave = fmpy.instantiate_fmu(unzipped, description, fmi_type="CoSimulation")
+        said: list[str] = []  # the FMU's own words, which name what is wrong and what is allowed
+
+        def listen(_environment: Any, _instance: Any, status: int, _category: Any, message: bytes) -> None:
+            if status > 0:
+                said.append(message.decode(errors="replace"))
+
+        slave = fmpy.instantiate_fmu(unzipped, description, fmi_type="CoSimulation", logger=listen)
         references = {v.name: v.valueReference for v in description.modelVariables}
         try:
             slave.setupExperiment(startTime=0.0)
@@ -94,6 +118,8 @@ class Measure:
                 rows.append(slave.getReal(reals))
             after = slave.getInteger(counts)
             slave.terminate()
+        except FMICallException as error:
+            raise RuntimeError("; ".join(said) or str(error)) from error
         finally:
             slave.freeInstance()
         table: NDArray[np.float64] = np.array(rows)
@@ -104,12 +130,21 @@ class Measure:
         return result
 
 
-def chunk(measure: Measure, points: list[tuple[int, dict[str, float]]]) -> list[dict[str, float]]:
+def moving_block(values: Mapping[str, float]) -> dict[str, float]:
+    """The start of the command line's studies: all at rest in the middle but the block, with the speed L ω10."""
+    try:
+        speed = values["stop.gap"] * math.sqrt(values["box.k"] / values["box.m"])
+    except (ValueError, ZeroDivisionError):
+        return {}  # no box on a spring has these; the FMU says which value it does not allow
+    return {"block.v": speed}
+
+
+def chunk(measure: Measure, points: list[tuple[int, dict[str, float]]]) -> list[Row]:
     """Some points on a worker: their place, what was varied, what was measured."""
     plugin: Any = get_worker().plugins[PLUGIN]
-    rows = []
+    rows: list[Row] = []
     for index, point in points:
-        rows.append({"index": index, **point, **measure.run(plugin.unzipped, plugin.description, point)})
+        rows.append({"index": index, **measure.row(plugin.unzipped, plugin.description, point)})
     return rows
 
 
@@ -120,7 +155,7 @@ def grid(axes: Mapping[str, Iterable[float]], fixed: Mapping[str, float]) -> lis
 
 def sweep(
     client: Client, fmu: Path, points: list[dict[str, float]], measure: Measure, size: int = 8
-) -> Iterator[list[dict[str, float]]]:
+) -> Iterator[list[Row]]:
     """Yields the rows of each chunk as it is done, in any order."""
     client.register_plugin(FmuPlugin(Path(fmu).read_bytes()))
     numbered = list(enumerate(points))
@@ -133,13 +168,17 @@ def sweep(
         future.release()
 
 
-def write(path: Path, rows: list[dict[str, float]], measure: Measure) -> None:
+def write(path: Path, rows: list[Row], measure: Measure) -> None:
     """The table as Parquet, in the order of the points; whole or not at all."""
     import pyarrow as pa
     from pyarrow import parquet
 
-    ordered = sorted(rows, key=lambda row: row["index"])
-    columns = {name: [row[name] for row in ordered] for name in ordered[0] if name != "index"}
+    ordered = sorted(rows, key=lambda row: float(row["index"] or 0))
+    names = [name for name in ordered[0] if name != "index"]
+    # With types, since a column may hold nothing: all points may fail, or none.
+    columns = {
+        name: pa.array([row[name] for row in ordered], pa.string() if name == "error" else pa.float64()) for name in names
+    }
     about = {"periods": measure.periods, "kept": measure.kept, "samples per period": measure.per_period}
     table = pa.table(columns).replace_schema_metadata({k: str(v) for k, v in about.items()})
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
@@ -201,13 +240,16 @@ def main() -> None:
     else:
         workers = arguments.workers or os.cpu_count()
         client = Client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
-    rows: list[dict[str, float]] = []
+    rows: list[Row] = []
     with client:
         for done in sweep(client, arguments.fmu, points, measure):
             rows += done
             print(f"\r{len(rows)} of {len(points)} points", end="", flush=True)
     print()
     write(arguments.output, rows, measure)
+    failed = [row for row in rows if row["error"] is not None]
+    if failed:
+        print(f"{len(failed)} points failed, the first with {failed[0]['error']}")
     print(arguments.output)
 
 

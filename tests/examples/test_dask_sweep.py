@@ -35,14 +35,48 @@ def alone(fmu, tmp_path_factory):
     folder = fmpy.extract(str(fmu), unzipdir=str(tmp_path_factory.mktemp("fmu")))
     description = fmpy.read_model_description(folder)
     points = dask_sweep.grid(AXES, {})
-    return [{"index": i, **p, **MEASURE.run(folder, description, p)} for i, p in enumerate(points)]
+    return [{"index": i, **MEASURE.row(folder, description, p)} for i, p in enumerate(points)]
 
 
 def test_rows_are_sensible(alone):
     assert len(alone) == 36
     assert all(row["amplitude.box.s"] > 0.0 for row in alone)
     assert len({row["amplitude.block.s"] for row in alone}) > 10, "the points differ"
-    assert any(row["impacts.upper"] > 0 and row["power.impact"] > 0 for row in alone)
+    assert all(row["impacts.upper"] > 0 and row["power.impact"] > 0 for row in alone), "the block starts moving"
+    assert all(row["error"] is None and row["block.v"] == 1.0 for row in alone), "in units of L ω10, both 1"
+
+
+@pytest.fixture(scope="module")
+def unpacked(fmu, tmp_path_factory):
+    folder = fmpy.extract(str(fmu), unzipdir=str(tmp_path_factory.mktemp("unpacked")))
+    return folder, fmpy.read_model_description(folder)
+
+
+def test_the_start_is_that_of_the_command_line_in_the_scales_of_the_point(unpacked):
+    """12 kg and 48 kN/m with a gap of 1 cm: L ω10 = 0.01 m · sqrt(4000) rad/s."""
+    scales = {"box.m": 12.0, "box.k": 48e3, "stop.gap": 0.01}
+    assert dask_sweep.moving_block(scales) == {"block.v": pytest.approx(0.01 * 4000.0**0.5, rel=1e-15)}
+    row = MEASURE.row(*unpacked, {**scales, "drive.frequency": 63.0, "drive.amplitude": 50.0})
+    assert row["block.v"] == pytest.approx(0.01 * 4000.0**0.5, rel=1e-15)
+    assert [row[name] for name in dask_sweep.START if name != "block.v"] == [0.0] * 5
+    # Another start is the one that was asked for.
+    assert MEASURE.row(*unpacked, {"block.v": 0.25, "box.s": 0.1})["block.v"] == 0.25
+
+
+def test_a_failed_point_is_a_row_with_its_reason(fmu, tmp_path):
+    output = tmp_path / "sweep.parquet"
+    arguments = ["--vary", "stop.restitution=0.5:1.5:3", "--workers", "1", "--periods", "60", "--kept", "10"]
+    arguments += ["--fmu", str(fmu), "--output", str(output)]
+    command = [sys.executable, str(EXAMPLES / "dask_sweep.py"), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stderr
+    assert "1 points failed" in done.stdout
+    table = parquet.read_table(output)
+    assert table.column("stop.restitution").to_pylist() == [0.5, 1.0, 1.5]
+    errors = table.column("error").to_pylist()
+    assert errors[:2] == [None, None] and "stop.restitution" in errors[2], errors
+    amplitudes = table.column("amplitude.block.s").to_pylist()
+    assert amplitudes[0] > 0.0 and amplitudes[1] > 0.0 and amplitudes[2] is None
 
 
 class Slowly(dask_sweep.Measure):

@@ -7,6 +7,7 @@
 //! | [`long_study`] | long studies as plain data, computed in parts |
 //! | [`figures`] | what a figure consists of, and its drawing as SVG and PNG |
 //! | [`table`] | tables as CSV |
+//! | [`manifest`] | what a result or a folder of parts was computed from |
 //! | [`report`] | all studies at once, and the paper's statements beside what is found |
 //! | [`parameter_file`] | parameter files |
 //! | [`part_folder`] | finished parts of long studies on disk |
@@ -17,6 +18,7 @@ pub mod figures;
 pub mod html;
 pub mod load_file;
 pub mod long_study;
+pub mod manifest;
 pub mod parameter_file;
 pub mod part_folder;
 pub mod report;

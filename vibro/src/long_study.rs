@@ -45,6 +45,17 @@ impl LongStudy {
         Self { name: name.into(), version: env!("CARGO_PKG_VERSION").into(), kind, set: set.clone() }
     }
 
+    /// Stems of the files of its results.
+    pub fn results(&self) -> Vec<String> {
+        let mut names = vec![self.name.clone()];
+        if let StudyKind::Sweep { sweep: Sweep { exponents: Some(_), .. }, at } = &self.kind
+            && !at.is_empty()
+        {
+            names.extend(["spectra", "running"].map(|what| format!("{}-{what}", self.name)));
+        }
+        names
+    }
+
     /// Number of parts.
     pub fn count(&self) -> usize {
         match &self.kind {

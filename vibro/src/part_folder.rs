@@ -1,78 +1,154 @@
 //! Finished parts of a long study in a folder on disk, so that an interrupted study continues and several machines can
 //! share one.
 //!
-//! The folder holds `manifest.toml`, which says what is computed, and a file for each finished part. A file is written
-//! under another name and then renamed, so that a part is there whole or not at all.
+//! The folder holds `manifest.toml`, which says what is computed, a file for each finished part, and `lock`, which the
+//! program at work holds. A file is written under another name and then renamed, so that a part is there whole or not at
+//! all. Parts of another study are kept unless the user asks to discard them, and files of others are never removed.
 
+use crate::manifest::Manifest;
 use crate::{Error, Result};
-use serde::{Serialize, de::DeserializeOwned};
+use std::fs::{File, TryLockError};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use vibro_analysis::parts::PartStore;
 
 const MANIFEST: &str = "manifest.toml";
+const LOCK: &str = "lock";
 /// Ending of a part's file.
 const PART: &str = "part";
+/// Ending of a file that is being written.
+const WRITING: &str = "writing";
 
-/// A folder of finished parts.
+/// What a folder holds for a study.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Occupancy {
+    /// Nothing.
+    Free,
+    /// Parts of this study.
+    Own,
+    /// Parts of another one, which the manifest describes.
+    Foreign(Box<Manifest>),
+}
+
+/// A folder of finished parts, locked by this program as long as it lives.
 #[derive(Debug)]
 pub struct PartFolder {
     folder: PathBuf,
+    /// Unlocked when it is closed, also by the system when the program is killed.
+    _lock: File,
 }
 
 impl PartFolder {
-    /// Opens or makes a folder of parts of the study that `manifest` describes. Parts of another study are removed.
+    /// Opens or makes a folder of parts of the study that `manifest` describes, and locks it. Parts of another study are
+    /// refused, or removed if `discard` says so.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Output`].
-    pub fn open<M: Serialize>(folder: &Path, manifest: &M) -> Result<Self> {
-        let text = toml::to_string(manifest).map_err(Error::output("a manifest"))?;
-        let path = folder.join(MANIFEST);
-        if std::fs::read_to_string(&path).ok().as_deref() != Some(text.as_str()) {
-            if path.exists() {
-                std::fs::remove_dir_all(folder).map_err(Error::file("writing", folder))?;
-            }
-            std::fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
-            write_whole(&path, text.as_bytes())?;
+    /// [`Error::Config`] where another program works in the folder, where it holds parts of another study and `discard`
+    /// is false, and where its manifest is damaged or is missing beside other files; [`Error::File`], [`Error::Output`].
+    pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
+        // Refused before anything is made.
+        if let (Occupancy::Foreign(there), false) = (Self::occupancy(folder, manifest)?, discard) {
+            return Err(other_study(folder, &there, manifest));
         }
-        Ok(Self { folder: folder.into() })
+        std::fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
+        let opened = Self { folder: folder.into(), _lock: lock(folder)? };
+        // Again, since another program may have used the folder until it was locked.
+        match Self::occupancy(folder, manifest)? {
+            Occupancy::Own => opened.remove_files(&[WRITING])?,
+            Occupancy::Free => write_whole(&folder.join(MANIFEST), manifest.text()?.as_bytes())?,
+            Occupancy::Foreign(there) if !discard => return Err(other_study(folder, &there, manifest)),
+            Occupancy::Foreign(_) => {
+                opened.remove_files(&[WRITING, PART])?;
+                write_whole(&folder.join(MANIFEST), manifest.text()?.as_bytes())?;
+            }
+        }
+        Ok(opened)
+    }
+
+    /// What a folder holds for the study that `manifest` describes.
+    ///
+    /// # Errors
+    /// [`Error::Config`] where the manifest is damaged or no manifest of parts, and where there are files but no manifest;
+    /// [`Error::File`].
+    pub fn occupancy(folder: &Path, manifest: &Manifest) -> Result<Occupancy> {
+        let path = folder.join(MANIFEST);
+        if path.exists() {
+            let there = Self::manifest(folder)?;
+            let same = there.describes_same(manifest);
+            return Ok(if same { Occupancy::Own } else { Occupancy::Foreign(Box::new(there)) });
+        }
+        let foreign = |p: &&PathBuf| p.file_name().is_some_and(|n| n != LOCK) && !has_ending(p, WRITING);
+        match entries(folder)?.iter().find(foreign) {
+            None => Ok(Occupancy::Free),
+            Some(file) => {
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                let problem = format!(
+                    "holds `{name}` but no {MANIFEST}, so it is no folder of parts, and is left as it is; give another --out"
+                );
+                Err(Error::Config { path: folder.into(), problem })
+            }
+        }
     }
 
     /// Reads the manifest of a folder of parts.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Config`] for what is no manifest.
-    pub fn manifest<M: DeserializeOwned>(folder: &Path) -> Result<M> {
+    /// [`Error::File`], [`Error::Config`] for what is no manifest of parts.
+    pub fn manifest(folder: &Path) -> Result<Manifest> {
         let path = folder.join(MANIFEST);
-        let text = std::fs::read_to_string(&path).map_err(Error::file("reading", &path))?;
-        toml::from_str(&text).map_err(|e| Error::Config { path, problem: e.to_string() })
+        let found = Manifest::read(&path)?;
+        if found.long_study.is_none() {
+            let problem =
+                "has no table [long_study], so it is no manifest of parts, and is left as it is".into();
+            return Err(Error::Config { path, problem });
+        }
+        Ok(found)
+    }
+
+    /// Number of finished parts in a folder.
+    pub fn kept(folder: &Path) -> usize {
+        entries(folder).map_or(0, |all| all.iter().filter(|p| has_ending(p, PART)).count())
     }
 
     fn path(&self, index: usize) -> PathBuf {
         self.folder.join(format!("{index:05}.{PART}"))
     }
 
-    /// Copies the finished parts of another folder into this one.
+    /// Copies the finished parts of another folder that are missing in this one.
     ///
     /// # Errors
     /// [`Error::File`].
     pub fn take_over(&self, other: &Path) -> Result<()> {
-        let entries = std::fs::read_dir(other).map_err(Error::file("reading", other))?;
-        for entry in entries {
-            let path = entry.map_err(Error::file("reading", other))?.path();
-            if let (Some(name), true) = (path.file_name(), path.extension().is_some_and(|e| e == PART)) {
-                let bytes = std::fs::read(&path).map_err(Error::file("reading", &path))?;
-                write_whole(&self.folder.join(name), &bytes)?;
+        for path in entries(other)?.iter().filter(|p| has_ending(p, PART)) {
+            let own = self.folder.join(path.file_name().unwrap_or_default());
+            if !own.exists() {
+                let bytes = std::fs::read(path).map_err(Error::file("reading", path))?;
+                write_whole(&own, &bytes)?;
             }
         }
         Ok(())
     }
 
-    /// Removes the folder, whose study is finished.
+    /// Removes parts and manifest, whose study is finished, and the folder if nothing else is in it.
     ///
     /// # Errors
     /// [`Error::File`].
     pub fn remove(self) -> Result<()> {
-        std::fs::remove_dir_all(&self.folder).map_err(Error::file("writing", &self.folder))
+        self.remove_files(&[PART, WRITING])?;
+        for name in [MANIFEST, LOCK] {
+            let path = self.folder.join(name);
+            std::fs::remove_file(&path).map_err(Error::file("writing", &path))?;
+        }
+        // What others put there stays.
+        let _ = std::fs::remove_dir(&self.folder);
+        Ok(())
+    }
+
+    fn remove_files(&self, endings: &[&str]) -> Result<()> {
+        for path in entries(&self.folder)?.iter().filter(|p| endings.iter().any(|e| has_ending(p, e))) {
+            std::fs::remove_file(path).map_err(Error::file("writing", path))?;
+        }
+        Ok(())
     }
 }
 
@@ -90,24 +166,89 @@ impl PartStore for PartFolder {
     }
 }
 
-/// Writes a file so that it is there whole or not at all.
+/// The files in a folder; none where there is no folder.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    let all = match std::fs::read_dir(folder) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.map_err(Error::file("reading", folder))?,
+    };
+    all.map(|e| e.map(|e| e.path()).map_err(Error::file("reading", folder))).collect()
+}
+
+fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|e| e == ending)
+}
+
+/// Locks a folder for this program.
+fn lock(folder: &Path) -> Result<File> {
+    let path = folder.join(LOCK);
+    let mut options = File::options();
+    let file = options.create(true).truncate(false).write(true).open(&path);
+    let file = file.map_err(Error::file("writing", &path))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let problem =
+                "another vibro is computing parts in this folder; wait for it, give another --out, or share \
+                           the study with --shard and an --out for each share"
+                    .into();
+            Err(Error::Config { path: folder.into(), problem })
+        }
+        // A file system that cannot lock: parts are still whole, and equal whoever computes them.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+/// The refusal to mix parts of two studies; `there` is in the folder and `here` is asked for.
+pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
+    let count = there.long_study.as_ref().map_or(0, |s| s.count());
+    let problem = format!(
+        "holds {} of {count} finished parts of another run\n  there: {}\n  here:  {}\n  they differ in {}\n  allowed: \
+         another --out; to finish that run first by its command line; `vibro merge` if it is a share of a study; or \
+         --discard-unfinished, which deletes its parts",
+        PartFolder::kept(folder),
+        there.in_words(),
+        here.in_words(),
+        there.differences_in_words(here)
+    );
+    Error::Config { path: folder.into(), problem }
+}
+
+/// Writes a file so that it is there whole or not at all, also when the machine loses its power.
 ///
 /// # Errors
 /// [`Error::File`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let beside = path.with_extension(format!("{}.writing", std::process::id()));
-    std::fs::write(&beside, bytes).map_err(Error::file("writing", &beside))?;
+    let beside = path.with_extension(format!("{}.{WRITING}", std::process::id()));
+    let write = || {
+        let mut file = File::create(&beside)?;
+        file.write_all(bytes)?;
+        file.sync_all()
+    };
+    write().map_err(Error::file("writing", &beside))?;
     std::fs::rename(&beside, path).map_err(Error::file("writing", path))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::BTreeMap;
+    use crate::long_study::{LongStudy, StudyKind};
+    use crate::manifest::Invocation;
+    use vibro_analysis::ParameterSet;
+    use vibro_analysis::basin::{InitialValueRange, Request};
     use vibro_analysis::parts::{Shard, Task};
 
-    fn manifest(name: &str) -> BTreeMap<&str, &str> {
-        [("study", name)].into()
+    /// The manifest of a study over so many discarded periods.
+    fn manifest(discard: u32) -> Manifest {
+        let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(4);
+        let kind = StudyKind::Basin(Request { x: axis("x1=-1:1"), y: axis("v2=-1:1"), discard });
+        let options = [("discard".to_owned(), discard.to_string())].into();
+        let command_line = format!("vibro basin --discard {discard}");
+        let invocation = Invocation { command: "basin".into(), command_line, options };
+        Manifest::of_parts(&LongStudy::new("basin", kind, &ParameterSet::basic()), &invocation)
+    }
+
+    fn open(folder: &Path, discarded_periods: u32) -> Result<PartFolder> {
+        PartFolder::open(folder, &manifest(discarded_periods), false)
     }
 
     fn square(index: usize) -> vibro_analysis::Result<usize> {
@@ -117,10 +258,10 @@ mod tests {
     #[test]
     fn parts_of_shards_come_together_in_one_folder() {
         let base = tempfile::tempdir().unwrap();
-        let all = PartFolder::open(&base.path().join("all"), &manifest("squares")).unwrap();
+        let all = open(&base.path().join("all"), 1).unwrap();
         for index in 0..3 {
             let folder = base.path().join(format!("shard{index}"));
-            let store = PartFolder::open(&folder, &manifest("squares")).unwrap();
+            let store = open(&folder, 1).unwrap();
             let task = Task { store: &store, shard: Shard { index, count: 3 }, ..Task::ALL };
             assert_eq!(task.complete(10, square).unwrap(), None);
             let missing = all.missing(10);
@@ -135,7 +276,7 @@ mod tests {
     #[test]
     fn a_damaged_part_is_computed_again() {
         let base = tempfile::tempdir().unwrap();
-        let store = PartFolder::open(&base.path().join("parts"), &manifest("squares")).unwrap();
+        let store = open(&base.path().join("parts"), 1).unwrap();
         Task { store: &store, ..Task::ALL }.complete(4, square).unwrap();
         std::fs::write(store.path(3), []).unwrap();
         let again = Task { store: &store, ..Task::ALL }.complete(4, square).unwrap().unwrap();
@@ -143,19 +284,65 @@ mod tests {
     }
 
     #[test]
-    fn parts_of_another_study_are_removed() {
+    fn parts_of_another_study_are_refused_and_kept_unless_discarded() {
         let base = tempfile::tempdir().unwrap();
         let folder = base.path().join("parts");
-        let store = PartFolder::open(&folder, &manifest("one")).unwrap();
+        let store = open(&folder, 1).unwrap();
         Task { store: &store, ..Task::ALL }.complete(3, square).unwrap();
-        assert_eq!(PartFolder::open(&folder, &manifest("one")).unwrap().missing(3), 0);
-        assert_eq!(PartFolder::open(&folder, &manifest("two")).unwrap().missing(3), 3);
+        drop(store);
+        assert_eq!(open(&folder, 1).unwrap().missing(3), 0);
+        let error = open(&folder, 2).unwrap_err();
+        let text = error.to_string();
+        assert!(error.is_usage() && text.contains("holds 3 of 4 finished parts"), "{text}");
+        for word in [
+            "--discard: 1 there, 2 here",
+            "vibro basin --discard 1",
+            "vibro basin --discard 2",
+            "--discard-unfinished",
+        ] {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+        assert_eq!(open(&folder, 1).unwrap().missing(3), 0);
+        assert_eq!(PartFolder::open(&folder, &manifest(2), true).unwrap().missing(3), 3);
+    }
+
+    #[test]
+    fn a_folder_belongs_to_one_program_at_a_time() {
+        let base = tempfile::tempdir().unwrap();
+        let first = open(base.path(), 1).unwrap();
+        let error = open(base.path(), 1).unwrap_err();
+        assert!(error.is_usage() && error.to_string().contains("another vibro"), "{error}");
+        drop(first);
+        open(base.path(), 1).unwrap();
+    }
+
+    #[test]
+    fn files_of_others_are_never_removed() {
+        let base = tempfile::tempdir().unwrap();
+        let (damaged, foreign, mixed) = (base.path().join("a"), base.path().join("b"), base.path().join("c"));
+        std::fs::create_dir_all(&damaged).unwrap();
+        std::fs::create_dir_all(&foreign).unwrap();
+        std::fs::write(damaged.join(MANIFEST), "half a manif").unwrap();
+        std::fs::write(damaged.join("00000.part"), "a part").unwrap();
+        std::fs::write(foreign.join("thesis.tex"), "years").unwrap();
+        for folder in [&damaged, &foreign] {
+            let before = entries(folder).unwrap();
+            let error = PartFolder::open(folder, &manifest(1), true).unwrap_err();
+            assert!(error.is_usage() && error.to_string().contains("left as it is"), "{error}");
+            assert_eq!(entries(folder).unwrap(), before);
+        }
+        let store = open(&mixed, 1).unwrap();
+        std::fs::write(mixed.join("notes.txt"), "mine").unwrap();
+        store.save(0, &[0]).unwrap();
+        store.remove().unwrap();
+        assert_eq!(entries(&mixed).unwrap(), [mixed.join("notes.txt")]);
     }
 
     #[test]
     fn a_folder_that_cannot_be_written_is_no_usage_error() {
         let base = tempfile::tempdir().unwrap();
-        let store = PartFolder { folder: base.path().join("missing") };
+        let store = open(&base.path().join("parts"), 1).unwrap();
+        std::fs::remove_dir_all(&store.folder).unwrap();
         let error = Task { store: &store, ..Task::ALL }.complete(1, square).unwrap_err();
         let error = Error::from(error);
         assert!(error.to_string().starts_with("writing ") && !error.is_usage(), "{error}");

@@ -35,6 +35,28 @@ const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
 const RUNNING: [f64; 4] = [0.6, 1.5, 2.44, 3.6];
 /// Mass ratios of figure 17.
 const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
+/// Names of the studies that the report consists of and whose parameters are those given.
+const NAMES: [&str; 19] = [
+    "manifold-2",
+    "manifold-7",
+    "manifold-9",
+    "stability-5",
+    "stability-6",
+    "steady",
+    "compare-8",
+    "response-frequency",
+    "response-force",
+    "plane",
+    "figure-13",
+    "figure-14",
+    "figure-14-fine",
+    "table-2",
+    "exponents-running",
+    "figure-15",
+    "figure-16",
+    "compare-17",
+    "report",
+];
 /// Steps of the progress bar besides the parts of long studies: one for each group of figures.
 const SHORT: usize = 8;
 
@@ -90,17 +112,33 @@ impl Plan {
         self.coarse.count() + self.fine.count() + self.basin.count() + SHORT
     }
 
-    /// Computes everything; finished parts go into folders in `home` and are taken from there.
+    /// The studies that are computed in parts, in the order in which [`Self::run`] takes their folders.
+    pub fn long_studies(&self) -> [&LongStudy; 3] {
+        [&self.coarse, &self.fine, &self.basin]
+    }
+
+    /// The names of all that is going to be written, with its parameters.
+    ///
+    /// # Errors
+    /// None: the strong set is allowed.
+    pub fn results(&self) -> Result<Vec<(&'static str, ParameterSet)>> {
+        let mut all: Vec<_> = NAMES.iter().map(|name| (*name, self.set.clone())).collect();
+        all.push(("compare-19", ParameterSet::strong()?));
+        all.push(("basin", self.basin.set.clone()));
+        Ok(all)
+    }
+
+    /// Computes everything; finished parts go into the folders of the long studies and are taken from there.
     ///
     /// # Errors
     /// What the studies refuse, and what the disk does.
-    pub fn run(&self, home: &Path, done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
-        let set = &self.set;
+    pub fn run(&self, folders: &[PartFolder; 3], done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
+        let (set, [coarse, fine, basin]) = (&self.set, folders);
         let mut all = self.theory(done)?;
         let (thirteen, modulation) = studies::histories_of(set, find_group("f10")?.into(), MODULATED)?;
         all.push(thirteen);
         done(false);
-        let (coarse, fine) = (self.diagram(&self.coarse, home, done)?, self.diagram(&self.fine, home, done)?);
+        let (coarse, fine) = (diagram(&self.coarse, coarse, done)?, diagram(&self.fine, fine, done)?);
         let (table, sweeps) = self.sweeps(&coarse, &fine)?;
         all.extend(sweeps);
         let accuracy = studies::accuracy(set, &EPSILONS)?;
@@ -109,8 +147,7 @@ impl Plan {
         done(false);
         all.push(studies::strong_case(&ParameterSet::strong()?)?);
         done(false);
-        let store = open(home, &self.basin)?;
-        all.extend(self.basin.run(&Task { store: &store, done, ..Task::ALL })?.into_iter().flatten());
+        all.extend(self.basin.run(&Task { store: basin, done, ..Task::ALL })?.into_iter().flatten());
         let statements = statements::all(&statement::Found {
             set,
             coarse: &coarse.1,
@@ -152,19 +189,6 @@ impl Plan {
         Ok(all)
     }
 
-    /// A sweep with its diagram.
-    fn diagram(
-        &self,
-        study: &LongStudy,
-        home: &Path,
-        done: &(dyn Fn(bool) + Sync),
-    ) -> Result<(Sweep, Diagram)> {
-        let store = open(home, study)?;
-        // `None` is for shards only, and here all parts are computed.
-        let missing = || Error::Output { what: "the report", problem: "a part is missing".into() };
-        study.diagram(&Task { store: &store, done, ..Task::ALL })?.ok_or_else(missing)
-    }
-
     /// The table of spectra, and the figures made from the sweeps: 14, 15, 16 and table 2.
     fn sweeps(
         &self,
@@ -189,9 +213,11 @@ impl Plan {
     }
 }
 
-/// The folder of a study's finished parts.
-fn open(home: &Path, study: &LongStudy) -> Result<PartFolder> {
-    PartFolder::open(&home.join(&study.name), study)
+/// A sweep with its diagram.
+fn diagram(study: &LongStudy, store: &PartFolder, done: &(dyn Fn(bool) + Sync)) -> Result<(Sweep, Diagram)> {
+    // `None` is for shards only, and here all parts are computed.
+    let missing = || Error::Output { what: "the report", problem: "a part is missing".into() };
+    study.diagram(&Task { store, done, ..Task::ALL })?.ok_or_else(missing)
 }
 
 impl Report {

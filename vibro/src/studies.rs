@@ -1,4 +1,4 @@
-//! The studies of the command line: each makes tables and a figure from a [`ParameterSet`](vibro_analysis::ParameterSet).
+//! The studies of the command line: each makes tables and a figure from a [`ParameterSet`].
 
 mod basin;
 mod compare;
@@ -30,6 +30,7 @@ pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 use crate::Result;
 use crate::figures::chart::Figure;
 use crate::table::Table;
+use vibro_analysis::ParameterSet;
 
 /// The outcome of a study.
 #[derive(Clone, Debug)]
@@ -46,6 +47,8 @@ pub struct Study {
     pub figure: Option<Figure>,
     /// What to say about it, line by line.
     pub remarks: Vec<String>,
+    /// Its parameters where they are not those of the command.
+    pub set: Option<Box<ParameterSet>>,
 }
 
 impl Study {
@@ -58,7 +61,12 @@ impl Study {
     /// A study without a table and a figure; `what` says why there is none.
     fn without_figure(name: &str, what: impl Into<String>) -> Self {
         let (tables, remarks) = (Vec::new(), Vec::new());
-        Self { name: name.into(), what: what.into(), tables, shown: None, figure: None, remarks }
+        Self { name: name.into(), what: what.into(), tables, shown: None, figure: None, remarks, set: None }
+    }
+
+    /// The same study, which has parameters of its own.
+    fn with_set(self, set: &ParameterSet) -> Self {
+        Self { set: Some(Box::new(set.clone())), ..self }
     }
 
     /// The same study with remarks.

@@ -174,7 +174,7 @@ fn planes_do_not_depend_on_threads_and_agree_with_the_library() {
     let arguments = ["plane", "--pair", "sigma1,f10", "--resolution", "60", "--method"];
     for method in ["multiple-scales", "exact-orbit", "strong-coupling"] {
         for (out, threads) in [(&one, "1"), (&two, "2")] {
-            drawn(out, &[&arguments[..], &[method, "--threads", threads]].concat());
+            drawn(out, &[&arguments[..], &[method, "--threads", threads, "--replace"]].concat());
         }
         for file in ["plane.svg", "plane.png", "plane-sigma1-f10.csv"] {
             let same = std::fs::read(one.join(file)).unwrap() == std::fs::read(two.join(file)).unwrap();
@@ -225,6 +225,34 @@ fn comparisons_find_the_papers_errors() {
     assert!(text.contains("STRONG, a set of ours, not the paper's own data set"), "{text}");
     for row in table(&out, "compare-19.csv") {
         assert!(row["relative_error"].parse::<f64>().unwrap().abs() < 0.12, "{row:?}");
+    }
+}
+
+/// At f10 = 2.7 the theory's motion is unstable, and the simulated one has three impacts a period: both are told, and no
+/// errors are, for there is nothing to compare.
+#[test]
+fn motions_of_different_kinds_are_not_compared_in_per_cent() {
+    let out = folder("cli-another-motion");
+    let text = drawn(&out, &["compare", "--figure", "8", "--figure", "17", "--set", "f10=2.7"]);
+    assert!(text.contains("theory unstable") && text.contains("another motion"), "{text}");
+    let words = text.lines().find(|l| l.contains("another motion")).unwrap();
+    assert!(words.contains("not symmetric") && words.contains("has 3 impacts a period"), "{words}");
+    assert!(!text.contains('%'), "{text}");
+    assert!(std::fs::read_to_string(out.join("compare-8.svg")).unwrap().contains("theory unstable"));
+    for file in ["compare-8.csv", "compare-17.csv"] {
+        let rows = table(&out, file);
+        assert!(rows.len() >= 4);
+        for row in rows.iter().filter(|r| r.get("epsilon").is_none_or(|e| e == "0.1")) {
+            assert!(
+                row["relative_error"].is_empty() && row["not_compared"].contains("theory unstable"),
+                "{row:?}"
+            );
+            assert!(row["simulation"].parse::<f64>().unwrap() > 0.0, "{row:?}");
+        }
+    }
+    drawn(&out, &["compare", "--figure", "8", "--replace"]);
+    for row in table(&out, "compare-8.csv") {
+        assert!(row["not_compared"].is_empty() && row["relative_error"].parse::<f64>().is_ok(), "{row:?}");
     }
 }
 

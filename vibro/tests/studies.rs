@@ -330,6 +330,15 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
     for file in drawn_files {
         check_picture(&one.join(file.0));
     }
+    // Each result has its manifest, and those that are looked at before the work are those that are written.
+    let ending = ".manifest.toml";
+    let mut written: Vec<_> =
+        files(&one).iter().filter_map(|f| Some(f.0.strip_suffix(ending)?.to_owned())).collect();
+    let plan = vibro::report::Plan::new(&ParameterSet::basic(), true).unwrap();
+    let mut planned: Vec<_> = plan.results().unwrap().iter().map(|r| r.0.to_owned()).collect();
+    planned.sort();
+    written.sort();
+    assert_eq!(written, planned);
     let mut contents: Vec<_> = files(&one).into_iter().map(|f| f.1).collect();
     contents.sort();
     assert!(contents.windows(2).all(|w| w[0] != w[1]), "the same file under two names");

@@ -31,7 +31,7 @@ pub fn basins(set: &ParameterSet, request: &Request, basin: &Basin, name: &str) 
             (format!("{name}-attractors"), attractor_table(basin).csv()?),
         ],
         figure: Some(figure(set, request, basin)),
-        ..Study::without_figure(name, what).with_remarks(remarks(basin))
+        ..Study::without_figure(name, what).with_remarks(remarks(basin)).with_set(set)
     })
 }
 

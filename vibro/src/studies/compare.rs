@@ -1,4 +1,4 @@
-//! SteadyMotion against simulation (figures 8, 16, 17).
+//! Steady motion by theory against simulation (figures 8, 16, 17).
 
 use super::steady::{comparison_panel, four_panels};
 use super::steady_motion::{MotionSample, SteadyMotion, simulated};
@@ -9,6 +9,7 @@ use crate::figures::canvas::palette::FAMILY;
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
+use vibro_analysis::attractor::{Attractor, observe};
 use vibro_analysis::bifurcation::{Sweep, diagram};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::motion::{amplitude, record_flights, settled_simulator};
@@ -29,11 +30,18 @@ const KEPT: u32 = 200;
 /// Names of the amplitudes compared.
 const NAMES: [&str; 4] = ["B", "A1", "A2", "A3"];
 
-/// The simulated steady motion from a start near the theory's: amplitudes B, A1, A2, A3 in units of L, and its record.
-pub(super) fn simulate(
-    parameters: &Parameters,
-    near: &SteadyMotion,
-) -> Result<([f64; 4], Vec<MotionSample>)> {
+/// A simulated steady motion.
+pub(super) struct SimulatedMotion {
+    /// Amplitudes B, A1, A2, A3 in units of L.
+    pub(super) amplitudes: [f64; 4],
+    /// Its record over [`SHOWN`] periods.
+    pub(super) samples: Vec<MotionSample>,
+    /// Its period, its impacts and its symmetry.
+    motion: Attractor,
+}
+
+/// The simulated steady motion from a start near the theory's.
+pub(super) fn simulate(parameters: &Parameters, near: &SteadyMotion) -> Result<SimulatedMotion> {
     let p = parameters;
     let start = start(p, near);
     let mut simulator = settled_simulator(p, &start, (SETTLING * p.box_mass / p.block_mass).ceil())?;
@@ -41,7 +49,30 @@ pub(super) fn simulate(
     let epsilon = p.block_mass / p.box_mass;
     let q = [[1.0, epsilon, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let amplitudes = q.map(|q| amplitude(&flights, p, q) / p.stop_gap);
-    Ok((amplitudes, simulated(&flights, p)))
+    Ok(SimulatedMotion { amplitudes, samples: simulated(&flights, p), motion: observe(&mut simulator)? })
+}
+
+/// Why a theory's amplitudes are not those of the simulated motion, however exact the theory is: its motion is unstable, so
+/// that a simulation leaves it, or the simulated motion is of another kind. `None` where errors have a meaning.
+pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -> Option<String> {
+    let mut reasons = Vec::new();
+    if !theory.is_stable() {
+        reasons.push("theory unstable: its motion is unstable or not admissible".to_owned());
+    }
+    let m = &simulated.motion;
+    let symmetric = m.is_symmetric();
+    if !(m.period == Some(1) && m.impacts == [1.0; 2] && symmetric && !m.rests) {
+        let period = m.period.map_or("without a period".into(), |n| format!("of period {n}T"));
+        let all = short(m.impacts[0] + m.impacts[1]);
+        let [upper, lower] = m.impacts.map(short);
+        let symmetry = if symmetric { "symmetric" } else { "not symmetric" };
+        let rests = if m.rests { ", with rest at a stop" } else { "" };
+        reasons.push(format!(
+            "another motion: the simulated one is {period}, has {all} impacts a period of the drive ({upper} upper, \
+             {lower} lower) and is {symmetry}{rests}, while the theory's has 2 and is symmetric"
+        ));
+    }
+    (!reasons.is_empty()).then(|| reasons.join("; "))
 }
 
 /// The theory's state at t = 0 in SI, with the block put between the stops, which an approximation may pass a little.
@@ -59,19 +90,31 @@ pub(super) fn no_motion(name: &str, theory: &str) -> Study {
     Study::without_figure(name, format!("no picture: {theory} has no motion with two symmetric impacts here"))
 }
 
+/// Amplitudes by theory and simulation with the theory's errors, as a table and in words; where they cannot be compared, the
+/// reason instead of errors.
 pub(super) fn amplitude_table(
-    theory: &str,
+    name: &str,
     analytical: [f64; 4],
     simulated: [f64; 4],
+    not_compared: Option<&str>,
 ) -> (Table, Vec<String>) {
-    let mut table = Table::new(&["amplitude", theory, "simulation", "relative_error"]);
-    let mut remarks = Vec::new();
+    let mut table = Table::new(&["amplitude", name, "simulation", "relative_error", "not_compared"]);
+    let mut remarks: Vec<String> = not_compared.map(str::to_owned).into_iter().collect();
     for ((name, a), s) in NAMES.into_iter().zip(analytical).zip(simulated) {
         let error = a / s - 1.0;
-        table.rows.push(vec![name.into(), exact(a), exact(s), exact(error)]);
-        remarks.push(format!("{name}: {a:.6} by theory, {s:.6} simulated, {:+.2} %", 100.0 * error));
+        let (cell, percent) = match not_compared {
+            Some(_) => (String::new(), String::new()),
+            None => (exact(error), format!(", {:+.2} %", 100.0 * error)),
+        };
+        table.rows.push(vec![name.into(), exact(a), exact(s), cell, not_compared.unwrap_or_default().into()]);
+        remarks.push(format!("{name}: {a:.6} by theory, {s:.6} simulated{percent}"));
     }
     (table, remarks)
+}
+
+/// The reason as lines of a caption.
+pub(super) fn caption_lines(not_compared: Option<&str>) -> Vec<String> {
+    not_compared.iter().flat_map(|reason| reason.split("; ")).map(str::to_owned).collect()
 }
 
 /// Figure 8 against the simulation: time histories and phase portraits, and the amplitudes.
@@ -83,14 +126,17 @@ pub fn histories(set: &ParameterSet) -> Result<Study> {
     let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else {
         return Ok(no_motion("compare-8", "multiple scales"));
     };
-    let (amplitudes, points) = simulate(p, &theory)?;
-    let (table, remarks) = amplitude_table("multiple_scales", theory.amplitudes(p), amplitudes);
-    let figure = four_panels(
+    let found = simulate(p, &theory)?;
+    let reason = not_compared(&theory, &found);
+    let (table, remarks) =
+        amplitude_table("multiple_scales", theory.amplitudes(p), found.amplitudes, reason.as_deref());
+    let mut figure = four_panels(
         "Multiple scales against simulation (cf. figure 8)",
         set,
         (&theory.history(p, f64::from(SHOWN)), "multiple scales"),
-        (&points, "simulation"),
+        (&found.samples, "simulation"),
     );
+    figure.caption.splice(0..0, caption_lines(reason.as_deref()));
     let what = "time histories and phase portraits as in figure 8, multiple scales against simulation";
     Ok(Study::of("compare-8", what, &table, figure)?.with_remarks(remarks))
 }
@@ -123,6 +169,7 @@ struct Run {
     simulation: Vec<MotionSample>,
     predicted: [f64; 4],
     simulated: [f64; 4],
+    not_compared: Option<String>,
 }
 
 impl Run {
@@ -130,14 +177,20 @@ impl Run {
     fn new(set: &ParameterSet, epsilon: f64) -> Result<Option<Self>> {
         let p = set.parameters();
         let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else { return Ok(None) };
-        let (simulated, samples) = simulate(p, &theory)?;
+        let found = simulate(p, &theory)?;
+        let not_compared = not_compared(&theory, &found);
+        let (simulated, samples) = (found.amplitudes, found.samples);
         let simulation = samples.into_iter().filter(|s| s.time <= 1.0).collect();
         let (theory, predicted) = (theory.history(p, 1.0), theory.amplitudes(p));
-        Ok(Some(Self { epsilon, theory, simulation, predicted, simulated }))
+        Ok(Some(Self { epsilon, theory, simulation, predicted, simulated, not_compared }))
     }
 
-    /// Relative errors of B, A1, A2, A3.
-    fn errors(&self) -> [f64; 4] {
+    /// Relative errors of B, A1, A2, A3, where they have a meaning.
+    fn errors(&self) -> Option<[f64; 4]> {
+        self.not_compared.is_none().then(|| self.relative_errors())
+    }
+
+    fn relative_errors(&self) -> [f64; 4] {
         std::array::from_fn(|k| self.predicted[k] / self.simulated[k] - 1.0)
     }
 
@@ -164,13 +217,20 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     shown.dedup();
     let mut panels: Vec<_> = ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter)).collect();
     let (panel, slopes) = error_panel(char::from(b'a' + shown.len() as u8), &runs);
-    panels.push(panel);
+    // Nothing to draw where no value of epsilon can be compared.
+    if !panel.layers.is_empty() {
+        panels.push(panel);
+    }
+    let mut caption = vec!["Errors are relative to the simulation; ε differs between the panels.".into()];
+    let apart: Vec<_> = runs.iter().filter(|r| r.not_compared.is_some()).map(|r| short(r.epsilon)).collect();
+    if !apart.is_empty() {
+        let values = apart.join(", ");
+        caption.push(format!("No errors at ε = {values}: theory unstable or another motion, see the table."));
+    }
+    caption.push(set.caption_but(&[group.into()]));
     let figure = Figure {
         title: "Accuracy of multiple scales (cf. figure 17)".into(),
-        caption: vec![
-            "Errors are relative to the simulation; ε differs between the panels.".into(),
-            set.caption_but(&[group.into()]),
-        ],
+        caption,
         panels,
         columns: 2,
         panel: PANEL,
@@ -181,12 +241,15 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
 }
 
 fn error_table(runs: &[Run]) -> Table {
-    let mut table = Table::new(&["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error"]);
+    let columns = ["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error", "not_compared"];
+    let mut table = Table::new(&columns);
     for run in runs {
         let errors = run.errors();
         for (k, name) in NAMES.into_iter().enumerate() {
-            let numbers = [run.predicted[k], run.simulated[k], errors[k]].map(exact);
-            table.rows.push([vec![exact(run.epsilon), name.into()], numbers.to_vec()].concat());
+            let [predicted, simulated] = [run.predicted[k], run.simulated[k]].map(exact);
+            let error = errors.map_or(String::new(), |e| exact(e[k]));
+            let reason = run.not_compared.clone().unwrap_or_default();
+            table.rows.push(vec![exact(run.epsilon), name.into(), predicted, simulated, error, reason]);
         }
     }
     table
@@ -194,13 +257,18 @@ fn error_table(runs: &[Run]) -> Table {
 
 /// The errors over ε in per cent, and in words their slopes.
 fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
-    let percent =
-        |k: usize| -> Path { runs.iter().map(|r| (r.epsilon, 100.0 * r.errors()[k].abs())).collect() };
+    let percent = |k: usize| -> Path {
+        runs.iter().filter_map(|r| Some((r.epsilon, 100.0 * r.errors()?[k].abs()))).collect()
+    };
     let errors: [Path; 4] = std::array::from_fn(percent);
     let symbols = ["B", "A₁", "A₂", "A₃"];
     let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
-    let (mut layers, mut remarks) = (Vec::new(), Vec::new());
+    let reason = |r: &Run| Some(format!("epsilon = {}: {}", short(r.epsilon), r.not_compared.as_ref()?));
+    let (mut layers, mut remarks) = (Vec::new(), runs.iter().filter_map(reason).collect::<Vec<_>>());
     for (k, path) in errors.iter().enumerate() {
+        if path.is_empty() {
+            continue;
+        }
         // One value has no slope.
         let slope = (path.len() > 1).then(|| slope(path));
         let rises = slope.map_or(String::new(), |slope| format!(", slope {slope:.3} in the logarithms"));

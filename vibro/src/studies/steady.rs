@@ -93,7 +93,12 @@ pub fn steady(set: &ParameterSet) -> Result<Study> {
     ));
     let (what, figure) = picture(set)?;
     let tables = vec![("steady".into(), rows.0.csv()?)];
-    Ok(Study { name: "steady".into(), what, tables, shown: Some(readable(rows.0)), figure, remarks })
+    Ok(Study {
+        tables,
+        shown: Some(readable(rows.0)),
+        figure,
+        ..Study::without_figure("steady", what).with_remarks(remarks)
+    })
 }
 
 fn multiple_scales(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {

@@ -1,7 +1,7 @@
 //! Strong coupling against simulation (figures 18, 19).
 
 use super::Study;
-use super::compare::{SHOWN, amplitude_table, no_motion, simulate};
+use super::compare::{SHOWN, amplitude_table, caption_lines, no_motion, not_compared, simulate};
 use super::steady::four_panels;
 use super::steady_motion::SteadyMotion;
 use crate::Result;
@@ -20,18 +20,21 @@ pub fn strong_case(set: &ParameterSet) -> Result<Study> {
     let Some(theory) = SteadyMotion::strong(set.groups())? else {
         return Ok(no_motion("compare-19", "strong coupling"));
     };
-    let (amplitudes, points) = simulate(p, &theory)?;
-    let (table, mut remarks) = amplitude_table("strong_coupling", theory.amplitudes(p), amplitudes);
+    let found = simulate(p, &theory)?;
+    let reason = not_compared(&theory, &found);
+    let (table, mut remarks) =
+        amplitude_table("strong_coupling", theory.amplitudes(p), found.amplitudes, reason.as_deref());
     remarks.insert(0, format!("parameters here: {}", set.caption()));
     let history = theory.history(p, f64::from(SHOWN));
     let mut figure = four_panels(
         "Strong coupling against simulation (cf. figures 18, 19)",
         set,
         (&history, "closed form"),
-        (&points, "simulation"),
+        (&found.samples, "simulation"),
     );
+    figure.caption.splice(0..0, caption_lines(reason.as_deref()));
     figure.panels.insert(0, sawtooth_panel(set.groups().beta2.sqrt()));
-    figure.panels.insert(3, amplitude_panel(theory.amplitudes(p), amplitudes));
+    figure.panels.insert(3, amplitude_panel(theory.amplitudes(p), found.amplitudes));
     let titles = [
         "(a) Modified sawtooth Z*",
         "(b) U and W",
@@ -47,7 +50,7 @@ pub fn strong_case(set: &ParameterSet) -> Result<Study> {
     figure.columns = 3;
     figure.panel = (1500, 1100);
     let what = "strong coupling as in figures 18 and 19, closed form against simulation";
-    Ok(Study::of("compare-19", what, &table, figure)?.with_remarks(remarks))
+    Ok(Study::of("compare-19", what, &table, figure)?.with_remarks(remarks).with_set(set))
 }
 
 fn sawtooth_panel(beta: f64) -> Panel {

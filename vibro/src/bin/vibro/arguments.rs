@@ -4,11 +4,15 @@ use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
 use crate::run::Run;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use vibro::manifest::Invocation;
 use vibro_analysis::basin::InitialValueRange;
 use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::Method;
+
+/// The folder of results unless another one is named.
+pub const DEFAULT_OUT: &str = "vibro-out";
 
 const ABOUT: &str =
     "A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins";
@@ -61,11 +65,23 @@ pub struct Common {
     #[arg(long, global = true, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
-    #[arg(long, global = true, value_name = "FOLDER", default_value = "vibro-out")]
+    ///
+    /// A folder that is named here and holds results or parts of another run (other parameters, other options) is refused. In
+    /// the default folder such a run gets a folder of its own, named after the command and a digest of its parameters.
+    #[arg(long, global = true, value_name = "FOLDER", default_value = DEFAULT_OUT)]
     pub out: PathBuf,
+    /// Overwrites finished results of other parameters in the folder
+    #[arg(long, global = true)]
+    pub replace: bool,
+    /// Deletes unfinished parts of other parameters in the folder
+    #[arg(long, global = true)]
+    pub discard_unfinished: bool,
     /// Number of threads; all cores unless given. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// What was given, for manifests.
+    #[arg(skip)]
+    pub invocation: Invocation,
 }
 
 /// The commands.

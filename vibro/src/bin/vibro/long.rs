@@ -1,11 +1,13 @@
 //! Long studies: computed in parts that are kept on disk, divided into shards, merged, and all at once.
 
 use crate::arguments::{Basin, Bifurcation, Common, Isoperiodic, Lyapunov, Merge, Reproduce};
-use crate::output;
+use crate::destination::{Claim, Destination};
 use crate::progress::Progress;
 use crate::ranges;
+use crate::{interruption, output};
 use std::path::{Path, PathBuf};
 use vibro::long_study::{LongStudy, StudyKind};
+use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::PartFolder;
 use vibro::report;
 use vibro::{Error, Result};
@@ -94,29 +96,54 @@ pub fn isoperiodic(
     Ok(())
 }
 
-fn folder(out: &Path, study: &LongStudy) -> PathBuf {
-    out.join(format!("{}.{PARTS}", study.name))
+/// The folder of a study's parts in the folder of its results.
+fn folder(study: &LongStudy) -> PathBuf {
+    format!("{}.{PARTS}", study.name).into()
+}
+
+/// The folder where the parts and results of a study have their place.
+fn place(study: &LongStudy, common: &Common, invocation: &Invocation) -> Result<PathBuf> {
+    let destination = Destination::new(common, invocation, &study.set);
+    let mut claims = vec![Claim::Parts(folder(study), Manifest::of_parts(study, invocation))];
+    claims.extend(study.results().iter().map(|name| destination.result(name)));
+    destination.place(&claims)
 }
 
 /// Computes a study or a shard of it, and draws it when all its parts are there.
 fn perform(study: &LongStudy, common: &Common, shard: Option<Shard>) -> Result<()> {
-    let (out, count) = (&common.out, study.count());
-    let parts = PartFolder::open(&folder(out, study), study)?;
+    let invocation = &common.invocation;
+    let out = place(study, common, invocation)?;
+    let manifest = Manifest::of_parts(study, invocation);
+    let parts = PartFolder::open(&out.join(folder(study)), &manifest, common.discard_unfinished)?;
+    complete(study, common, invocation, &out, parts, shard)
+}
+
+/// The same with the parts' folder, which is in `out`.
+fn complete(
+    study: &LongStudy,
+    common: &Common,
+    invocation: &Invocation,
+    out: &Path,
+    parts: PartFolder,
+    shard: Option<Shard>,
+) -> Result<()> {
+    let (count, home) = (study.count(), out.join(folder(study)));
+    interruption::announce(&study.name, home.clone(), vec![home.clone()], count);
     let progress = Progress::new(count.div_ceil(shard.map_or(1, |s| s.count)), "parts");
     let found =
         study.run(&Task { store: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() })?;
     drop(progress);
     match found {
         Some(studies) => {
-            output::write(&studies, out)?;
+            Destination::new(common, invocation, &study.set).write_into(&studies, out)?;
             parts.remove()?;
-            output::print(&studies, &study.set, out)
+            output::print(&studies, &study.set, out, common)
         }
         None => output::say(&format!(
             "{} of {count} parts of `{}` are in {}; `vibro merge` draws it when all are there",
             count - parts.missing(count),
             study.name,
-            folder(out, study).display()
+            home.display()
         )),
     }
 }
@@ -133,49 +160,85 @@ fn folders_of_parts(given: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-pub fn merge(common: &Common, a: &Merge) -> Result<()> {
-    let mut studies: Vec<(LongStudy, Vec<PathBuf>)> = Vec::new();
-    for given in &a.folders {
-        let found = folders_of_parts(given)?;
-        if found.is_empty() {
+/// Shards of one study: the study, its invocation, and the folders of the shards.
+struct Shards {
+    study: LongStudy,
+    invocation: Invocation,
+    folders: Vec<PathBuf>,
+}
+
+/// The shards in the given folders, by study.
+fn shards(given: &[PathBuf]) -> Result<Vec<Shards>> {
+    let mut found: Vec<Shards> = Vec::new();
+    for given in given {
+        let folders = folders_of_parts(given)?;
+        if folders.is_empty() {
             let problem = "holds no shard: no folder that ends in .parts".into();
             return Err(Error::Config { path: given.clone(), problem });
         }
-        for path in found {
-            let study: LongStudy = PartFolder::manifest(&path)?;
-            match studies.iter_mut().find(|known| known.0.name == study.name) {
-                Some(known) if known.0 != study => {
-                    let problem = format!("is part of another study than {}", known.1[0].display());
+        for path in folders {
+            let there = PartFolder::manifest(&path)?;
+            let Manifest { invocation, long_study: Some(study), .. } = there.clone() else { continue };
+            match found.iter_mut().find(|known| known.study.name == study.name) {
+                Some(known) if known.study != study => {
+                    let first = Manifest::of_parts(&known.study, &known.invocation);
+                    let problem = format!(
+                        "is part of another study than {}; they differ in {}, where `there` is that one",
+                        known.folders[0].display(),
+                        first.differences_in_words(&there)
+                    );
                     return Err(Error::Config { path, problem });
                 }
-                Some(known) => known.1.push(path),
-                None => studies.push((study, vec![path])),
+                Some(known) => known.folders.push(path),
+                None => found.push(Shards { study, invocation, folders: vec![path] }),
             }
         }
     }
-    for (study, sources) in &studies {
-        let parts = PartFolder::open(&folder(&common.out, study), study)?;
-        sources.iter().try_for_each(|source| parts.take_over(source))?;
+    Ok(found)
+}
+
+pub fn merge(common: &Common, a: &Merge) -> Result<()> {
+    for Shards { study, invocation, folders } in shards(&a.folders)? {
+        let out = place(&study, common, &invocation)?;
+        let home = out.join(folder(&study));
+        let parts =
+            PartFolder::open(&home, &Manifest::of_parts(&study, &invocation), common.discard_unfinished)?;
+        folders.iter().try_for_each(|source| parts.take_over(source))?;
         let count = study.count();
         let missing = parts.missing(count);
         if missing > 0 {
             let problem = format!("{missing} of {count} parts are missing; run the other shards too");
-            return Err(Error::Config { path: folder(&common.out, study), problem });
+            return Err(Error::Config { path: home, problem });
         }
-        perform(study, common, None)?;
+        complete(&study, common, &invocation, &out, parts, None)?;
     }
     Ok(())
 }
 
 pub fn reproduce(set: &ParameterSet, common: &Common, a: &Reproduce) -> Result<()> {
-    let plan = report::Plan::new(set, a.quick)?;
+    let (plan, invocation) = (report::Plan::new(set, a.quick)?, &common.invocation);
+    let (destination, home) =
+        (Destination::new(common, invocation, set), PathBuf::from(format!("reproduce.{PARTS}")));
+    let manifests = plan.long_studies().map(|s| (home.join(&s.name), Manifest::of_parts(s, invocation)));
+    let results = plan.results()?;
+    let results = results.iter().map(|(name, set)| Claim::Result(Manifest::of_result(name, invocation, set)));
+    let parts = manifests.iter().cloned().map(|(folder, manifest)| Claim::Parts(folder, manifest));
+    let out = destination.place(&parts.chain(results).collect::<Vec<_>>())?;
+    let open = |(folder, manifest): &(PathBuf, Manifest)| {
+        PartFolder::open(&out.join(folder), manifest, common.discard_unfinished)
+    };
+    let [coarse, fine, basin] = &manifests;
+    let folders = [open(coarse)?, open(fine)?, open(basin)?];
+    let count = plan.long_studies().iter().map(|s| s.count()).sum();
+    let paths = manifests.iter().map(|(folder, _)| out.join(folder)).collect();
+    interruption::announce("reproduce", out.join(&home), paths, count);
     let progress = Progress::new(plan.steps(), "steps");
-    let home = common.out.join(format!("reproduce.{PARTS}"));
-    let report = plan.run(&home, &|_| progress.step())?;
+    let report = plan.run(&folders, &|_| progress.step())?;
     drop(progress);
-    output::write(&report.studies, &common.out)?;
-    let path = common.out.join("report.html");
-    vibro::part_folder::write_whole(&path, report.html.as_bytes())?;
-    std::fs::remove_dir_all(&home).map_err(Error::file("writing", &home))?;
-    output::say(&report.summary(&path))
+    destination.write_into(&report.studies, &out)?;
+    let page = destination.write_page("report", &report.html, &out)?;
+    folders.into_iter().try_for_each(PartFolder::remove)?;
+    // What others put there stays.
+    let _ = std::fs::remove_dir(out.join(&home));
+    output::say(&format!("{}{}", output::apart(&out, common), report.summary(&page)))
 }

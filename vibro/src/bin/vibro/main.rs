@@ -1,6 +1,9 @@
 //! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
 
 mod arguments;
+mod destination;
+mod interruption;
+mod invocation;
 mod long;
 mod output;
 mod progress;
@@ -9,7 +12,8 @@ mod run;
 mod short;
 
 use arguments::{Arguments, Command, Common};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
+use destination::Destination;
 use std::process::ExitCode;
 use vibro::{Error, Result, parameter_file, studies};
 use vibro_analysis::ParameterSet;
@@ -18,7 +22,9 @@ use vibro_analysis::ParameterSet;
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
+    arguments.common.invocation = invocation::invocation(&matches);
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -45,6 +51,10 @@ fn run(arguments: &Arguments) -> Result<()> {
             set.not_given_values()
         );
     }
+    // Refused before work begins.
+    let destination = Destination::new(common, &common.invocation, &set);
+    let names = short::names(&arguments.command);
+    destination.place(&names.iter().map(|name| destination.result(name)).collect::<Vec<_>>())?;
     let studies = match &arguments.command {
         Command::Steady => vec![studies::steady(&set)?],
         Command::Run(a) => vec![run::run(&set, a)?],
@@ -69,8 +79,10 @@ fn run(arguments: &Arguments) -> Result<()> {
             return long::reproduce(&set, common, a);
         }
     };
-    output::write(&studies, &common.out)?;
-    output::print(&studies, &set, &common.out)
+    let held = destination::hold(&common.out);
+    let out = destination.write(&studies)?;
+    drop(held);
+    output::print(&studies, &set, &out, common)
 }
 
 /// A parameter set with the changes of the parameter file, then those of `--set`.

@@ -1,36 +1,16 @@
-//! Writes files into the folder and text to the screen.
+//! Writes text to the screen.
 
+use crate::arguments::Common;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
-use vibro::figures::canvas;
-use vibro::part_folder::write_whole;
 use vibro::studies::Study;
 use vibro::table::Table;
 use vibro::{Error, Result};
 use vibro_analysis::ParameterSet;
 
-/// Writes pictures and tables.
-pub fn write(studies: &[Study], folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
-    let write = |name: String, bytes: &[u8]| {
-        let path = folder.join(name);
-        write_whole(&path, bytes)
-    };
-    for study in studies {
-        for (name, csv) in &study.tables {
-            write(format!("{name}.csv"), csv)?;
-        }
-        if let Some(figure) = &study.figure {
-            write(format!("{}.svg", study.name), canvas::svg(figure)?.as_bytes())?;
-            write(format!("{}.png", study.name), &canvas::png(figure)?)?;
-        }
-    }
-    Ok(())
-}
-
 /// Says what was drawn and where, in the first line; then the numbers worth reading.
-pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path) -> Result<()> {
+pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path, common: &Common) -> Result<()> {
     let mut text = String::new();
     let drawn: Vec<&str> = studies.iter().filter(|s| s.figure.is_some()).map(|s| s.name.as_str()).collect();
     // Writing to a string cannot fail.
@@ -38,6 +18,7 @@ pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path) -> Result<()>
         [one] => writeln!(text, "{}", first_line(one, folder)),
         _ => writeln!(text, "drew {} into {} as SVG and PNG, with CSV:", drawn.join(", "), folder.display()),
     };
+    text.push_str(&apart(folder, common));
     for study in studies {
         if studies.len() > 1 {
             let _ = writeln!(text, "{}: {}", study.name, study.what);
@@ -52,6 +33,15 @@ pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path) -> Result<()>
         text.push_str(&side_by_side(table));
     }
     say(text.trim_end_matches('\n'))
+}
+
+/// Why results are not where they would be expected, in a line; nothing where they are.
+pub fn apart(folder: &Path, common: &Common) -> String {
+    if folder == common.out {
+        return String::new();
+    }
+    let out = common.out.display();
+    format!("{out} holds results of other parameters, so these have the folder {}\n", folder.display())
 }
 
 /// Writes a line to standard output.

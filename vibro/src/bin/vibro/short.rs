@@ -1,6 +1,6 @@
 //! Studies of seconds, which need no parts on disk: from their arguments to the library's studies.
 
-use crate::arguments::{Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
+use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
 use std::ops::RangeInclusive;
@@ -64,6 +64,28 @@ pub fn check_used(set: &ParameterSet, figure: &str, unused: &[&str], instead: &s
 /// Whether a figure was asked for; all are where none is named.
 fn wants(figures: &[String], figure: &str) -> bool {
     figures.is_empty() || figures.iter().any(|f| f == figure)
+}
+
+/// The results of a command whose names are known before it has worked; those of long studies are looked at with their parts.
+/// The result for figure 19 has parameters of its own and is looked at when it is there.
+pub fn names(command: &Command) -> Vec<String> {
+    let figures = |stem: &str, all: &[&str], asked: &[String]| {
+        all.iter().filter(|f| wants(asked, f)).map(|f| format!("{stem}-{f}")).collect()
+    };
+    match command {
+        Command::Steady => vec!["steady".into()],
+        Command::Run(_) => vec!["run".into()],
+        Command::Plane(_) => vec!["plane".into()],
+        Command::Response(a) => match a.kind {
+            ResponseKind::Frequency => vec!["response-frequency".into()],
+            ResponseKind::Force => vec!["response-force".into()],
+            ResponseKind::Both => vec!["response-frequency".into(), "response-force".into()],
+        },
+        Command::Manifold(a) => figures("manifold", &["2", "7", "9"], &a.figure),
+        Command::Stability(a) => figures("stability", &["5", "6"], &a.figure),
+        Command::Compare(a) => figures("compare", &["8", "16", "17"], &a.figure),
+        _ => Vec::new(),
+    }
 }
 
 pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {

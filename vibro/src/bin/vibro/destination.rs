@@ -1,0 +1,188 @@
+//! Where results go, so that a run never destroys what another one has written.
+//!
+//! Every result has a manifest beside it, and so has every folder of parts. A run overwrites what the same command with
+//! the same parameters has left, and nothing else. In a folder that the user names, everything else is refused before
+//! work begins: a script finds there what it asked for, or an exit code. The default folder is everybody's: there a run
+//! that meets results or parts of another one gets a folder of its own, with a digest of its options and parameters in
+//! the name.
+
+use crate::arguments::{Common, DEFAULT_OUT};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use vibro::figures::canvas;
+use vibro::manifest::{Invocation, Manifest};
+use vibro::part_folder::{Occupancy, PartFolder, write_whole};
+use vibro::studies::Study;
+use vibro::{Error, Result};
+use vibro_analysis::ParameterSet;
+
+/// Endings of the files of a result that have its name.
+const ENDINGS: [&str; 4] = ["csv", "svg", "png", "html"];
+
+/// What a run is going to write.
+pub enum Claim {
+    /// A finished result.
+    Result(Manifest),
+    /// A folder of parts, relative to the folder of results.
+    Parts(PathBuf, Manifest),
+}
+
+/// The command's results: whose they are and where they go.
+pub struct Destination<'a> {
+    common: &'a Common,
+    invocation: &'a Invocation,
+    set: &'a ParameterSet,
+}
+
+impl<'a> Destination<'a> {
+    /// Of the results of an invocation for a parameter set.
+    pub fn new(common: &'a Common, invocation: &'a Invocation, set: &'a ParameterSet) -> Self {
+        Self { common, invocation, set }
+    }
+
+    /// The claim of a result by its name.
+    pub fn result(&self, name: &str) -> Claim {
+        Claim::Result(Manifest::of_result(name, self.invocation, self.set))
+    }
+
+    /// The folder where all that is claimed can be written.
+    ///
+    /// # Errors
+    /// [`Error::Config`] where a folder that the user named holds results or parts of another run, and where a manifest
+    /// is damaged; [`Error::File`].
+    pub fn place(&self, claims: &[Claim]) -> Result<PathBuf> {
+        let out = &self.common.out;
+        let (own, foreign) = self.occupancy(out, claims)?;
+        if *out == Path::new(DEFAULT_OUT) {
+            let key = Manifest::of_result("", self.invocation, self.set);
+            let apart = out.join(format!("{}-{}", self.invocation.command, key.digest()));
+            if foreign.is_some() || (!own && apart.exists()) {
+                return match self.occupancy(&apart, claims)?.1 {
+                    None => Ok(apart),
+                    Some(error) => Err(error),
+                };
+            }
+        }
+        foreign.map_or(Ok(out.clone()), Err)
+    }
+
+    /// Whether a folder holds something of this very run, and the first refusal.
+    fn occupancy(&self, out: &Path, claims: &[Claim]) -> Result<(bool, Option<Error>)> {
+        let mut own = false;
+        for claim in claims {
+            let refusal = match claim {
+                Claim::Result(_) if self.common.replace => None,
+                Claim::Result(here) => {
+                    own |= manifest_path(out, &here.study).exists();
+                    other_result(out, here)?
+                }
+                Claim::Parts(folder, here) => {
+                    let folder = out.join(folder);
+                    let found = PartFolder::occupancy(&folder, here)?;
+                    own |= found == Occupancy::Own;
+                    match found {
+                        Occupancy::Foreign(there) if !self.common.discard_unfinished => {
+                            Some(vibro::part_folder::other_study(&folder, &there, here))
+                        }
+                        _ => None,
+                    }
+                }
+            };
+            if refusal.is_some() {
+                return Ok((own, refusal));
+            }
+        }
+        Ok((own, None))
+    }
+
+    /// Writes results where there is place for them, and returns the folder.
+    ///
+    /// # Errors
+    /// As [`Self::place`]; [`Error::File`], [`Error::Output`].
+    pub fn write(&self, studies: &[Study]) -> Result<PathBuf> {
+        let claims: Vec<_> = studies.iter().map(|s| Claim::Result(self.manifest(s))).collect();
+        let out = self.place(&claims)?;
+        self.write_into(studies, &out)?;
+        Ok(out)
+    }
+
+    /// Writes results into a folder that [`Self::place`] has found.
+    ///
+    /// # Errors
+    /// [`Error::File`], [`Error::Output`].
+    pub fn write_into(&self, studies: &[Study], out: &Path) -> Result<()> {
+        std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
+        for study in studies {
+            write_manifest(out, &self.manifest(study))?;
+            for (name, csv) in &study.tables {
+                write_whole(&out.join(format!("{name}.csv")), csv)?;
+            }
+            if let Some(figure) = &study.figure {
+                let path = |ending: &str| out.join(format!("{}.{ending}", study.name));
+                write_whole(&path("svg"), canvas::svg(figure)?.as_bytes())?;
+                write_whole(&path("png"), &canvas::png(figure)?)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes a page with its manifest into a folder that [`Self::place`] has found.
+    ///
+    /// # Errors
+    /// [`Error::File`], [`Error::Output`].
+    pub fn write_page(&self, name: &str, html: &str, out: &Path) -> Result<PathBuf> {
+        write_manifest(out, &Manifest::of_result(name, self.invocation, self.set))?;
+        let path = out.join(format!("{name}.html"));
+        write_whole(&path, html.as_bytes())?;
+        Ok(path)
+    }
+
+    fn manifest(&self, study: &Study) -> Manifest {
+        Manifest::of_result(&study.name, self.invocation, study.set.as_deref().unwrap_or(self.set))
+    }
+}
+
+fn manifest_path(out: &Path, name: &str) -> PathBuf {
+    out.join(format!("{name}.manifest.toml"))
+}
+
+fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
+    write_whole(&manifest_path(out, &manifest.study), manifest.text()?.as_bytes())
+}
+
+/// The refusal to overwrite the result of another run, where there is one.
+fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
+    let (name, path) = (&here.study, manifest_path(out, &here.study));
+    let allowed = "allowed: another --out, or --replace, which overwrites it";
+    let problem = if path.exists() {
+        let there = Manifest::read(&path)?;
+        if there.describes_same(here) {
+            return Ok(None);
+        }
+        format!(
+            "holds the result `{name}` of another run\n  there: {}\n  here:  {}\n  they differ in {}\n  {allowed}",
+            there.in_words(),
+            here.in_words(),
+            there.differences_in_words(here)
+        )
+    } else {
+        let mut files = ENDINGS.iter().map(|ending| format!("{name}.{ending}"));
+        match files.find(|file| out.join(file).exists()) {
+            None => return Ok(None),
+            Some(file) => {
+                format!(
+                    "holds {file} without {name}.manifest.toml, so that nothing says what it shows\n  {allowed}"
+                )
+            }
+        }
+    };
+    Ok(Some(Error::Config { path: out.into(), problem }))
+}
+
+/// Holds off other programs while the folder is looked at and written; `None` where the system cannot lock a folder.
+pub fn hold(out: &Path) -> Option<File> {
+    std::fs::create_dir_all(out).ok()?;
+    let folder = File::open(out).ok()?;
+    folder.lock().ok()?;
+    Some(folder)
+}

@@ -1,0 +1,209 @@
+//! Manifests: what a folder of finished parts, or a finished result, was computed from. They keep results of different
+//! parameters apart.
+
+use crate::long_study::LongStudy;
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use vibro_analysis::{GROUPS, ParameterSet};
+use vibro_impact::parameters::FIELDS;
+
+/// The program in every manifest.
+const PROGRAM: &str = "vibro";
+
+/// A command with its options, as it was given.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Invocation {
+    /// The command, e.g. `basin`.
+    pub command: String,
+    /// The command line without what results do not depend on: the folder, the number of threads, the shard.
+    pub command_line: String,
+    /// The options of the command on which its results depend, with their values or defaults.
+    pub options: BTreeMap<String, String>,
+}
+
+/// What a result was computed from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// `vibro`.
+    pub program: String,
+    /// Version of the program.
+    pub version: String,
+    /// Stem of the result's files.
+    pub study: String,
+    /// The command that computes it.
+    pub invocation: Invocation,
+    /// The physical parameters in SI, by their structured names.
+    pub si: BTreeMap<String, f64>,
+    /// The dimensionless groups.
+    pub groups: BTreeMap<String, f64>,
+    /// The study whose parts are in the folder; `None` in the manifest of a finished result.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub long_study: Option<LongStudy>,
+}
+
+impl Manifest {
+    /// The manifest of a finished result.
+    pub fn of_result(study: &str, invocation: &Invocation, set: &ParameterSet) -> Self {
+        let (parameters, groups) = (set.parameters(), set.groups());
+        Self {
+            program: PROGRAM.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            study: study.into(),
+            invocation: invocation.clone(),
+            si: FIELDS.iter().map(|f| (f.name.into(), (f.get)(parameters))).collect(),
+            groups: GROUPS.iter().map(|g| (g.name.into(), (g.get)(groups))).collect(),
+            long_study: None,
+        }
+    }
+
+    /// The manifest of a folder of parts.
+    pub fn of_parts(study: &LongStudy, invocation: &Invocation) -> Self {
+        let long_study = Some(study.clone());
+        Self { long_study, ..Self::of_result(&study.name, invocation, &study.set) }
+    }
+
+    /// Reads a manifest.
+    ///
+    /// # Errors
+    /// [`Error::File`], [`Error::Config`] for what is no manifest of this program.
+    pub fn read(path: &Path) -> Result<Self> {
+        let problem = |problem: String| Error::Config { path: path.into(), problem };
+        let text = std::fs::read(path).map_err(Error::file("reading", path))?;
+        let text = String::from_utf8(text).map_err(|_| problem("is no manifest of vibro: no text".into()))?;
+        let found: Self = toml::from_str(&text).map_err(|e| {
+            let reason = e.to_string();
+            problem(format!(
+                "is no manifest of vibro, or a damaged one, and is left as it is: {}",
+                reason.trim_end()
+            ))
+        })?;
+        if found.program == PROGRAM {
+            Ok(found)
+        } else {
+            Err(problem(format!(
+                "is a manifest of `{}` and not of vibro, and is left as it is",
+                found.program
+            )))
+        }
+    }
+
+    /// As TOML.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub fn text(&self) -> Result<String> {
+        toml::to_string(self).map_err(Error::output("a manifest"))
+    }
+
+    /// Whether both describe the same result: the same study and options and the same parameters, by whatever version
+    /// and in whatever words. Parts must also be of the same version, since they are put together.
+    pub fn describes_same(&self, other: &Self) -> bool {
+        self.long_study == other.long_study && self.differences(other).is_empty()
+    }
+
+    /// Where the manifests differ, in words; `self` is what is there and `other` what is asked for.
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        let (there, here) = (self.values(), other.values());
+        let names: std::collections::BTreeSet<_> = there.keys().chain(here.keys()).collect();
+        let mut found = Vec::new();
+        for name in names {
+            let (a, b) = (there.get(name), here.get(name));
+            if a != b {
+                let word = |x: Option<&String>| x.map_or("not given", String::as_str).to_owned();
+                found.push(format!("{name}: {} there, {} here", word(a), word(b)));
+            }
+        }
+        found
+    }
+
+    /// [`Self::differences`] in a line.
+    pub fn differences_in_words(&self, other: &Self) -> String {
+        match self.differences(other).as_slice() {
+            // Captions name the parameters that were given.
+            [] => "which parameters were given and which are defaults".into(),
+            all => all.join("; "),
+        }
+    }
+
+    /// All that makes one result differ from another, by name.
+    fn values(&self) -> BTreeMap<String, String> {
+        let mut values: BTreeMap<String, String> = BTreeMap::new();
+        values.insert("command".into(), self.invocation.command.clone());
+        values.insert("study".into(), self.study.clone());
+        values.extend(self.invocation.options.iter().map(|(k, v)| (format!("--{k}"), v.clone())));
+        values.extend(self.si.iter().chain(&self.groups).map(|(k, v)| (k.clone(), v.to_string())));
+        if let Some(study) = &self.long_study {
+            values.insert("version".into(), study.version.clone());
+        }
+        values
+    }
+
+    /// Eight hexadecimal digits that differ between commands, options and parameters, for the name of a folder.
+    pub fn digest(&self) -> String {
+        let mut values = self.values();
+        // One command may make several studies, all of which belong in one folder.
+        values.remove("study");
+        values.remove("version");
+        // FNV-1a: the same on every machine and for every version, unlike the hashes of the standard library.
+        let byte = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        let text: String = values.iter().map(|(k, v)| format!("{k}={v}\n")).collect();
+        let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325, byte);
+        format!("{:08x}", (hash ^ (hash >> 32)) as u32)
+    }
+
+    /// In two lines: the command line with its version, and the groups.
+    pub fn in_words(&self) -> String {
+        let groups: Vec<_> =
+            self.groups.iter().map(|(k, v)| format!("{k} = {}", vibro_analysis::short(*v))).collect();
+        format!("{} (version {})\n         {}", self.invocation.command_line, self.version, groups.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn manifest(assignment: &str) -> Manifest {
+        let mut set = ParameterSet::basic();
+        set.apply(&[assignment]).unwrap();
+        Manifest::of_result("steady", &Invocation { command: "steady".into(), ..Invocation::default() }, &set)
+    }
+
+    #[test]
+    fn second_method_a_manifest_reads_back_as_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.toml");
+        let written = manifest("kappa=0.6180339887498949");
+        std::fs::write(&path, written.text().unwrap()).unwrap();
+        assert_eq!(Manifest::read(&path).unwrap(), written);
+    }
+
+    #[test]
+    fn other_parameters_are_named_and_have_another_digest() {
+        let (one, two) = (manifest("kappa=0.5"), manifest("kappa=0.6"));
+        assert_eq!(
+            one.differences(&two),
+            ["kappa: 0.5 there, 0.6 here", "stop.restitution: 0.5 there, 0.6 here"]
+        );
+        assert!(one.digest() != two.digest() && one.digest().len() == 8);
+        let newer = Manifest { version: "9.9.9".into(), ..one.clone() };
+        assert!(one.describes_same(&newer) && one.digest() == newer.digest());
+    }
+
+    #[test]
+    fn what_is_no_manifest_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.toml");
+        let other = Manifest { program: "cargo".into(), ..manifest("kappa=0.5") }.text().unwrap();
+        for (bytes, word) in
+            [(&b"\xff\xfe"[..], "no text"), (b"study = 1", "damaged"), (other.as_bytes(), "`cargo`")]
+        {
+            std::fs::write(&path, bytes).unwrap();
+            let error = Manifest::read(&path).unwrap_err();
+            let text = error.to_string();
+            assert!(error.is_usage() && text.contains("m.toml") && text.contains(word), "{text}");
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Runs the real `vibro` twice in one folder: nothing that a run has written is lost by another one, by Ctrl-C or by a
+//! second program at the same time.
+
+#[allow(dead_code)] // no picture is looked at here
+#[path = "common/mod.rs"]
+mod command;
+
+use command::{command, drawn, folder};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A basin in some parts, each a fraction of a second.
+const BASIN: [&str; 5] = ["basin", "--resolution", "16", "--discard", "60"];
+const LONGER: [&str; 7] = ["basin", "--resolution", "48", "--discard", "300", "--threads", "1"];
+/// Far more than a part takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// All files of a folder and of its folders, with their bytes.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else {
+            found.insert(path.clone(), std::fs::read(&path).expect("a file"));
+        }
+    }
+    found
+}
+
+/// Exit code and standard error.
+fn outcome(output: &Output) -> (Option<i32>, String) {
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Standard error of a run that is refused as wrong usage and leaves the folder as it was.
+fn refused(out: &Path, arguments: &[&str]) -> String {
+    let before = files(out);
+    let (code, error) = outcome(&command(out, arguments).output().expect("vibro runs"));
+    assert_eq!(code, Some(2), "{arguments:?}: {error}");
+    assert!(before == files(out), "{arguments:?} changed the folder");
+    error
+}
+
+/// Runs in the default folder of a working folder.
+fn by_default(home: &Path, arguments: &[&str]) -> String {
+    let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+    let output = vibro.args(arguments).current_dir(home).output().expect("vibro runs");
+    assert!(output.status.success(), "{arguments:?}: {}", outcome(&output).1);
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// Starts a long study and waits for its first part.
+fn begun(out: &Path) -> Child {
+    let mut vibro = command(out, &LONGER);
+    let mut child = vibro.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("vibro starts");
+    let begin = Instant::now();
+    while kept(out) == 0 {
+        assert!(begin.elapsed() < PATIENCE, "no part in {PATIENCE:?}");
+        assert!(child.try_wait().unwrap().is_none(), "it has ended already");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child
+}
+
+fn kept(out: &Path) -> usize {
+    let entries = std::fs::read_dir(out.join("basin.parts"));
+    entries
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter(|e| e.path().extension().is_some_and(|x| x == "part"))
+        .count()
+}
+
+#[test]
+fn a_run_with_other_parameters_is_refused_and_keeps_the_parts_of_the_first() {
+    let out = folder("folders-parts");
+    drawn(&out, &[&BASIN[..], &["--shard", "1/2"]].concat());
+    let error = refused(&out, &[&BASIN[..], &["--set", "kappa=0.6"]].concat());
+    for word in [
+        "basin.parts: holds ",
+        "there: vibro basin --resolution 16 --discard 60 (version ",
+        "here:  vibro basin --resolution 16 --discard 60 --set kappa=0.6 (version ",
+        "kappa: 0.75 there, 0.6 here",
+        "stop.restitution: 0.75 there, 0.6 here",
+        "another --out",
+        "vibro merge",
+        "--discard-unfinished",
+    ] {
+        assert!(error.contains(word), "{word}: {error}");
+    }
+    // Other options are another study too.
+    let error = refused(&out, &["basin", "--resolution", "16", "--discard", "61"]);
+    assert!(error.contains("--discard: 60 there, 61 here"), "{error}");
+    // Results are not what this flag is for.
+    refused(&out, &[&BASIN[..], &["--set", "kappa=0.6", "--replace"]].concat());
+    drawn(&out, &[&BASIN[..], &["--set", "kappa=0.6", "--discard-unfinished"]].concat());
+    assert!(out.join("basin.csv").exists() && !out.join("basin.parts").exists());
+}
+
+#[test]
+fn the_default_folder_gives_a_run_with_other_parameters_a_folder_of_its_own() {
+    let (home, out) = (folder("folders-default"), folder("folders-default-alone"));
+    std::fs::create_dir_all(&home).unwrap();
+    let share = |assignment: &str, share: &str| {
+        by_default(&home, &[&BASIN[..], &["--set", assignment, "--shard", share]].concat())
+    };
+    share("kappa=0.5", "1/2");
+    let before = files(&home);
+    let text = share("kappa=0.6", "1/2");
+    let after = files(&home);
+    assert!(before.iter().all(|(path, bytes)| after.get(path) == Some(bytes)), "the first lost a file");
+    assert!(text.contains("parts of `basin` are in vibro-out/basin-"), "{text}");
+    // Each goes on where it was.
+    let text = share("kappa=0.6", "2/2");
+    assert!(
+        text.contains(
+            "vibro-out holds results of other parameters, so these have the folder vibro-out/basin-"
+        ),
+        "{text}"
+    );
+    share("kappa=0.5", "2/2");
+    drawn(&out, &[&BASIN[..], &["--set", "kappa=0.5"]].concat());
+    let drawn_alone = std::fs::read(out.join("basin.csv")).unwrap();
+    assert!(std::fs::read(home.join("vibro-out/basin.csv")).unwrap() == drawn_alone);
+    // The same again stays where it is and says nothing.
+    let again = by_default(&home, &[&BASIN[..], &["--set", "kappa=0.5"]].concat());
+    assert!(again.contains("into vibro-out/basin.svg") && !again.contains("so these have"), "{again}");
+}
+
+#[test]
+fn finished_results_are_overwritten_by_the_same_command_only() {
+    let out = folder("folders-results");
+    drawn(&out, &["steady", "--set", "kappa=0.7"]);
+    let first = files(&out);
+    drawn(&out, &["steady", "--set", "kappa=0.7", "--threads", "1"]);
+    assert!(first == files(&out), "the same command makes the same files");
+    let error = refused(&out, &["steady", "--set", "kappa=0.8"]);
+    for word in [
+        "holds the result `steady` of another run",
+        "kappa: 0.7 there, 0.8 here",
+        "another --out, or --replace",
+    ] {
+        assert!(error.contains(word), "{word}: {error}");
+    }
+    drawn(&out, &["steady", "--set", "kappa=0.8", "--replace"]);
+    assert!(files(&out)[&out.join("steady.csv")] != first[&out.join("steady.csv")]);
+    // Other figures of one command have their place beside each other.
+    drawn(&out, &["manifold", "--figure", "2"]);
+    drawn(&out, &["manifold", "--figure", "7"]);
+    // Long studies are refused before they work.
+    drawn(&out, &BASIN);
+    let error = refused(&out, &[&BASIN[..], &["--set", "kappa=0.6"]].concat());
+    assert!(error.contains("holds the result `basin` of another run"), "{error}");
+}
+
+#[test]
+fn manifests_say_what_a_result_was_computed_from() {
+    let out = folder("folders-manifest");
+    drawn(&out, &["response", "--kind", "force", "--set", "kappa=0.7", "--threads", "2"]);
+    let text = std::fs::read_to_string(out.join("response-force.manifest.toml")).unwrap();
+    let manifest: toml::Table = text.parse().unwrap();
+    assert_eq!(manifest["program"].as_str(), Some("vibro"));
+    assert_eq!(manifest["version"].as_str(), Some(env!("CARGO_PKG_VERSION")));
+    assert_eq!(manifest["study"].as_str(), Some("response-force"));
+    let line = manifest["invocation"]["command_line"].as_str();
+    assert_eq!(line, Some("vibro response --kind force --set kappa=0.7"));
+    let (si, groups) = (manifest["si"].as_table().unwrap(), manifest["groups"].as_table().unwrap());
+    assert_eq!((si.len(), groups.len()), (13, 10));
+    assert_eq!((si["stop.restitution"].as_float(), groups["kappa"].as_float()), (Some(0.7), Some(0.7)));
+}
+
+#[test]
+fn what_others_have_written_is_refused_by_name_and_never_removed() {
+    let out = folder("folders-foreign");
+    std::fs::create_dir_all(out.join("basin.parts")).unwrap();
+    std::fs::write(out.join("steady.csv"), "somebody's").unwrap();
+    std::fs::write(out.join("plane.manifest.toml"), "half a manif").unwrap();
+    std::fs::write(out.join("basin.parts/manifest.toml"), "program = \"another\"").unwrap();
+    let error = refused(&out, &["steady"]);
+    assert!(error.contains("holds steady.csv without steady.manifest.toml"), "{error}");
+    let error = refused(&out, &["plane", "--resolution", "10"]);
+    assert!(error.contains("plane.manifest.toml: is no manifest of vibro, or a damaged one"), "{error}");
+    let error = refused(&out, &[&BASIN[..], &["--discard-unfinished"]].concat());
+    assert!(error.contains("manifest.toml: is no manifest of vibro, or a damaged one"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
+    use std::os::unix::process::ExitStatusExt;
+    let (out, whole) = (folder("folders-interrupted"), folder("folders-whole"));
+    let child = begun(&out);
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
+    let output = child.wait_with_output().unwrap();
+    let (code, error) = outcome(&output);
+    assert_eq!((code, output.status.signal()), (Some(130), None), "{error}");
+    let count = format!("interrupted: {} of ", kept(&out));
+    assert!(error.starts_with(&count) && error.contains("parts of `basin` are kept in"), "{count}: {error}");
+    let line = format!("vibro {} --out {}", LONGER.join(" "), out.display());
+    assert!(error.trim_end().ends_with(&line), "{line}: {error}");
+    drawn(&out, &LONGER);
+    drawn(&whole, &LONGER);
+    let names = |home: &Path| -> BTreeMap<PathBuf, Vec<u8>> {
+        files(home).into_iter().map(|(p, b)| (p.strip_prefix(home).unwrap().into(), b)).collect()
+    };
+    assert!(names(&out) == names(&whole), "an interrupted study ends as one in one piece");
+}
+
+#[test]
+fn a_second_program_in_the_folder_is_refused() {
+    let out = folder("folders-two");
+    let mut first = begun(&out);
+    let (code, error) = outcome(&command(&out, &LONGER).output().expect("vibro runs"));
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("basin.parts: another vibro is computing parts in this folder"), "{error}");
+    assert!(kept(&out) > 0);
+}
