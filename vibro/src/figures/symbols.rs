@@ -56,13 +56,36 @@ pub(super) fn stroke<DB: DrawingBackend>(
 ) -> Drawn {
     for piece in dashes(path, dash, f64::from(width)) {
         let points: Vec<_> = simplified(&piece).into_iter().map(whole).collect();
-        for from in (0..points.len().saturating_sub(1)).step_by(AT_ONCE) {
-            // One segment more than the step, so that the joints are filled.
-            let part = points[from..points.len().min(from + AT_ONCE + 2)].to_vec();
-            area.draw(&PathElement::new(part, colour.stroke_width(width))).map_err(failed)?;
+        for run in runs(&points) {
+            for from in (0..run.len().saturating_sub(1)).step_by(AT_ONCE) {
+                // One segment more than the step, so that the joints are filled.
+                let part = run[from..run.len().min(from + AT_ONCE + 2)].to_vec();
+                area.draw(&PathElement::new(part, colour.stroke_width(width))).map_err(failed)?;
+            }
+            // The next run begins at this end: a disc makes the join round.
+            if let Some(&end) = run.last().filter(|&&end| Some(&end) != points.last()) {
+                area.draw(&Circle::new(end, width as i32 / 2, colour.filled())).map_err(failed)?;
+            }
         }
     }
     Ok(())
+}
+
+/// The path cut where it turns by more than a right angle. The drawing library joins segments by mitres of any length, so
+/// that a turn by nearly half a circle would throw a spike across the page.
+fn runs(points: &[(i32, i32)]) -> Vec<&[(i32, i32)]> {
+    let mut runs = Vec::new();
+    let mut from = 0;
+    for (i, corner) in points.windows(3).enumerate() {
+        let along = |k: usize| (corner[k + 1].0 - corner[k].0, corner[k + 1].1 - corner[k].1);
+        let (before, after) = (along(0), along(1));
+        if before.0 * after.0 + before.1 * after.1 < 0 {
+            runs.push(&points[from..=i + 1]);
+            from = i + 1;
+        }
+    }
+    runs.push(&points[from..]);
+    runs
 }
 
 /// The edge of a rectangle, as a path: rectangles on SVG have no stroke width.
