@@ -70,7 +70,7 @@ fn a_response_draws_the_machine_that_was_given() {
     assert!(text.contains("k₁ = 48000 N/m") && text.contains("₁₀ = 3.125"), "{text}");
     assert!(!text.contains("F₁₀ =") && !text.contains("₁₀ = 2.5"), "{text}");
     // A value that is listed stands beside the machine's own.
-    drawn(&out, &["response", "--config", &file, "--kind", "frequency", "--values", "f10=1"]);
+    drawn(&out, &["response", "--config", &file, "--kind", "frequency", "--values", "f10=1", "--replace"]);
     assert_eq!(members(&out, "response-frequency.csv", "f10").len(), 2);
 }
 
@@ -134,7 +134,8 @@ fn a_template_is_a_parameter_file() {
 #[test]
 fn axes_are_of_any_parameter_with_units() {
     let (out, file) = machine("cli-axes", MACHINE);
-    let with = |arguments: &[&str]| drawn(&out, &[arguments, &["--config", &file]].concat());
+    // The folder holds results of other options by then.
+    let with = |arguments: &[&str]| drawn(&out, &[arguments, &["--config", &file, "--replace"]].concat());
     let values = |file: &str, name: &str| -> Vec<f64> {
         table(&out, file).iter().map(|r| r[name].parse().unwrap()).collect()
     };
