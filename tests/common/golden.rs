@@ -1,6 +1,7 @@
 //! Reads the golden files of `tests/data` (their columns: the headers of the scripts there).
 
 use std::collections::HashMap;
+use std::path::Path;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::{Parameters, State};
 
@@ -10,7 +11,11 @@ pub struct Row(HashMap<String, String>);
 
 /// All rows of `tests/data/<name>`.
 pub fn table(name: &str) -> Vec<Row> {
-    let path = format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
+    // The tests of the root package and the benches, a folder below it, come here.
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let found =
+        folders.find_map(|folder| Some(folder.join("tests/data").join(name)).filter(|path| path.exists()));
+    let path = found.unwrap_or_else(|| panic!("no {name} in a folder tests/data")).display().to_string();
     let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
     reader.deserialize().map(|row| Row(row.unwrap())).collect()
 }

@@ -11,7 +11,7 @@ const EDGE: usize = 3;
 
 /// A curve that turns by nearly half a circle at each value, as exponents of neighbouring values do.
 fn jagged(count: usize) -> Path {
-    let height = |i: usize| (i as f64 * 0.618_034).fract() * if i % 2 == 0 { 0.9 } else { -0.9 };
+    let height = |i: usize| (i as f64 * 0.618_034).fract() * if i.is_multiple_of(2) { 0.9 } else { -0.9 };
     (0..count).map(|i| (i as f64 / (count - 1) as f64, height(i))).collect()
 }
 

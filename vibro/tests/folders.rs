@@ -1,7 +1,6 @@
 //! Runs the real `vibro` twice in one folder: nothing that a run has written is lost by another one, by Ctrl-C or by a
 //! second program at the same time.
 
-#[allow(dead_code)] // no picture is looked at here
 #[path = "common/mod.rs"]
 mod command;
 

@@ -19,9 +19,9 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator, State};
 
 /// Drive periods discarded where neither a start nor a load is given.
-pub const DISCARD: u32 = 400;
+const DISCARD: u32 = 400;
 /// Drive periods recorded where nothing else is asked for.
-pub const PERIODS: u32 = 20;
+const PERIODS: u32 = 20;
 /// Least steps in a drive period: cubic interpolation between them is good to about 1e-8 of the amplitudes.
 const LEAST: u32 = 128;
 /// Most steps of a run, a few hundred megabytes.
@@ -36,7 +36,7 @@ pub enum Length {
     Periods(u32),
     /// So many seconds.
     Seconds(f64),
-    /// To the last sample of the loads, or [`PERIODS`] drive periods without loads.
+    /// To the last sample of the loads, or 20 drive periods without loads.
     Default,
 }
 
@@ -45,7 +45,7 @@ pub enum Length {
 pub struct Request {
     /// How long.
     pub length: Length,
-    /// Drive periods discarded before the run begins, without loads; [`DISCARD`] unless given, and none where a start or a load is
+    /// Drive periods discarded before the run begins, without loads; 400 unless given, and none where a start or a load is
     /// given.
     pub discard: Option<u32>,
     /// The start, before what is discarded; the moving block unless given.
