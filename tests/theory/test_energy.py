@@ -8,7 +8,7 @@ import sympy
 from equations import eq, sym, zero
 from simulation import DIGITS, Parameters, State, at, basic, other, run, series
 from test_motion import in_time, t
-from test_multiple_scales import NUMERIC
+from approximation import NUMERIC
 
 # Ten nodes over a step of the simulation are exact to its digits for what follows.
 NODES, WEIGHTS = (

@@ -8,7 +8,7 @@ import pytest
 import sympy
 from equations import Formula, eq, sym, zero
 from simulation import DIGITS, accelerations, basic, differences, flight, other, strike
-from test_multiple_scales import NUMERIC, fixed_points
+from approximation import NUMERIC, fixed_points
 
 CASES = ["basic", "other"]
 TIGHT = mpmath.mpf(10) ** -20

@@ -7,7 +7,7 @@ import pytest
 import sympy
 from equations import eq, sym, zero
 from simulation import DIGITS, Parameters, basic, differences, flight, other, run, strike
-from test_multiple_scales import NUMERIC
+from approximation import NUMERIC
 
 STEP = mpmath.mpf(10) ** -9
 

@@ -6,7 +6,7 @@ import mpmath
 import pytest
 import sympy
 from equations import Formula, eq, sym, zero
-from test_multiple_scales import NUMERIC, numbers
+from approximation import NUMERIC, numbers
 
 phi = sympy.Symbol("varphi", real=True)
 beta, kappa = sympy.Symbol("beta", positive=True), sym("kappa")
