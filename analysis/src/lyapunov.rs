@@ -18,7 +18,7 @@
 //! ```
 
 use super::error::Result;
-use super::smooth_pieces::{PieceEnd, augmented, smooth_pieces};
+use super::smooth_pieces::{PieceEnd, smooth_pieces};
 use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
@@ -100,7 +100,7 @@ pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Resu
     let model = Model::new(&p)?;
     let mut tangent = Tangent {
         variation: Variation::new(&model),
-        frame: generic_frame(&augmented(simulator)),
+        frame: generic_frame(&simulator.augmented()),
         rank: DIMENSION,
         logs: [0.0; DIMENSION],
     };

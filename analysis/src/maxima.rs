@@ -6,7 +6,7 @@
 //! A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
 
 use super::error::{Error, Result};
-use super::smooth_pieces::{Piece, PieceEnd, TERMS, augmented, expand_along, smooth_pieces};
+use super::smooth_pieces::{Piece, PieceEnd, TERMS, expand_along, smooth_pieces};
 use serde::{Deserialize, Serialize};
 use vibro_impact::events::first_crossing;
 use vibro_impact::flow::Series;
@@ -196,7 +196,7 @@ pub fn record_periods(
     let model = Model::new(&parameters)?;
     let (begin, length) = (simulator.time(), parameters.period());
     let weights = of.of_flow();
-    let rising = weighted_sum(&weights, &augmented(simulator), 3) > 0.0;
+    let rising = weighted_sum(&weights, &simulator.augmented(), 3) > 0.0;
     let mut finder = MaximumFinder { weights, rising };
     let mut period = PeriodRecord::default();
     for i in 1..=periods {

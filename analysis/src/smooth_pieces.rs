@@ -5,8 +5,8 @@
 
 use vibro_impact::error::{Error, Result};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
-use vibro_impact::simulator::{Contact, Event, Pause, Simulator};
+use vibro_impact::model::{Augmented, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use vibro_impact::simulator::{Event, Pause, Simulator};
 
 /// Terms of a series over a time of at most [`PIECE_TIMES_RATE`] over the model's rate: the remainder is
 /// 1.2²⁰/20! < 2e-17.
@@ -43,19 +43,6 @@ pub(crate) struct Piece {
     /// Its duration, s.
     pub(crate) span: f64,
     pub(crate) end: PieceEnd,
-}
-
-/// The augmented state of a simulator.
-pub(crate) fn augmented(simulator: &Simulator) -> Augmented {
-    let (state, (w, rate), angle) = (simulator.state(), simulator.relative_motion(), simulator.drive_phase());
-    let mut z = [0.0; LANES];
-    z[..6].copy_from_slice(&[state.x[0], w, state.x[2], state.v[0], rate, state.v[2]]);
-    (z[7], z[6]) = angle.sin_cos();
-    z
-}
-
-fn mode(contact: Contact) -> SmoothMode {
-    if contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest }
 }
 
 /// The flow over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
@@ -111,7 +98,7 @@ pub(crate) fn smooth_pieces(
     refuse_loads(simulator)?;
     loop {
         let (mut start, mut time, mut way) =
-            (augmented(simulator), simulator.time(), mode(simulator.contact()));
+            (simulator.augmented(), simulator.time(), simulator.contact().mode());
         let (mut release, mut hit, mut rests) = (None, None, false);
         // The simulator stops at the first impact; before it, at most one release can happen.
         simulator.advance_until(
@@ -132,7 +119,7 @@ pub(crate) fn smooth_pieces(
             visit(&Piece { mode: way, start, time, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
-        let after = augmented(simulator);
+        let after = simulator.augmented();
         let end = PieceEnd::Impact { side, rate: side * speed, after, rests };
         visit(&Piece { mode: way, start, time, span: at - time, end });
     }

@@ -343,14 +343,12 @@ impl Simulator {
 
     #[inline(always)]
     fn mode(&self) -> SmoothMode {
-        match self.hybrid.contact {
-            Contact::Flight => SmoothMode::Flight,
-            _ => SmoothMode::Rest,
-        }
+        self.hybrid.contact.mode()
     }
 
+    /// The augmented state: x1, w, x3, their rates, cos θ and sin θ.
     #[inline(always)]
-    fn augmented(&self) -> Augmented {
+    pub fn augmented(&self) -> Augmented {
         let mut z = [0.0; LANES];
         z[..6].copy_from_slice(&self.hybrid.y);
         let angle = self.drive_phase();

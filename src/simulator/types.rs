@@ -1,5 +1,6 @@
 //! What goes into a simulation and what comes out of it.
 
+use crate::model::SmoothMode;
 use serde::{Deserialize, Serialize};
 
 /// Whether the block flies or rests, and at which stop.
@@ -147,6 +148,15 @@ pub struct WorkCounters {
 }
 
 impl Contact {
+    /// The smooth mode that holds: flight, or rest at either stop.
+    #[inline(always)]
+    pub fn mode(self) -> SmoothMode {
+        match self {
+            Self::Flight => SmoothMode::Flight,
+            _ => SmoothMode::Rest,
+        }
+    }
+
     /// +1 at the upper stop, -1 at the lower, 0 in flight.
     pub fn side(self) -> f64 {
         match self {

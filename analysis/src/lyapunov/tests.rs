@@ -184,7 +184,7 @@ fn closed_form_variations_through_rest() {
         let Some(end) = passed else { panic!("no rest at f10 = {f10}, kappa = {kappa}") };
         simulator.restore(&start).unwrap();
         let mut variation = Variation::new(&model);
-        let mut frame = unit_frame(&augmented(&simulator));
+        let mut frame = unit_frame(&simulator.augmented());
         smooth_pieces(&mut simulator, &model, end, &mut |piece| {
             variation.propagate(&mut frame, piece);
         })
@@ -200,7 +200,7 @@ fn closed_form_variations_through_rest() {
                 *of += change * unit;
                 let mut s = Simulator::new(&p, &state, from).unwrap().without_energy_accounts();
                 s.advance_to(end).unwrap();
-                let z = augmented(&s);
+                let z = s.augmented();
                 [z[0] + share * z[1], z[2], (z[3] + share * z[4]) / model.rate, z[5] / model.rate]
             };
             let [near, far] = [NARROW, WIDE].map(|apart| {

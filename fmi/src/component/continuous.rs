@@ -181,7 +181,7 @@ impl Continuous {
     }
 
     fn mode(&self) -> SmoothMode {
-        if self.data.contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest }
+        self.data.contact.mode()
     }
 
     fn now(&self) -> Point {

@@ -47,7 +47,7 @@ pub(crate) fn variation(
 ) -> OutputValues {
     let mut z = [0.0; LANES];
     z[..6].copy_from_slice(&dx.to_relative());
-    let mode = if contact == Contact::Flight { SmoothMode::Flight } else { SmoothMode::Rest };
+    let mode = contact.mode();
     let (a, free) = model.acceleration(mode, &z, Some(df));
     let (x, v) = (&state.x, &state.v);
     let (gap, contact_force) = match contact {
