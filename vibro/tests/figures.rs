@@ -36,7 +36,8 @@ fn jagged_curves_stay_inside_their_panel() {
     let (width, height, empty) = drawn(&figure(Vec::new()));
     let dark = |x: usize, y: usize| empty[3 * (y * width + x)] < 128;
     // The frame is the only thing in an empty panel that is dark along most of a row or a column.
-    let rows: Vec<_> = (0..height).filter(|&y| (0..width).filter(|&x| dark(x, y)).count() > width / 2).collect();
+    let rows: Vec<_> =
+        (0..height).filter(|&y| (0..width).filter(|&x| dark(x, y)).count() > width / 2).collect();
     let columns: Vec<_> =
         (0..width).filter(|&x| (0..height).filter(|&y| dark(x, y)).count() > height / 2).collect();
     let (top, bottom) = (rows[0] - EDGE, rows[rows.len() - 1] + EDGE);
@@ -51,8 +52,7 @@ fn jagged_curves_stay_inside_their_panel() {
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let all: Vec<_> = places.filter(|&(x, y)| changed(x, y)).collect();
         assert!(all.len() > 1000, "{count} values: the curve is drawn");
-        let outside =
-            all.iter().find(|p| !(left..=right).contains(&p.0) || !(top..=bottom).contains(&p.1));
+        let outside = all.iter().find(|p| !(left..=right).contains(&p.0) || !(top..=bottom).contains(&p.1));
         assert_eq!(outside, None, "{count} values: the curve leaves its panel");
     }
 }
