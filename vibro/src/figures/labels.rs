@@ -69,7 +69,7 @@ impl Room {
         }
     }
 
-    fn has_room(&self, name: &Frame, colour: Colour, apart: f64) -> bool {
+    fn has_room(&self, name: &Frame, colour: Colour) -> bool {
         let f = &self.frame;
         let near = name.grown(AIR);
         near.left > f.left
@@ -78,7 +78,7 @@ impl Room {
             && near.bottom < f.bottom
             && self.touched(&near).all(|i| self.squares[i] == Cover::Free)
             && self
-                .touched(&name.grown(apart))
+                .touched(&name.grown(APART))
                 .all(|i| matches!(self.squares[i], Cover::Free) || self.squares[i] == Cover::One(colour))
     }
 
@@ -92,23 +92,17 @@ impl Room {
         let middle = spots.len() / 2;
         let order =
             (0..spots.len()).map(|i| if i % 2 == 0 { middle + i / 2 } else { middle - i.div_ceil(2) });
-        let order: Vec<usize> = order.filter(|&i| i < spots.len()).collect();
-        for apart in [APART, AIR] {
-            for &i in &order {
-                let (x, y) = spots[i];
-                for (dx, dy) in [(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)] {
-                    let at = (x + f64::from(dx) * (half + away), y + f64::from(dy) * (high + away));
-                    let name = Frame {
-                        left: at.0 - half,
-                        top: at.1 - high,
-                        right: at.0 + half,
-                        bottom: at.1 + high,
-                    };
-                    if self.has_room(&name, colour, apart) {
-                        // Another name must not touch it, whatever its colour.
-                        self.cover(&name, colour);
-                        return Some(at);
-                    }
+        let order = order.filter(|&i| i < spots.len());
+        for i in order {
+            let (x, y) = spots[i];
+            for (dx, dy) in [(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)] {
+                let at = (x + f64::from(dx) * (half + away), y + f64::from(dy) * (high + away));
+                let name =
+                    Frame { left: at.0 - half, top: at.1 - high, right: at.0 + half, bottom: at.1 + high };
+                if self.has_room(&name, colour) {
+                    // Another name must not touch it, whatever its colour.
+                    self.cover(&name, colour);
+                    return Some(at);
                 }
             }
         }
