@@ -1,59 +1,50 @@
 //! The icon `model.png`: the box on its spring, the block between the stops, the secondary oscillator.
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use vibro::figures::canvas::Drawing;
-use vibro::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
+use vibro::figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY};
+use vibro::figures::canvas::{Canvas, Drawing, Pen, Place};
 
-const PEN: u32 = 22;
+const PEN: f64 = 22.0;
 
 /// The icon.
 pub struct Icon;
-
-type Point = (i32, i32);
 
 impl Drawing for Icon {
     fn size(&self) -> (u32, u32) {
         (1024, 1024)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), String> {
-        let text = |e: DrawingAreaErrorKind<DB::ErrorType>| e.to_string();
-        area.fill(&WHITE).map_err(text)?;
-        let line =
-            |points: Vec<Point>, style: ShapeStyle| area.draw(&PathElement::new(points, style)).map_err(text);
-        let fill = |corners: [Point; 2], colour: RGBColor| {
-            area.draw(&Rectangle::new(corners, colour.filled())).map_err(text)
-        };
+    fn draw(&self, canvas: &mut Canvas) {
         // Ground on both sides.
-        fill([(24, 150), (64, 874)], GREY)?;
-        fill([(960, 150), (1000, 874)], GREY)?;
+        canvas.rectangles(&[[(24.0, 150.0), (64.0, 874.0)], [(960.0, 150.0), (1000.0, 874.0)]], GREY);
         // Box: a frame open to the right, where the coupling spring passes.
-        line(spring(64, 230, 512, 50), BLACK.stroke_width(PEN))?;
-        for wall in [[(230, 250), (640, 290)], [(230, 734), (640, 774)], [(230, 250), (275, 774)]] {
-            fill(wall, BLUE)?;
-        }
-        fill([(600, 250), (640, 430)], BLUE)?;
-        fill([(600, 594), (640, 774)], BLUE)?;
+        canvas.lines(&[spring(64.0, 230.0, 512.0, 50.0)], Pen::solid(BLACK, PEN));
+        let walls = [
+            [(230.0, 250.0), (640.0, 290.0)],
+            [(230.0, 734.0), (640.0, 774.0)],
+            [(230.0, 250.0), (275.0, 774.0)],
+            [(600.0, 250.0), (640.0, 430.0)],
+            [(600.0, 594.0), (640.0, 774.0)],
+        ];
+        canvas.rectangles(&walls, BOX);
         // Block, the coupling spring, the secondary oscillator and its spring.
-        fill([(370, 400), (520, 624)], VERMILLION)?;
-        line(spring(520, 730, 512, 50), BLACK.stroke_width(PEN - 6))?;
-        fill([(730, 400), (830, 624)], GREEN)?;
-        line(spring(830, 960, 512, 50), BLACK.stroke_width(PEN - 6))?;
+        canvas.rectangles(&[[(370.0, 400.0), (520.0, 624.0)]], BLOCK);
+        canvas.rectangles(&[[(730.0, 400.0), (830.0, 624.0)]], SECONDARY);
+        let springs = [spring(520.0, 730.0, 512.0, 50.0), spring(830.0, 960.0, 512.0, 50.0)];
+        canvas.lines(&springs, Pen::solid(BLACK, PEN - 6.0));
         // The drive.
-        line(vec![(290, 160), (520, 160)], BLACK.stroke_width(PEN))?;
-        area.draw(&Polygon::new(vec![(510, 110), (600, 160), (510, 210)], BLACK.filled())).map_err(text)
+        canvas.lines(&[vec![(290.0, 160.0), (520.0, 160.0)]], Pen::solid(BLACK, PEN));
+        canvas.polygon(&[(510.0, 110.0), (600.0, 160.0), (510.0, 210.0)], BLACK, 1.0);
     }
 }
 
 /// A zigzag between two abscissas.
-pub(crate) fn spring(from: i32, to: i32, y: i32, height: i32) -> Vec<Point> {
-    const TEETH: i32 = 6;
-    let end = (to - from) / 8;
+pub(crate) fn spring(from: f64, to: f64, y: f64, height: f64) -> Vec<Place> {
+    const TEETH: u32 = 6;
+    let end = (to - from) / 8.0;
     let (first, last) = (from + end, to - end);
-    let tooth = |i: i32| {
+    let tooth = |i: u32| {
         let side = if i % 2 == 0 { height } else { -height };
-        (first + (last - first) * (2 * i + 1) / (2 * TEETH), y + side)
+        (first + (last - first) * f64::from(2 * i + 1) / f64::from(2 * TEETH), y + side)
     };
     let mut points = vec![(from, y), (first, y)];
     points.extend((0..TEETH).map(tooth));

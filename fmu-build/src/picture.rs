@@ -1,7 +1,7 @@
 //! The picture of a run: time histories and phase portraits.
 
 use crate::run::{Run, STEPS_PER_PERIOD};
-use vibro::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
+use vibro::figures::canvas::palette::{BLACK, BLOCK, BOX, RELATIVE, SECONDARY};
 use vibro::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path};
 use vibro_impact::State;
 
@@ -11,9 +11,9 @@ const TRANSIENT: u32 = 12;
 const STEADY: u32 = 3;
 /// Name, colour and dashes of box, block and secondary oscillator.
 const BODIES: [(&str, Colour, Dash); 3] = [
-    ("box x₁", BLUE, Dash::Solid),
-    ("block x₂", VERMILLION, Dash::Solid),
-    ("secondary x₃", GREEN, Dash::Dashed),
+    ("box x₁", BOX, Dash::Solid),
+    ("block x₂", BLOCK, Dash::Solid),
+    ("secondary x₃", SECONDARY, Dash::Dashed),
 ];
 
 /// The picture of a run.
@@ -51,6 +51,7 @@ fn history(title: &str, run: &Run, from: u32, to: u32) -> Panel {
     let (period, pieces) = (run.parameters.period(), path(run, from, to));
     let layer = |(body, (name, colour, dash)): (usize, (&str, Colour, Dash))| {
         Layer::line(name, colour, dash, curve(&pieces, |time, state| (time / period, state.x[body])))
+            .labelled(name)
     };
     Panel {
         title: title.into(),
@@ -71,8 +72,8 @@ fn relative(run: &Run, from: u32) -> Panel {
         x: Axis::over("relative displacement w (m)", -1.15 * gap, 1.15 * gap),
         y: Axis::new("relative velocity dw/dt (m/s)"),
         layers: vec![
-            Layer::lines("stops ±L", BLACK, Dash::Dashed, stops),
-            Layer::line("w = x₂ − x₁", VERMILLION, Dash::Solid, orbit),
+            Layer::lines("stops ±L", BLACK, Dash::Dashed, stops).labelled("stop"),
+            Layer::line("w = x₂ − x₁", RELATIVE, Dash::Solid, orbit).labelled("w = x₂ − x₁"),
         ],
     }
 }
@@ -82,6 +83,7 @@ fn portraits(run: &Run, from: u32) -> Panel {
     // Orbits that repeat would fill dashes.
     let layer = |(body, (name, colour, _)): (usize, (&str, Colour, Dash))| {
         Layer::line(name, colour, Dash::Solid, curve(&pieces, |_, state| (state.x[body], state.v[body])))
+            .labelled(name)
     };
     Panel {
         title: format!("(d) Phase portraits, last {STEADY} periods"),

@@ -3,7 +3,7 @@
 pub mod canvas;
 pub mod chart;
 mod draw;
+mod labels;
 mod panel;
 mod scale;
 mod symbols;
-mod text;

@@ -1,144 +1,373 @@
-//! What all pictures share: the embedded font, the palette, and rendering to PNG and SVG on any machine alike.
+//! What all pictures share: the embedded font, the palette, and an SVG, from which the PNG is made, so that both are the
+//! same picture on any machine.
 
 use crate::{Error, Result};
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
-use std::sync::Once;
+use resvg::{tiny_skia, usvg};
+use std::fmt::Write as _;
+use std::sync::{Arc, OnceLock};
 
 /// Font of all labels, embedded so that no font has to be installed.
 pub const FONT: &str = "DejaVu Sans";
 /// The file of the font.
 pub static FONT_DATA: &[u8] = include_bytes!("../../../assets/DejaVuSans.ttf");
 
-/// Units of a drawing per pixel of its SVG. The drawing library rounds to whole units, so that fine units keep curves
-/// smooth.
+/// Units of a drawing per pixel of its SVG.
 pub const SVG_SHRINK: u32 = 3;
-/// Units of a drawing per pixel of its PNG; averaging over them smooths edges.
+/// Units of a drawing per pixel of its PNG.
 pub const PNG_SHRINK: u32 = 2;
 
-/// The SVG backend divides font sizes by this.
-const SVG_EM: f64 = 1.24;
-/// Height of the embedded font's lines in ems (its hhea table).
-const LINE_HEIGHT: f64 = 2384.0 / 2048.0;
+/// Height of a capital, depth of a descender and height of a line above the baseline, in ems of the font.
+const CAPITAL: f64 = 0.729;
+const DESCENDER: f64 = 0.236;
+const ASCENDER: f64 = 0.928;
 
 /// Dots per metre in PNG files: 300 per inch.
 const PIXELS_PER_METRE: u32 = 11_811;
 
+/// A colour: red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Colour(pub u8, pub u8, pub u8);
+
+impl Colour {
+    /// The colour of which a part, from 0 to 1, is replaced by another.
+    #[must_use]
+    pub fn towards(self, other: Self, part: f64) -> Self {
+        let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
+        Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
+    }
+}
+
 /// Okabe–Ito colours: told apart by colour-blind eyes, and in print by their lightness.
 pub mod palette {
-    use plotters::style::RGBColor;
-    /// First choice; the box, stable.
-    pub const BLUE: RGBColor = RGBColor(0, 114, 178);
-    /// Second choice; the block.
-    pub const VERMILLION: RGBColor = RGBColor(213, 94, 0);
-    /// Third choice; the secondary oscillator.
-    pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+    use super::Colour;
+    /// First choice.
+    pub const BLUE: Colour = Colour(0, 114, 178);
+    /// Second choice.
+    pub const VERMILLION: Colour = Colour(213, 94, 0);
+    /// Third choice.
+    pub const GREEN: Colour = Colour(0, 158, 115);
     /// Fourth choice.
-    pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
+    pub const PURPLE: Colour = Colour(204, 121, 167);
     /// Fifth choice.
-    pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
+    pub const ORANGE: Colour = Colour(230, 159, 0);
     /// Light; areas.
-    pub const SKY: RGBColor = RGBColor(86, 180, 233);
+    pub const SKY: Colour = Colour(86, 180, 233);
     /// Frames, stops, exact values.
-    pub const BLACK: RGBColor = RGBColor(0, 0, 0);
+    pub const BLACK: Colour = Colour(0, 0, 0);
     /// Grids, captions, unstable areas.
-    pub const GREY: RGBColor = RGBColor(140, 140, 140);
+    pub const GREY: Colour = Colour(140, 140, 140);
+    /// The background.
+    pub const WHITE: Colour = Colour(255, 255, 255);
     /// Colours of a family of curves, in order.
-    pub const FAMILY: [RGBColor; 5] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE];
+    pub const FAMILY: [Colour; 5] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE];
+
+    /// The box, x1, in all pictures.
+    pub const BOX: Colour = BLUE;
+    /// The block, x2, in all pictures.
+    pub const BLOCK: Colour = VERMILLION;
+    /// The secondary oscillator, x3, in all pictures.
+    pub const SECONDARY: Colour = GREEN;
+    /// The block's displacement relative to the box, w, in all pictures.
+    pub const RELATIVE: Colour = PURPLE;
+    /// The centre of mass of box and block, U, in all pictures.
+    pub const CENTRE: Colour = ORANGE;
 }
 
-/// Makes the embedded font known to the drawing library; cheap when done before.
-pub fn register() {
-    static ONCE: Once = Once::new();
-    // A second registration would only replace the font by itself.
-    ONCE.call_once(|| drop(register_font(FONT, FontStyle::Normal, FONT_DATA)));
+/// A place in units of the drawing, from the upper left corner.
+pub type Place = (f64, f64);
+
+/// A line's colour, width in units of the drawing, and lengths of dashes and gaps (none: solid).
+#[derive(Clone, Copy, Debug)]
+pub struct Pen {
+    /// Its colour.
+    pub colour: Colour,
+    /// Its width.
+    pub width: f64,
+    /// Lengths of dash and gap.
+    pub dash: Option<(f64, f64)>,
 }
 
-/// A drawing, on any backend.
+impl Pen {
+    /// A solid line.
+    pub fn solid(colour: Colour, width: f64) -> Self {
+        Self { colour, width, dash: None }
+    }
+}
+
+/// Where a text's place lies along its line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// At its beginning.
+    Start,
+    /// At its middle.
+    Middle,
+    /// At its end.
+    End,
+}
+
+/// Where a text's place lies across its line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// At the upper edge of the line.
+    Top,
+    /// At half the height of a capital.
+    Centre,
+    /// At the lower edge of the line.
+    Bottom,
+}
+
+/// How a text is written.
+#[derive(Clone, Copy, Debug)]
+pub struct Writing {
+    /// Size of the font (its em) in units of the drawing.
+    pub size: f64,
+    /// Its colour.
+    pub colour: Colour,
+    /// Where the place lies along it.
+    pub along: Along,
+    /// Where the place lies across it.
+    pub across: Across,
+    /// Whether it runs upwards.
+    pub upwards: bool,
+}
+
+/// Width of a text of a size in units of the drawing.
+pub fn text_width(words: &str, size: f64) -> f64 {
+    static FACE: OnceLock<Option<ttf_parser::Face<'static>>> = OnceLock::new();
+    let face = FACE.get_or_init(|| ttf_parser::Face::parse(FONT_DATA, 0).ok());
+    let Some(face) = face else { return 0.0 };
+    // A combining circumflex stands over its letter.
+    let letters = words.chars().filter(|c| *c != '\u{302}');
+    let advance = |c| face.glyph_index(c).and_then(|g| face.glyph_hor_advance(g)).unwrap_or(0);
+    let sum: f64 = letters.map(|c| f64::from(advance(c))).sum();
+    sum * size / f64::from(face.units_per_em())
+}
+
+/// An SVG that is being written.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    body: String,
+    /// Whether a coordinate was not finite.
+    broken: bool,
+}
+
+impl Canvas {
+    /// A number with at most one decimal.
+    fn number(&mut self, value: f64) -> String {
+        self.broken |= !value.is_finite();
+        let text = format!("{:.1}", (value * 10.0).round() / 10.0 + 0.0);
+        text.strip_suffix(".0").map(str::to_owned).unwrap_or(text)
+    }
+
+    fn push(&mut self, text: std::fmt::Arguments<'_>) {
+        // Writing into a string cannot fail.
+        let _ = self.body.write_fmt(text);
+    }
+
+    fn hex(Colour(r, g, b): Colour) -> String {
+        format!("#{r:02x}{g:02x}{b:02x}")
+    }
+
+    /// The data of a path of polylines.
+    fn outlines(&mut self, pieces: &[Vec<Place>], close: bool) -> String {
+        let mut data = String::new();
+        for piece in pieces {
+            for (i, (x, y)) in piece.iter().enumerate() {
+                let (x, y) = (self.number(*x), self.number(*y));
+                data.push_str(match i {
+                    0 => "M",
+                    1 => "L",
+                    _ => " ",
+                });
+                data.push_str(&format!("{x} {y}"));
+            }
+            if close {
+                data.push('z');
+            }
+        }
+        data
+    }
+
+    /// Polylines drawn by one pen, with round joins.
+    pub fn lines(&mut self, pieces: &[Vec<Place>], pen: Pen) {
+        let data = self.outlines(pieces, false);
+        if data.is_empty() {
+            return;
+        }
+        let (colour, width) = (Self::hex(pen.colour), self.number(pen.width));
+        self.push(format_args!(
+            "<path d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\""
+        ));
+        if let Some((on, off)) = pen.dash {
+            let (on, off) = (self.number(on), self.number(off));
+            self.push(format_args!(" stroke-linecap=\"butt\" stroke-dasharray=\"{on} {off}\""));
+        }
+        self.push(format_args!("/>\n"));
+    }
+
+    /// A filled polygon.
+    pub fn polygon(&mut self, corners: &[Place], colour: Colour, opacity: f64) {
+        let data = self.outlines(&[corners.to_vec()], true);
+        let (colour, opacity) = (Self::hex(colour), format!("{opacity:.2}"));
+        self.push(format_args!("<path d=\"{data}\" fill=\"{colour}\""));
+        if opacity != "1.00" {
+            self.push(format_args!(" fill-opacity=\"{opacity}\""));
+        }
+        self.push(format_args!("/>\n"));
+    }
+
+    /// Filled rectangles of one colour, given by two opposite corners. Their edges are not smoothed: neighbours would show
+    /// seams where they share a pixel.
+    pub fn rectangles(&mut self, corners: &[[Place; 2]], colour: Colour) {
+        let mut data = String::new();
+        for [a, b] in corners {
+            let (x, y) = (self.number(a.0.min(b.0)), self.number(a.1.min(b.1)));
+            let (w, h) = (self.number((b.0 - a.0).abs()), self.number((b.1 - a.1).abs()));
+            data.push_str(&format!("M{x} {y}h{w}v{h}h-{w}z"));
+        }
+        if !data.is_empty() {
+            let colour = Self::hex(colour);
+            self.push(format_args!(
+                "<path d=\"{data}\" fill=\"{colour}\" shape-rendering=\"crispEdges\"/>\n"
+            ));
+        }
+    }
+
+    /// Discs of one colour, or circles of that pen on white.
+    pub fn circles(&mut self, centres: &[Place], radius: f64, colour: Colour, edge: Option<f64>) {
+        let radius = radius - 0.5 * edge.unwrap_or(0.0);
+        let (r, across) = (self.number(radius), self.number(2.0 * radius));
+        let mut data = String::new();
+        for &(x, y) in centres {
+            let (x, y) = (self.number(x - radius), self.number(y));
+            data.push_str(&format!("M{x} {y}a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0-{across} 0z"));
+        }
+        if data.is_empty() {
+            return;
+        }
+        let colour = Self::hex(colour);
+        match edge.map(|e| self.number(e)) {
+            Some(edge) => self.push(format_args!(
+                "<path d=\"{data}\" fill=\"#ffffff\" stroke=\"{colour}\" stroke-width=\"{edge}\"/>\n"
+            )),
+            None => self.push(format_args!("<path d=\"{data}\" fill=\"{colour}\"/>\n")),
+        }
+    }
+
+    /// A line of text.
+    pub fn text(&mut self, (x, y): Place, words: &str, writing: &Writing) {
+        let size = writing.size;
+        let drop = size
+            * match writing.across {
+                Across::Top => ASCENDER,
+                Across::Centre => 0.5 * CAPITAL,
+                Across::Bottom => -DESCENDER,
+            };
+        let (x, y) = if writing.upwards { (x + drop, y) } else { (x, y + drop) };
+        let (x, y, size) = (self.number(x), self.number(y), self.number(size));
+        let anchor = match writing.along {
+            Along::Start => "",
+            Along::Middle => " text-anchor=\"middle\"",
+            Along::End => " text-anchor=\"end\"",
+        };
+        let turn =
+            if writing.upwards { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+        let (colour, words) = (Self::hex(writing.colour), crate::html::escape(words));
+        self.push(format_args!(
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{colour}\"{anchor}{turn}>{words}</text>\n"
+        ));
+    }
+
+    /// What `draw` draws, moved by `by`.
+    pub fn moved(&mut self, by: Place, draw: impl FnOnce(&mut Self)) {
+        let (x, y) = (self.number(by.0), self.number(by.1));
+        self.push(format_args!("<g transform=\"translate({x} {y})\">\n"));
+        draw(self);
+        self.push(format_args!("</g>\n"));
+    }
+
+    /// What `draw` draws, cut at the edges of a rectangle. Its name in the file is made of its numbers, so that a page may
+    /// hold many pictures: rectangles of one name are equal.
+    pub fn clipped(&mut self, [a, b]: [Place; 2], draw: impl FnOnce(&mut Self)) {
+        let (x, y) = (self.number(a.0), self.number(a.1));
+        let (w, h) = (self.number(b.0 - a.0), self.number(b.1 - a.1));
+        let name = format!("clip-{x}-{y}-{w}-{h}");
+        self.push(format_args!(
+            "<clipPath id=\"{name}\"><rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/></clipPath>\n"
+        ));
+        self.push(format_args!("<g clip-path=\"url(#{name})\">\n"));
+        draw(self);
+        self.push(format_args!("</g>\n"));
+    }
+}
+
+/// Something that can be drawn.
 pub trait Drawing {
     /// Its size in units, [`SVG_SHRINK`] times the size of its SVG in pixels.
     fn size(&self) -> (u32, u32);
-    /// Draws it on an area of that size.
-    ///
-    /// # Errors
-    /// What the drawing library reports, as text.
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> std::result::Result<(), String>;
-}
-
-/// As a PNG file, averaged down from the drawing's units.
-///
-/// # Errors
-/// [`Error::Output`].
-pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
-    register();
-    let (width, height) = drawing.size();
-    let mut fine = vec![255; (width * height * 3) as usize];
-    {
-        let area = BitMapBackend::with_buffer(&mut fine, (width, height)).into_drawing_area();
-        drawing.draw(&area).map_err(Error::output("a picture"))?;
-        area.present().map_err(Error::output("a picture"))?;
-    }
-    let (columns, rows, n) = (width / PNG_SHRINK, height / PNG_SHRINK, PNG_SHRINK);
-    let mut pixels = Vec::with_capacity((columns * rows * 3) as usize);
-    for (y, x, channel) in (0..rows).flat_map(|y| (0..columns * 3).map(move |i| (y, i / 3, i % 3))) {
-        let unit = |i: u32| fine[(((y * n + i / n) * width + x * n + i % n) * 3 + channel) as usize];
-        let sum: u32 = (0..n * n).map(|i| u32::from(unit(i))).sum();
-        pixels.push(((sum + n * n / 2) / (n * n)) as u8);
-    }
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, columns, rows);
-    encoder.set_color(png::ColorType::Rgb);
-    let density = Some(PIXELS_PER_METRE);
-    encoder.set_pixel_dims(density.map(|d| png::PixelDimensions {
-        xppu: d,
-        yppu: d,
-        unit: png::Unit::Meter,
-    }));
-    let mut writer = encoder.write_header().map_err(Error::output("a PNG file"))?;
-    writer.write_image_data(&pixels).map_err(Error::output("a PNG file"))?;
-    writer.finish().map_err(Error::output("a PNG file"))?;
-    Ok(file)
-}
-
-/// SVG text with other font sizes. The SVG backend divides a font's size by 1.24 to get its em; the bitmap backend, which
-/// measures text for both, divides it by the height of the font's lines. This brings the former to the latter, so that words
-/// are as wide as they were measured.
-fn resized(svg: &str) -> String {
-    const KEY: &str = "font-size=\"";
-    let mut parts = svg.split(KEY);
-    let mut text: String = parts.next().unwrap_or_default().into();
-    for part in parts {
-        text.push_str(KEY);
-        let (size, rest) = part.split_once('"').unwrap_or((part, ""));
-        match size.parse::<f64>() {
-            Ok(size) => text.push_str(&format!("{:.2}", size * SVG_EM / LINE_HEIGHT)),
-            Err(_) => text.push_str(size),
-        }
-        text.push('"');
-        text.push_str(rest);
-    }
-    text
+    /// Draws it on a white canvas of that size.
+    fn draw(&self, canvas: &mut Canvas);
 }
 
 /// As SVG text.
 ///
 /// # Errors
-/// [`Error::Output`].
+/// [`Error::Output`] where a coordinate is not finite.
 pub fn svg(drawing: &impl Drawing) -> Result<String> {
-    register();
     let (width, height) = drawing.size();
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, (width, height)).into_drawing_area();
-        drawing.draw(&area).map_err(Error::output("a picture"))?;
-        area.present().map_err(Error::output("a picture"))?;
+    let mut canvas = Canvas::default();
+    drawing.draw(&mut canvas);
+    if canvas.broken {
+        return Err(Error::output("a picture")("a coordinate is not finite"));
     }
-    let size = |w, h| format!("width=\"{w}\" height=\"{h}\" viewBox");
-    let scaled = text.replacen(&size(width, height), &size(width / SVG_SHRINK, height / SVG_SHRINK), 1);
-    // Neighbouring cells of a plane would show seams where they share a pixel.
-    let crisp = scaled.replace("<rect ", "<rect shape-rendering=\"crispEdges\" ");
-    let sized = resized(&crisp);
-    let spare = format!("font-family=\"{FONT}\"");
-    Ok(sized.replace(&spare, &format!("font-family=\"{FONT}, Verdana, sans-serif\"")))
+    Ok(format!(
+        "<svg width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" \
+         font-family=\"{FONT}, sans-serif\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+        width / SVG_SHRINK,
+        height / SVG_SHRINK,
+        canvas.body
+    ))
+}
+
+/// The embedded font for the renderer.
+fn fonts() -> Arc<usvg::fontdb::Database> {
+    static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
+    let load = || {
+        let mut fonts = usvg::fontdb::Database::new();
+        fonts.load_font_data(FONT_DATA.to_vec());
+        Arc::new(fonts)
+    };
+    Arc::clone(FONTS.get_or_init(load))
+}
+
+/// As a PNG file, made from the SVG.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
+    let failed = || Error::output("a PNG file")("no memory for its pixels");
+    let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
+    let tree = usvg::Tree::from_str(&svg(drawing)?, &options).map_err(Error::output("a PNG file"))?;
+    let (width, height) = drawing.size();
+    let (columns, rows) = (width / PNG_SHRINK, height / PNG_SHRINK);
+    let mut pixels = tiny_skia::Pixmap::new(columns, rows).ok_or_else(failed)?;
+    let scale = |pixels: u32, size: f32| pixels as f32 / size;
+    let size = tree.size();
+    let fit = tiny_skia::Transform::from_scale(scale(columns, size.width()), scale(rows, size.height()));
+    resvg::render(&tree, fit, &mut pixels.as_mut());
+    // The background is opaque, so that alpha says nothing.
+    let colours: Vec<u8> = pixels.data().chunks(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, columns, rows);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_pixel_dims(Some(png::PixelDimensions {
+        xppu: PIXELS_PER_METRE,
+        yppu: PIXELS_PER_METRE,
+        unit: png::Unit::Meter,
+    }));
+    let mut writer = encoder.write_header().map_err(Error::output("a PNG file"))?;
+    writer.write_image_data(&colours).map_err(Error::output("a PNG file"))?;
+    writer.finish().map_err(Error::output("a PNG file"))?;
+    Ok(file)
 }

@@ -1,6 +1,7 @@
 //! What a figure consists of, as plain data: panels with axes and layers. How it looks is decided in `draw`.
 
-pub use plotters::style::RGBColor as Colour;
+pub use super::canvas::Colour;
+use super::canvas::palette::WHITE;
 
 /// A figure: a title, panels in a grid, a caption.
 #[derive(Clone, Debug, Default)]
@@ -15,7 +16,7 @@ pub struct Figure {
     pub columns: usize,
     /// Width and height of a panel in units of the drawing.
     pub panel: (u32, u32),
-    /// One legend under the panels for all of them, in place of one in each.
+    /// One legend under all panels, in place of one under each.
     pub shared_legend: bool,
 }
 
@@ -50,8 +51,13 @@ pub struct Axis {
 pub struct Layer {
     /// Its name in the legend; `None` where it has no entry there.
     pub name: Option<String>,
+    /// A short name to be written beside the curve in its colour; where there is no room for it, it is an entry of the
+    /// legend.
+    pub label: Option<String>,
     /// Its colour.
     pub colour: Colour,
+    /// Whether it is drawn in a pale tint of its colour, as a ground for another curve of that colour.
+    pub pale: bool,
     /// Its shape.
     pub shape: Shape,
 }
@@ -139,6 +145,8 @@ pub enum Mark {
 pub const LINE: u32 = 6;
 /// Stroke of auxiliary curves.
 pub const THIN: u32 = 4;
+/// The part of white in a pale tint.
+const PALE: f64 = 0.55;
 /// Size of marks.
 pub const MARK: u32 = 13;
 
@@ -187,7 +195,29 @@ impl Layer {
 
     /// Any shape; with an empty name it has no entry in the legend.
     pub fn new(name: &str, colour: Colour, shape: Shape) -> Self {
-        Self { name: (!name.is_empty()).then(|| name.into()), colour, shape }
+        Self { name: (!name.is_empty()).then(|| name.into()), label: None, colour, pale: false, shape }
+    }
+
+    /// The layer with a short name to be written beside its curve.
+    #[must_use]
+    pub fn labelled(self, label: impl Into<String>) -> Self {
+        Self { label: Some(label.into()), ..self }
+    }
+
+    /// The layer in a pale tint of its colour.
+    #[must_use]
+    pub fn pale(self) -> Self {
+        Self { pale: true, ..self }
+    }
+
+    /// The colour that it is drawn in.
+    pub fn tint(&self) -> Colour {
+        if self.pale { self.colour.towards(WHITE, PALE) } else { self.colour }
+    }
+
+    /// What its entry in a legend says.
+    pub(super) fn entry(&self) -> Option<&str> {
+        self.label.as_deref().or(self.name.as_deref())
     }
 
     /// The layer with another stroke of its curves or size of its marks.

@@ -1,6 +1,6 @@
-//! From values to places on a panel: scales, ticks, clipping and dashes.
+//! From values to places on a panel: scales, ticks and clipping.
 
-use super::chart::{Axis, Dash};
+use super::chart::Axis;
 
 /// Number of ticks that an axis gets about.
 const TICKS: f64 = 6.0;
@@ -136,44 +136,20 @@ impl Frame {
         pieces
     }
 
+    /// The rectangle with more room on all sides.
+    pub fn grown(&self, by: f64) -> Self {
+        Self { left: self.left - by, top: self.top - by, right: self.right + by, bottom: self.bottom + by }
+    }
+
+    /// Its upper left and lower right corners.
+    pub fn corners(&self) -> [(f64, f64); 2] {
+        [(self.left, self.top), (self.right, self.bottom)]
+    }
+
     /// Whether a place is inside.
     pub fn holds(&self, (x, y): (f64, f64)) -> bool {
         (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
     }
-}
-
-/// Cuts a path into its dashes.
-pub(super) fn dashes(path: Vec<(f64, f64)>, dash: Dash, width: f64) -> Vec<Vec<(f64, f64)>> {
-    let (on, off) = match dash {
-        Dash::Solid => return vec![path],
-        Dash::Dashed => (4.5 * width, 3.0 * width),
-        Dash::Dotted => (1.2 * width, 1.8 * width),
-    };
-    let mut pieces = Vec::new();
-    let (mut drawing, mut left) = (true, on);
-    let mut piece: Vec<_> = path.first().copied().into_iter().collect();
-    for pair in path.windows(2) {
-        let (mut a, b) = (pair[0], pair[1]);
-        let mut length = (b.0 - a.0).hypot(b.1 - a.1);
-        while length > left {
-            let t = left / length;
-            a = (a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1));
-            length -= left;
-            piece.push(a);
-            if drawing {
-                pieces.push(std::mem::take(&mut piece));
-            }
-            drawing = !drawing;
-            left = if drawing { on } else { off };
-            piece = vec![a];
-        }
-        left -= length;
-        piece.push(b);
-    }
-    if drawing && piece.len() > 1 {
-        pieces.push(piece);
-    }
-    pieces
 }
 
 #[cfg(test)]
@@ -199,13 +175,5 @@ mod tests {
         let pieces = frame.clip_path(path.into_iter());
         let expected = [vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)], vec![(1.0, 1.0), (2.0, 1.0)]];
         assert_eq!(pieces, expected);
-    }
-
-    #[test]
-    fn dashes_cover_their_part() {
-        let pieces = dashes(vec![(0.0, 0.0), (750.0, 0.0)], Dash::Dashed, 10.0);
-        let drawn: f64 = pieces.iter().map(|p| p[p.len() - 1].0 - p[0].0).sum();
-        assert!((drawn - 450.0).abs() < 1e-9, "{drawn}");
-        assert_eq!(pieces.len(), 10);
     }
 }

@@ -5,7 +5,7 @@ use super::steady_motion::{MotionSample, SteadyMotion, simulated};
 use super::sweep::{maxima_table, overlay};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::FAMILY;
+use crate::figures::canvas::palette::{BLOCK, BOX, CENTRE, SECONDARY};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
@@ -278,7 +278,7 @@ fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
             path.iter().fold((0.0, 0.0), |m, p| if p.0 > m.0 { *p } else { m }).1,
             rises
         ));
-        let colour = FAMILY[k];
+        let colour = [CENTRE, BOX, BLOCK, SECONDARY][k];
         layers.push(Layer::marks(
             &slope.map_or(symbols[k].into(), |slope| format!("{}, slope {slope:.2}", symbols[k])),
             colour,

@@ -3,7 +3,7 @@
 use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, FAMILY, RELATIVE, SECONDARY, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ const WANDERING: u32 = 60;
 const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
 
 /// W, X1, X3 over time or their portraits: indices into [`MotionSample`]'s quantities.
-const SHOWN: [(usize, &str, Colour); 3] = [(1, "W", VERMILLION), (2, "X₁", BLUE), (4, "X₃", GREEN)];
+const SHOWN: [(usize, &str, Colour); 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
 
 /// What is worth knowing of a motion with modulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,8 +169,8 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
         }
         let title = format!("({letter}) {} = {}: {}", name.symbol(), short(point.value), point.class.name());
         let (name, colour, width) = match point.attractor.period {
-            Some(_) => ("X₂, returns", BLUE, THIN),
-            None => ("X₂, does not return", VERMILLION, 2),
+            Some(_) => ("X₂", BLOCK, THIN),
+            None => ("X₂", BLOCK, 2),
         };
         panels.push(portrait(&title, &samples, &[(3, name, colour)], width));
     }

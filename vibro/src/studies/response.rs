@@ -2,7 +2,7 @@
 
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, FAMILY, GREY, VERMILLION};
+use crate::figures::canvas::palette::{FAMILY, GREY, VERMILLION};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
@@ -12,6 +12,8 @@ use vibro_analysis::{Name, ParameterSet};
 
 /// Nodes per sheet and interval of solutions.
 const NODES: usize = 400;
+/// Stroke of the curves of multiple scales, over which those of the exact orbit are drawn.
+const WIDE: u32 = 14;
 
 const METHODS: [Method; 2] = [Method::MultipleScales, Method::ExactOrbit];
 
@@ -115,28 +117,33 @@ fn panel(title: String, x: Axis, own: Option<(f64, &str)>, family: &Family, thir
     let mut over = Vec::new();
     for ((value, responses), colour) in family.members.iter().zip(FAMILY.into_iter().cycle()) {
         let name = format!("{} = {}", family.name.symbol(), family.name.with_unit(*value));
-        layers.push(Layer::lines(&name, colour, Dash::Solid, Vec::new()));
         for r in responses {
             let [stable, unstable] = pieces(r, y);
             let points = stable.iter().chain(&unstable).flatten();
             highest = points.fold(highest, |h, p| h.max(p.1));
+            let lines = |dash, pieces| Layer::lines("", colour, dash, pieces);
             if r.method == Method::ExactOrbit {
-                over.push(Layer::lines("", BLACK, Dash::Solid, stable).stroke(3));
-                over.push(Layer::lines("", BLACK, Dash::Dotted, unstable).stroke(3));
+                over.push(lines(Dash::Solid, stable).stroke(THIN));
+                over.push(lines(Dash::Dotted, unstable).stroke(THIN));
             } else {
-                layers.push(Layer::lines("", colour, Dash::Solid, stable).stroke(9));
-                layers.push(Layer::lines("", colour, Dash::Dashed, unstable).stroke(THIN));
+                // The name stands beside the stable part, or the other where there is none.
+                let mut curves = [lines(Dash::Solid, stable), lines(Dash::Dotted, unstable)];
+                let none = curves[0].extent().is_empty();
+                let named = &mut curves[usize::from(none)];
+                *named = named.clone().labelled(&name);
+                layers.extend(curves.map(|curve| curve.stroke(WIDE).pale()));
             }
         }
     }
     layers.extend(over);
-    for (name, colour, dash, width) in [
-        ("stable", GREY, Dash::Solid, 9),
-        ("unstable", GREY, Dash::Dashed, THIN),
-        ("exact orbit, stable", BLACK, Dash::Solid, 3),
-        ("exact orbit, unstable", BLACK, Dash::Dotted, 3),
+    for (name, dash, width) in [
+        ("multiple scales, stable", Dash::Solid, WIDE),
+        ("multiple scales, unstable", Dash::Dotted, WIDE),
+        ("exact orbit, stable", Dash::Solid, THIN),
+        ("exact orbit, unstable", Dash::Dotted, THIN),
     ] {
-        layers.push(Layer::lines(name, colour, dash, Vec::new()).stroke(width));
+        let sample = Layer::lines(name, GREY, dash, Vec::new()).stroke(width);
+        layers.push(if width == WIDE { sample.pale() } else { sample });
     }
     let top = if highest > 0.0 { 1.05 * highest } else { 1.0 };
     if let Some((value, name)) = own {
@@ -148,7 +155,7 @@ fn panel(title: String, x: Axis, own: Option<(f64, &str)>, family: &Family, thir
 }
 
 fn caption(set: &ParameterSet, varied: &[Name]) -> Vec<String> {
-    let exact = "Coloured: multiple scales. Black: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
+    let exact = "Pale and wide: multiple scales. Thin: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
     vec![exact.into(), set.caption_but(varied)]
 }
 
@@ -203,7 +210,7 @@ impl ResponseFigure<'_> {
             panels: panels.collect(),
             columns: 2,
             panel: PANEL,
-            shared_legend: false,
+            shared_legend: true,
         };
         Study::of(self.stem, self.what, &table(along, &families), figure)
     }

@@ -3,7 +3,7 @@
 use super::steady_motion::{MotionSample, SteadyMotion};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, PURPLE, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, CENTRE, GREY, RELATIVE, SECONDARY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, THIN};
 use crate::table::{Table, exact};
 use nalgebra::Complex;
@@ -14,10 +14,12 @@ use vibro_impact::steady::{Bifurcation, Sheet, exact_orbit, strong_coupling};
 
 /// Periods of the drive that histories show.
 const PERIODS: f64 = 2.0;
+/// Stroke of a curve that lies under another.
+const WIDE: u32 = 14;
 
 /// Names and colours of U, W, X1, X2, X3.
 pub(super) const CURVES: [(&str, Colour); 5] =
-    [("U", PURPLE), ("W", VERMILLION), ("X₁", BLUE), ("X₂", VERMILLION), ("X₃", GREEN)];
+    [("U", CENTRE), ("W", RELATIVE), ("X₁", BOX), ("X₂", BLOCK), ("X₃", SECONDARY)];
 
 /// The quantity that names a bifurcation.
 const HEADS_FOR: &str = "largest multiplier heads for";
@@ -251,7 +253,8 @@ pub(super) fn four_panels(
     }
 }
 
-/// Curves of one motion in colours and, over them, of another in thin black dashes.
+/// Curves of one motion in wide pale strokes and, over them, of another in thin dashes, both in the colours of their bodies,
+/// whose symbols stand beside the curves.
 pub(super) fn comparison_panel(
     title: &str,
     quantities: &[usize],
@@ -273,13 +276,23 @@ pub(super) fn comparison_panel(
     for &q in quantities {
         let (name, colour) = CURVES[q];
         if !first.is_empty() {
-            layers.push(Layer::line(&format!("{name}, {first_name}"), colour, Dash::Solid, path(first, q)));
+            let curve = Layer::line("", colour, Dash::Solid, path(first, q)).stroke(WIDE).pale();
+            layers.push(curve.labelled(name));
         }
     }
     for &q in quantities {
+        let (name, colour) = CURVES[q];
         if !second.is_empty() {
-            layers.push(Layer::line(second_name, BLACK, Dash::Dashed, path(second, q)).stroke(THIN));
+            let curve = Layer::line("", colour, Dash::Dashed, path(second, q)).stroke(THIN);
+            layers.push(if first.is_empty() { curve.labelled(name) } else { curve });
         }
+    }
+    // How the two motions are told apart, for the legend.
+    if !first.is_empty() {
+        layers.push(Layer::lines(first_name, GREY, Dash::Solid, Vec::new()).stroke(WIDE).pale());
+    }
+    if !second.is_empty() {
+        layers.push(Layer::lines(second_name, GREY, Dash::Dashed, Vec::new()).stroke(THIN));
     }
     let symbols = quantities.iter().map(|&q| CURVES[q].0).collect::<Vec<_>>().join(", ");
     let rates = quantities.iter().map(|&q| format!("d{}/dτ", CURVES[q].0)).collect::<Vec<_>>().join(", ");
