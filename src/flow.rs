@@ -9,7 +9,7 @@ use crate::model::{
     Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY,
     SECONDARY_RATE, SmoothMode,
 };
-use crate::numerics::simd::{PADDED, Rows, product, row, value};
+use crate::numerics::simd::{PADDED, Rows, product, row};
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;
@@ -132,6 +132,21 @@ impl<const N: usize> Series<N> {
     }
 }
 
+/// The polynomial's values at the ends of the intervals of [0, 1], with the bits of `numerics::simd::value`; side by side, so that they fill
+/// vectors.
+#[inline(always)]
+fn at_interval_ends<const N: usize>(coefficients: &[f64; N]) -> [f64; INTERVALS] {
+    let u: [f64; INTERVALS] = std::array::from_fn(|i| (i as f64 + 1.0) / INTERVALS as f64);
+    let (mut even, mut odd) = ([0.0; INTERVALS], [0.0; INTERVALS]);
+    for k in (0..N).rev() {
+        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+        for (sum, u) in sum.iter_mut().zip(&u) {
+            *sum = *sum * (u * u) + coefficients[k];
+        }
+    }
+    std::array::from_fn(|i| even[i] + u[i] * odd[i])
+}
+
 /// `Σ_k coefficients[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
 pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
@@ -194,6 +209,7 @@ impl Local {
     }
 
     /// Fills it beside the `core` of flight over a sub-step `h`.
+    #[inline(always)]
     pub fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let mut gap = [[0.0; PADDED]; CORE];
@@ -227,6 +243,70 @@ impl Local {
     }
 }
 
+/// Terms of a series over a time of at most 1.2 over the model's rate: the remainder is 1.2²⁰/20! < 2e-17.
+pub const PIECE: usize = 20;
+const PIECE_TIMES_RATE: f64 = 1.2;
+
+/// The flow without loads over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
+/// [0, 1]. Returns the state at the end.
+#[inline(always)]
+pub fn expand_along(
+    model: &Model,
+    mode: SmoothMode,
+    start: &Augmented,
+    span: f64,
+    mut visit: impl FnMut(&Series<PIECE>, f64),
+) -> Augmented {
+    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
+    let radius = span / count;
+    let mut z = *start;
+    for _ in 0..count as u64 {
+        let series = Series::<PIECE>::expand(model, mode, &z, None, radius);
+        visit(&series, radius);
+        z = series.at(1.0);
+        if mode == SmoothMode::Rest {
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
+        }
+    }
+    z
+}
+
+/// The rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight, as [`Table`] has the event functional.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct RateTable {
+    /// The rate at the interval ends, `[column][interval]`.
+    pub sample: [[f64; INTERVALS]; CORE],
+    /// The rate's second derivative is at most Σ_j bound_j |column_j| throughout the sub-step.
+    pub bound: [f64; CORE],
+}
+
+impl RateTable {
+    /// The table of the displacement with the weights a, b, c over a sub-step `h`.
+    pub fn new(model: &Model, weights: &[f64; 3], h: f64) -> Self {
+        let mut table = Self { sample: [[0.0; INTERVALS]; CORE], bound: [0.0; CORE] };
+        for c in 0..CORE {
+            let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, h);
+            let rate = series.lanes.map(|lane| weighted_sum(weights, &lane, BOX_RATE));
+            table.sample[c] = at_interval_ends(&rate);
+            for i in 0..INTERVALS {
+                let z = series.at((i as f64 + 0.5) / INTERVALS as f64);
+                let centre = Column { z, ..Column::unit(c) };
+                let jerk = centre.rate(model, SmoothMode::Flight).rate(model, SmoothMode::Flight).z;
+                table.bound[c] = table.bound[c].max(weighted_sum(weights, &jerk, BOX_RATE).abs());
+            }
+        }
+        table.bound = spread(model, SmoothMode::Flight, table.bound, 0.5 * h / INTERVALS as f64);
+        table
+    }
+}
+
+/// `Σ_i weights[i] z[first + i]`: a displacement from [`BOX`], its rate from [`BOX_RATE`].
+#[inline(always)]
+pub fn weighted_sum(weights: &[f64; 3], z: &Augmented, first: usize) -> f64 {
+    weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
+}
+
 /// One column of the whole system: a unit augmented coordinate or a unit load coefficient.
 #[derive(Clone, Copy)]
 pub struct Column {
@@ -237,6 +317,7 @@ pub struct Column {
 
 impl Column {
     /// A unit augmented coordinate for `index` under [`LANES`], else a unit load coefficient.
+    #[inline(always)]
     pub fn unit(index: usize) -> Self {
         let mut column = Self { z: [0.0; LANES], forces: [[0.0; 4]; 3] };
         if index < LANES {
@@ -247,11 +328,13 @@ impl Column {
         column
     }
 
+    #[inline(always)]
     fn values(&self) -> [f64; 3] {
         [self.forces[0][0], self.forces[1][0], self.forces[2][0]]
     }
 
     /// The time derivative.
+    #[inline(always)]
     fn rate(&self, model: &Model, mode: SmoothMode) -> Self {
         let (a, _) = model.acceleration(mode, &self.z, Some(self.values()));
         let z = &self.z;
@@ -271,6 +354,7 @@ impl Column {
     }
 
     /// The event functional: w in flight, the free relative acceleration in rest.
+    #[inline(always)]
     fn functional(&self, model: &Model, mode: SmoothMode) -> f64 {
         match mode {
             SmoothMode::Flight => self.z[RELATIVE],
@@ -278,6 +362,7 @@ impl Column {
         }
     }
 
+    #[inline(always)]
     fn entry(&self, index: usize) -> f64 {
         if index < LANES { self.z[index] } else { self.forces[(index - LANES) / 4][(index - LANES) % 4] }
     }
@@ -296,23 +381,20 @@ impl<const C: usize> Table<C> {
     }
 
     /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the loads).
+    #[inline(always)]
     fn propagate(&mut self, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
         for c in 0..C {
             let start = Column::unit(first + c);
             let series =
                 Series::<WHOLE>::expand(model, mode, &start.z, (first > 0).then_some(&start.forces), h);
+            self.sample[c] = at_interval_ends(&series.functional(mode));
             for i in 0..INTERVALS {
-                let (mid, end) = ((i as f64 + 0.5) / INTERVALS as f64, (i as f64 + 1.0) / INTERVALS as f64);
+                let mid = (i as f64 + 0.5) / INTERVALS as f64;
                 let centre = Column { z: series.at(mid), forces: shifted(&start.forces, mid * h) };
                 let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
                 self.peak[c] = self.peak[c].max(second.abs());
                 self.centre[i][c] = centre.z;
-                let node = match mode {
-                    SmoothMode::Flight => value(&series.lanes.map(|l| l[RELATIVE]), end),
-                    SmoothMode::Rest => value(&series.free, end),
-                };
-                self.sample[c][i] = node;
             }
             self.full[c] = series.at(1.0);
         }
@@ -351,6 +433,7 @@ impl<const C: usize> Table<C> {
 
 impl Table<CORE> {
     /// The table of state and drive for `mode` over a sub-step `h`.
+    #[inline(always)]
     pub fn fill(&mut self, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(model, mode, 0, h);
         self.bound = spread(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
@@ -371,6 +454,7 @@ impl Table<LOAD> {
 
 /// Turns the largest functional'' at the centres into a bound between them: a row r at a centre is r·exp(Mδ) at a distance
 /// δ ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
+#[inline(always)]
 fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: f64) -> [f64; N] {
     let rates: [Column; N] = std::array::from_fn(|c| Column::unit(c).rate(model, mode));
     let (mut sum, mut term) = (row, row);

@@ -1,0 +1,150 @@
+//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples of it.
+//!
+//! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from above to below zero: at a root
+//! within a sub-step, which [`first_crossing`] finds with the same proof as the simulator's events, or at an impact that reverses the
+//! rate. A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
+//!
+//! Over a sub-step of flight 16 values of the rate and a bound on its second derivative leave few intervals to be searched, as they
+//! do for the gap.
+
+use crate::events::first_crossing;
+use crate::flow::{CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
+use crate::model::{Augmented, BOX, BOX_RATE, SmoothMode};
+use crate::numerics::simd::{product, value, weigh};
+use crate::simulator::Simulator;
+use crate::simulator::batch::queue::Maximum;
+use pulp::Simd;
+
+/// Follows the sign of a displacement's rate along a motion.
+pub(super) struct MaximumFinder {
+    /// Weights of x1, w and x3: with x2 = x1 + w, docs/theory.md (5).
+    weights: [f64; 3],
+    rising: bool,
+    table: Box<RateTable>,
+}
+
+impl MaximumFinder {
+    /// For a motion that is about to begin, with the weights of x1, x2 and x3.
+    pub(super) fn new(simulator: &Simulator, [a, b, c]: [f64; 3]) -> Self {
+        let weights = [a + b, b, c];
+        let rising = weighted_sum(&weights, &simulator.augmented(), BOX_RATE) > 0.0;
+        let table = Box::new(RateTable::new(&simulator.model, &weights, simulator.substep));
+        Self { weights, rising, table }
+    }
+
+    /// Shows `found` the maxima of a sub-step that begins at `time` and lasts `span` s.
+    #[inline(always)]
+    pub(super) fn search<S: Simd>(
+        &mut self,
+        simd: S,
+        simulator: &Simulator,
+        (mode, z): (SmoothMode, &Augmented),
+        (time, span): (f64, f64),
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        match mode {
+            SmoothMode::Flight => self.search_flight(simd, simulator, z, (time, span), found),
+            SmoothMode::Rest => {
+                let mut begin = time;
+                expand_along(&simulator.model, mode, z, span, |series, radius| {
+                    self.search_series(series, (0.0, 1.0), (begin, radius), found);
+                    begin += radius;
+                });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn search_flight<S: Simd>(
+        &mut self,
+        simd: S,
+        simulator: &Simulator,
+        z: &Augmented,
+        (time, span): (f64, f64),
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        let h = simulator.interval();
+        // Between the ends of an interval the rate lies within this of its chord.
+        let margin = 0.125 * h * h * weigh::<S>(z, &self.table.bound);
+        let rates = product(simd, &self.table.sample, z);
+        let mut before = weighted_sum(&self.weights, z, BOX_RATE);
+        // A sub-step may end a little beyond its last interval.
+        let count = ((span / h).ceil() as usize).clamp(1, INTERVALS);
+        for (i, &after) in rates.iter().enumerate().take(count) {
+            let ends = [before, after];
+            before = after;
+            let last = i + 1 == count;
+            let sign = if self.rising { 1.0 } else { -1.0 };
+            if ends.iter().all(|rate| sign * rate > margin) && !(last && (i as f64 + 1.0) * h < span) {
+                continue;
+            }
+            // A rate that goes up by more than four margins rises throughout, so that it passes zero once. Where that is in a
+            // whole interval, the minimum need not be found.
+            if !self.rising && !last && ends[0] < 0.0 && ends[1] > 0.0 && ends[1] - ends[0] > 4.0 * margin {
+                self.rising = true;
+                continue;
+            }
+            self.search_interval(simulator, z, (i, if last { span } else { (i as f64 + 1.0) * h }), time, found);
+        }
+    }
+
+    /// Searches an interval of flight up to the time `end` since the sub-step's start.
+    #[inline(never)]
+    fn search_interval(
+        &mut self,
+        simulator: &Simulator,
+        z: &Augmented,
+        (index, end): (usize, f64),
+        time: f64,
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        let half = 0.5 * simulator.interval();
+        let centre_time = (2 * index + 1) as f64 * half;
+        // The last piece of a sub-step may reach beyond its interval by a sixth.
+        let radius = half.max(end - centre_time);
+        let (from, to) = (-half / radius, (end - centre_time) / radius);
+        if from < to {
+            let centre = product(pulp::Scalar, &simulator.flight.core.centre[index], z);
+            let series = Series::<CENTRED>::expand(&simulator.model, SmoothMode::Flight, &centre, None, radius);
+            self.search_series(&series, (from, to), (time + centre_time, radius), found);
+        }
+    }
+
+    /// Searches a series between two places of its variable; `time` is that of its centre.
+    #[inline(always)]
+    fn search_series<const N: usize>(
+        &mut self,
+        series: &Series<N>,
+        (mut from, to): (f64, f64),
+        (time, radius): (f64, f64),
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        let rate: [f64; N] = std::array::from_fn(|k| weighted_sum(&self.weights, &series.lanes[k], BOX_RATE));
+        let spread: f64 = rate[1..].iter().map(|c| c.abs()).sum();
+        let steady = rate[0].abs() > spread && (rate[0] > 0.0) == self.rising;
+        // Each turn is a root of the rate, of which there are fewer than its terms.
+        for _ in 0..if steady { 0 } else { N } {
+            let sought = if self.rising { rate.map(|c| -c) } else { rate };
+            let Some(u) = first_crossing(&sought, from, to, &mut 0) else { break };
+            if self.rising {
+                let q: [f64; N] = std::array::from_fn(|k| weighted_sum(&self.weights, &series.lanes[k], BOX));
+                found(Maximum { time: time + u * radius, value: value(&q, u), corner: false });
+            }
+            self.rising = !self.rising;
+            from = u;
+        }
+    }
+
+    /// Looks at an impact after which the state is `after`.
+    #[inline(always)]
+    pub(super) fn pass_impact(&mut self, after: &Augmented, time: f64, found: &mut dyn FnMut(Maximum)) {
+        let rate = weighted_sum(&self.weights, after, BOX_RATE);
+        if self.rising && rate < 0.0 {
+            found(Maximum { time, value: weighted_sum(&self.weights, after, BOX), corner: true });
+        }
+        // Where the rate is zero after the impact, what follows decides.
+        if rate != 0.0 {
+            self.rising = rate > 0.0;
+        }
+    }
+}
