@@ -132,20 +132,44 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// The polynomial's values at the ends of the intervals of [0, 1], with the bits of `numerics::simd::value`; side by side, so that they fill
-/// vectors.
+/// The polynomial's values at the ends of the intervals of [0, 1].
 #[inline(always)]
-fn at_interval_ends<const N: usize>(coefficients: &[f64; N]) -> [f64; INTERVALS] {
-    let u: [f64; INTERVALS] = std::array::from_fn(|i| (i as f64 + 1.0) / INTERVALS as f64);
-    let (mut even, mut odd) = ([0.0; INTERVALS], [0.0; INTERVALS]);
-    for k in (0..N).rev() {
-        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
-        for (sum, u) in sum.iter_mut().zip(&u) {
-            *sum = *sum * (u * u) + coefficients[k];
+fn at_interval_ends<const N: usize>(coefficients: &[[f64; 1]; N]) -> [f64; INTERVALS] {
+    let ends: [f64; INTERVALS] = std::array::from_fn(|i| (i as f64 + 1.0) / INTERVALS as f64);
+    at_places(coefficients, &ends).map(|[value]| value)
+}
+
+/// [`polynomial`] at M places, with its bits for an even number N of coefficients. The places' chains of operations run side by side in
+/// vectors, where one alone would wait for each of its sums.
+#[inline(always)]
+fn at_places<const N: usize, const W: usize, const M: usize>(
+    coefficients: &[[f64; W]; N],
+    u: &[f64; M],
+) -> [[f64; W]; M] {
+    const { assert!(N.is_multiple_of(2)) };
+    let square = u.map(|u| u * u);
+    let (mut even, mut odd) = ([[0.0; W]; M], [[0.0; W]; M]);
+    for pair in coefficients.as_chunks::<2>().0.iter().rev() {
+        for (i, square) in square.iter().enumerate() {
+            for j in 0..W {
+                odd[i][j] = odd[i][j] * square + pair[1][j];
+                even[i][j] = even[i][j] * square + pair[0][j];
+            }
         }
     }
-    std::array::from_fn(|i| even[i] + u[i] * odd[i])
+    std::array::from_fn(|i| std::array::from_fn(|j| even[i][j] + u[i] * odd[i][j]))
 }
+
+/// The places of the interval centres on [0, 1], a few at a time, so that their sums fit into registers.
+const CENTRES: [[f64; 4]; INTERVALS / 4] = {
+    let mut places = [[0.0; 4]; INTERVALS / 4];
+    let mut i = 0;
+    while i < INTERVALS {
+        places[i / 4][i % 4] = (i as f64 + 0.5) / INTERVALS as f64;
+        i += 1;
+    }
+    places
+};
 
 /// `Σ_k coefficients[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
@@ -243,34 +267,6 @@ impl Local {
     }
 }
 
-/// Terms of a series over a time of at most 1.2 over the model's rate: the remainder is 1.2²⁰/20! < 2e-17.
-pub const PIECE: usize = 20;
-const PIECE_TIMES_RATE: f64 = 1.2;
-
-/// The flow without loads over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
-/// [0, 1]. Returns the state at the end.
-#[inline(always)]
-pub fn expand_along(
-    model: &Model,
-    mode: SmoothMode,
-    start: &Augmented,
-    span: f64,
-    mut visit: impl FnMut(&Series<PIECE>, f64),
-) -> Augmented {
-    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
-    let radius = span / count;
-    let mut z = *start;
-    for _ in 0..count as u64 {
-        let series = Series::<PIECE>::expand(model, mode, &z, None, radius);
-        visit(&series, radius);
-        z = series.at(1.0);
-        if mode == SmoothMode::Rest {
-            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
-        }
-    }
-    z
-}
-
 /// The rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight, as [`Table`] has the event functional.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
@@ -287,10 +283,12 @@ impl RateTable {
         let mut table = Self { sample: [[0.0; INTERVALS]; CORE], bound: [0.0; CORE] };
         for c in 0..CORE {
             let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, h);
-            let rate = series.lanes.map(|lane| weighted_sum(weights, &lane, BOX_RATE));
+            let mut rate = [[0.0]; WHOLE];
+            for (value, lane) in rate.iter_mut().zip(&series.lanes) {
+                *value = [weighted_sum(weights, lane, BOX_RATE)];
+            }
             table.sample[c] = at_interval_ends(&rate);
-            for i in 0..INTERVALS {
-                let z = series.at((i as f64 + 0.5) / INTERVALS as f64);
+            for z in CENTRES.map(|places| at_places(&series.lanes, &places)).into_iter().flatten() {
                 let centre = Column { z, ..Column::unit(c) };
                 let jerk = centre.rate(model, SmoothMode::Flight).rate(model, SmoothMode::Flight).z;
                 table.bound[c] = table.bound[c].max(weighted_sum(weights, &jerk, BOX_RATE).abs());
@@ -388,10 +386,18 @@ impl<const C: usize> Table<C> {
             let start = Column::unit(first + c);
             let series =
                 Series::<WHOLE>::expand(model, mode, &start.z, (first > 0).then_some(&start.forces), h);
-            self.sample[c] = at_interval_ends(&series.functional(mode));
-            for i in 0..INTERVALS {
+            let mut functional = [[0.0]; WHOLE];
+            for (k, value) in functional.iter_mut().enumerate() {
+                *value = match mode {
+                    SmoothMode::Flight => [series.lanes[k][RELATIVE]],
+                    SmoothMode::Rest => [series.free[k]],
+                };
+            }
+            self.sample[c] = at_interval_ends(&functional);
+            let states = CENTRES.map(|places| at_places(&series.lanes, &places));
+            for (i, z) in states.into_iter().flatten().enumerate() {
                 let mid = (i as f64 + 0.5) / INTERVALS as f64;
-                let centre = Column { z: series.at(mid), forces: shifted(&start.forces, mid * h) };
+                let centre = Column { z, forces: shifted(&start.forces, mid * h) };
                 let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
                 self.peak[c] = self.peak[c].max(second.abs());
                 self.centre[i][c] = centre.z;

@@ -45,6 +45,18 @@ pub enum Error {
         /// The form, with an example.
         expected: &'static str,
     },
+    /// More results than fit into memory are asked for.
+    #[error("{what}: {count} asked for; allowed are up to {most}, that is {side} × {side} in a square")]
+    TooMany {
+        /// What is counted.
+        what: &'static str,
+        /// How many are asked for.
+        count: f64,
+        /// The most that fit.
+        most: usize,
+        /// The most to each side of a square.
+        side: usize,
+    },
     /// The [store](crate::parts::PartStore) of finished parts failed.
     #[error(transparent)]
     Store(Box<dyn std::error::Error + Send + Sync>),

@@ -107,8 +107,21 @@ impl Task<'_> {
         count: usize,
         compute: impl Fn(usize) -> Result<T> + Sync,
     ) -> Result<Option<Vec<T>>> {
+        self.complete_with(count, |&mut (), index| compute(index))
+    }
+
+    /// [`complete`](Self::complete) with a workspace `W` that `compute` uses for one part after another. It must not change what
+    /// is computed.
+    ///
+    /// # Errors
+    /// As [`complete`](Self::complete).
+    pub fn complete_with<W: Default, T: Serialize + DeserializeOwned + Send>(
+        &self,
+        count: usize,
+        compute: impl Fn(&mut W, usize) -> Result<T> + Sync,
+    ) -> Result<Option<Vec<T>>> {
         let Self { store, shard, done } = self;
-        let part = |index: usize| -> Result<Option<T>> {
+        let part = |workspace: &mut W, index: usize| -> Result<Option<T>> {
             let kept = store.load(index).and_then(|bytes| postcard::from_bytes(&bytes).ok());
             if let Some(part) = kept {
                 done(true);
@@ -117,12 +130,13 @@ impl Task<'_> {
             if index % shard.count != shard.index {
                 return Ok(None);
             }
-            let part = compute(index)?;
+            let part = compute(workspace, index)?;
             store.save(index, &postcard::to_stdvec(&part).map_err(Error::store)?)?;
             done(false);
             Ok(Some(part))
         };
-        let parts: Vec<Option<T>> = (0..count).into_par_iter().map(part).collect::<Result<_>>()?;
+        let parts: Vec<Option<T>> =
+            (0..count).into_par_iter().map_init(W::default, part).collect::<Result<_>>()?;
         Ok(parts.into_iter().collect())
     }
 }

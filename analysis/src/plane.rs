@@ -205,6 +205,22 @@ pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     Ok(())
 }
 
+/// The memory that the result of a study over a plane may take, bytes.
+const MOST_MEMORY: usize = 1 << 30;
+
+/// Checks that a plane of so many columns and rows fits into memory, at `size` bytes for each of its cells.
+///
+/// # Errors
+/// [`Error::TooMany`], with the number that would fit.
+pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), size: usize) -> Result<()> {
+    // Half of it: the parts are put together beside the whole.
+    let most = MOST_MEMORY / 2 / size.max(1);
+    match columns.checked_mul(rows) {
+        Some(count) if count <= most => Ok(()),
+        _ => Err(Error::TooMany { what, count: columns as f64 * rows as f64, most, side: most.isqrt() }),
+    }
+}
+
 /// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend on their number.
 ///
 /// # Errors
@@ -217,6 +233,7 @@ pub fn plane(
     done: &(dyn Fn() + Sync),
 ) -> Result<Plane> {
     check_pair(&x, &y)?;
+    check_cells("points of the plane", (x.count, y.count), size_of::<SteadyStateClass>())?;
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()
         .map(|j| {

@@ -25,7 +25,10 @@ mod step;
 mod tables;
 mod types;
 
-pub use batch::{LaneUse, Maximum, MotionQueue, Plan, Reports, TOGETHER, advance_queue, advance_together};
+pub use batch::{
+    LaneUse, Maximum, MotionQueue, Plan, Reports, TOGETHER, advance_queue, advance_queue_one_by_one,
+    advance_together,
+};
 pub use step::EventObserver;
 pub use types::{
     AdvanceOutcome, Contact, DueEvent, EnergyAccounts, Event, ImpactRecord, Loads, Pause, WorkCounters,

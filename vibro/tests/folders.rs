@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// A basin in some parts, each a fraction of a second.
 const BASIN: [&str; 5] = ["basin", "--resolution", "16", "--discard", "60"];
-const LONGER: [&str; 7] = ["basin", "--resolution", "48", "--discard", "300", "--threads", "1"];
+const LONGER: [&str; 7] = ["basin", "--resolution", "64", "--discard", "300", "--threads", "1"];
 /// Far more than a part takes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 

@@ -15,14 +15,14 @@ use super::super::step::{AdvanceState, RENEW};
 use super::super::{Contact, Event, Pause, Simulator};
 use super::queue::{LaneUse, MotionQueue, Plan};
 use crate::error::Result;
-use crate::flow::INTERVALS;
-use crate::model::{Augmented, LANES, RELATIVE};
+use crate::model::{Augmented, RELATIVE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
 use pulp::Simd;
 use report::{Piece, Reporter};
 use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
+use substep::Progress;
 
 /// cos θ and sin θ are computed anew from the extended phase after this many sub-steps in a lane. The other coordinates are
 /// never renewed, and in so many sub-steps these two collect no more round-off than they do.
@@ -34,6 +34,7 @@ const FEWEST_LANES: usize = 4;
 pub(super) struct Lanes<'a> {
     pub(super) simulators: &'a mut [Simulator],
     pub(super) queue: &'a mut dyn MotionQueue,
+    pub(super) one_by_one: bool,
 }
 
 impl pulp::WithSimd for Lanes<'_> {
@@ -41,6 +42,7 @@ impl pulp::WithSimd for Lanes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> LaneUse {
+        let lanes = if self.one_by_one || S::F64_LANES < FEWEST_LANES { 1 } else { ROW };
         let mut rounds = Rounds {
             work: self,
             motions: [const { None }; ROW],
@@ -50,9 +52,9 @@ impl pulp::WithSimd for Lanes<'_> {
             starts: Box::new(SubstepStarts::ZERO),
             active: 0,
             reporting: 0,
+            finding: 0,
             used: LaneUse::default(),
         };
-        let lanes = if S::F64_LANES < FEWEST_LANES { 1 } else { ROW };
         for lane in 0..lanes {
             rounds.take_next(lane, None);
         }
@@ -83,24 +85,11 @@ struct Rounds<'a> {
     systems: Box<LaneSystems>,
     states: Box<LaneStates>,
     starts: Box<SubstepStarts>,
-    /// The lanes that have a motion, and those of them that report.
+    /// The lanes that have a motion, those of them that report, and those that look for maxima.
     active: LaneSet,
     reporting: LaneSet,
+    finding: LaneSet,
     used: LaneUse,
-}
-
-/// The matrices to the interval centres of the motions' systems, where their simulators keep them.
-struct LaneTables<'a> {
-    simulators: &'a [Simulator],
-    simulator_of: &'a [usize; ROW],
-}
-
-impl LaneTables<'_> {
-    /// The matrix that leads from a sub-step's start to the centre of an interval.
-    #[inline(always)]
-    fn to_centre(&self, lane: usize, interval: usize) -> &[Augmented; LANES] {
-        &self.simulators[self.simulator_of[lane]].flight.core.centre[interval % INTERVALS]
-    }
 }
 
 impl Rounds<'_> {
@@ -110,15 +99,13 @@ impl Rounds<'_> {
         for lane in lanes_of(self.states.due_for_renewal(simd, f64::from(RENEWAL)) & self.active) {
             self.renew(lane);
         }
-        let tables = LaneTables { simulators: self.work.simulators, simulator_of: &self.simulator_of };
         let sets = (self.active, self.reporting);
-        let done =
-            substep::flight_substep(simd, &self.systems, &tables, &mut self.states, sets, &mut self.starts);
+        let done = substep::flight_substep(simd, &self.systems, &mut self.states, sets, &mut self.starts);
         self.used.rounds += 1;
         self.used.occupied += u64::from(self.active.count_ones());
         self.used.substeps += u64::from(done.moved.count_ones());
         if done.moved & self.reporting != 0 {
-            self.report(simd, &done);
+            report_apart(simd, self, &done);
         }
         for lane in lanes_of(done.unproved | done.at_stop) {
             let touched = (done.at_stop >> lane & 1 != 0).then_some(done.side.0[lane]);
@@ -167,7 +154,10 @@ impl Rounds<'_> {
     fn take_next(&mut self, lane: usize, mut ended: Option<Result<()>>) {
         let bit: LaneSet = 1 << lane;
         (self.motions[lane], self.states.next_sample.0[lane]) = (None, f64::INFINITY);
-        (self.active, self.reporting) = (self.active & !bit, self.reporting & !bit);
+        for set in [&mut self.active, &mut self.reporting, &mut self.finding] {
+            *set &= !bit;
+        }
+        self.systems.release_tables(lane);
         while let Some(plan) = self.work.queue.next(lane, self.work.simulators, ended.take()) {
             let simulator = &mut self.work.simulators[plan.simulator];
             let motion = match LaneMotion::begin(simulator, &plan) {
@@ -182,6 +172,7 @@ impl Rounds<'_> {
             self.active |= bit;
             if let Some(reporter) = &motion.reporter {
                 self.reporting |= bit;
+                self.finding |= if reporter.maxima.is_some() { bit } else { 0 };
                 self.states.next_sample.0[lane] = reporter.next_sample();
             }
             self.simulator_of[lane] = plan.simulator;
@@ -189,6 +180,21 @@ impl Rounds<'_> {
             return;
         }
     }
+}
+
+/// [`Rounds::report`] as a function of its own, so that its code takes no registers from the lanes' loop.
+#[inline(never)]
+fn report_apart<S: Simd>(simd: S, rounds: &mut Rounds<'_>, done: &Progress) {
+    struct Report<'a, 'w>(&'a mut Rounds<'w>, &'a Progress);
+    impl pulp::WithSimd for Report<'_, '_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.report(simd, self.1);
+        }
+    }
+    simd.vectorize(Report(rounds, done));
 }
 
 /// A set of lanes, the first lane's bit the lowest.

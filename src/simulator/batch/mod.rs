@@ -30,13 +30,20 @@ pub const TOGETHER: usize = vectors::ROW;
 /// Advances the motions of a queue until it has no more. A lane whose motion has ended takes the next one. Nothing is allocated
 /// for a motion. A motion and its reports depend neither on the other motions nor on their order or number.
 ///
-/// Motions that keep their energy accounts or are under loads are advanced one by one, and reports on them are refused: their `next`
-/// gets [`Error::Undefined`](crate::Error::Undefined).
+/// Motions that keep their energy accounts or are under loads are advanced one by one. Reports are made of motions without either:
+/// they switch the accounts off, and under loads they are refused, in `next`, with
+/// [`Error::OutOfRange`](crate::Error::OutOfRange).
 ///
 /// # Panics
 /// Where a plan names a simulator that does not exist.
 pub fn advance_queue(simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
-    pulp::Arch::new().dispatch(Lanes { simulators, queue })
+    pulp::Arch::new().dispatch(Lanes { simulators, queue, one_by_one: false })
+}
+
+/// The same by the code for a single motion: one motion after another, all in lane 0. It is the other side of comparisons of
+/// results and speed, and what [`advance_queue`] does on machines without wide vectors.
+pub fn advance_queue_one_by_one(simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
+    pulp::Arch::new().dispatch(Lanes { simulators, queue, one_by_one: true })
 }
 
 /// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in the simulators' order; an
@@ -74,7 +81,12 @@ pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -
     }
 
     impl<F: Fn(&Simulator) -> f64> MotionQueue for Each<F> {
-        fn next(&mut self, lane: usize, simulators: &mut [Simulator], ended: Option<Result<()>>) -> Option<Plan> {
+        fn next(
+            &mut self,
+            lane: usize,
+            simulators: &mut [Simulator],
+            ended: Option<Result<()>>,
+        ) -> Option<Plan> {
             if let Some(result) = ended {
                 self.results[self.under_way[lane]] = result;
             }

@@ -85,8 +85,8 @@ impl LaneUse {
         self.occupied as f64 / (self.rounds.max(1) * super::TOGETHER as u64) as f64
     }
 
-    /// The part of the lanes' places in all rounds that moved a motion. The others were empty, waited for a search to
-    /// fill its vector, or were handed over.
+    /// The part of the lanes' places in all rounds that moved a motion. The others were empty or handed
+    /// over.
     pub fn utilisation(&self) -> f64 {
         self.substeps as f64 / (self.rounds.max(1) * super::TOGETHER as u64) as f64
     }

@@ -8,8 +8,8 @@
 //! do for the gap.
 
 use crate::events::first_crossing;
-use crate::flow::{CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
-use crate::model::{Augmented, BOX, BOX_RATE, SmoothMode};
+use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, weighted_sum};
+use crate::model::{Augmented, BOX, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::simd::{product, value, weigh};
 use crate::simulator::Simulator;
 use crate::simulator::batch::queue::Maximum;
@@ -46,7 +46,7 @@ impl MaximumFinder {
             SmoothMode::Flight => self.search_flight(simd, simulator, z, (time, span), found),
             SmoothMode::Rest => {
                 let mut begin = time;
-                expand_along(&simulator.model, mode, z, span, |series, radius| {
+                expand_rest(&simulator.model, z, span, |series, radius| {
                     self.search_series(series, (0.0, 1.0), (begin, radius), found);
                     begin += radius;
                 });
@@ -63,6 +63,9 @@ impl MaximumFinder {
         (time, span): (f64, f64),
         found: &mut dyn FnMut(Maximum),
     ) {
+        if span <= 0.0 {
+            return; // only the law of an impact
+        }
         let h = simulator.interval();
         // Between the ends of an interval the rate lies within this of its chord.
         let margin = 0.125 * h * h * weigh::<S>(z, &self.table.bound);
@@ -84,7 +87,13 @@ impl MaximumFinder {
                 self.rising = true;
                 continue;
             }
-            self.search_interval(simulator, z, (i, if last { span } else { (i as f64 + 1.0) * h }), time, found);
+            self.search_interval(
+                simulator,
+                z,
+                (i, if last { span } else { (i as f64 + 1.0) * h }),
+                time,
+                found,
+            );
         }
     }
 
@@ -98,16 +107,20 @@ impl MaximumFinder {
         time: f64,
         found: &mut dyn FnMut(Maximum),
     ) {
+        let model = &simulator.model;
+        if index == 0 {
+            // About the start itself: a block that leaves a stop has its maximum of w there, exactly.
+            let series = Series::<ANCHORED>::expand(model, SmoothMode::Flight, z, None, end);
+            return self.search_series(&series, (0.0, 1.0), (time, end), found);
+        }
         let half = 0.5 * simulator.interval();
         let centre_time = (2 * index + 1) as f64 * half;
         // The last piece of a sub-step may reach beyond its interval by a sixth.
         let radius = half.max(end - centre_time);
         let (from, to) = (-half / radius, (end - centre_time) / radius);
-        if from < to {
-            let centre = product(pulp::Scalar, &simulator.flight.core.centre[index], z);
-            let series = Series::<CENTRED>::expand(&simulator.model, SmoothMode::Flight, &centre, None, radius);
-            self.search_series(&series, (from, to), (time + centre_time, radius), found);
-        }
+        let centre = product(pulp::Scalar, &simulator.flight.core.centre[index], z);
+        let series = Series::<CENTRED>::expand(model, SmoothMode::Flight, &centre, None, radius);
+        self.search_series(&series, (from, to), (time + centre_time, radius), found);
     }
 
     /// Searches a series between two places of its variable; `time` is that of its centre.
@@ -146,5 +159,23 @@ impl MaximumFinder {
         if rate != 0.0 {
             self.rising = rate > 0.0;
         }
+    }
+}
+
+/// Terms of a series over a time of at most 1.2 over the model's rate: the remainder is 1.2²⁰/20! < 2e-17.
+const PIECE: usize = 20;
+const PIECE_TIMES_RATE: f64 = 1.2;
+
+/// The flow in rest over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
+/// [0, 1].
+fn expand_rest(model: &Model, start: &Augmented, span: f64, mut visit: impl FnMut(&Series<PIECE>, f64)) {
+    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
+    let radius = span / count;
+    let mut z = *start;
+    for _ in 0..count as u64 {
+        let series = Series::<PIECE>::expand(model, SmoothMode::Rest, &z, None, radius);
+        visit(&series, radius);
+        z = series.at(1.0);
+        (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
     }
 }

@@ -3,12 +3,11 @@
 use super::maxima::MaximumFinder;
 use super::passage::CentredFlights;
 use super::substep::Progress;
-use super::{LaneTables, Rounds, lanes_of};
+use super::{Rounds, lanes_of};
 use crate::error::{Error, Result};
 use crate::flow::{CENTRED, INTERVALS, Series, Table};
 use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::product;
 use crate::simulator::batch::queue::{MotionQueue, Reports};
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
 use crate::simulator::step::AdvanceState;
@@ -97,13 +96,20 @@ impl Reporter {
         if let Some(finder) = &mut self.maxima {
             let span = time.minus(from.time).value();
             let mut found = |maximum| queue.maximum(lane, &maximum);
-            finder.search(pulp::Scalar, simulator, (from.mode, &from.z), (from.time.value(), span), &mut found);
+            finder.search(
+                pulp::Scalar,
+                simulator,
+                (from.mode, &from.z),
+                (from.time.value(), span),
+                &mut found,
+            );
             if let Some(Event::Impact { time, .. }) = events[0] {
                 finder.pass_impact(after, time, &mut found);
             }
         }
         while self.next_sample() <= time.value() {
-            let z = simulator.state_after(from, DoubleDouble::new(self.next_sample()).minus(from.time).value());
+            let z =
+                simulator.state_after(from, DoubleDouble::new(self.next_sample()).minus(from.time).value());
             self.take(&z, (queue, lane));
         }
         for event in events.into_iter().flatten() {
@@ -147,7 +153,7 @@ impl Rounds<'_> {
     /// Reports what a round has done.
     #[inline(always)]
     pub(super) fn report<S: Simd>(&mut self, simd: S, done: &Progress) {
-        for lane in lanes_of(done.moved & self.reporting) {
+        for lane in lanes_of(done.moved & self.finding) {
             self.find_maxima(simd, lane, done.through >> lane & 1 != 0);
         }
         loop {
@@ -172,7 +178,9 @@ impl Rounds<'_> {
     /// Looks for maxima in the sub-step that a motion has just done in its lane.
     #[inline(always)]
     fn find_maxima<S: Simd>(&mut self, simd: S, lane: usize, through: bool) {
-        let Some(reporter) = self.motions[lane].as_mut().and_then(|motion| motion.reporter.as_mut()) else { return };
+        let Some(reporter) = self.motions[lane].as_mut().and_then(|motion| motion.reporter.as_mut()) else {
+            return;
+        };
         let Some(finder) = &mut reporter.maxima else { return };
         let simulator = &self.work.simulators[self.simulator_of[lane]];
         let (begin, now) = (self.starts.time(lane), self.states.time(lane));
@@ -189,13 +197,13 @@ impl Rounds<'_> {
     /// differs from lane to lane, the flights of all lanes are expanded side by side.
     #[inline(always)]
     fn take_samples<S: Simd>(&mut self, simd: S, due: u64) {
-        let tables = LaneTables { simulators: self.work.simulators, simulator_of: &self.simulator_of };
         let (mut centres, mut places) = ([Row::ZERO; 8], Row::ZERO);
         for lane in lanes_of(due) {
-            let dt = (self.states.next_sample.0[lane] - self.starts.time[0].0[lane]) - self.starts.time[1].0[lane];
+            let dt =
+                (self.states.next_sample.0[lane] - self.starts.time[0].0[lane]) - self.starts.time[1].0[lane];
             let (index, u) = self.work.simulators[self.simulator_of[lane]].place_in_substep(dt);
             places.0[lane] = u;
-            let centre = product(simd, tables.to_centre(lane, index), &self.starts.state(lane));
+            let centre = self.systems.at_centre(simd, lane, index, &self.starts.state(lane));
             for (row, z) in centres.iter_mut().zip(centre) {
                 row.0[lane] = z;
             }
@@ -211,8 +219,9 @@ impl Rounds<'_> {
             let mut row = Row::ZERO;
             for (j, z) in z.into_iter().enumerate() {
                 z.store(&mut row, v);
-                for lane in v * S::F64_LANES..(v + 1) * S::F64_LANES {
-                    samples[lane][j] = row.0[lane];
+                let lanes = v * S::F64_LANES..(v + 1) * S::F64_LANES;
+                for (sample, z) in samples[lanes.clone()].iter_mut().zip(&row.0[lanes]) {
+                    sample[j] = *z;
                 }
             }
         }

@@ -4,11 +4,14 @@ use super::LaneSet;
 use crate::flow::INTERVALS;
 use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN};
 use crate::numerics::double_double::DoubleDouble;
+use crate::numerics::simd::product;
 use crate::parameters::Parameters;
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
 use crate::simulator::step::{AdvanceState, MAX_REACH};
+use crate::simulator::tables::ModeTables;
 use crate::simulator::{Contact, Simulator};
 use pulp::Simd;
+use std::sync::Arc;
 
 /// `departing` of a motion that is not in flight, larger than that of any that is.
 const GROUNDED: f64 = f64::INFINITY;
@@ -17,6 +20,8 @@ const GROUNDED: f64 = f64::INFINITY;
 pub(super) struct LaneSystems {
     /// The parameters for which each lane is filled. A new motion with the same finds the rows filled.
     parameters: [Option<Parameters>; ROW],
+    /// The tables of the motion in each lane.
+    tables: [Option<Arc<ModeTables>>; ROW],
     /// Weights of the coordinates in w at the end of each interval.
     pub(super) sample: [[Row; 8]; INTERVALS],
     /// Rows of the matrix that gives the state after a whole sub-step.
@@ -59,6 +64,7 @@ impl LaneSystems {
         let row = Row::ZERO;
         Self {
             parameters: [None; ROW],
+            tables: [const { None }; ROW],
             sample: [[row; 8]; INTERVALS],
             full: [[row; 8]; 8],
             bound: [row; 8],
@@ -84,9 +90,30 @@ impl LaneSystems {
         }
     }
 
+    /// Lets go of the tables of the motion in a lane, so that its simulator may fill them for another system without copying them.
+    pub(super) fn release_tables(&mut self, lane: usize) {
+        self.tables[lane] = None;
+    }
+
+    /// The state at the centre of an interval of the sub-step that begins with `z`.
+    #[inline(always)]
+    pub(super) fn at_centre<S: Simd>(
+        &self,
+        simd: S,
+        lane: usize,
+        interval: usize,
+        z: &Augmented,
+    ) -> Augmented {
+        match &self.tables[lane] {
+            Some(tables) => product(simd, &tables.core.centre[interval % INTERVALS], z),
+            None => *z, // never: the lane has no motion
+        }
+    }
+
     /// Fills a lane for a motion to `end`.
     pub(super) fn load_system(&mut self, lane: usize, simulator: &Simulator, end: DoubleDouble) {
         (self.end[0].0[lane], self.end[1].0[lane]) = (end.hi, end.lo);
+        self.tables[lane] = Some(Arc::clone(&simulator.flight));
         if self.parameters[lane] == Some(simulator.parameters) {
             return;
         }
@@ -158,6 +185,16 @@ pub(super) struct LaneStates {
     pub(super) next_sample: Row,
 }
 
+/// The state in a lane of the rows `z`, number by number: the rows are not copied.
+#[inline(always)]
+fn state_in(rows: &[Row; 8], lane: usize) -> Augmented {
+    let mut z = [0.0; 8];
+    for (z, row) in z.iter_mut().zip(rows) {
+        *z = row.0[lane];
+    }
+    z
+}
+
 /// Where the latest sub-step of each motion that reports began.
 pub(super) struct SubstepStarts {
     pub(super) z: [Row; 8],
@@ -182,7 +219,7 @@ impl SubstepStarts {
     /// The state in a lane.
     #[inline(always)]
     pub(super) fn state(&self, lane: usize) -> Augmented {
-        self.z.map(|row| row.0[lane])
+        state_in(&self.z, lane)
     }
 
     /// The time in a lane.
@@ -291,7 +328,7 @@ impl LaneStates {
     /// The state in a lane.
     #[inline(always)]
     pub(super) fn state(&self, lane: usize) -> Augmented {
-        self.z.map(|row| row.0[lane])
+        state_in(&self.z, lane)
     }
 
     /// The time in a lane.

@@ -2,17 +2,11 @@
 
 use super::passage::{CentredFlights, REACH};
 use super::rows::{LaneStates, LaneSystems, SubstepStarts};
-use super::{LaneSet, LaneTables, lanes_of};
+use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
 use crate::model::{BOX_RATE, RELATIVE, RELATIVE_RATE};
-use crate::numerics::simd::product;
 use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
 use pulp::Simd;
-
-/// The most of a vector's lanes, in eighths, that wait for a search to be worth its while. The search of an interval takes
-/// three times as long as passing over a sub-step, and as long for one lane of a vector as for all. So the lanes that come near a
-/// stop wait for others, as long as one of their vector is still passing. That changes when a sub-step is computed, but not how.
-const WAITING: u32 = 4;
 
 /// What a sub-step has done, and what it leaves to the motions' own code.
 pub(super) struct Progress {
@@ -28,13 +22,11 @@ pub(super) struct Progress {
     pub(super) side: Row,
 }
 
-/// Advances the `active` motions by a sub-step, to its end or through its first impact, but for those that wait. Where a motion of
-/// the set `reporting` moves, `starts` keeps where it was.
+/// Advances each of the `active` motions by a sub-step, to its end or through its first impact. Where a motion of the set `reporting` moves, `starts` keeps where it was.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
     systems: &LaneSystems,
-    tables: &LaneTables,
     states: &mut LaneStates,
     (active, reporting): (LaneSet, LaneSet),
     starts: &mut SubstepStarts,
@@ -55,15 +47,9 @@ pub(super) fn flight_substep<S: Simd>(
     }
     ready &= active;
     let passing = ready & !near;
-    let mut searching = near & ready;
-    for v in 0..Row::vectors::<S>() {
-        let part = part << (v * lanes);
-        if passing & part != 0 && 8 * (searching & part).count_ones() <= WAITING * lanes as u32 {
-            searching &= !part;
-        }
-    }
+    let searching = near & ready;
     for lane in lanes_of(searching & !near_start) {
-        searched.load_centre(simd, tables, states, lane);
+        searched.load_centre(simd, systems, states, lane);
     }
     let (mut arrived, mut at_stop, mut through) = (0, 0, 0);
     for v in 0..Row::vectors::<S>() {
@@ -99,8 +85,8 @@ impl SearchedIntervals {
     /// Computes the state at the centre of a lane's interval from the tables of its own system; the matrix differs from
     /// lane to lane with the interval's index.
     #[inline(always)]
-    fn load_centre<S: Simd>(&mut self, simd: S, tables: &LaneTables, states: &LaneStates, lane: usize) {
-        let there = product(simd, tables.to_centre(lane, self.index.0[lane] as usize), &states.state(lane));
+    fn load_centre<S: Simd>(&mut self, simd: S, systems: &LaneSystems, states: &LaneStates, lane: usize) {
+        let there = systems.at_centre(simd, lane, self.index.0[lane] as usize, &states.state(lane));
         for (row, there) in self.centre.iter_mut().zip(there) {
             row.0[lane] = there;
         }
