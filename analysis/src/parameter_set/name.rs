@@ -218,7 +218,7 @@ fn unknown(name: &str, valid: &[Name]) -> Error {
 }
 
 /// A number to seven digits, for captions.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
     let plain = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
     if plain { format!("{rounded}") } else { format!("{rounded:e}") }.replace('-', "−")

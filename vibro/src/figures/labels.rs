@@ -12,6 +12,8 @@ const AIR: f64 = 6.0;
 const APART: f64 = 26.0;
 /// Distance of the places along a curve at which a name is tried.
 const STEP: f64 = 12.0;
+/// Most places along a curve at which a name is tried.
+const TRIES: f64 = 2000.0;
 /// Height of a name's box.
 const HEIGHT: f64 = 1.1 * SMALL;
 
@@ -88,7 +90,8 @@ impl Room {
         let away = AIR + SQUARE + 2.0;
         // From the middle of the longest piece to its ends: names stand best where a curve is alone.
         let piece = pieces.iter().max_by(|a, b| length(a).total_cmp(&length(b)))?;
-        let spots: Vec<Place> = along(piece, STEP).collect();
+        let stride = (length(piece) / (STEP * TRIES)).ceil().max(1.0) as usize;
+        let spots: Vec<Place> = along(piece, STEP).step_by(stride).collect();
         let middle = spots.len() / 2;
         let order =
             (0..spots.len()).map(|i| if i % 2 == 0 { middle + i / 2 } else { middle - i.div_ceil(2) });
