@@ -71,7 +71,10 @@ fn the_page_needs_nothing_from_outside() {
             }
         }
     }
-    assert!(!page.contains("url(") && !page.contains("@import"));
+    // What is named by an address is in the page.
+    let addresses = page.split("url(").skip(1).map(|rest| rest.split(')').next().unwrap_or_default());
+    links.extend(addresses.map(|a| a.strip_prefix('#').expect("within the page").to_owned()));
+    assert!(!page.contains("@import"));
     assert!(links.is_subset(&ids), "{:?}", links.difference(&ids));
     assert_eq!(pictures, 3, "sketch, run, response");
     assert!(formulas > 10, "{formulas}");
