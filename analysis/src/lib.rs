@@ -59,5 +59,7 @@ pub mod trajectories;
 mod variation;
 
 pub use error::{Error, Result};
-pub use parameter_set::{Name, ParameterSet, Unit, find_field, find_group, number, numbers, short, typed_unit};
+pub use parameter_set::{
+    Name, ParameterSet, Unit, find_field, find_group, number, numbers, short, typed_unit,
+};
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

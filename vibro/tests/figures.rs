@@ -89,8 +89,10 @@ fn invariant_files_of_many_values_are_small_and_finite() {
             colours: vec![None, Some(BOX), Some(BLOCK), Some(SECONDARY)],
         };
         let curve = Layer::line("", BLOCK, Dash::Solid, jagged(count)).labelled("a name");
-        let marks = Layer::marks("", BOX, Mark::Ring, vec![(0.5, f64::NAN), (f64::INFINITY, 0.0), (0.5, 0.5)]);
-        let with_gaps = Layer::line("", BOX, Dash::Dotted, vec![(0.0, 0.0), (f64::NAN, 1.0), (0.5, 0.5), (0.6, 9e99)]);
+        let marks =
+            Layer::marks("", BOX, Mark::Ring, vec![(0.5, f64::NAN), (f64::INFINITY, 0.0), (0.5, 0.5)]);
+        let with_gaps =
+            Layer::line("", BOX, Dash::Dotted, vec![(0.0, 0.0), (f64::NAN, 1.0), (0.5, 0.5), (0.6, 9e99)]);
         let drawing = figure(vec![Layer::new("", BLACK, cells), curve, marks, with_gaps]);
         let svg = canvas::svg(&drawing).unwrap();
         assert!(svg.len() < LARGEST, "{count} values: {} bytes", svg.len());
@@ -99,7 +101,15 @@ fn invariant_files_of_many_values_are_small_and_finite() {
         let (width, height) = drawing.size();
         let rectangle = svg.split("<clipPath").nth(1).unwrap().split("/>").next().unwrap();
         let number = |name: &str| -> f64 {
-            rectangle.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+            rectangle
+                .split(&format!(" {name}=\""))
+                .nth(1)
+                .unwrap()
+                .split('"')
+                .next()
+                .unwrap()
+                .parse()
+                .unwrap()
         };
         assert!(number("x") + number("width") < f64::from(width), "{rectangle}");
         assert!(number("y") + number("height") < f64::from(height), "{rectangle}");
@@ -153,7 +163,8 @@ fn body(name: &str) -> Option<Colour> {
 fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
     let Some(figure) = &study.figure else { panic!("{} has a picture", study.name) };
     for panel in &figure.panels {
-        let areas = |l: &&Layer| matches!(l.shape, Shape::Band { .. } | Shape::Cells { .. } | Shape::Text { .. });
+        let areas =
+            |l: &&Layer| matches!(l.shape, Shape::Band { .. } | Shape::Cells { .. } | Shape::Text { .. });
         for layer in panel.layers.iter().filter(|l| !areas(l)) {
             let told = layer.label.as_deref().or(layer.name.as_deref());
             let place = format!("{}, {}, {told:?}", study.name, panel.title);
@@ -180,7 +191,8 @@ fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
 /// A machine in SI that settles on the motion with two impacts.
 fn machine() -> ParameterSet {
     let mut set = ParameterSet::basic();
-    set.apply(&["box.m=12kg", "box.k=48kN/m", "box.c=75", "block.m=1.2kg", "stop.gap=5mm", "coupling.k=288"]).unwrap();
+    set.apply(&["box.m=12kg", "box.k=48kN/m", "box.c=75", "block.m=1.2kg", "stop.gap=5mm", "coupling.k=288"])
+        .unwrap();
     set.apply(&["secondary.m=1.2kg", "secondary.k=4.8kN/m", "secondary.c=4.5"]).unwrap();
     set.apply(&["stop.restitution=0.75", "drive.amplitude=36N", "drive.frequency=10.4Hz"]).unwrap();
     set

@@ -173,7 +173,8 @@ fn axes_are_of_any_parameter_with_units() {
     assert!(out.join("response-drive.frequency.png").exists());
     // Labels are in the units that were written: the ticks of 9 to 11.5 Hz, the members in mm, amplitudes in mm.
     let text = words(&out, "response-drive.frequency");
-    for expected in ["ω₁/2π (Hz)", "9.0 9.5 10.0 10.5 11.0 11.5", "L = 4 mm", "C·L (mm)", "A₃·L (mm)"] {
+    for expected in ["ω₁/2π (Hz)", "9.0 9.5 10.0 10.5 11.0 11.5", "L = 4 mm", "C·L (mm)", "A₃·L (mm)"]
+    {
         assert!(text.contains(expected), "{expected}: {text}");
     }
     assert!(!text.contains("units of L"), "{text}");

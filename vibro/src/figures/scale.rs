@@ -98,7 +98,8 @@ fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let inside = |t: &(f64, String)| t.0 >= low * (1.0 - 1e-9) && t.0 <= high * (1.0 + 1e-9);
     let factors: &[f64] = if last - first <= 4 { &[1.0, 2.0, 5.0] } else { &[1.0] };
     let sparse = ((last - first) as usize / MOST).max(1);
-    let ticks: Vec<_> = (first..=last).step_by(sparse).flat_map(|e| decade(e, factors)).filter(inside).collect();
+    let ticks: Vec<_> =
+        (first..=last).step_by(sparse).flat_map(|e| decade(e, factors)).filter(inside).collect();
     if ticks.len() < FEWEST { linear_ticks(low, high) } else { ticks }
 }
 
@@ -212,7 +213,8 @@ mod tests {
     #[test]
     fn invariant_every_axis_has_finite_ticks() {
         for log in [false, true] {
-            for range in [None, Some((0.0, 1.0)), Some((-1.0, 1.0)), Some((2.0, 2.0)), Some((f64::NAN, 1.0))] {
+            for range in [None, Some((0.0, 1.0)), Some((-1.0, 1.0)), Some((2.0, 2.0)), Some((f64::NAN, 1.0))]
+            {
                 for values in [vec![], vec![f64::NAN], vec![0.0], vec![3.0], vec![1e-100, 1e100]] {
                     let axis = Axis { range, log, ..Axis::default() };
                     let scale = Scale::new(&axis, values.clone().into_iter(), 0.0, 1.0);

@@ -218,7 +218,8 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let mut shown = vec![0, runs.len() / 2, runs.len() - 1];
     shown.dedup();
     let lengths = Lengths::of(set);
-    let mut panels: Vec<_> = ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter, &lengths)).collect();
+    let mut panels: Vec<_> =
+        ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter, &lengths)).collect();
     let (panel, slopes) = error_panel(char::from(b'a' + shown.len() as u8), &runs);
     // Nothing to draw where no value of epsilon can be compared.
     if !panel.layers.is_empty() {

@@ -87,9 +87,8 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
         }
         found = Some(modulation(&points, &flights, periods));
         let mut letters = letters.chars();
-        let mut title = |what: &str| {
-            format!("({}) {what}, {}", letters.next().unwrap_or(' '), set.told(name, value))
-        };
+        let mut title =
+            |what: &str| format!("({}) {what}, {}", letters.next().unwrap_or(' '), set.told(name, value));
         let width = if periods > STEADY { 2 } else { THIN };
         let shown = Shown { lengths: &lengths, points: &points, width };
         panels.push(shown.history(&title(&lengths.displacement("W")), &SHOWN[..1]));
@@ -232,7 +231,8 @@ pub fn running(
         Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
-    let panels: Vec<_> = ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, set, along, run)).collect();
+    let panels: Vec<_> =
+        ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, set, along, run)).collect();
     let figure = Figure {
         title: "Lyapunov exponents on their way".into(),
         caption: vec![format!("Elsewhere {}", set.caption_but(&[along]))],

@@ -181,10 +181,10 @@ impl Panels<'_> {
                     over.push(lines(Dash::Solid, stable).stroke(THIN));
                     over.push(lines(Dash::Dotted, unstable).stroke(THIN));
                 } else {
-                    // The name stands beside the stable part, or the other where there is none.
+                    // The name stands beside the part with more points: where there is one, and more room.
                     let mut curves = [lines(Dash::Solid, stable), lines(Dash::Dotted, unstable)];
-                    let none = curves[0].extent().is_empty();
-                    let named = &mut curves[usize::from(none)];
+                    let more = curves[1].extent().len() > curves[0].extent().len();
+                    let named = &mut curves[usize::from(more)];
                     *named = named.clone().labelled(&name);
                     layers.extend(curves.map(|curve| curve.stroke(WIDE).pale()));
                 }
@@ -223,7 +223,9 @@ fn samples() -> impl Iterator<Item = Layer> {
 fn caption(set: &ParameterSet, varied: &[Name], of: Option<Displacement>) -> Vec<String> {
     let exact = match of {
         None => "Thin: exact orbit; for it C is A₂/(1 − ε + ε²).",
-        Some(Displacement::W) => "Thin: exact orbit. In this motion the block goes from stop to stop: the amplitude of w is L.",
+        Some(Displacement::W) => {
+            "Thin: exact orbit. In this motion the block goes from stop to stop: the amplitude of w is L."
+        }
         Some(_) => "Thin: exact orbit.",
     };
     let text = format!("Pale and wide: multiple scales. {exact} Shown where C > C_Smin (right branch).");
@@ -268,7 +270,8 @@ impl ResponseFigure<'_> {
             others.map(|o| format!("; {}", set.told(o, o.value(set)))).collect::<String>()
         };
         let amplitudes = Shown::of(self.of);
-        let pairs = families.iter().zip(&shown).flat_map(|(f, w)| amplitudes.iter().map(move |a| (f, *a, w.1)));
+        let pairs =
+            families.iter().zip(&shown).flat_map(|(f, w)| amplitudes.iter().map(move |a| (f, *a, w.1)));
         let drawn = ('a'..).zip(pairs).map(|(letter, (family, amplitude, words))| {
             let name = amplitude.name(&panels.lengths);
             let title = format!("({letter}) {name} {words}{}", elsewhere(family.name));
@@ -288,7 +291,10 @@ impl ResponseFigure<'_> {
             None => (self.stem.into(), format!("{}, multiple scales and exact orbit", self.what)),
             Some(of) => (
                 format!("{}-{of}", self.stem),
-                format!("response, the amplitude of {of} along {}, multiple scales and exact orbit", along.name()),
+                format!(
+                    "response, the amplitude of {of} along {}, multiple scales and exact orbit",
+                    along.name()
+                ),
             ),
         };
         Study::of(&stem, what, &table(along, &families), figure)

@@ -18,8 +18,7 @@ const ROWS: usize = 380;
 const COLUMNS: usize = 1300;
 /// Shades by the part of the kept periods that fall into a cell: under 0.5 %, 3 %, 20 %, more.
 const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
-const SHADES: [Colour; 4] =
-    [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
+const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
 /// Where the falling direction ends elsewhere: rare, frequent; lighter than any shade, so that grey shows it too.
 const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
 /// Stroke of the curves of multiple scales and of the falling direction, over which others are drawn.
@@ -270,7 +269,8 @@ fn window_remarks(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -
         .iter()
         .take(TOLD)
         .map(|(from, to, class)| {
-            let (name, from, to) = (axis.name, set.with_unit(axis.name, *from), set.with_unit(axis.name, *to));
+            let (name, from, to) =
+                (axis.name, set.with_unit(axis.name, *from), set.with_unit(axis.name, *to));
             format!("{} {from} … {to}: {}", name.name(), class.name())
         })
         .collect();
@@ -341,7 +341,10 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
         }
     }
     let figure = Figure {
-        title: format!("Force response over the simulated maxima of {} (cf. figure 16)", lengths.displacement("X₂")),
+        title: format!(
+            "Force response over the simulated maxima of {} (cf. figure 16)",
+            lengths.displacement("X₂")
+        ),
         caption: vec![method(sweep), set.caption_but(&[axis.name])],
         panels: vec![panel],
         columns: 1,

@@ -75,9 +75,8 @@ impl Shown<'_> {
     }
 
     fn displacements(&self) -> Panel {
-        let curve = |(i, name)| {
-            Layer::line("", COLOURS[i], Dash::Solid, self.curve(i)).stroke(THIN).labelled(name)
-        };
+        let curve =
+            |(i, name)| Layer::line("", COLOURS[i], Dash::Solid, self.curve(i)).stroke(THIN).labelled(name);
         Panel {
             title: "(a) Box, block and secondary oscillator".into(),
             x: self.time(),
@@ -152,7 +151,9 @@ impl Shown<'_> {
         let curve = |load: &Load| {
             let points = self.history.instants().map(|i| (i.time, load.force(i.time))).collect();
             let name = format!("on {}", load.body().name());
-            Layer::line("", COLOURS[load.body() as usize], Dash::Solid, thinned(points)).stroke(THIN).labelled(name)
+            Layer::line("", COLOURS[load.body() as usize], Dash::Solid, thinned(points))
+                .stroke(THIN)
+                .labelled(name)
         };
         Panel {
             title: "(e) Loads".into(),
