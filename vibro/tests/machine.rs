@@ -221,6 +221,15 @@ fn labels_are_in_the_unit_that_was_written() {
     assert!(text.contains("L (mm)") && text.contains("5 10 15 20 25 30"), "{text}");
     drawn(&out, &["plane", "--pair", "k1,f10", "--vary", "k1=1:2:8", "--resolution", "6", "--replace"]);
     assert!(words(&out, "plane").contains("k₁ (N/m)"));
+    // Shards keep the unit for the machine that merges them.
+    let (one, two) = (folder("cli-unit-1"), folder("cli-unit-2"));
+    let work = ["bifurcation", "--vary", "drive.frequency=0.15Hz:0.17Hz:20", "--discard", "9", "--keep", "9"];
+    for (out, share) in [(&one, "1/2"), (&two, "2/2")] {
+        drawn(out, &[&work[..], &["--shard", share]].concat());
+    }
+    let merged = folder("cli-unit-merged");
+    drawn(&merged, &["merge", one.to_str().unwrap(), two.to_str().unwrap()]);
+    assert!(words(&merged, "bifurcation").contains("ω₁/2π (Hz)"));
 }
 
 #[test]
