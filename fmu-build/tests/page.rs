@@ -138,8 +138,9 @@ addEventListener("load", () => {
   }
   const dark = matchMedia("(prefers-color-scheme: dark)").matches;
   document.documentElement.setAttribute("data-scheme", dark && light(ground(document.body)) < 0.3 ? "dark" : "light");
-  const fraction = document.querySelector("mfrac").getBoundingClientRect();
-  if (fraction.height < 25) errors.push("MathML is not laid out");
+  const fraction = document.querySelector("mfrac");
+  const high = fraction.getBoundingClientRect().height / parseFloat(getComputedStyle(fraction).fontSize);
+  if (high < 1.5) errors.push("MathML is not laid out");
   if (document.documentElement.scrollWidth > innerWidth) errors.push("the page is wider than the window");
   for (const r of performance.getEntriesByType("resource")) errors.push("loaded " + r.name);
   document.documentElement.setAttribute("data-found", "found:" + errors.join("; ") + ":end");

@@ -91,8 +91,11 @@ fn method(sweep: &Sweep) -> String {
     text
 }
 
+/// What a maximum at a point is in units of the set's own gap.
+type Length<'a> = &'a dyn Fn(&SweepPoint, f64) -> f64;
+
 /// Range of all maxima, with some air.
-fn reach(diagram: &Diagram, length: &dyn Fn(&SweepPoint, f64) -> f64) -> (f64, f64) {
+fn reach(diagram: &Diagram, length: Length<'_>) -> (f64, f64) {
     let points = diagram.up.iter().chain(&diagram.down).flatten();
     let all = points.flat_map(|p| p.maxima.iter().map(|m| length(p, m.0)));
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -104,12 +107,7 @@ fn reach(diagram: &Diagram, length: &dyn Fn(&SweepPoint, f64) -> f64) -> (f64, f
 }
 
 /// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one where it ends elsewhere.
-fn cells(
-    sweep: &Sweep,
-    diagram: &Diagram,
-    apart: &[bool],
-    (y, length): ((f64, f64), &dyn Fn(&SweepPoint, f64) -> f64),
-) -> Shape {
+fn cells(sweep: &Sweep, diagram: &Diagram, apart: &[bool], (y, length): ((f64, f64), Length<'_>)) -> Shape {
     let axis = &sweep.axis;
     let columns = axis.count.min(COLUMNS);
     // Values in a column, whose periods are counted together.
