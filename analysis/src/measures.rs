@@ -194,3 +194,6 @@ impl Window {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
