@@ -128,8 +128,11 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
 fn window(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Window> {
     let p = *simulator.parameters();
     let model = Model::new(&p)?;
-    let needs = |c: &Coordinate| measures.iter().any(|m| m.coordinate() == Some(*c));
-    let mut extents: Vec<_> = Coordinate::ALL.into_iter().filter(needs).map(Extent::new).collect();
+    let extent = |c: Coordinate| {
+        let mut of = measures.iter().filter(|m| m.coordinate() == Some(c)).peekable();
+        of.peek().is_some().then(|| Extent::new(c, of.any(|m| m.needs_square())))
+    };
+    let mut extents: Vec<_> = Coordinate::ALL.into_iter().filter_map(extent).collect();
     let mut impacts = Impacts::default();
     let (begin, length, before) = (simulator.time(), p.period(), simulator.energy_accounts());
     let arch = pulp::Arch::new();
@@ -161,7 +164,7 @@ fn window(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Resu
 
 impl Window {
     fn extent(&self, coordinate: Coordinate) -> &Extent {
-        const NONE: &Extent = &Extent::new(Coordinate::X1);
+        const NONE: &Extent = &Extent::new(Coordinate::X1, false);
         // Those that the measures need are there.
         self.extents.iter().find(|e| e.coordinate == coordinate).unwrap_or(NONE)
     }

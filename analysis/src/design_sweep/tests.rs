@@ -83,14 +83,21 @@ fn second_method_a_row_is_what_its_motions_are_one_by_one() {
 fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
     let set = ParameterSet::basic();
     let names = vec![name("stop.restitution"), name("stop.gap"), name("drive.frequency")];
-    let rows =
-        vec![vec![0.5, 1.0, 1.0], vec![1.2, 1.0, 1.0], vec![0.5, -0.1, 1.0], vec![0.5, 1.0, 0.0], vec![0.6, 1.0, 1.0]];
+    let rows = vec![
+        vec![0.5, 1.0, 1.0],
+        vec![1.2, 1.0, 1.0],
+        vec![0.5, -0.1, 1.0],
+        vec![0.5, 1.0, 0.0],
+        vec![0.6, 1.0, 1.0],
+    ];
     let designs = Designs::Rows { names, rows };
     let measures = measures(&["amplitude.x1", "amplitude.without_block", "class"]);
     let all = Request { designs, measures, discard: 20, periods: 5, ..Request::default() };
     let reasons: Vec<Option<String>> = (0..5).map(|i| row(&set, &all, i).reason).collect();
     assert_eq!((&reasons[0], &reasons[4]), (&None, &None));
-    for (index, word) in [(1, "stop.restitution = 1.2: allowed is 0 <="), (2, "stop.gap = -0.1"), (3, "drive.frequency")] {
+    for (index, word) in
+        [(1, "stop.restitution = 1.2: allowed is 0 <="), (2, "stop.gap = -0.1"), (3, "drive.frequency")]
+    {
         let found = row(&set, &all, index);
         assert!(found.reason.as_ref().is_some_and(|r| r.contains(word)), "{found:?}");
         assert!(found.outputs[0].is_none() && found.classes.is_empty());

@@ -26,13 +26,15 @@ pub(super) struct Extent {
     pub coordinate: Coordinate,
     least: f64,
     largest: f64,
+    /// Whether squares are integrated.
+    squares: bool,
     /// ∫ q² dt, m² s or m²/s.
     pub square: f64,
 }
 
 impl Extent {
-    pub const fn new(coordinate: Coordinate) -> Self {
-        Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, square: 0.0 }
+    pub const fn new(coordinate: Coordinate, squares: bool) -> Self {
+        Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, squares, square: 0.0 }
     }
 
     /// Least and largest value, both within ± a bound that the coordinate is known to keep but for rounding.
@@ -51,8 +53,10 @@ impl Extent {
     pub fn take(&mut self, series: &Series<TERMS>, radius: f64) {
         let (weights, first) = self.coordinate.weights();
         let q: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.lanes[k], first));
-        let square = |u: f64| value(&q, u) * value(&q, u);
-        self.square += radius * NODES.iter().map(|(u, weight)| weight * square(*u)).sum::<f64>();
+        if self.squares {
+            let square = |u: f64| value(&q, u).powi(2);
+            self.square += radius * NODES.iter().map(|(u, weight)| weight * square(*u)).sum::<f64>();
+        }
         self.meet(q[0]);
         self.meet(value(&q, 1.0));
         let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();

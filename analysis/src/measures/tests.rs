@@ -42,12 +42,15 @@ fn second_method_amplitudes_and_mean_squares_of_the_exact_orbit() {
     let p = Parameters::default();
     let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
     for c in Coordinate::ALL {
-        let names = ["amplitude", "rms", "peak_to_peak", "maximum"].map(|kind| format!("{kind}.{}", c.name()));
+        let names =
+            ["amplitude", "rms", "peak_to_peak", "maximum"].map(|kind| format!("{kind}.{}", c.name()));
         let mut simulator = settled_simulator(&p, &moving_block(&p), 600.0).unwrap();
         let [amplitude, rms, peak_to_peak, maximum] = found(&mut simulator, &names, 2)[..] else { panic!() };
         let values: Vec<f64> =
             (0..PHASES).map(|k| of_state(c, &orbit.state(TAU * f64::from(k) / f64::from(PHASES)))).collect();
-        if let Some(weights) = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 1.0, 0.0]].get(c as usize) {
+        if let Some(weights) =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 1.0, 0.0]].get(c as usize)
+        {
             assert!((amplitude - orbit.amplitude_of(*weights)).abs() < SETTLED, "{names:?}");
         } else {
             // Before or after an impact, or where the phases come near to: never more than what is exact.
@@ -80,7 +83,8 @@ fn second_method_extrema_by_samples_in_chaos_and_with_rest() {
         }
         for c in &Coordinate::ALL[4..] {
             let values = flights.iter().flatten().map(|i| of_state(*c, &i.state));
-            let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            let (least, most) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
             let names = [format!("maximum.{}", c.name()), format!("peak_to_peak.{}", c.name())];
             let [maximum, range] = found(&mut simulator.clone(), &names, PERIODS)[..] else { panic!() };
             // 128 samples a period leave out at most h²/8 of the third derivative.
@@ -95,7 +99,9 @@ fn second_method_extrema_by_samples_in_chaos_and_with_rest() {
 fn invariant_the_drive_pays_for_all_losses_of_a_periodic_motion() {
     let names = ["power.input", "power.impact", "power.box.c", "power.secondary.c"];
     for (f10, kappa) in [(1.5, 0.75), (2.0, 0.3)] {
-        let [input, impact, box_c, secondary_c] = numbers(&at(f10, kappa), &names, 800.0, 60)[..] else { panic!() };
+        let [input, impact, box_c, secondary_c] = numbers(&at(f10, kappa), &names, 800.0, 60)[..] else {
+            panic!()
+        };
         let off = input - (impact + box_c + secondary_c);
         assert!(impact > 0.0 && off.abs() < SETTLED * input, "{f10}: {input} {impact} {box_c} {secondary_c}");
     }
@@ -107,9 +113,12 @@ fn closed_form_of_the_box_alone() {
     let p = Parameters { coupling_stiffness: 0.0, stop_gap: 10.0, ..Parameters::default() };
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
     simulator.advance_to(200.0 * p.period()).unwrap();
-    let names = ["amplitude.x1", "rms.x1", "amplitude.without_block", "power.box.c", "power.input", "impacts"];
+    let names =
+        ["amplitude.x1", "rms.x1", "amplitude.without_block", "power.box.c", "power.input", "impacts"];
     let names: Vec<String> = names.map(Into::into).into();
-    let [amplitude, rms, closed, lost, input, impacts] = found(&mut simulator, &names, 60)[..] else { panic!() };
+    let [amplitude, rms, closed, lost, input, impacts] = found(&mut simulator, &names, 60)[..] else {
+        panic!()
+    };
     let stiffness = p.box_stiffness - p.box_mass * p.drive_frequency.powi(2);
     let expected = p.drive_amplitude / stiffness.hypot(p.box_damping * p.drive_frequency);
     assert!((closed - expected).abs() < 1e-15 && (amplitude - expected).abs() < SETTLED, "{amplitude}");
@@ -122,7 +131,8 @@ fn closed_form_of_the_box_alone() {
 fn second_method_impacts_by_their_events() {
     let p = at(3.6, 0.75);
     let simulator = settled_simulator(&p, &moving_block(&p), 50.0).unwrap();
-    let names = ["impacts", "impacts.upper", "impacts.lower", "impact.speed", "impact.impulse"].map(String::from);
+    let names =
+        ["impacts", "impacts.upper", "impacts.lower", "impact.speed", "impact.impulse"].map(String::from);
     let measured = found(&mut simulator.clone(), &names, 20);
     let (mut counts, mut speeds, mut impulses) = ([0.0; 2], 0.0f64, 0.0f64);
     let end = simulator.time() + 20.0 * p.period();
@@ -173,6 +183,9 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
         assert!(!measure.description().is_empty() && !measure.unit().is_empty());
     }
     let error = |name: &str| name.parse::<Measure>().unwrap_err().to_string();
-    assert_eq!(error("amplitud.x1"), "no output is named `amplitud.x1`; the nearest is `amplitude.x1`: largest |x1|");
+    assert_eq!(
+        error("amplitud.x1"),
+        "no output is named `amplitud.x1`; the nearest is `amplitude.x1`: largest |x1|"
+    );
     assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
 }
