@@ -1,7 +1,7 @@
 //! What is read off a settled motion: amplitudes, root mean squares, impacts, powers, class, exponent.
 //!
 //! All of it comes from one pass over the smooth pieces of the motion, along which the flow's series are known: extrema lie at
-//! the ends of a piece or where a rate passes zero, which [`first_crossing`] proves; squares are integrated by a Gauss rule
+//! the ends of a piece or where a rate passes zero, which [`first_crossing`](vibro_impact::events::first_crossing) proves; squares are integrated by a Gauss rule
 //! whose error is under round-off. Losses at impacts and the work of the drive are the simulator's accounts, the losses in a
 //! damper its coefficient times the mean square of its rate.
 //!
@@ -109,8 +109,8 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
     Error::Undefined { name, value: 0.0, needed_by, allowed }
 }
 
-/// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1 ω1|, the limit of
-/// docs/theory.md (2) without block and coupling.
+/// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1 ω1|, the
+/// periodic solution of docs/theory.md (3) without block and coupling.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.
