@@ -3,6 +3,7 @@
 use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
+use crate::sweep::AxisArgument;
 use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
@@ -103,6 +104,7 @@ pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
         Command::Compare(a) => (a.range.as_slice(), a.values.as_slice()),
         Command::Bifurcation(a) => (a.range.as_slice(), &[]),
         Command::Lyapunov(a) => (a.sweep.range.as_slice(), &[]),
+        Command::Sweep(a) => return a.vary.iter().chain(&a.over).map(AxisArgument::written).collect(),
         _ => (&[], &[]),
     };
     values.iter().map(|v| (v.name, v.unit)).chain(ranges.iter().map(|r| (r.name, r.unit))).collect()
