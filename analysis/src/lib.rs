@@ -59,5 +59,7 @@ pub mod trajectories;
 mod variation;
 
 pub use error::{Error, Result};
-pub use parameter_set::{Name, ParameterSet, find_field, find_group, number, numbers, short};
+pub use parameter_set::{
+    Name, ParameterSet, Quantity, find_field, find_group, number, numbers, quantity_in, short,
+};
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};
