@@ -75,11 +75,12 @@ impl Regions {
             let found = values.par_iter().map(limit).collect::<Result<Vec<_>>>()?;
             Ok(found.into_iter().flatten().collect())
         };
-        let epsilon = set.groups().epsilon;
-        let largest = LARGEST_EPSILON.max(epsilon);
+        let (epsilon, motions) = (set.groups().epsilon, own_motions(set)?);
+        // The marks are not to lie on the panel's edge.
+        let largest = if motions.is_empty() { LARGEST_EPSILON } else { LARGEST_EPSILON.max((1.2 * epsilon).min(1.0)) };
         Ok(Self {
             epsilon,
-            motions: own_motions(set)?,
+            motions,
             largest,
             manifolds: over_kappa.collect::<vibro_impact::Result<_>>()?,
             own: Manifold::new(set.groups().kappa)?,
