@@ -11,9 +11,11 @@
 //! | [`report`] | all studies at once, and the paper's statements beside what is found |
 //! | [`parameter_file`] | parameter files |
 //! | [`run_start`] | where a run starts |
+//! | [`design_file`] | designs of a sweep from a CSV file |
 //! | [`part_folder`] | finished parts of long studies on disk |
 //! | [`html`] | text in HTML |
 
+pub mod design_file;
 mod error;
 pub mod figures;
 pub mod html;

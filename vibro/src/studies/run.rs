@@ -5,7 +5,7 @@ mod picture;
 
 use super::Study;
 use super::steady_motion::SteadyMotion;
-use crate::run_start::{self, Start};
+use crate::run_start::{self, Coordinate, Start};
 use crate::table::{CsvRows, Table, exact};
 use crate::{Error, Result};
 use history::{Extent, History, RunImpact};
@@ -83,8 +83,12 @@ impl Request {
     fn first_state(&self, p: &Parameters) -> Result<(State, String)> {
         match self.start.unwrap_or_default() {
             Start::Coordinates(start) => {
-                let words = format!("{} (x and v in units of L and L ω10, others in SI), the rest 0", Start::Coordinates(start));
-                Ok((run_start::state(p, &start), words))
+                let units = if start.iter().any(|c| matches!(c, Coordinate::Si(_))) {
+                    "names with a point in m and m/s, others in units of L and L ω10"
+                } else {
+                    "units of L and L ω10"
+                };
+                Ok((run_start::state(p, &start), format!("{} ({units}), the rest 0", Start::Coordinates(start))))
             }
             Start::Orbit => match SteadyMotion::exact(p)? {
                 Some(SteadyMotion::Exact(orbit)) if orbit.is_stable() => {
