@@ -22,7 +22,7 @@ pub use isoperiodic::isoperiodic;
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
 pub use plane::planes;
-pub use response::{along, force, frequency};
+pub use response::{Ordinate, along, force, frequency};
 pub use run::{Length as RunLength, Request as RunRequest, run};
 pub use stability::{masri, regions};
 pub use steady::steady;

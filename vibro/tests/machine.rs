@@ -223,6 +223,26 @@ fn the_response_along_the_frequency_is_that_along_its_detuning() {
 }
 
 #[test]
+fn second_method_the_response_of_the_box_has_the_orbits_amplitude() {
+    let (out, file) = machine("cli-response-of", MACHINE);
+    let given = ["--config", &file, "--vary", "drive.frequency=10Hz:11Hz", "--of", "x1"];
+    let text = drawn(&out, &[&["response"], &given[..]].concat());
+    assert!(text.contains("response A₁ along drive.frequency"), "{text}");
+    assert!(words(&out, "response-drive.frequency").contains("A₁ (m)"));
+    let rows = table(&out, "response-drive.frequency.csv");
+    let p: Vec<f64> = rows.iter().filter(|r| r["theory"] == "exact orbit").map(|r| r["A1"].parse().unwrap()).collect();
+    let row = rows.iter().find(|r| r["theory"] == "exact orbit" && r["stable"] == "true").expect("a stable point");
+    let mut set = ParameterSet::basic();
+    vibro::parameter_file::apply(&mut set, MACHINE).unwrap();
+    set.apply(&[format!("drive.frequency={}", row["value"])]).unwrap();
+    let orbit = vibro_impact::steady::exact_orbit::solve(set.parameters()).unwrap().upper.unwrap();
+    let amplitude = row["A1"].parse::<f64>().unwrap() * set.parameters().stop_gap;
+    assert!((amplitude / orbit.amplitudes()[0] - 1.0).abs() < 1e-9 && p.len() > 100);
+    let (code, error) = refused(&["response", "--of", "w"]);
+    assert!(code == 2 && error.contains("`--of w`: expected x1, x2 or x3"), "{error}");
+}
+
+#[test]
 fn bad_input_is_refused_by_name() {
     for (arguments, expected) in [
         (

@@ -17,6 +17,41 @@ const WIDE: u32 = 14;
 
 const METHODS: [Method; 2] = [Method::MultipleScales, Method::ExactOrbit];
 
+/// What is drawn over the parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ordinate {
+    /// C, in units of L.
+    C,
+    /// The amplitude of x1, x2 or x3: the index and whether it is in m; in units of L otherwise.
+    Amplitude(usize, bool),
+}
+
+impl Ordinate {
+    /// Those of the paper's figures.
+    pub const PAPER: [Self; 2] = [Self::C, Self::Amplitude(2, false)];
+
+    fn symbol(self) -> &'static str {
+        match self {
+            Self::C => "C",
+            Self::Amplitude(body, _) => ["A₁", "A₂", "A₃"][body],
+        }
+    }
+
+    fn label(self) -> String {
+        let unit = if matches!(self, Self::Amplitude(_, true)) { "m" } else { "units of L" };
+        format!("{} ({unit})", self.symbol())
+    }
+
+    /// Its value at a point of a machine with this gap.
+    fn value(self, p: &ResponsePoint, gap: f64) -> f64 {
+        match self {
+            Self::C => p.c,
+            Self::Amplitude(body, true) => p.a[body] * gap,
+            Self::Amplitude(body, false) => p.a[body],
+        }
+    }
+}
+
 const HEADER: [&str; 15] = [
     "along",
     "value",
@@ -110,15 +145,22 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>;
     parts
 }
 
-fn panel(title: String, x: Axis, own: Option<(f64, &str)>, family: &Family, third: bool) -> Panel {
-    let y = |p: &ResponsePoint| if third { p.a[2] } else { p.c };
+/// `gap` is L at a value of the family and a value along the curves.
+fn panel(
+    title: String,
+    x: Axis,
+    own: Option<(f64, &str)>,
+    family: &Family,
+    ordinate: Ordinate,
+    gap: &dyn Fn(f64, f64) -> f64,
+) -> Panel {
     let mut layers = Vec::new();
     let mut highest = 0.0_f64;
     let mut over = Vec::new();
     for ((value, responses), colour) in family.members.iter().zip(FAMILY.into_iter().cycle()) {
         let name = format!("{} = {}", family.name.symbol(), family.name.with_unit(*value));
         for r in responses {
-            let [stable, unstable] = pieces(r, y);
+            let [stable, unstable] = pieces(r, |p| ordinate.value(p, gap(*value, p.value)));
             let points = stable.iter().chain(&unstable).flatten();
             highest = points.fold(highest, |h, p| h.max(p.1));
             let lines = |dash, pieces| Layer::lines("", colour, dash, pieces);
@@ -150,8 +192,7 @@ fn panel(title: String, x: Axis, own: Option<(f64, &str)>, family: &Family, thir
         layers
             .push(Layer::line(name, VERMILLION, Dash::Dotted, vec![(value, 0.0), (value, top)]).stroke(THIN));
     }
-    let label = if third { "A₃ (units of L)" } else { "C (units of L)" };
-    Panel { title, x, y: Axis::over(label, 0.0, top), layers }
+    Panel { title, x, y: Axis::over(ordinate.label(), 0.0, top), layers }
 }
 
 fn caption(set: &ParameterSet, varied: &[Name]) -> Vec<String> {
@@ -170,10 +211,12 @@ struct ResponseFigure<'a> {
     range: (f64, f64),
     /// The families of curves: the parameter that differs between the members, what they are, and its values.
     families: &'a [(Name, &'a str, &'a [f64])],
+    /// What is drawn, a panel each.
+    ordinates: &'a [Ordinate],
 }
 
 impl ResponseFigure<'_> {
-    /// C and A3 of each family. A family without a value is left out, and so is one whose only curve, that of the set
+    /// The ordinates of each family. A family without a value is left out, and so is one whose only curve, that of the set
     /// itself, is in another family already.
     fn study(&self, set: &ParameterSet) -> Result<Study> {
         let (along, range) = (self.along, self.range);
@@ -194,21 +237,27 @@ impl ResponseFigure<'_> {
             let told = others.map(|o| format!("; {} = {}", o.symbol(), o.with_unit(o.value(set))));
             told.collect::<String>()
         };
-        let pairs = families.iter().zip(&shown).flat_map(|(f, w)| [(f, "C", w.1), (f, "A₃", w.1)]);
+        let each = |(f, w)| self.ordinates.iter().map(move |ordinate| (f, *ordinate, w));
+        let pairs = families.iter().zip(shown.iter().map(|f| f.1)).flat_map(each);
         let here = along.value(set);
         let mark = set.is_set(along) && (range.0..=range.1).contains(&here);
         let label = format!("this set: {} = {}", along.symbol(), along.with_unit(here));
-        let panels = ('a'..).zip(pairs).map(|(letter, (family, symbol, words))| {
+        let panels = ('a'..).zip(pairs).map(|(letter, (family, ordinate, words))| {
             let x = Axis::over(along.label(), range.0, range.1);
-            let title = format!("({letter}) {symbol} {words}{}", elsewhere(family.name));
-            panel(title, x, mark.then_some((here, &label)), family, symbol != "C")
+            let title = format!("({letter}) {} {words}{}", ordinate.symbol(), elsewhere(family.name));
+            let gap = |member: f64, value: f64| match "stop.gap" {
+                name if name == along.name() => value,
+                name if name == family.name.name() => member,
+                _ => set.parameters().stop_gap,
+            };
+            panel(title, x, mark.then_some((here, &label)), family, ordinate, &gap)
         });
         let varied: Vec<Name> = std::iter::once(along).chain(shown.iter().map(|f| f.0)).collect();
         let figure = Figure {
             title: self.title.into(),
             caption: caption(set, &varied),
             panels: panels.collect(),
-            columns: 2,
+            columns: self.ordinates.len().min(2),
             panel: PANEL,
             shared_legend: true,
         };
@@ -216,43 +265,68 @@ impl ResponseFigure<'_> {
     }
 }
 
-/// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
+/// "C, A₃".
+fn symbols(ordinates: &[Ordinate]) -> String {
+    ordinates.iter().map(|o| o.symbol()).collect::<Vec<_>>().join(", ")
+}
+
+/// Figure 10: C and A3, or other amplitudes, over the detuning σ̂1, for some f̂10 and for some γ̂1.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn frequency(set: &ParameterSet, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
+pub fn frequency(
+    set: &ParameterSet,
+    range: (f64, f64),
+    f10: &[f64],
+    gamma1: &[f64],
+    ordinates: &[Ordinate],
+) -> Result<Study> {
     ResponseFigure {
         stem: "response-frequency",
         title: "Frequency response (cf. figure 10)",
-        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
+        what: &format!(
+            "frequency response {} over σ̂₁ as in figure 10, multiple scales and exact orbit",
+            symbols(ordinates)
+        ),
         along: Name::find("sigma1")?,
         range,
         families: &[
             (Name::find("f10")?, "for some excitation amplitudes", f10),
             (Name::find("gamma1")?, "for some dampings", gamma1),
         ],
+        ordinates,
     }
     .study(set)
 }
 
-/// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
+/// Figure 11: C and A3, or other amplitudes, over the excitation amplitude f̂10, for some detunings σ̂1.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn force(set: &ParameterSet, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
+pub fn force(
+    set: &ParameterSet,
+    range: (f64, f64),
+    positive: &[f64],
+    negative: &[f64],
+    ordinates: &[Ordinate],
+) -> Result<Study> {
     let sigma1 = Name::find("sigma1")?;
     ResponseFigure {
         stem: "response-force",
         title: "Force response (cf. figure 11)",
-        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
+        what: &format!(
+            "force response {} over f̂₁₀ as in figure 11, multiple scales and exact orbit",
+            symbols(ordinates)
+        ),
         along: Name::find("f10")?,
         range,
         families: &[(sigma1, "above resonance", positive), (sigma1, "below resonance", negative)],
+        ordinates,
     }
     .study(set)
 }
 
-/// C and A3 along any parameter, for some values of another.
+/// C and A3, or other amplitudes, along any parameter, for some values of another.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
@@ -261,14 +335,20 @@ pub fn along(
     along: Name,
     range: (f64, f64),
     (member, values): (Name, &[f64]),
+    ordinates: &[Ordinate],
 ) -> Result<Study> {
     ResponseFigure {
         stem: &format!("response-{}", along.name()),
         title: &format!("Response along {}", along.symbol()),
-        what: &format!("response C, A₃ along {}, multiple scales and exact orbit", along.name()),
+        what: &format!(
+            "response {} along {}, multiple scales and exact orbit",
+            symbols(ordinates),
+            along.name()
+        ),
         along,
         range,
         families: &[(member, &format!("along {}", along.symbol()), values)],
+        ordinates,
     }
     .study(set)
 }

@@ -4,8 +4,9 @@ use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, Resp
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
 use std::ops::RangeInclusive;
-use vibro::studies::{self, Study};
+use vibro::studies::{self, Ordinate, Study};
 use vibro::{Error, Result};
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::{PAIRS, ParameterAxis};
 use vibro_analysis::{Name, ParameterSet};
 
@@ -88,11 +89,22 @@ pub fn names(command: &Command) -> Vec<String> {
     }
 }
 
+/// What a response draws: the amplitudes that were asked for, in m where the machine was given in SI.
+fn ordinates(set: &ParameterSet, of: &[Displacement]) -> Result<Vec<Ordinate>> {
+    let ordinate = |d: &Displacement| {
+        let body = [Displacement::X1, Displacement::X2, Displacement::X3].iter().position(|x| x == d);
+        let refused = || Error::form(format!("--of {d}"), "x1, x2 or x3");
+        Ok(Ordinate::Amplitude(body.ok_or_else(refused)?, set.is_si()))
+    };
+    if of.is_empty() { Ok(Ordinate::PAPER.to_vec()) } else { of.iter().map(ordinate).collect() }
+}
+
 pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
+    let of = ordinates(set, &a.of)?;
     let (sigma1, f10, gamma1) = (Name::find("sigma1")?, Name::find("f10")?, Name::find("gamma1")?);
     let others: Vec<_> = a.range.iter().filter(|r| ![sigma1, f10].contains(&r.name)).collect();
     if !others.is_empty() {
-        return others.into_iter().map(|range| along(set, range, a)).collect();
+        return others.into_iter().map(|range| along(set, range, a, &of)).collect();
     }
     let members = |name, default: &[f64]| members(set, name, &a.values, default);
     let listed = || a.values.iter().map(|list| list.name);
@@ -111,13 +123,13 @@ pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
         let range = range_of(set, &a.range, sigma1, (-2.5, 2.5));
         let (forces, dampings) =
             (members(f10, &[1.0, 1.5, 2.0, 2.5]), members(gamma1, &[0.2, 0.5, 1.0, 1.5]));
-        found.push(studies::frequency(set, range.ends, &forces, &dampings)?);
+        found.push(studies::frequency(set, range.ends, &forces, &dampings, &of)?);
     }
     if force {
         let all = members(sigma1, &[0.2, 0.4, 0.8, 1.2, -0.2, -0.5, -0.8, -1.2]);
         let (above, below): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| *s >= 0.0);
         let range = range_of(set, &a.range, f10, (0.0, 4.0));
-        found.push(studies::force(set, range.ends, &above, &below)?);
+        found.push(studies::force(set, range.ends, &above, &below, &of)?);
     }
     Ok(found)
 }
@@ -125,7 +137,7 @@ pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
 const COUNT: &str = "name=from:to without a count: curves are followed and have no fixed number of values";
 
 /// The response along any parameter, for the values listed of one other.
-fn along(set: &ParameterSet, range: &ParameterRange, a: &Response) -> Result<Study> {
+fn along(set: &ParameterSet, range: &ParameterRange, a: &Response, of: &[Ordinate]) -> Result<Study> {
     if range.count.is_some() {
         return Err(Error::form(range.name.name(), COUNT));
     }
@@ -140,7 +152,7 @@ fn along(set: &ParameterSet, range: &ParameterRange, a: &Response) -> Result<Stu
         [one] => return Err(Error::form(one.name.name(), "values of another parameter than the axis")),
         [_, other, ..] => return Err(Error::form(other.name.name(), "values of one parameter only")),
     };
-    studies::along(set, range.name, range.ends, (name, &values))
+    studies::along(set, range.name, range.ends, (name, &values), of)
 }
 
 pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
