@@ -324,3 +324,6 @@ fn together(numbers: impl Iterator<Item = Option<f64>>) -> Option<Summary> {
     let mean = if least == largest { largest } else { numbers.iter().sum::<f64>() / numbers.len() as f64 };
     Some(Summary { least, mean, largest, at })
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! What is read off a settled motion: amplitudes, root mean squares, impacts, powers, class, exponent.
 //!
 //! All of it comes from one pass over the smooth pieces of the motion, along which the flow's series are known: extrema lie at
-//! the ends of a piece or where a rate passes zero, which [`first_crossing`] proves; squares are integrated by a Gauss rule
+//! the ends of a piece or where a rate passes zero, which [`first_crossing`](vibro_impact::events::first_crossing) proves; squares are integrated by a Gauss rule
 //! whose error is under round-off. Losses at impacts and the work of the drive are the simulator's accounts, the losses in a
 //! damper its coefficient times the mean square of its rate.
 //!
@@ -109,8 +109,8 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
     Error::Undefined { name, value: 0.0, needed_by, allowed }
 }
 
-/// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1 ω1|, the limit of
-/// docs/theory.md (2) without block and coupling.
+/// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1 ω1|, the
+/// periodic solution of docs/theory.md (3) without block and coupling.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.
@@ -128,8 +128,11 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
 fn window(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Window> {
     let p = *simulator.parameters();
     let model = Model::new(&p)?;
-    let needs = |c: &Coordinate| measures.iter().any(|m| m.coordinate() == Some(*c));
-    let mut extents: Vec<_> = Coordinate::ALL.into_iter().filter(needs).map(Extent::new).collect();
+    let extent = |c: Coordinate| {
+        let mut of = measures.iter().filter(|m| m.coordinate() == Some(c)).peekable();
+        of.peek().is_some().then(|| Extent::new(c, of.any(|m| m.needs_square())))
+    };
+    let mut extents: Vec<_> = Coordinate::ALL.into_iter().filter_map(extent).collect();
     let mut impacts = Impacts::default();
     let (begin, length, before) = (simulator.time(), p.period(), simulator.energy_accounts());
     let arch = pulp::Arch::new();
@@ -161,7 +164,7 @@ fn window(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Resu
 
 impl Window {
     fn extent(&self, coordinate: Coordinate) -> &Extent {
-        const NONE: &Extent = &Extent::new(Coordinate::X1);
+        const NONE: &Extent = &Extent::new(Coordinate::X1, false);
         // Those that the measures need are there.
         self.extents.iter().find(|e| e.coordinate == coordinate).unwrap_or(NONE)
     }
@@ -194,3 +197,6 @@ impl Window {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

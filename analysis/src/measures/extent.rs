@@ -14,7 +14,7 @@ const NODES: [(f64, f64); 8] = [
     (0.101_666_761_293_186_64, 0.111_190_517_226_687_23),
     (0.237_233_795_041_835_5, 0.156_853_322_938_943_55),
     (0.408_282_678_752_175_1, 0.181_341_891_689_180_83),
-    (0.591_717_321_247_824_9, 0.181_341_891_689_180_83),
+    (0.591_717_321_247_825, 0.181_341_891_689_180_83),
     (0.762_766_204_958_164_5, 0.156_853_322_938_943_55),
     (0.898_333_238_706_813_4, 0.111_190_517_226_687_23),
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_53),
@@ -26,13 +26,15 @@ pub(super) struct Extent {
     pub coordinate: Coordinate,
     least: f64,
     largest: f64,
+    /// Whether squares are integrated.
+    squares: bool,
     /// ∫ q² dt, m² s or m²/s.
     pub square: f64,
 }
 
 impl Extent {
-    pub const fn new(coordinate: Coordinate) -> Self {
-        Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, square: 0.0 }
+    pub const fn new(coordinate: Coordinate, squares: bool) -> Self {
+        Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, squares, square: 0.0 }
     }
 
     /// Least and largest value, both within ± a bound that the coordinate is known to keep but for rounding.
@@ -51,8 +53,10 @@ impl Extent {
     pub fn take(&mut self, series: &Series<TERMS>, radius: f64) {
         let (weights, first) = self.coordinate.weights();
         let q: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.lanes[k], first));
-        let square = |u: f64| value(&q, u) * value(&q, u);
-        self.square += radius * NODES.iter().map(|(u, weight)| weight * square(*u)).sum::<f64>();
+        if self.squares {
+            let square = |u: f64| value(&q, u).powi(2);
+            self.square += radius * NODES.iter().map(|(u, weight)| weight * square(*u)).sum::<f64>();
+        }
         self.meet(q[0]);
         self.meet(value(&q, 1.0));
         let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();

@@ -187,6 +187,11 @@ impl Measure {
             _ => None,
         }
     }
+
+    /// Whether it is made of the mean square of its coordinate.
+    pub(super) fn needs_square(self) -> bool {
+        matches!(self, Self::Rms(_) | Self::PowerBoxDamper | Self::PowerSecondaryDamper)
+    }
 }
 
 impl std::fmt::Display for Measure {

@@ -112,7 +112,8 @@ impl Collected {
                 1 => record.measure.name(),
                 n => format!("{}, largest of {n} motions", record.measure),
             };
-            if least.0 == largest.0 {
+            // The same but for rounding.
+            if significant(least.0) == significant(largest.0) {
                 lines.push(format!("{what}: {}", told(least)));
             } else {
                 lines.push(format!("{what}: least {}; largest {}", told(least), told(largest)));

@@ -22,7 +22,7 @@ const NOTHING: Colour = Colour(200, 200, 200);
 const EVEN: f64 = 1e-9;
 
 /// Round numbers at equal distances that enclose a range in at most as many steps as there are colours.
-pub(super) fn steps(least: f64, largest: f64) -> Vec<f64> {
+fn steps(least: f64, largest: f64) -> Vec<f64> {
     if least >= largest {
         return vec![least];
     }
@@ -57,13 +57,29 @@ fn axis(of: &SampledAxis) -> (Axis, (f64, f64), Vec<f64>) {
     (Axis { names, ..Axis::over(of.name.label(), range.0, range.1) }, range, places)
 }
 
-/// A map: `values` by the second axis within the first, as designs are numbered.
-pub(super) fn map(title: String, unit: &str, axes: [&SampledAxis; 2], values: &[Option<f64>]) -> Panel {
+/// The range of the values that are there.
+fn range<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> (f64, f64) {
+    let met = values.into_iter().flatten();
+    met.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
+}
+
+/// The limits of the steps for values of one or several maps; none where there is no value.
+pub(super) fn limits<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> Vec<f64> {
+    let (least, largest) = range(values);
+    if least <= largest { steps(least, largest) } else { Vec::new() }
+}
+
+/// A map: `values` by the second axis within the first, as designs are numbered, in steps between these limits.
+pub(super) fn map(
+    title: String,
+    unit: &str,
+    axes: [&SampledAxis; 2],
+    values: &[Option<f64>],
+    limits: &[f64],
+) -> Panel {
     let [(x, across, x_places), (y, up, y_places)] = axes.map(axis);
     let (columns, rows) = (x_places.len(), y_places.len());
-    let met = || values.iter().flatten().copied();
-    let (least, largest) = met().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    let limits = if least <= largest { steps(least, largest) } else { Vec::new() };
+    let least = range(values).0;
     let count = limits.len().saturating_sub(1).max(1);
     // The last step takes its upper limit too.
     let step = |v: f64| limits.iter().skip(1).take(count - 1).filter(|limit| v >= **limit).count();
@@ -78,7 +94,7 @@ pub(super) fn map(title: String, unit: &str, axes: [&SampledAxis; 2], values: &[
     colours.extend((0..count).map(|k| Some(colour(k))));
     let mut layers = vec![Layer::new("", BLACK, Shape::Cells { x: across, y: up, columns, cells, colours })];
     let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
-    match &limits[..] {
+    match limits {
         [] => {}
         [only] => layers.push(entry(&format!("{}{unit}", significant(*only)), colour(0))),
         limits => {

@@ -2,7 +2,7 @@
 //! parameter for designs that are no grid.
 
 use super::collected::{Collected, MeasureRecord, Reach};
-use super::map::map;
+use super::map::{limits, map};
 use super::{method, varied};
 use crate::figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
@@ -32,6 +32,8 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
         _ if request.designs.count() < 2 => return None,
         _ => (clouds(&names, request, found), 2.min(names.len()), (1500, 1000)),
     };
+    // Projections have one scale.
+    let is_projection = matches!(&request.designs, Designs::Grid(axes) if axes.iter().filter(|a| a.values.len() > 1).count() > 2);
     let symbols: Vec<_> = names.iter().map(|n| n.symbol()).collect();
     let several = panels.len() > 1;
     let lettered = |(letter, panel): (char, Panel)| match several {
@@ -44,7 +46,7 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
         columns: columns.min(panels.len()),
         panels: ('a'..).zip(panels).map(lettered).collect(),
         panel,
-        shared_legend: false,
+        shared_legend: is_projection,
     })
 }
 
@@ -178,35 +180,43 @@ fn largest(reach: &Reach) -> Option<f64> {
 fn maps(axes: [&SampledAxis; 2], request: &Request, found: &Collected) -> Vec<Panel> {
     let panel = |record: &MeasureRecord| {
         let values: Vec<Option<f64>> = record.reaches.iter().map(largest).collect();
-        map(title(record.measure, request), &unit(record.measure), axes, &values)
+        map(title(record.measure, request), &unit(record.measure), axes, &values, &limits(&values))
     };
     found.records.iter().take(PANELS).map(panel).collect()
 }
 
-/// Over more parameters: for each pair the least of the first measure over the others.
+/// Over more parameters: for each pair the least of the first measure over the others, all on one scale.
 fn projections(axes: &[&SampledAxis], request: &Request, found: &Collected) -> Vec<Panel> {
     let record = &found.records[0];
+    let pairs = (0..axes.len()).flat_map(|i| (i + 1..axes.len()).map(move |j| [i, j]));
+    let best: Vec<_> =
+        pairs.take(PANELS).map(|pair| (pair, best_over_others(axes, pair, &record.reaches))).collect();
+    let limits = limits(best.iter().flat_map(|(_, values)| values));
+    let panel = |(pair, values): ([usize; 2], Vec<Option<f64>>)| {
+        let others = (0..axes.len()).filter(|k| !pair.contains(k));
+        let others: Vec<_> = others.map(|k| axes[k].name.symbol()).collect();
+        let words = format!("least over {} of {}", others.join(", "), title(record.measure, request));
+        map(words, &unit(record.measure), pair.map(|k| axes[k]), &values, &limits)
+    };
+    best.into_iter().map(panel).collect()
+}
+
+/// The least value over all axes but a pair, by the second of the pair within the first.
+fn best_over_others(axes: &[&SampledAxis], [i, j]: [usize; 2], reaches: &[Reach]) -> Vec<Option<f64>> {
     let counts: Vec<usize> = axes.iter().map(|a| a.values.len()).collect();
     let place = |design: usize, axis: usize| {
         let inner: usize = counts[axis + 1..].iter().product();
         design / inner % counts[axis]
     };
-    let pairs = (0..axes.len()).flat_map(|i| (i + 1..axes.len()).map(move |j| (i, j)));
-    let panel = |(i, j): (usize, usize)| {
-        let mut best: Vec<Option<f64>> = vec![None; counts[i] * counts[j]];
-        for (design, reach) in record.reaches.iter().enumerate() {
-            let cell = &mut best[place(design, i) * counts[j] + place(design, j)];
-            *cell = match (*cell, largest(reach)) {
-                (Some(a), Some(b)) => Some(a.min(b)),
-                (a, b) => a.or(b),
-            };
-        }
-        let others: Vec<_> =
-            (0..axes.len()).filter(|k| *k != i && *k != j).map(|k| axes[k].name.symbol()).collect();
-        let words = format!("least over {} of {}", others.join(", "), title(record.measure, request));
-        map(words, &unit(record.measure), [axes[i], axes[j]], &best)
-    };
-    pairs.take(PANELS).map(panel).collect()
+    let mut best: Vec<Option<f64>> = vec![None; counts[i] * counts[j]];
+    for (design, reach) in reaches.iter().enumerate() {
+        let cell = &mut best[place(design, i) * counts[j] + place(design, j)];
+        *cell = match (*cell, largest(reach)) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+    }
+    best
 }
 
 /// The first measure over each parameter.
