@@ -83,3 +83,26 @@ fn closed_form_of_the_recipes() {
     let [above, below, difference] = numbers(off_centre)[..] else { panic!("{off_centre}") };
     assert!(above > 10.0 && above != below && difference < ROUNDING, "{off_centre}");
 }
+
+#[test]
+fn second_method_the_tutorials_fmu_is_the_exact_orbit() {
+    let [said] = &printed("design-a-damper.md")[..] else { panic!("one block") };
+    let [with, without] = numbers(said)[..] else { panic!("{said}") };
+    let page = fs::read_to_string(common::python::root().join("docs/design-a-damper.md")).unwrap();
+    assert!(page.contains(&format!("It prints {with:.1} mm and {without:.1} mm.")), "{said}");
+    let p = Parameters {
+        box_mass: 12.0,
+        box_stiffness: 48e3,
+        box_damping: 30.0,
+        block_mass: 1.1,
+        coupling_stiffness: 0.0,
+        stop_gap: 0.018,
+        stop_restitution: 0.5,
+        drive_amplitude: 75.0,
+        drive_frequency: std::f64::consts::TAU * 10.05,
+        ..Parameters::default()
+    };
+    let orbit = vibro_impact::steady::exact_orbit::solve(&p).unwrap().upper.expect("an orbit");
+    // Told to a tenth of a millimetre, from samples a hundredth of a period apart.
+    assert!(orbit.is_stable() && (1e3 * orbit.amplitudes()[0] - with).abs() < 0.06, "{said}");
+}
