@@ -198,7 +198,8 @@ fn what_is_no_record_is_refused_by_index() {
 /// The loads of a gap whose middle lies `b` above the block's place, docs/theory.md (97).
 fn off_centre(p: &Parameters, b: f64) -> Loads {
     let mut loads = Loads::default();
-    (loads.derivatives[1][0], loads.derivatives[2][0]) = (-p.coupling_stiffness * b, p.coupling_stiffness * b);
+    (loads.derivatives[1][0], loads.derivatives[2][0]) =
+        (-p.coupling_stiffness * b, p.coupling_stiffness * b);
     loads
 }
 

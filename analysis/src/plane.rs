@@ -226,9 +226,8 @@ pub fn plane(
         .map(|j| {
             let row = set.with(y.name, y.value(j));
             let class = |i| {
-                row.as_ref().map_or(SteadyStateClass::Undefined, |row| {
-                    classify_with(row, x.name, x.value(i), method)
-                })
+                row.as_ref()
+                    .map_or(SteadyStateClass::Undefined, |row| classify_with(row, x.name, x.value(i), method))
             };
             let classes = (0..x.count).map(class).collect();
             done();

@@ -25,8 +25,10 @@ for name in sys.argv[1:]:
 fn printed(page: &str) -> Vec<String> {
     let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join(page);
     fs::create_dir_all(folder.join("target")).expect("target can be written");
-    fs::copy(common::python::fmu(), folder.join("target/VibroImpact3DOF.fmu")).expect("target can be written");
-    let text = fs::read_to_string(common::python::root().join("docs").join(page)).expect("the page can be read");
+    fs::copy(common::python::fmu(), folder.join("target/VibroImpact3DOF.fmu"))
+        .expect("target can be written");
+    let text =
+        fs::read_to_string(common::python::root().join("docs").join(page)).expect("the page can be read");
     let mut scripts = Vec::new();
     for (info, block) in common::blocks(&text) {
         match info.split_once(' ') {

@@ -47,7 +47,8 @@ fn closed_form_of_the_recipes() {
 
     // Without the block: the linear oscillator.
     let p = machine();
-    let (k, c) = (p.box_stiffness - p.box_mass * p.drive_frequency.powi(2), p.box_damping * p.drive_frequency);
+    let (k, c) =
+        (p.box_stiffness - p.box_mass * p.drive_frequency.powi(2), p.box_damping * p.drive_frequency);
     let (amplitude, lag) = (p.drive_amplitude / k.hypot(c), c.atan2(k));
     let rows = guide::rows("recipes", "without-block/run.csv");
     assert!(rows.len() > 2000);

@@ -102,9 +102,10 @@ fn a_value_that_a_study_does_not_use_is_refused_by_name() {
 
 #[test]
 fn second_method_stability_marks_the_machine_that_was_given() {
-    for (name, text) in
-        [("cli-stability", MACHINE.to_owned()), ("cli-stability-template", vibro::parameter_file::template(false))]
-    {
+    for (name, text) in [
+        ("cli-stability", MACHINE.to_owned()),
+        ("cli-stability-template", vibro::parameter_file::template(false)),
+    ] {
         let (out, file) = machine(name, &text);
         let said = drawn(&out, &["stability", "--config", &file]);
         let mut set = ParameterSet::basic();
@@ -230,8 +231,10 @@ fn second_method_the_response_of_the_box_has_the_orbits_amplitude() {
     assert!(text.contains("response A₁ along drive.frequency"), "{text}");
     assert!(words(&out, "response-drive.frequency").contains("A₁ (m)"));
     let rows = table(&out, "response-drive.frequency.csv");
-    let p: Vec<f64> = rows.iter().filter(|r| r["theory"] == "exact orbit").map(|r| r["A1"].parse().unwrap()).collect();
-    let row = rows.iter().find(|r| r["theory"] == "exact orbit" && r["stable"] == "true").expect("a stable point");
+    let p: Vec<f64> =
+        rows.iter().filter(|r| r["theory"] == "exact orbit").map(|r| r["A1"].parse().unwrap()).collect();
+    let row =
+        rows.iter().find(|r| r["theory"] == "exact orbit" && r["stable"] == "true").expect("a stable point");
     let mut set = ParameterSet::basic();
     vibro::parameter_file::apply(&mut set, MACHINE).unwrap();
     set.apply(&[format!("drive.frequency={}", row["value"])]).unwrap();

@@ -70,7 +70,11 @@ fn the_tutorial_says_what_its_commands_find() {
 
     // 2. Over the band.
     let first = table("first/sweep.csv");
-    close(told(page, "the box moves by # mm at resonance"), 1e3 * largest(&first, "amplitude.without_block"), TOLD);
+    close(
+        told(page, "the box moves by # mm at resonance"),
+        1e3 * largest(&first, "amplitude.without_block"),
+        TOLD,
+    );
     close(told(page, "the box now moves by # mm"), 1e3 * largest(&first, "amplitude.x1"), IRREGULAR);
     // 3. One motion, periodic.
     let rows = guide::rows("tutorial", "look/run.csv");
@@ -85,7 +89,9 @@ fn the_tutorial_says_what_its_commands_find() {
     let design = |mass: f64, gap: f64, coefficient: f64| {
         let same = |row: &HashMap<String, String>, name, value: f64| (number(row, name) - value).abs() < 1e-9;
         let of = |row: &&HashMap<String, String>| {
-            same(row, "block.m", mass) && same(row, "stop.gap", gap) && same(row, "stop.restitution", coefficient)
+            same(row, "block.m", mass)
+                && same(row, "stop.gap", gap)
+                && same(row, "stop.restitution", coefficient)
         };
         designs.iter().find(of).expect("a design")
     };
@@ -97,12 +103,15 @@ fn the_tutorial_says_what_its_commands_find() {
     close(told(page, "to # mm at worst"), 1e3 * number(choice, "amplitude.x1.max"), IRREGULAR);
     close(told(page, "impacts of up to # N s"), number(choice, "impact.impulse.max"), IRREGULAR);
     let below = 1e-3 * told(page, "stay below # mm");
-    for (m, l, k) in [(1.0, gap, 0.5), (1.2, gap, 0.5), (mass, 0.016, 0.5), (mass, 0.02, 0.5), (mass, gap, 0.55)] {
+    for (m, l, k) in
+        [(1.0, gap, 0.5), (1.2, gap, 0.5), (mass, 0.016, 0.5), (mass, 0.02, 0.5), (mass, gap, 0.55)]
+    {
         assert!(number(design(m, l, k), "amplitude.x1.max") < below * (1.0 + IRREGULAR), "{m} {l} {k}");
     }
     // The parameter file of the page is that of the choice.
     let mut set = vibro_analysis::ParameterSet::basic();
-    vibro::parameter_file::apply(&mut set, &std::fs::read_to_string(home().join("design.toml")).unwrap()).unwrap();
+    vibro::parameter_file::apply(&mut set, &std::fs::read_to_string(home().join("design.toml")).unwrap())
+        .unwrap();
     let p = set.parameters();
     assert_eq!([p.block_mass, p.stop_gap, p.stop_restitution], CHOICE);
     // 5. The check.
@@ -118,12 +127,19 @@ fn the_tutorial_says_what_its_commands_find() {
         ("theory", "theory/response-drive.frequency.svg"),
         ("maxima", "maxima/bifurcation-x1.svg"),
     ] {
-        let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/design-a-damper/{picture}.svg"));
+        let committed =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/design-a-damper/{picture}.svg"));
         if std::env::var_os("UPDATE").is_some() {
             std::fs::copy(home().join(file), &committed).expect("docs can be written");
         }
-        let (drawn, committed) =
-            (std::fs::read_to_string(home().join(file)).unwrap(), std::fs::read_to_string(&committed).unwrap());
-        assert_eq!(texts(&drawn), texts(&committed), "{picture}: UPDATE=1 draws the pictures anew; look at them");
+        let (drawn, committed) = (
+            std::fs::read_to_string(home().join(file)).unwrap(),
+            std::fs::read_to_string(&committed).unwrap(),
+        );
+        assert_eq!(
+            texts(&drawn),
+            texts(&committed),
+            "{picture}: UPDATE=1 draws the pictures anew; look at them"
+        );
     }
 }

@@ -141,7 +141,9 @@ fn units_are_those_of_the_dimension() {
     );
     assert!(error(&["f10=2 N"]).starts_with("f10: `N` is no unit of it; allowed are 1, %"));
     assert!(error(&["box.m=nanogram"]).contains("is not a number"));
-    for (si, text, value) in [("s", "2", 2.0), ("s", "1.5min", 90.0), ("m/s", "-3 mm/s", -0.003), ("m", "2 mm", 0.002)] {
+    for (si, text, value) in
+        [("s", "2", 2.0), ("s", "1.5min", 90.0), ("m/s", "-3 mm/s", -0.003), ("m", "2 mm", 0.002)]
+    {
         assert_eq!(quantity_in(si, text).map(|q| q.value), Some(value), "{text}");
     }
     let gap = Name::find("stop.gap").unwrap();

@@ -88,7 +88,10 @@ impl Request {
                 } else {
                     "units of L and L ω10"
                 };
-                Ok((run_start::state(p, &start), format!("{} ({units}), the rest 0", Start::Coordinates(start))))
+                Ok((
+                    run_start::state(p, &start),
+                    format!("{} ({units}), the rest 0", Start::Coordinates(start)),
+                ))
             }
             Start::Orbit => match SteadyMotion::exact(p)? {
                 Some(SteadyMotion::Exact(orbit)) if orbit.is_stable() => {

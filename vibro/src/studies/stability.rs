@@ -47,7 +47,8 @@ fn own_motions(set: &ParameterSet) -> Result<Vec<FixedPoint>> {
     if !set.is_set(find_group("f10")?.into()) {
         return Ok(Vec::new());
     }
-    let roots = MultipleScales::new(set.groups())?.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
+    let roots =
+        MultipleScales::new(set.groups())?.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
     Ok(roots.filter(|p| p.admissibility.geometric).collect())
 }
 
@@ -77,7 +78,8 @@ impl Regions {
         };
         let (epsilon, motions) = (set.groups().epsilon, own_motions(set)?);
         // The marks are not to lie on the panel's edge.
-        let largest = if motions.is_empty() { LARGEST_EPSILON } else { LARGEST_EPSILON.max((1.2 * epsilon).min(1.0)) };
+        let largest =
+            if motions.is_empty() { LARGEST_EPSILON } else { LARGEST_EPSILON.max((1.2 * epsilon).min(1.0)) };
         Ok(Self {
             epsilon,
             motions,

@@ -60,7 +60,9 @@ impl Guide {
             match info.split_once(' ') {
                 Some((_, file)) => std::fs::write(home.join(file), &block).expect("target can be written"),
                 None if info == "sh" => {
-                    for line in block.replace("\\\n", " ").lines().filter_map(|line| line.strip_prefix("vibro ")) {
+                    for line in
+                        block.replace("\\\n", " ").lines().filter_map(|line| line.strip_prefix("vibro "))
+                    {
                         let mut line = line.to_owned();
                         for ((long, short), used) in shortened.iter().zip(&mut used) {
                             *used |= line.contains(long);
