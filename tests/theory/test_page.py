@@ -158,7 +158,7 @@ def test_contents_lead_to_the_sections() -> None:
 
     titles = re.findall(r"^## (.*)$", page(), re.M)
     links = re.findall(r"^\d+\. \[.*\]\(#(.*)\)$", page(), re.M)
-    assert links == [anchor(title) for title in titles] and len(links) == 13
+    assert links == [anchor(title) for title in titles] and len(links) == 14
 
 
 def test_equations_referred_to_exist() -> None:
