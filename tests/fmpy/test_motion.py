@@ -123,7 +123,7 @@ def test_loads_of_an_off_centre_gap_equal_dop853_with_shifted_stops(new, descrip
     instance.initialize()
     instance.set("block.f", -parameters["coupling.k"] * b)
     instance.set("secondary.f", parameters["coupling.k"] * b)
-    times = np.linspace(0.0, 10.0 * period, 21)
+    times = np.linspace(0.0, 10.0 * period, 101)
     got = [instance.get(*STATES)]
     for begin, end in zip(times, times[1:]):
         instance.step(begin, end - begin)
