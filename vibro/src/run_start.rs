@@ -56,7 +56,7 @@ impl std::str::FromStr for Start {
             };
             let unit = if index < 3 { "m" } else { "m/s" };
             let found = quantity_in(unit, value).filter(|q| q.value.is_finite()).ok_or_else(form)?;
-            let si = named_si || found.has_unit;
+            let si = named_si || found.unit.is_some();
             start[index] = if si { Coordinate::Si(found.value) } else { Coordinate::Scaled(found.value) };
         }
         Ok(Self::Coordinates(start))

@@ -1,8 +1,9 @@
 //! Stability regions of the periodic motion (figure 5) and Masri's plane (figure 6).
 
+use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, SKY, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, FAMILY, HERE, SKY};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
@@ -107,7 +108,7 @@ impl Regions {
         table
     }
 
-    fn panels(&self) -> Vec<Panel> {
+    fn panels(&self, lengths: &Lengths) -> Vec<Panel> {
         let curve = |pick: fn(&Manifold) -> f64| -> Path {
             self.manifolds.iter().map(|m| (m.kappa(), pick(m))).collect()
         };
@@ -120,7 +121,7 @@ impl Regions {
             Panel {
                 title: "(a) Plane (κ, C)".into(),
                 x: Axis::over("κ (–)", 0.0, 1.0),
-                y: Axis::over("C (units of L)", 0.4, 2.4),
+                y: lengths.axis_over(&lengths.amplitude("C"), 0.4, 2.4),
                 layers: region_layers(
                     self.manifolds.iter().map(|m| band(m.kappa(), m)).collect(),
                     [curve(Manifold::c_smin), curve(Manifold::c_smax), curve(Manifold::c_gmax)],
@@ -131,7 +132,7 @@ impl Regions {
             Panel {
                 title: format!("(b) Plane (ε, C), κ = {}", short(own.kappa())),
                 x: Axis::over("ε (–)", 0.0, self.largest),
-                y: Axis::over("C (units of L)", 0.4, 2.4),
+                y: lengths.axis_over(&lengths.amplitude("C"), 0.4, 2.4),
                 layers: region_layers(
                     vec![band(0.0, own), band(self.largest, own)],
                     [own.c_smin(), own.c_smax(), own.c_gmax()].map(flat),
@@ -167,15 +168,15 @@ fn region_layers(
     let marks = |end: usize| exact.iter().map(|(value, limits)| (*value, limits[end])).collect::<Path>();
     let mut layers = vec![
         Layer::band("stable periodic motion", SKY, 0.45, band),
-        Layer::line("C_Smin = 1/(1 + ρ²)", BLUE, Dash::Solid, low),
-        Layer::line("C_Smax = π²/(π² − 4)", VERMILLION, Dash::Solid, high),
-        Layer::line("C_Gmax", GREEN, Dash::Dashed, geometric),
+        Layer::line("", FAMILY[0], Dash::Solid, low).labelled("C_Smin = 1/(1 + ρ²)"),
+        Layer::line("", FAMILY[2], Dash::Solid, high).labelled("C_Smax = π²/(π² − 4)"),
+        Layer::line("", FAMILY[3], Dash::Dashed, geometric).labelled("C_Gmax"),
         Layer::marks("exact orbit, least stable A₂/(1 − ε + ε²)", BLACK, Mark::Ring, marks(0)).stroke(10),
         Layer::marks("exact orbit, largest stable A₂/(1 − ε + ε²)", BLACK, Mark::Triangle, marks(1))
             .stroke(10),
     ];
     if !own.is_empty() {
-        layers.push(Layer::marks(OWN, VERMILLION, Mark::Disc, own));
+        layers.push(Layer::marks(OWN, HERE, Mark::Disc, own));
     }
     layers
 }
@@ -193,7 +194,7 @@ pub fn regions(set: &ParameterSet) -> Result<Study> {
             "Multiple scales to leading order: the limits do not depend on ε. The exact orbit is followed along f̂₁₀.".into(),
             set.caption(),
         ],
-        panels: regions.panels(),
+        panels: regions.panels(&Lengths::of(set)),
         columns: 2,
         panel: PANEL,
         shared_legend: true,
@@ -293,7 +294,7 @@ fn masri_panel(
     let least = |limits: &[MasriLimits]| limits.iter().map(|l| (l.0, l.1)).collect::<Path>();
     let largest = |limits: &[MasriLimits]| limits.iter().map(|l| (l.0, l.2)).collect::<Path>();
     let top = scales.iter().map(|l| l.2).chain(own.map(|own| own.1)).fold(0.0, f64::max);
-    let mark = own.map(|own| Layer::marks(OWN, VERMILLION, Mark::Disc, vec![own]));
+    let mark = own.map(|own| Layer::marks(OWN, HERE, Mark::Disc, vec![own]));
     Panel {
         title: format!(
             "ε = {}, ζ = {}, σ̂₁ = {}",
@@ -305,8 +306,8 @@ fn masri_panel(
         y: Axis::over("ξ = k₁L/F₁₀ (–)", 0.0, 1.15 * top),
         layers: [
             Layer::band("stable, multiple scales", SKY, 0.45, scales.clone()),
-            Layer::line("highest f̂₁₀", VERMILLION, Dash::Solid, least(&scales)),
-            Layer::line("lowest f̂₁₀", BLUE, Dash::Solid, largest(&scales)),
+            Layer::line("", FAMILY[2], Dash::Solid, least(&scales)).labelled("highest f̂₁₀"),
+            Layer::line("", FAMILY[0], Dash::Solid, largest(&scales)).labelled("lowest f̂₁₀"),
             Layer::marks("exact orbit, lowest f̂₁₀", BLACK, Mark::Ring, largest(exact_orbit)).stroke(10),
             Layer::marks("exact orbit, highest f̂₁₀", BLACK, Mark::Triangle, least(exact_orbit)).stroke(10),
         ]

@@ -4,11 +4,10 @@ use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, Resp
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
 use std::ops::RangeInclusive;
-use vibro::studies::{self, Ordinate, Study};
+use vibro::studies::{self, Study};
 use vibro::{Error, Result};
-use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::{PAIRS, ParameterAxis};
-use vibro_analysis::{Name, ParameterSet};
+use vibro_analysis::{Name, ParameterSet, Unit};
 
 /// Values on an axis of a plane.
 const PLANE: RangeInclusive<usize> = 2..=10_000;
@@ -77,11 +76,15 @@ pub fn names(command: &Command) -> Vec<String> {
         Command::Steady => vec!["steady".into()],
         Command::Run(_) => vec!["run".into()],
         Command::Plane(_) => vec!["plane".into()],
-        Command::Response(a) => match a.kind {
-            ResponseKind::Frequency => vec!["response-frequency".into()],
-            ResponseKind::Force => vec!["response-force".into()],
-            ResponseKind::Both => vec!["response-frequency".into(), "response-force".into()],
-        },
+        Command::Response(a) => {
+            let kinds: &[&str] = match a.kind {
+                ResponseKind::Frequency => &["frequency"],
+                ResponseKind::Force => &["force"],
+                ResponseKind::Both => &["frequency", "force"],
+            };
+            let of = a.of.map_or(String::new(), |of| format!("-{of}"));
+            kinds.iter().map(|kind| format!("response-{kind}{of}")).collect()
+        }
         Command::Manifold(a) => figures("manifold", &["2", "7", "9"], &a.figure),
         Command::Stability(a) => figures("stability", &["5", "6"], &a.figure),
         Command::Compare(a) => figures("compare", &["8", "16", "17"], &a.figure),
@@ -89,22 +92,27 @@ pub fn names(command: &Command) -> Vec<String> {
     }
 }
 
-/// What a response draws: the amplitudes that were asked for, in m where the machine was given in SI.
-fn ordinates(set: &ParameterSet, of: &[Displacement]) -> Result<Vec<Ordinate>> {
-    let ordinate = |d: &Displacement| {
-        let body = [Displacement::X1, Displacement::X2, Displacement::X3].iter().position(|x| x == d);
-        let refused = || Error::form(format!("--of {d}"), "x1, x2 or x3");
-        Ok(Ordinate::Amplitude(body.ok_or_else(refused)?, set.is_si()))
+/// The parameters of the command's ranges and lists with the units in which these were written, for labels; where there are
+/// several of one parameter, the last holds.
+pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
+    let (ranges, values): (&[ParameterRange], &[ParameterValues]) = match command {
+        Command::Response(a) => (&a.range, &a.values),
+        Command::Manifold(a) => (&[], a.values.as_slice()),
+        Command::Plane(a) => (&a.planes.range, &[]),
+        Command::Isoperiodic(a) => (&a.planes.range, &[]),
+        Command::Compare(a) => (a.range.as_slice(), a.values.as_slice()),
+        Command::Bifurcation(a) => (a.range.as_slice(), &[]),
+        Command::Lyapunov(a) => (a.sweep.range.as_slice(), &[]),
+        _ => (&[], &[]),
     };
-    if of.is_empty() { Ok(Ordinate::PAPER.to_vec()) } else { of.iter().map(ordinate).collect() }
+    values.iter().map(|v| (v.name, v.unit)).chain(ranges.iter().map(|r| (r.name, r.unit))).collect()
 }
 
 pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
-    let of = ordinates(set, &a.of)?;
     let (sigma1, f10, gamma1) = (Name::find("sigma1")?, Name::find("f10")?, Name::find("gamma1")?);
     let others: Vec<_> = a.range.iter().filter(|r| ![sigma1, f10].contains(&r.name)).collect();
     if !others.is_empty() {
-        return others.into_iter().map(|range| along(set, range, a, &of)).collect();
+        return others.into_iter().map(|range| along(set, range, a)).collect();
     }
     let members = |name, default: &[f64]| members(set, name, &a.values, default);
     let listed = || a.values.iter().map(|list| list.name);
@@ -123,13 +131,13 @@ pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
         let range = range_of(set, &a.range, sigma1, (-2.5, 2.5));
         let (forces, dampings) =
             (members(f10, &[1.0, 1.5, 2.0, 2.5]), members(gamma1, &[0.2, 0.5, 1.0, 1.5]));
-        found.push(studies::frequency(set, range.ends, &forces, &dampings, &of)?);
+        found.push(studies::frequency(set, range.ends, (&forces, &dampings), a.of)?);
     }
     if force {
         let all = members(sigma1, &[0.2, 0.4, 0.8, 1.2, -0.2, -0.5, -0.8, -1.2]);
         let (above, below): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| *s >= 0.0);
         let range = range_of(set, &a.range, f10, (0.0, 4.0));
-        found.push(studies::force(set, range.ends, &above, &below, &of)?);
+        found.push(studies::force(set, range.ends, (&above, &below), a.of)?);
     }
     Ok(found)
 }
@@ -137,7 +145,7 @@ pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
 const COUNT: &str = "name=from:to without a count: curves are followed and have no fixed number of values";
 
 /// The response along any parameter, for the values listed of one other.
-fn along(set: &ParameterSet, range: &ParameterRange, a: &Response, of: &[Ordinate]) -> Result<Study> {
+fn along(set: &ParameterSet, range: &ParameterRange, a: &Response) -> Result<Study> {
     if range.count.is_some() {
         return Err(Error::form(range.name.name(), COUNT));
     }
@@ -152,7 +160,7 @@ fn along(set: &ParameterSet, range: &ParameterRange, a: &Response, of: &[Ordinat
         [one] => return Err(Error::form(one.name.name(), "values of another parameter than the axis")),
         [_, other, ..] => return Err(Error::form(other.name.name(), "values of one parameter only")),
     };
-    studies::along(set, range.name, range.ends, (name, &values), of)
+    studies::along(set, range.name, range.ends, (name, &values), a.of)
 }
 
 pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {

@@ -134,7 +134,7 @@ impl AxisArgument {
     fn interval(&self) -> Result<ParameterInterval> {
         const EXPECTED: &str = "name=from:to without a count: --sobol decides on the number of points";
         match self {
-            Self::Range(ParameterRange { name, ends, count: None }) => {
+            Self::Range(ParameterRange { name, ends, count: None, .. }) => {
                 Ok(ParameterInterval { name: *name, from: ends.0, to: ends.1 })
             }
             other => Err(Error::form(other.to_string(), EXPECTED)),

@@ -108,7 +108,8 @@ pub(super) fn map(
     }
     let least_at =
         (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))).find(|&(i, j)| value(i, j) == Some(least));
-    if let Some((i, j)) = least_at {
+    // Of equal values none is the least.
+    if let (Some((i, j)), true) = (least_at, limits.len() > 1) {
         let name = format!("least, {}{unit}", significant(least));
         layers.push(Layer::marks(&name, VERMILLION, Mark::Disc, vec![(x_places[i], y_places[j])]));
     }
