@@ -48,6 +48,8 @@ fn told(page: &str, words: &str) -> f64 {
     let found = plain.match_indices(before).find_map(|(i, _)| {
         let rest = &plain[i + before.len()..];
         let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.'))?;
+        // A full stop ends the sentence and not the number.
+        let end = rest[..end].trim_end_matches('.').len();
         rest[end..].starts_with(after).then(|| rest[..end].parse().ok()).flatten()
     });
     found.unwrap_or_else(|| panic!("the page does not say `{words}`"))
@@ -95,7 +97,7 @@ fn the_tutorial_says_what_its_commands_find() {
         };
         designs.iter().find(of).expect("a design")
     };
-    let (mass, gap) = (told(page, "has a block of # kg"), 1e-3 * told(page, "a gap of # mm and stops"));
+    let (mass, gap) = (told(page, "has a block of # kg"), told(page, "a gap of # mm and stops") / 1e3);
     let coefficient = told(page, "a coefficient of #. It brings");
     assert_eq!([mass, gap, coefficient], CHOICE);
     let choice = design(mass, gap, coefficient);
@@ -124,7 +126,7 @@ fn the_tutorial_says_what_its_commands_find() {
         ("first", "first/sweep.svg"),
         ("look", "look/run.svg"),
         ("check", "check/sweep.svg"),
-        ("theory", "theory/response-drive.frequency.svg"),
+        ("theory", "theory/response-drive.frequency-x1.svg"),
         ("maxima", "maxima/bifurcation-x1.svg"),
     ] {
         let committed =
