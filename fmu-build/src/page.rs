@@ -1,6 +1,7 @@
 //! `documentation/index.html`: one self-contained page, its variables from the table.
 
 use crate::describe::{causality, variability};
+use crate::recipes::recipes;
 use std::fmt::Write;
 use vibro::html::escape;
 use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
@@ -20,6 +21,7 @@ pub fn page() -> String {
         .replace("{{description}}", &escape(MODEL_DESCRIPTION))
         .replace("{{variables}}", &variables())
         .replace("{{enumerations}}", &enumerations())
+        .replace("{{recipes}}", &recipes())
         .replace("{{sketch}}", &inline(SKETCH, "sketch", "Sketch of the machine with its symbols"))
         .replace("{{picture}}", &inline(RUN, "run", "Time histories and phase portraits of a run"))
         .replace("{{response}}", &inline(RESPONSE, "response", "Amplitudes over the drive amplitude"))

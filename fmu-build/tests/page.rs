@@ -43,6 +43,21 @@ fn every_variable_stands_under_its_heading() {
     }
 }
 
+#[test]
+fn the_recipes_are_those_of_the_documentation() {
+    let page = page();
+    let recipes = include_str!("../../docs/recipes.md");
+    let titles: Vec<&str> = recipes.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+    assert_eq!(titles.len(), 4);
+    for title in titles {
+        assert!(page.contains(&format!("<h3>{title}</h3>")), "{title}");
+    }
+    assert_eq!(page.matches("language-python").count(), recipes.matches("```python").count());
+    for absent in ["vibro run --config", "use vibro_impact", "target/VibroImpact3DOF.fmu"] {
+        assert!(!page.contains(absent), "{absent}");
+    }
+}
+
 /// Element by element: every tag closed, no address to load anything from, no script, every inner link leading somewhere.
 #[test]
 fn the_page_needs_nothing_from_outside() {

@@ -92,16 +92,43 @@ fn a_value_that_was_set_is_the_only_member() {
 #[test]
 fn a_value_that_a_study_does_not_use_is_refused_by_name() {
     for (arguments, name) in [
-        (vec!["stability", "--set", "f10=2"], "f10 = 2: figure 5 does not use this value"),
-        (vec!["stability", "--figure", "6", "--set", "epsilon=0.1"], "epsilon = 0.1: figure 6 does not use"),
-        (vec!["stability", "--figure", "6", "--set", "box.c=2"], "box.c = 2 N·s/m: figure 6 does not use"),
         (vec!["reproduce", "--set", "sigma1=0.7"], "sigma1 = 0.7: reproduce does not use"),
         (vec!["response", "--kind", "force", "--values", "f10=1"], "values of sigma1 for the force response"),
     ] {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(name), "{arguments:?}: {error}");
     }
-    drawn(&folder("cli-used"), &["stability", "--figure", "6", "--set", "alpha23=0.5"]);
+}
+
+#[test]
+fn second_method_stability_marks_the_machine_that_was_given() {
+    for (name, text) in [
+        ("cli-stability", MACHINE.to_owned()),
+        ("cli-stability-template", vibro::parameter_file::template(false)),
+    ] {
+        let (out, file) = machine(name, &text);
+        let said = drawn(&out, &["stability", "--config", &file]);
+        let mut set = ParameterSet::basic();
+        vibro::parameter_file::apply(&mut set, &text).unwrap();
+        let g = set.groups();
+        let motion = multiple_scales::fixed_points(g).unwrap().unwrap().upper;
+        assert!(said.contains(&format!("this set's own force: C = {:.5}", motion.c)), "{said}");
+        // xi = k1 L/F10 by the machine itself.
+        let p = set.parameters();
+        let xi = p.box_stiffness * p.stop_gap / p.drive_amplitude;
+        assert!(said.contains(&format!("xi = {xi:.5}")), "{said}");
+        for stem in ["stability-5", "stability-6"] {
+            assert!(words(&out, stem).contains("this set of parameters"), "{stem}");
+        }
+        // The machine's own mass ratio, damping ratio c1/(2 sqrt(k1 m1)) and detuning, not the paper's.
+        let zeta = vibro_analysis::short(p.box_damping / (2.0 * (p.box_stiffness * p.box_mass).sqrt()));
+        assert!(words(&out, "stability-6").contains(&format!("ε = 0.1, ζ = {zeta}")), "{zeta}");
+    }
+    // What was not set is the paper's, and no force is marked.
+    let out = folder("cli-stability-paper");
+    drawn(&out, &["stability", "--set", "alpha23=0.5"]);
+    let text = words(&out, "stability-6");
+    assert!(text.contains("ε = 0.05, ζ = 0.01") && !text.contains("this set of parameters"), "{text}");
 }
 
 #[test]

@@ -55,7 +55,7 @@ impl Unit {
 /// The units understood, the SI unit of each dimension first. `si` is the unit of a
 /// [`Field`](vibro_impact::parameters::Field), of which `1` is that of groups too.
 #[rustfmt::skip]
-static UNITS: [Unit; 39] = [
+static UNITS: [Unit; 47] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
     unit("N/m", "N/m", 1.0, 1.0), unit("N/m", "N/mm", 1e3, 1.0), unit("N/m", "kN/m", 1e3, 1.0),
     unit("N/m", "kN/mm", 1e6, 1.0), unit("N/m", "MN/m", 1e6, 1.0), unit("N/m", "N/cm", 1e2, 1.0),
@@ -69,7 +69,10 @@ static UNITS: [Unit; 39] = [
     unit("rad/s", "1/min", PI, 30.0), unit("rad/s", "deg/s", PI, 180.0),
     unit("rad", "rad", 1.0, 1.0), unit("rad", "mrad", 1.0, 1e3), unit("rad", "deg", PI, 180.0),
     unit("rad", "°", PI, 180.0),
-    // What is written in place of a point is replaced before the table is read; these two have no point.
+    unit("s", "s", 1.0, 1.0), unit("s", "ms", 1.0, 1e3), unit("s", "us", 1.0, 1e6), unit("s", "min", 60.0, 1.0),
+    unit("s", "h", 3600.0, 1.0),
+    unit("m/s", "m/s", 1.0, 1.0), unit("m/s", "cm/s", 1.0, 1e2), unit("m/s", "mm/s", 1.0, 1e3),
+    // What is written in place of a point is replaced before the table is read; these three have no point.
     unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
 ];
 
@@ -117,39 +120,64 @@ impl From<Units> for BTreeMap<String, String> {
 
 /// A number as it was written: its value and the unit that stood beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Quantity {
-    /// In the parameter's SI unit.
-    value: f64,
+pub struct Quantity {
+    /// In the SI unit.
+    pub value: f64,
     /// What was written.
-    unit: Option<&'static Unit>,
+    pub unit: Option<&'static Unit>,
 }
 
-/// Reads a number, with or without a unit such as `48 kN/m`; without one it is in the parameter's SI unit.
+/// A number and what stands behind it, if anything.
+fn split(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    if let Ok(value) = text.parse() {
+        return Some((value, ""));
+    }
+    // Words such as `nanometre` begin with what would be read as a number.
+    if !text.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c)) {
+        return None;
+    }
+    let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
+    let mut parts = ends.map(|end| text.split_at(end));
+    parts.find_map(|(number, rest)| Some((number.trim_end().parse().ok()?, rest.trim())))
+}
+
+/// The quantity of a number and a symbol of a unit, which may be empty; `None` for a unit of another dimension.
+fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
+    if symbol.is_empty() {
+        return Some(Quantity { value: number, unit: None });
+    }
+    let plain = symbol.replace(['·', '*', ' ', '⋅'], ".").replace(['µ', 'μ'], "u");
+    let unit = UNITS.iter().find(|u| u.si == si && u.symbol == plain)?;
+    Some(Quantity { value: number * unit.times / unit.over, unit: Some(unit) })
+}
+
+/// Reads a number of any quantity, with or without a unit of the dimension of `si`, which is `s`, `m/s` or the unit of a
+/// parameter. `None` for what is neither.
+///
+/// ```
+/// let time = vibro_analysis::quantity_in("s", "20 ms").expect("a time");
+/// assert!(time.value == 0.02 && time.unit.is_some());
+/// assert_eq!(vibro_analysis::quantity_in("s", "20 mm"), None);
+/// ```
+pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
+    let (number, symbol) = split(text)?;
+    in_si(si, number, symbol)
+}
+
+/// Reads a number of a parameter, with or without a unit such as `48 kN/m`; without one it is in the parameter's SI unit.
 ///
 /// # Errors
 /// [`Error::NotANumber`]; [`Error::Unit`] for a unit of another dimension or an unknown one.
 fn quantity(name: Name, text: &str) -> Result<Quantity> {
-    let text = text.trim();
-    if let Ok(value) = text.parse() {
-        return Ok(Quantity { value, unit: None });
-    }
-    let no_number = || Error::NotANumber { name: name.name(), text: text.into(), allowed: name.allowed() };
-    // Words such as `nanometre` begin with what would be read as a number.
-    if !text.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c)) {
-        return Err(no_number());
-    }
-    let split = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
-    let mut parts = split.map(|end| text.split_at(end));
-    let number = parts.find_map(|(number, rest)| Some((number.trim_end().parse::<f64>().ok()?, rest.trim())));
-    let (number, given) = number.ok_or_else(no_number)?;
-    let plain = given.replace(['·', '*', ' ', '⋅'], ".").replace(['µ', 'μ'], "u");
-    let same = |u: &&Unit| u.si == name.unit() && u.symbol == plain;
-    let Some(unit) = UNITS.iter().find(same) else {
+    let no_number =
+        || Error::NotANumber { name: name.name(), text: text.trim().into(), allowed: name.allowed() };
+    let (number, symbol) = split(text).ok_or_else(no_number)?;
+    in_si(name.unit(), number, symbol).ok_or_else(|| {
         let units = UNITS.iter().filter(|u| u.si == name.unit()).map(|u| u.symbol);
         let allowed = units.collect::<Vec<_>>().join(", ");
-        return Err(Error::Unit { name: name.name(), unit: given.into(), allowed });
-    };
-    Ok(Quantity { value: number * unit.times / unit.over, unit: Some(unit) })
+        Error::Unit { name: name.name(), unit: symbol.into(), allowed }
+    })
 }
 
 /// The value of a number, with or without a unit, in the parameter's SI unit.

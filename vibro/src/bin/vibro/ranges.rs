@@ -1,5 +1,6 @@
 //! Ranges, lists and pairs of parameters as arguments: `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 use vibro::{Error, Result};
@@ -78,6 +79,27 @@ impl FromStr for ParameterPair {
             || Error::form(text, "two names with a comma between, e.g. sigma1,f10 or block.m,stop.gap");
         let (x, y) = text.split_once(',').ok_or_else(form)?;
         Ok(Self { x: Name::find(x.trim())?, y: Name::find(y.trim())? })
+    }
+}
+
+// In SI and by the parameter's own name, so that the same range has the same words however it was typed.
+impl fmt::Display for ParameterRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}:{}", self.name.name(), self.ends.0, self.ends.1)?;
+        self.count.map_or(Ok(()), |count| write!(f, ":{count}"))
+    }
+}
+
+impl fmt::Display for ParameterValues {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values: Vec<String> = self.values.iter().map(f64::to_string).collect();
+        write!(f, "{}={}", self.name.name(), values.join(","))
+    }
+}
+
+impl fmt::Display for ParameterPair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{},{}", self.x.name(), self.y.name())
     }
 }
 

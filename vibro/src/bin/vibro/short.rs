@@ -184,14 +184,9 @@ pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
 pub fn stability(set: &ParameterSet, a: &Stability) -> Result<Vec<Study>> {
     let mut found = Vec::new();
     if wants(&a.figure, "5") {
-        let instead = "it seeks stable motions over all forces; leave the value out";
-        check_used(set, "figure 5", &["f10"], instead)?;
         found.push(studies::regions(set)?);
     }
     if wants(&a.figure, "6") {
-        let instead = "it has epsilon = 0.05, gamma1 = 0.4, sigma1 = 0, m3 = m2 and all forces, as the paper; leave \
-                       the value out, or this figure by --figure 5";
-        check_used(set, "figure 6", &["epsilon", "gamma1", "sigma1", "f10", "mu13"], instead)?;
         found.push(studies::masri(set)?);
     }
     Ok(found)
