@@ -54,6 +54,12 @@ impl std::str::FromStr for InitialValueRange {
     }
 }
 
+impl std::fmt::Display for InitialValueRange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}={}:{}", COORDINATES[self.coordinate], self.from, self.to)
+    }
+}
+
 /// One axis of a plane of starts: an initial value at the centres of `count` cells between `from` and `to`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InitialValueAxis {
@@ -126,13 +132,13 @@ fn start(p: &Parameters, request: &Request, column: usize, row: usize) -> State 
 
 /// The rows of a part.
 fn rows(request: &Request, part: usize) -> Range<usize> {
-    let rows = MOTIONS.div_ceil(request.x.count);
+    let rows = MOTIONS.div_ceil(request.x.count.max(1));
     part * rows..((part + 1) * rows).min(request.y.count)
 }
 
 /// Number of parts, each of some whole rows.
 pub fn count(request: &Request) -> usize {
-    request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count))
+    request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
 }
 
 /// The basins, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on

@@ -148,13 +148,13 @@ impl Isoperiodic {
 
 /// The rows of a part.
 fn rows(request: &Request, part: usize) -> Range<usize> {
-    let rows = MOTIONS.div_ceil(request.x.count);
+    let rows = MOTIONS.div_ceil(request.x.count.max(1));
     part * rows..((part + 1) * rows).min(request.y.count)
 }
 
 /// Number of parts, each of some whole rows.
 pub fn count(request: &Request) -> usize {
-    request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count))
+    request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
 }
 
 /// The plane, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on

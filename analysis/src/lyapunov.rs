@@ -109,7 +109,7 @@ pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Resu
     let mut running = Vec::with_capacity(options.periods as usize);
     let mut settled = false;
     for i in 1..=options.align + options.periods {
-        smooth_pieces(simulator, begin + f64::from(i) * length, &mut |piece| {
+        smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
             impacts += u64::from(matches!(piece.end, PieceEnd::Impact { .. }));
             rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
             let rank = tangent.variation.propagate(&mut tangent.frame, piece);

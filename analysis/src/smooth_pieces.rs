@@ -1,18 +1,29 @@
-//! A motion cut into its smooth pieces, for variations.
+//! A motion cut into its smooth pieces, for what needs more than states at communication points: measures and variations.
 //!
-//! The simulator is used through its public methods.
+//! The simulator is used through its public methods. The state at the start of each piece is exact, so that the series of
+//! the flow (docs/theory.md (8)) gives the motion along the piece again.
 
 use vibro_impact::error::{Error, Result};
-use vibro_impact::model::{Augmented, SmoothMode};
+use vibro_impact::flow::Series;
+use vibro_impact::model::{Augmented, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
 use vibro_impact::simulator::{Event, Pause, Simulator};
+
+/// Terms of a series over a time of at most [`PIECE_TIMES_RATE`] over the model's rate: the remainder is
+/// 1.2²⁰/20! < 2e-17.
+pub(crate) const TERMS: usize = 20;
+const PIECE_TIMES_RATE: f64 = 1.2;
 
 /// How a piece ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PieceEnd {
     /// At an impact.
     Impact {
+        /// +1 upper, -1 lower.
+        side: f64,
         /// w' before the impact.
         rate: f64,
+        /// Impulse on the box in direction `side`, N·s.
+        impulse: f64,
         /// The state after it, and after the merge where the block comes to rest.
         after: Augmented,
         /// Whether it comes to rest.
@@ -28,9 +39,34 @@ pub(crate) enum PieceEnd {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     pub(crate) mode: SmoothMode,
+    pub(crate) start: Augmented,
     /// Its duration, s.
     pub(crate) span: f64,
     pub(crate) end: PieceEnd,
+}
+
+/// The flow over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
+/// [0, 1]. Returns the state at the end.
+#[inline(always)]
+pub(crate) fn expand_along(
+    model: &Model,
+    mode: SmoothMode,
+    start: &Augmented,
+    span: f64,
+    mut visit: impl FnMut(&Series<TERMS>, f64),
+) -> Augmented {
+    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
+    let radius = span / count;
+    let mut z = *start;
+    for _ in 0..count as u64 {
+        let series = Series::<TERMS>::expand(model, mode, &z, None, radius);
+        visit(&series, radius);
+        z = series.at(1.0);
+        if mode == SmoothMode::Rest {
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
+        }
+    }
+    z
 }
 
 /// The flow along a piece and its variations are those of the machine under its drive alone.
@@ -55,12 +91,14 @@ fn refuse_loads(simulator: &Simulator) -> Result<()> {
 /// As [`Simulator::advance_until`], and as [`refuse_loads`].
 pub(crate) fn smooth_pieces(
     simulator: &mut Simulator,
+    model: &Model,
     end: f64,
     visit: &mut dyn FnMut(&Piece),
 ) -> Result<()> {
     refuse_loads(simulator)?;
     loop {
-        let (mut time, mut way) = (simulator.time(), simulator.contact().mode());
+        let (mut start, mut time, mut way) =
+            (simulator.augmented(), simulator.time(), simulator.contact().mode());
         let (mut release, mut hit, mut rests) = (None, None, false);
         // The simulator stops at the first impact; before it, at most one release can happen.
         simulator.advance_until(
@@ -68,20 +106,23 @@ pub(crate) fn smooth_pieces(
             Pause::AfterImpact,
             Some(&mut |event| match *event {
                 Event::Release { time, .. } => release = Some(time),
-                Event::Impact { time, side, speed, .. } => hit = Some((time, f64::from(side) * speed)),
+                Event::Impact { time, side, speed, impulse } => {
+                    hit = Some((time, f64::from(side), speed, impulse));
+                }
                 Event::Rest { .. } => rests = true,
             }),
         )?;
         if let Some(at) = release {
-            visit(&Piece { mode: way, span: at - time, end: PieceEnd::Release });
+            visit(&Piece { mode: way, start, span: at - time, end: PieceEnd::Release });
+            start = expand_along(model, way, &start, at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
-        let Some((at, rate)) = hit else {
-            visit(&Piece { mode: way, span: end - time, end: PieceEnd::End });
+        let Some((at, side, speed, impulse)) = hit else {
+            visit(&Piece { mode: way, start, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
         let after = simulator.augmented();
-        let end = PieceEnd::Impact { rate, after, rests };
-        visit(&Piece { mode: way, span: at - time, end });
+        let end = PieceEnd::Impact { side, rate: side * speed, impulse, after, rests };
+        visit(&Piece { mode: way, start, span: at - time, end });
     }
 }

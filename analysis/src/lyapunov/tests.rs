@@ -175,7 +175,7 @@ fn closed_form_variations_through_rest() {
         let start = simulator.snapshot();
         let from = simulator.time();
         let (mut now, mut passed) = (from, None);
-        smooth_pieces(&mut simulator, from + 20.0 * p.period(), &mut |piece| {
+        smooth_pieces(&mut simulator, &model, from + 20.0 * p.period(), &mut |piece| {
             now += piece.span;
             if matches!(piece.end, PieceEnd::Release) && passed.is_none() {
                 passed = Some(now + 0.05);
@@ -186,7 +186,7 @@ fn closed_form_variations_through_rest() {
         simulator.restore(&start).unwrap();
         let mut variation = Variation::new(&model);
         let mut frame = unit_frame(&simulator.augmented());
-        smooth_pieces(&mut simulator, end, &mut |piece| {
+        smooth_pieces(&mut simulator, &model, end, &mut |piece| {
             variation.propagate(&mut frame, piece);
         })
         .unwrap();
