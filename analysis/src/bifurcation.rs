@@ -138,7 +138,7 @@ fn observe_all(
     let mut refused = Ok(());
     workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
         let (index, start) = there[number];
-        match outcome.and_then(|outcome| point(starts[index].value, &start.parameters, &outcome, sweep)) {
+        match outcome.and_then(|outcome| point(starts[index].value, &start.parameters, outcome, sweep)) {
             Ok(point) => points[index] = point,
             Err(Error::Model(_)) => {}
             Err(other) => refused = Err(other),
@@ -147,15 +147,15 @@ fn observe_all(
     refused.map(|()| points)
 }
 
-fn point(value: f64, p: &Parameters, outcome: &Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
-    let Some(attractor) = outcome.attractor.clone() else { return Ok(None) };
+fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
+    let Outcome { state, maxima, attractor: Some(attractor) } = outcome else { return Ok(None) };
     let six_digits = |value: &f64| (value / p.stop_gap / RESOLUTION).round() as i64;
-    let mut tops: Vec<i64> = outcome.maxima.iter().map(six_digits).collect();
+    let mut tops: Vec<i64> = maxima.iter().map(six_digits).collect();
     tops.sort_unstable();
     let met = tops.chunk_by(|a, b| a == b);
     let maxima = met.map(|same| (same[0] as f64 * RESOLUTION, same.len() as u32)).collect();
     let exponents = |options| {
-        let mut simulator = Simulator::new(p, &outcome.state, 0.0)?.without_energy_accounts();
+        let mut simulator = Simulator::new(p, &state, 0.0)?.without_energy_accounts();
         Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum)
     };
     let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;

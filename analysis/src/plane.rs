@@ -253,3 +253,23 @@ pub fn plane(
         .collect();
     Ok(Plane { x, y, method, classes: rows.concat() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_that_do_not_fit_into_memory_are_refused_with_the_number_that_fits() {
+        assert!(check_cells("points", (1000, 1000), 100).is_ok());
+        for side in [30_000, 1 << 40, usize::MAX] {
+            let error = check_cells("points", (side, side), 100).unwrap_err();
+            let Error::TooMany { most, side: fits, .. } = error else { panic!("{error}") };
+            assert!(
+                check_cells("points", (most, 1), 100).is_ok()
+                    && check_cells("points", (most + 1, 1), 100).is_err()
+            );
+            assert!(check_cells("points", (fits, fits), 100).is_ok() && fits > 2000);
+            assert!(error.to_string().contains(&format!("{fits} × {fits}")), "{error}");
+        }
+    }
+}

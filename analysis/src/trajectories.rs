@@ -260,4 +260,62 @@ mod tests {
             }
         }
     }
+
+    /// Outcomes of a program on motions of one system that start with different speeds: attractors and maxima.
+    fn settled(f10: f64, one_by_one: bool) -> Vec<(Attractor, Vec<f64>)> {
+        const MOTIONS: u32 = 40;
+        let parameters = Groups { f10, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
+        let start = |k| State { x: [0.0; 3], v: [0.0, 0.1 + 0.03 * f64::from(k), 0.0] };
+        let mut starts = (0..MOTIONS).map(|k| Start { parameters, state: start(k) });
+        let program = Program { discard: 250, maxima: Some((Displacement::X2, 60)), observed: true };
+        let mut found: Vec<Option<_>> = (0..MOTIONS).map(|_| None).collect();
+        let mut workspace = Workspace { one_by_one, ..Workspace::default() };
+        workspace.run(&mut starts, &program, &mut |number, outcome| {
+            let outcome = outcome.unwrap();
+            found[number] = Some((outcome.attractor.unwrap(), outcome.maxima.to_vec()));
+        });
+        let used = workspace.used;
+        assert!(one_by_one == (used.rounds == 0));
+        assert!(one_by_one || used.utilisation() > 0.5, "{used:?}");
+        found.into_iter().flatten().collect()
+    }
+
+    #[test]
+    fn second_method_a_stable_motion_is_settled_on_either_way() {
+        /// What is left of the transient.
+        const SETTLED: f64 = 1e-9;
+        for ((together, tops), (alone, others)) in settled(1.5, false).iter().zip(&settled(1.5, true)) {
+            assert_eq!((together.period, together.impacts, together.rests), (Some(1), [1.0; 2], false));
+            assert_eq!(together.relation(alone), crate::attractor::Relation::Same);
+            assert_eq!(tops.len(), others.len());
+            assert!(tops.iter().zip(others).all(|(a, b)| (a - b).abs() < SETTLED));
+        }
+    }
+
+    #[test]
+    fn second_method_in_chaos_the_statistics_agree() {
+        /// Of the mean over 40 motions of 60 and 128 periods, whose impacts and maxima are correlated over some periods.
+        const STATISTICS: f64 = 0.03;
+        for f10 in [3.6, 4.5] {
+            let [together, alone] = [false, true].map(|one_by_one| {
+                let all = settled(f10, one_by_one);
+                let count = all.len() as f64;
+                let mean =
+                    |of: &dyn Fn(&(Attractor, Vec<f64>)) -> f64| all.iter().map(of).sum::<f64>() / count;
+                let tops = mean(&|m| m.1.len() as f64);
+                [
+                    mean(&|m| f64::from(u8::from(m.0.period.is_none()))),
+                    mean(&|m| m.0.impacts[0] + m.0.impacts[1]),
+                    mean(&|m| m.0.sizes[0]),
+                    mean(&|m| m.0.sizes[1]),
+                    tops,
+                    mean(&|m| m.1.iter().sum::<f64>()) / tops,
+                ]
+            });
+            assert!(alone[0] > 0.5, "f10 = {f10}: {alone:?} is no chaos");
+            for (a, b) in together.iter().zip(&alone) {
+                assert!((a - b).abs() < STATISTICS * b.abs(), "f10 = {f10}: {together:?} {alone:?}");
+            }
+        }
+    }
 }
