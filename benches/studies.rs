@@ -229,7 +229,8 @@ fn lanes() -> String {
         "| work | motions | one by one, µs a motion | side by side, µs a motion | ratio | lanes occupied | lanes that moved | sub-steps for each handed over |\n|---|---|---|---|---|---|---|---|\n",
     );
     for Work { name, starts, program } in works() {
-        let mut ways = [true, false].map(|one_by_one| Workspace { one_by_one, ..Workspace::default() });
+        let mut ways = [Workspace::default(), Workspace::default()];
+        ways[0].one_by_one = true;
         let mut best = [f64::INFINITY; 2];
         for _ in 0..ROUNDS {
             for (way, best) in ways.iter_mut().zip(&mut best) {
@@ -254,7 +255,7 @@ fn lanes() -> String {
     }
     format!(
         "## Side by side and one by one\n\nThe same motions with the same reports on one thread, tables and the recognition of periods included: least times of {ROUNDS} rounds in \
-         which both ways run in turns.\nA lane is occupied while it has a motion; it moves one, or its motion is handed over to the code for a single one.\n\n{table}"
+         which both ways run in turns.\nA lane is occupied while it has a motion; in a round it moves it, or hands it over to the code for a single one.\n\n{table}"
     )
 }
 
@@ -267,11 +268,11 @@ fn work() -> String {
         Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).expect("allowed")
     };
     for (name, p) in [
-        ("no impact, f10 = 0.3", basic(0.3, 0.75)),
+        ("few impacts, f10 = 0.3", basic(0.3, 0.75)),
         ("two impacts, f10 = 1.5", basic(1.5, 0.75)),
         ("chaos, f10 = 3.6", basic(3.6, 0.75)),
         ("rest, f10 = 3, kappa = 0", basic(3.0, 0.0)),
-        ("chatter, f10 = 2, kappa = 0.3", basic(2.0, 0.3)),
+        ("low restitution, f10 = 2, kappa = 0.3", basic(2.0, 0.3)),
     ] {
         let mut s = Simulator::new(&p, &moving_block(&p), 0.0).expect("valid").without_energy_accounts();
         s.advance_to(PERIODS * p.period()).expect("it arrives");
