@@ -50,7 +50,7 @@ pub fn model_description() -> ModelDescription {
         model_variables: ModelVariables { variables: description::variables().map(variable).collect() },
         model_structure: ModelStructure {
             outputs: unknowns(&structure::outputs(Edition::Every)),
-            derivatives: unknowns(&structure::derivatives()),
+            derivatives: unknowns(&structure::derivatives(Edition::Every)),
             initial_unknowns: unknowns(&structure::initial_unknowns(Edition::Every)),
         },
     }

@@ -31,6 +31,7 @@ const fn local(
         kind,
         access,
         dependencies,
+        further: &[],
         path: None,
         body: None,
     }
