@@ -280,11 +280,11 @@ const TABLE: &[Variable] = &[
         |m, i| m.response[i / 12][i % 12]),
 
     // Of descriptions with a clock
-    tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active)),
-    tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time),
-    tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse),
-    tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed),
-    tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum()))),
+    by(&["box.s", "box.v", "block.s", "block.v"], tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active))),
+    by(&["impacts.clock"], tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time)),
+    by(&["impacts.clock"], tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse)),
+    by(&["impacts.clock"], tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed)),
+    by(&["impacts.clock"], tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum())))),
 ];
 
 /// Number of variables.
