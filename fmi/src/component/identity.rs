@@ -27,13 +27,15 @@ pub fn text() -> String {
             initial,
             kind,
             dependencies,
+            parameters,
+            initially,
             path,
             body,
             section: _,
             access: _,
         } = v;
         let attributes = format!("{causality:?}|{variability:?}|{initial:?}|{kind:?}|{:?}", v.start());
-        let columns = format!("{dependencies:?}|{path:?}|{body:?}");
+        let columns = format!("{dependencies:?}|{parameters:?}|{initially:?}|{path:?}|{body:?}");
         let _ = writeln!(text, "{name}|{description}|{attributes}|{columns}");
     }
     text

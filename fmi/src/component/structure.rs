@@ -1,16 +1,32 @@
 //! Which unknown depends on which known, and how: lists made from the table's columns.
 
 use super::variables::{
-    Access, Causality, Dependencies, DependencyKind, Initial, Knowns, VARIABLES, Variable, find, reference,
+    Causality, Dependencies, DependencyKind, Initial, Initially, START, VARIABLES, Variable, find, reference,
 };
+use std::collections::BTreeMap;
 
-/// An unknown and what it depends on.
+/// An unknown and what it depends on. The lists hold in every mode: where a closed form and a simulation differ, they name
+/// what either depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// Dependencies as (value reference, kind), ordered by reference; `None` means on all knowns, empty means on none.
-    pub dependencies: Option<Vec<(u32, DependencyKind)>>,
+    /// Dependencies as (value reference, kind), ordered by reference; of the knowns of initialization, or of inputs,
+    /// continuous states and time.
+    pub dependencies: Vec<(u32, DependencyKind)>,
+    /// The parameters beside them, which FMI 3.0 counts among the knowns and FMI 2.0 does not; empty in initialization, where
+    /// both do.
+    pub parameters: Vec<u32>,
+}
+
+impl Unknown {
+    /// All dependencies, parameters among them, ordered by reference.
+    pub fn with_parameters(&self) -> Vec<(u32, DependencyKind)> {
+        let parameters = self.parameters.iter().map(|&reference| (reference, DependencyKind::Dependent));
+        let mut all: Vec<_> = self.dependencies.iter().copied().chain(parameters).collect();
+        all.sort_by_key(|(reference, _)| *reference);
+        all
+    }
 }
 
 /// Names of the continuous states, in the order in which a solver takes them.
@@ -21,6 +37,14 @@ pub const DERIVATIVES: [&str; 6] = ["box.v", "block.v", "secondary.v", "box.a", 
 
 /// Number of event indicators: both gaps and the contact force in rest.
 pub const EVENT_INDICATORS: usize = 3;
+
+const fn check_names(names: &[&str]) {
+    let mut i = 0;
+    while i < names.len() {
+        reference(names[i]);
+        i += 1;
+    }
+}
 
 // A name that is not in the table does not compile.
 const _: () = {
@@ -33,14 +57,15 @@ const _: () = {
                 k += 1;
             }
         }
+        check_names(VARIABLES[i].parameters);
+        if let Initially::On(names) | Initially::OnStartAnd(names) = VARIABLES[i].initially {
+            check_names(names);
+        }
         i += 1;
     }
-    let mut i = 0;
-    while i < STATES.len() {
-        reference(STATES[i]);
-        reference(DERIVATIVES[i]);
-        i += 1;
-    }
+    check_names(START);
+    check_names(&STATES);
+    check_names(&DERIVATIVES);
 };
 
 /// The input that acts on a body.
@@ -48,44 +73,58 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-fn known(knowns: Knowns) -> Vec<(u32, DependencyKind)> {
-    let mut dependencies: Vec<_> =
-        knowns.iter().filter_map(|(name, kind)| Some((find(name)?.0, *kind))).collect();
-    dependencies.sort_by_key(|(reference, _)| *reference);
-    dependencies
+fn references(names: &[&str]) -> impl Iterator<Item = u32> {
+    names.iter().filter_map(|name| Some(find(name)?.0))
 }
 
-fn unknown((reference, variable): (u32, &Variable)) -> Unknown {
-    let dependencies = match variable.dependencies {
-        Dependencies::On(knowns) => Some(known(knowns)),
-        Dependencies::All | Dependencies::NotUnknown => None,
+/// The dependencies of the column of that name, by reference.
+fn listed(variable: &Variable) -> BTreeMap<u32, DependencyKind> {
+    match variable.dependencies {
+        Dependencies::On(knowns) => {
+            knowns.iter().filter_map(|(name, kind)| Some((find(name)?.0, *kind))).collect()
+        }
+        Dependencies::NotUnknown => BTreeMap::new(),
+    }
+}
+
+/// Outside initialization.
+fn later((reference, variable): (u32, &Variable)) -> Unknown {
+    let mut parameters: Vec<_> = references(variable.parameters).collect();
+    parameters.sort_unstable();
+    Unknown { reference, dependencies: listed(variable).into_iter().collect(), parameters }
+}
+
+/// In initialization, where a factor is either constant or has no particular structure (FMI 2.0, 2.2.8; FMI 3.0, 2.4.8).
+fn initially((reference, variable): (u32, &Variable)) -> Unknown {
+    let dependencies: BTreeMap<_, _> = match variable.initially {
+        Initially::AsLater => listed(variable),
+        Initially::OnStartAnd(names) => {
+            let names = references(START).chain(references(names)).chain(listed(variable).into_keys());
+            names.map(|reference| (reference, DependencyKind::Dependent)).collect()
+        }
+        Initially::On(names) => {
+            references(names).map(|reference| (reference, DependencyKind::Dependent)).collect()
+        }
     };
-    Unknown { reference, dependencies }
+    Unknown { reference, dependencies: dependencies.into_iter().collect(), parameters: Vec::new() }
 }
 
 /// Every output, in the order of the table, with what it depends on outside initialization.
 pub fn outputs() -> Vec<Unknown> {
     let outputs = (0..).zip(&VARIABLES).filter(|(_, variable)| variable.causality == Causality::Output);
-    outputs.map(unknown).collect()
+    outputs.map(later).collect()
 }
 
 /// The derivatives of the states, in the order of the states.
 pub fn derivatives() -> Vec<Unknown> {
-    DERIVATIVES.iter().filter_map(|name| find(name)).map(unknown).collect()
+    DERIVATIVES.iter().filter_map(|name| find(name)).map(later).collect()
 }
 
-/// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table. A group
-/// lists the parameters it is made of; everything else may depend on everything, since `mode` and `startOnOrbit` choose
-/// what the start is made of.
+/// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table.
 pub fn initial_unknowns() -> Vec<Unknown> {
     let unknowns =
         (0..).zip(&VARIABLES).filter(|(_, variable)| variable.initial == Some(Initial::Calculated));
-    unknowns
-        .map(|(reference, variable)| match variable.access {
-            Access::Derived(_) => unknown((reference, variable)),
-            _ => Unknown { reference, dependencies: None },
-        })
-        .collect()
+    unknowns.map(initially).collect()
 }
 
 #[cfg(test)]
@@ -97,7 +136,7 @@ mod tests {
     fn invariant_dependencies_are_listed_once_and_in_order() {
         for list in [outputs(), derivatives(), initial_unknowns()] {
             for unknown in list {
-                for pair in unknown.dependencies.iter().flat_map(|d| d.windows(2)) {
+                for pair in unknown.with_parameters().windows(2) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");
                 }
             }

@@ -10,6 +10,7 @@ mod rows;
 mod table;
 
 pub use columns::*;
+pub use rows::START;
 pub(crate) use packed::{Get, READERS, Reader, Set, WRITERS, Writer};
 pub use table::{COUNT, VARIABLES};
 

@@ -213,7 +213,7 @@ fn played_impacts_stop_a_step_and_are_logged() {
     let mut times = Vec::new();
     while times.len() < 20 {
         let now = form.time();
-        assert!(matches!(form.advance(now, 100.0, true, None), Ok(AdvanceOutcome::Impact)));
+        assert!(matches!(form.advance(now, 100.0, true, None), Ok((AdvanceOutcome::Impact, _))));
         times.push(form.time());
         assert_eq!(form.values().impacts.last_time, form.time());
     }
@@ -227,4 +227,17 @@ fn played_impacts_stop_a_step_and_are_logged() {
     let mut messages = Messages::default();
     fmu.step(0.0, times[19] + 1e-9, &mut messages).unwrap();
     assert_eq!(messages.0.len(), 20);
+}
+
+#[test]
+fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_others() {
+    let mut fmu = closed(3.0);
+    let mut messages = Messages::default();
+    fmu.step(0.0, 1e9, &mut messages).unwrap();
+    let impacts = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
+    assert!(impacts > 3e8, "{impacts}");
+    assert_eq!(messages.0.len(), 1001);
+    assert!(messages.0[999].1.starts_with("impact on the"), "{}", messages.0[999].1);
+    let rest = format!("{} more impacts up to t = 1000000000 s are not listed one by one", impacts - 1000.0);
+    assert_eq!(messages.0[1000].1, rest);
 }

@@ -5,8 +5,10 @@ use crate::component::structure;
 use crate::component::variables::{Base, Bases, COUNT, Causality, VARIABLES, Variability, find, reference};
 
 mod closed;
+mod dependencies;
 mod derivative;
 mod exchange;
+mod finite;
 mod memory;
 mod step;
 mod values;
