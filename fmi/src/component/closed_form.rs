@@ -236,8 +236,8 @@ impl ClosedForm {
         let d = self.derivatives();
         let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
         let y = state.to_relative();
-        let first = (self.offset / PI).floor();
-        let (now, since) = self.halves(data.time);
+        // By the same rounding, so that nothing has happened at the start, however near to an impact it is.
+        let ((first, before), (now, since)) = (self.halves(data.from), self.halves(data.time));
         let count = (now - first).max(0.0);
         let mut impacts = data.record;
         if count > 0.0 {
@@ -249,7 +249,7 @@ impl ClosedForm {
             impacts.total_impulse += count * self.impulse;
         }
         let half = self.knots.last().copied().unwrap_or_default();
-        let (begun, reached) = (self.energies(self.offset - first * PI), self.energies(since));
+        let (begun, reached) = (self.energies(before), self.energies(since));
         let total = |i: usize| count * half[i] + (reached[i] - begun[i]);
         OutputValues {
             time: self.time(),

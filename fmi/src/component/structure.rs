@@ -14,8 +14,8 @@ pub struct Unknown {
     /// Dependencies as (value reference, kind), ordered by reference; of the knowns of initialization, or of inputs,
     /// continuous states and time.
     pub dependencies: Vec<(u32, DependencyKind)>,
-    /// The parameters beside them, which FMI 3.0 counts among the knowns and FMI 2.0 does not; empty in initialization, where
-    /// both do.
+    /// The parameters beside them, where a standard counts them among the knowns; empty in initialization, where they are
+    /// among the dependencies.
     pub parameters: Vec<u32>,
 }
 
@@ -94,7 +94,7 @@ fn later((reference, variable): (u32, &Variable)) -> Unknown {
     Unknown { reference, dependencies: listed(variable).into_iter().collect(), parameters }
 }
 
-/// In initialization, where a factor is either constant or has no particular structure (FMI 2.0, 2.2.8; FMI 3.0, 2.4.8).
+/// In initialization, where a factor is either constant or has no particular structure.
 fn initially((reference, variable): (u32, &Variable)) -> Unknown {
     let dependencies: BTreeMap<_, _> = match variable.initially {
         Initially::AsLater => listed(variable),

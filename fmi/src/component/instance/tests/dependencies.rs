@@ -194,7 +194,7 @@ fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
     read
 }
 
-/// FMI 3.0 counts parameters among the knowns of outputs.
+/// A standard may count parameters among the knowns of outputs.
 #[test]
 fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     let value = |variable: &Variable, values: &OutputValues| match variable.access {
