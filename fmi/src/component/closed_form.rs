@@ -3,7 +3,7 @@
 use super::problem::Problem;
 use super::settings::SolutionMode;
 use super::steady::{ORDERS, Solution};
-use super::values::{OutputValues, coupling_force};
+use super::values::{OutputValues, coupling_force, indicators_of};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
@@ -216,6 +216,11 @@ impl ClosedForm {
         self.data.from.plus((n * PI - self.offset) / self.data.parameters.drive_frequency)
     }
 
+    /// Time of the next impact (s), by formula: it may round to the present.
+    pub(crate) fn next_impact(&self) -> f64 {
+        self.impact_time(self.halves(self.data.time).0 + 1.0).value().max(self.time())
+    }
+
     fn event(&self, n: f64) -> Event {
         let side = if n % 2.0 == 0.0 { 1 } else { -1 };
         Event::Impact { time: self.impact_time(n).value(), side, speed: self.speed, impulse: self.impulse }
@@ -259,6 +264,7 @@ impl ClosedForm {
             gap: (y[1], y[4]),
             contact_force: 0.0,
             coupling_force: coupling_force(p, &state.x),
+            indicators: indicators_of(p, Contact::Flight, y[1], 0.0),
             mechanical: energy::mechanical(p, &y),
             input: data.input + total(0),
             damped: data.damped + total(1),

@@ -31,11 +31,15 @@ pub fn text() -> String {
             initially,
             path,
             body,
+            edition,
+            dimensions,
+            symbol,
             section: _,
             access: _,
         } = v;
         let attributes = format!("{causality:?}|{variability:?}|{initial:?}|{kind:?}|{:?}", v.start());
-        let columns = format!("{dependencies:?}|{parameters:?}|{initially:?}|{path:?}|{body:?}");
+        let known = format!("{dependencies:?}|{parameters:?}|{initially:?}");
+        let columns = format!("{known}|{path:?}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
         let _ = writeln!(text, "{name}|{description}|{attributes}|{columns}");
     }
     text

@@ -8,6 +8,7 @@ mod access;
 mod derivative;
 mod exchange;
 mod initial;
+mod prediction;
 mod step;
 
 #[cfg(test)]
@@ -19,9 +20,9 @@ use super::log::{Category, Log};
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::saved_state::{EngineState, SavedState};
-use super::settings::{Derived, Settings};
+use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
-use super::values::OutputValues;
+use super::values::{OutputValues, Prediction, StepMatrices, Tick};
 use super::variables::{Access, VARIABLES};
 use vibro_impact::simulator::Simulator;
 
@@ -58,6 +59,12 @@ pub struct Instance {
     values_stale: bool,
     derived: Derived,
     derived_stale: bool,
+    /// The event that is to come, once it was asked for.
+    prediction: Option<Prediction>,
+    /// Derivatives over the last step.
+    step_matrices: StepMatrices,
+    /// What the clock of impacts shows.
+    tick: Tick,
 }
 
 impl Instance {
@@ -76,6 +83,9 @@ impl Instance {
             values_stale: true,
             derived: Derived::default(),
             derived_stale: true,
+            prediction: None,
+            step_matrices: StepMatrices::default(),
+            tick: Tick::default(),
         }
     }
 
@@ -133,7 +143,7 @@ impl Instance {
     /// From now on outputs show the start that the settings describe.
     pub fn enter_initialization(&mut self) {
         self.phase = Phase::Initialization;
-        self.values_stale = true;
+        self.invalidate();
     }
 
     /// Ends initialization: builds what moves.
@@ -151,7 +161,7 @@ impl Instance {
         self.engine = engine;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
-        self.values_stale = true;
+        self.invalidate();
         self.phase = match self.interface {
             Interface::CoSimulation => Phase::Step,
             Interface::ModelExchange => Phase::Event,
@@ -172,7 +182,10 @@ impl Instance {
         self.engine = Engine::None;
         self.slopes_set = [false; 3];
         (self.parameters_set, self.loads_set) = (false, false);
-        (self.values_stale, self.derived_stale) = (true, true);
+        self.derived_stale = true;
+        self.step_matrices = StepMatrices::default();
+        self.tick = Tick::default();
+        self.invalidate();
     }
 
     /// Present time, s; before initialization ends, the start.
@@ -243,8 +256,14 @@ impl Instance {
         self.slopes_set = saved.slopes_set;
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
+    }
+
+    /// What was computed of the motion no longer holds.
+    fn invalidate(&mut self) {
+        self.values_stale = true;
+        self.prediction = None;
     }
 
     /// Brings the values up to date. In initialization that evaluates the start.
@@ -288,7 +307,7 @@ fn overflow(values: &OutputValues) -> Problem {
         Access::Output(reading) | Access::Start { now: reading, .. } => {
             Some((variable.name, (reading.value)(values)))
         }
-        Access::Setting { .. } | Access::Derived(_) => None,
+        _ => None,
     });
     let found = readings.into_iter().find(|(_, value)| !value.is_finite());
     let (name, value) = found.unwrap_or(("the motion", f64::INFINITY));

@@ -1,7 +1,8 @@
 //! Which unknown depends on which known, and how: lists made from the table's columns.
 
 use super::variables::{
-    Causality, Dependencies, DependencyKind, Initial, Initially, START, VARIABLES, Variable, find, reference,
+    Causality, Dependencies, DependencyKind, Edition, Initial, Initially, START, VARIABLES, Variable, find,
+    of_edition, reference,
 };
 use std::collections::BTreeMap;
 
@@ -109,9 +110,9 @@ fn initially((reference, variable): (u32, &Variable)) -> Unknown {
     Unknown { reference, dependencies: dependencies.into_iter().collect(), parameters: Vec::new() }
 }
 
-/// Every output, in the order of the table, with what it depends on outside initialization.
-pub fn outputs() -> Vec<Unknown> {
-    let outputs = (0..).zip(&VARIABLES).filter(|(_, variable)| variable.causality == Causality::Output);
+/// Every output of an edition, in the order of the table, with what it depends on outside initialization.
+pub fn outputs(edition: Edition) -> Vec<Unknown> {
+    let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
     outputs.map(later).collect()
 }
 
@@ -120,10 +121,19 @@ pub fn derivatives() -> Vec<Unknown> {
     DERIVATIVES.iter().filter_map(|name| find(name)).map(later).collect()
 }
 
-/// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table.
-pub fn initial_unknowns() -> Vec<Unknown> {
-    let unknowns =
-        (0..).zip(&VARIABLES).filter(|(_, variable)| variable.initial == Some(Initial::Calculated));
+/// What is read of the motion and is no output: derivatives of states, event indicators and arrays as variables.
+pub fn locals() -> Vec<Unknown> {
+    let locals = of_edition(Edition::Extended).filter(|(_, variable)| {
+        variable.causality == Causality::Local && matches!(variable.dependencies, Dependencies::On(_))
+    });
+    locals.map(later).collect()
+}
+
+/// What is unknown in initialization: calculated outputs and calculated parameters of an edition, in the order of the table.
+pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
+    let unknowns = of_edition(edition).filter(|(_, variable)| {
+        variable.initial == Some(Initial::Calculated) && variable.causality != Causality::Local
+    });
     unknowns.map(initially).collect()
 }
 
@@ -134,7 +144,8 @@ mod tests {
 
     #[test]
     fn invariant_dependencies_are_listed_once_and_in_order() {
-        for list in [outputs(), derivatives(), initial_unknowns()] {
+        let every = Edition::Clocked;
+        for list in [outputs(every), derivatives(), initial_unknowns(every)] {
             for unknown in list {
                 for pair in unknown.with_parameters().windows(2) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");

@@ -4,7 +4,8 @@ use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
 use crate::component::settings::Settings;
 use crate::component::values::coupling_force;
 use crate::component::variables::{
-    Bases, Causality, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
+    Bases, Causality, Class, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
+    of_edition,
 };
 use vibro_impact::parameters::Parameters;
 
@@ -19,22 +20,25 @@ const OUTPUT_ORDER: i32 = 3;
 #[inline]
 pub(super) fn look_up(reference: u32, bases: Bases) -> Outcome<&'static Variable> {
     match VARIABLES.get(reference as usize) {
-        Some(variable) if bases.contains(variable.base()) => Ok(variable),
+        Some(variable) if bases.contains(Class::new(variable.base(), variable.edition)) => Ok(variable),
         found => Err(no_such(reference, bases, found)),
     }
 }
 
 #[cold]
 fn no_such(reference: u32, bases: Bases, found: Option<&Variable>) -> Problem {
-    let found = match found {
+    let found = match found.filter(|variable| variable.edition <= bases.edition) {
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
-        None => format!("allowed is 0 to {}", VARIABLES.len() - 1),
+        None => {
+            let highest = of_edition(bases.edition).map(|(place, _)| place).max();
+            format!("allowed is 0 to {}", highest.unwrap_or_default())
+        }
     };
     Problem::Reference { reference, wanted: bases.name, found }
 }
 
 impl Instance {
-    /// Hands the value of variable `i` to `write`.
+    /// Hands value `i` to `write`: those of the variables in their order, of an array in row-major order.
     ///
     /// # Errors
     /// Before anything is written: a reference that is not of these types, or, in initialization, a start that is not
@@ -45,7 +49,7 @@ impl Instance {
         let mut needs = 0;
         for &reference in references {
             match READERS.get(reference as usize) {
-                Some(reader) if bases.contains(reader.base) => needs |= reader.needs,
+                Some(reader) if bases.contains(reader.class) => needs |= reader.needs,
                 _ => return Err(no_such(reference, bases, VARIABLES.get(reference as usize))),
             }
         }
@@ -56,14 +60,31 @@ impl Instance {
         if needs & Reader::DERIVED != 0 && self.derived_stale {
             self.refresh_derived();
         }
-        for (i, &reference) in references.iter().enumerate() {
+        if needs & Reader::PREDICTION != 0 {
+            self.refresh_prediction();
+        }
+        let mut i = 0;
+        for &reference in references {
             let value = match READERS[reference as usize].get {
                 Get::Output(get) => get(&self.values),
                 Get::Start(_, now) if initialized => now(&self.values),
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
                 Get::Derived(get) => get(&self.derived),
+                Get::Prediction(get) => get(&self.prediction.unwrap_or_default()),
+                Get::Tick(get) => get(&self.tick),
+                Get::Elements(size, get) => {
+                    (0..size).for_each(|k| write(i + k, get(&self.values, k)));
+                    i += size;
+                    continue;
+                }
+                Get::Step(size, get) => {
+                    (0..size).for_each(|k| write(i + k, get(&self.step_matrices, k)));
+                    i += size;
+                    continue;
+                }
             };
             write(i, value);
+            i += 1;
         }
         Ok(())
     }
@@ -99,7 +120,7 @@ impl Instance {
             }
             self.parameters_set = false;
             continuous.set_forces(self.settings.loads.derivatives.map(|load| load[0]));
-            self.values_stale = true;
+            self.invalidate();
         }
         Ok(())
     }
@@ -153,8 +174,9 @@ impl Instance {
             self.parameters_set = true;
             self.derived_stale = true;
         }
+        self.prediction = None;
         if matches!(self.engine, Engine::None) {
-            self.values_stale = true;
+            self.invalidate();
         }
     }
 
@@ -207,8 +229,9 @@ impl Instance {
                 self.loads_set = true;
             }
         }
+        self.prediction = None;
         if matches!(self.engine, Engine::None) {
-            self.values_stale = true;
+            self.invalidate();
         }
         Ok(())
     }

@@ -31,7 +31,7 @@ impl Instance {
                 log.log(Category::Events, &describe(event));
             }
         });
-        self.values_stale = true;
+        self.invalidate();
         Ok(changed)
     }
 
@@ -49,7 +49,7 @@ impl Instance {
         let continuous = self.continuous_mut()?;
         continuous.accept();
         let missed = continuous.missed_event();
-        self.values_stale = true;
+        self.invalidate();
         Ok(missed)
     }
 
@@ -66,7 +66,7 @@ impl Instance {
             return refuse("the present time in Event Mode");
         }
         self.continuous_mut()?.set_time(time)?;
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
     }
 
@@ -77,7 +77,7 @@ impl Instance {
     pub fn set_continuous_states(&mut self, states: &[f64; 6]) -> Outcome {
         let state = check_states(states)?;
         self.continuous_mut()?.set_state(state);
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
     }
 

@@ -96,7 +96,7 @@ fn starts() -> Vec<Start> {
     ]
 }
 
-/// Every variable in initialization; `None` where the start is not possible.
+/// Every initial unknown, by its reference; `None` where the start is not possible.
 fn initial(interface: Interface, values: &[(&str, f64)]) -> Option<Vec<f64>> {
     let mut fmu = Instance::new(interface);
     let mut time = 0.0;
@@ -108,12 +108,14 @@ fn initial(interface: Interface, values: &[(&str, f64)]) -> Option<Vec<f64>> {
     }
     fmu.set_experiment(None, time, None).ok()?;
     fmu.enter_initialization();
-    let mut read = Vec::new();
-    let all: Vec<u32> = (0..COUNT as u32).collect();
-    fmu.get(ANY, &all, |_, value| read.push(value)).ok()?;
+    let unknowns = structure::initial_unknowns(Edition::Clocked);
+    let mut read = vec![0.0; VARIABLES.len()];
+    for Unknown { reference, .. } in &unknowns {
+        fmu.get(ANY, &[*reference], |_, value| read[*reference as usize] = value).ok()?;
+    }
     // What initialization shows is what the motion starts with.
     fmu.exit_initialization(&mut Messages::default()).ok()?;
-    for unknown in structure::initial_unknowns() {
+    for unknown in unknowns {
         let name = VARIABLES[unknown.reference as usize].name;
         let shown = read[unknown.reference as usize];
         assert!(!moved(get(&mut fmu, name), shown), "{name} on leaving initialization");
@@ -159,7 +161,7 @@ fn check(unknowns: &[Unknown], listed: impl Fn(&Unknown, u32) -> bool, moves: im
 
 #[test]
 fn second_method_initial_unknowns_move_with_what_they_list_alone() {
-    let mut moves = vec![vec![false; COUNT]; COUNT];
+    let mut moves = vec![vec![false; VARIABLES.len()]; VARIABLES.len()];
     for (what, interface, start) in starts() {
         let base = initial(interface, &start).unwrap_or_else(|| panic!("{what}"));
         for (known, name, default) in knowns_of_initialization() {
@@ -177,20 +179,20 @@ fn second_method_initial_unknowns_move_with_what_they_list_alone() {
     let knowns: Vec<_> = knowns_of_initialization().map(|(known, ..)| known).collect();
     let listed = |unknown: &Unknown, known| unknown.dependencies.iter().any(|(i, _)| *i == known);
     let moves = |unknown: u32, known: u32| moves[unknown as usize][known as usize];
-    check(&structure::initial_unknowns(), listed, moves, &knowns);
+    check(&structure::initial_unknowns(Edition::Clocked), listed, moves, &knowns);
 }
 
 /// The outputs of a motion in a given contact at time 0 and later, the states being given: what a solver would see.
 fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
-    let side = contact.side();
-    let start = State { x: [0.1, 0.1 + side, 0.2], v: [0.4, 0.4, 0.5] };
+    let w = if contact == Contact::Flight { 0.3 } else { contact.side() };
+    let start = State { x: [0.1, 0.1 + w, 0.2], v: [0.4, 0.4, 0.5] };
     let mut motion = Continuous::frozen(parameters, start, 0.0, contact, [0.3, 0.5, 0.2]).unwrap();
     let mut read = vec![motion.values()];
     motion.set_time(0.25).unwrap();
-    motion.set_state(State { x: [0.2, 0.2 + side, 0.3], v: [0.3, 0.3, 0.4] });
+    motion.set_state(State { x: [0.2, 0.2 + w, 0.3], v: [0.3, 0.3, 0.4] });
     let after = motion.values();
     // Accelerations later depend on the drive's phase, which a change of frequency does not move: see `held` at time 0.
-    read.push(OutputValues { acceleration: [0.0; 3], contact_force: 0.0, ..after });
+    read.push(OutputValues { acceleration: [0.0; 3], contact_force: 0.0, indicators: [0.0; 3], ..after });
     read
 }
 
@@ -199,15 +201,16 @@ fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
 fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     let value = |variable: &Variable, values: &OutputValues| match variable.access {
         Access::Output(reading) | Access::Start { now: reading, .. } => (reading.value)(values),
-        Access::Setting { .. } | Access::Derived(_) => 0.0,
+        Access::Elements(get) => (0..3).map(|i| f64::from(1 << i) * get(values, i)).sum(),
+        _ => 0.0,
     };
     let standard = Parameters { drive_phase: 0.25, ..Parameters::default() };
     let closed = |parameters: &Parameters| {
         ClosedForm::new(SolutionMode::MultipleScales, parameters, 0.75).map(|form| form.values()).ok()
     };
-    let by_scales = ["box.a", "block.a"];
+    let by_scales = ["box.a", "block.a", "motion.a"];
     assert_eq!(closed(&standard).map(|values| values.acceleration[1]), Some(0.0), "the sawtooth is straight");
-    let mut moves = vec![vec![false; COUNT]; COUNT];
+    let mut moves = vec![vec![false; VARIABLES.len()]; VARIABLES.len()];
     for field in FIELDS {
         let mut other = standard;
         (field.set)(&mut other, 1.01 * (field.get)(&standard));
@@ -230,21 +233,22 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     let square = standard.drive_frequency * standard.drive_frequency;
     assert!((values.acceleration[2] + square * values.x[2]).abs() < ROUNDING);
     moves[reference("secondary.a") as usize][reference("drive.frequency") as usize] = true;
-    for name in ["box.a", "block.a", "secondary.a"] {
+    for name in ["box.a", "block.a", "secondary.a", "motion.a"] {
         moves[reference(name) as usize][reference("mode") as usize] = true; // as seen: another law in another mode
     }
     let parameters = VARIABLES.iter().filter(|v| v.causality == Causality::Parameter);
     let knowns: Vec<_> = parameters.map(|v| reference(v.name)).collect();
     let listed = |unknown: &Unknown, known| unknown.parameters.contains(&known);
     let moves = |unknown: u32, known: u32| moves[unknown as usize][known as usize];
-    check(&structure::outputs(), listed, moves, &knowns);
+    check(&structure::outputs(Edition::Clocked), listed, moves, &knowns);
     check(&structure::derivatives(), listed, moves, &knowns);
+    check(&structure::locals(), listed, moves, &knowns);
 }
 
 /// With the parameters the lists are still in order and without doubles, and initialization counts them once.
 #[test]
 fn invariant_lists_with_parameters_are_in_order() {
-    for list in [structure::outputs(), structure::derivatives(), structure::initial_unknowns()] {
+    for list in [structure::outputs(Edition::Clocked), structure::derivatives(), structure::initial_unknowns(Edition::Clocked)] {
         for unknown in list {
             let all = unknown.with_parameters();
             assert!(all.windows(2).all(|pair| pair[0].0 < pair[1].0), "{unknown:?}");
