@@ -105,6 +105,11 @@ const DAMAGES: [(&str, Damage); 33] = [
         let unknown = m.model_structure.outputs.unknowns.iter_mut().find(|u| u.dependencies.is_some());
         unknown.unwrap().dependencies = Some("5 4".into());
     }),
+    ("ModelStructure/InitialUnknowns: dependencies of", |m| {
+        let unknowns = &mut m.model_structure.initial_unknowns.unknowns;
+        let unknown = unknowns.iter_mut().find(|u| u.kinds.as_deref() == Some("constant"));
+        unknown.unwrap().kinds = Some("fixed".into());
+    }),
 ];
 
 #[test]
