@@ -23,6 +23,7 @@ use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
+use super::variables::{Access, VARIABLES};
 use vibro_impact::simulator::Simulator;
 
 pub use step::{StepOutcome, StepReason};
@@ -151,6 +152,7 @@ impl Instance {
     /// When the start values or the parameters are not possible; the component stays in initialization.
     pub fn exit_initialization(&mut self, log: &mut dyn Log) -> Outcome {
         let (engine, objections) = self.initial_engine()?;
+        self.values_of(&engine)?;
         if let Some(objections) = objections
             && log.wants(Category::Warnings)
         {
@@ -269,18 +271,23 @@ impl Instance {
         if !self.values_stale {
             return Ok(());
         }
-        self.values = self.present_values()?;
+        self.values = self.values_of(&self.engine)?;
         self.values_stale = false;
         Ok(())
     }
 
-    fn present_values(&self) -> Outcome<OutputValues> {
-        Ok(match &self.engine {
+    /// What the outputs read of what moves; of nothing yet, the start.
+    ///
+    /// # Errors
+    /// [`Problem::Overflow`] when one is not finite: no output ever is.
+    fn values_of(&self, engine: &Engine) -> Outcome<OutputValues> {
+        let values = match engine {
             Engine::Simulation(simulator) => OutputValues::of(simulator),
             Engine::Closed(form) => form.values(),
             Engine::Continuous(continuous) => continuous.values(),
             Engine::None => self.initial_values(&self.settings)?,
-        })
+        };
+        if values.is_finite() { Ok(values) } else { Err(overflow(&values)) }
     }
 
     /// Brings what follows from the parameters up to date; only after parameters were set, since steady states take a while
@@ -291,4 +298,18 @@ impl Instance {
             self.derived_stale = false;
         }
     }
+}
+
+/// Names the first output that is not finite.
+#[cold]
+fn overflow(values: &OutputValues) -> Problem {
+    let readings = VARIABLES.iter().filter_map(|variable| match variable.access {
+        Access::Output(reading) | Access::Start { now: reading, .. } => {
+            Some((variable.name, (reading.value)(values)))
+        }
+        _ => None,
+    });
+    let found = readings.into_iter().find(|(_, value)| !value.is_finite());
+    let (name, value) = found.unwrap_or(("the motion", f64::INFINITY));
+    Problem::Overflow { name, value, time: values.time }
 }

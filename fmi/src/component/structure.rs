@@ -1,17 +1,33 @@
 //! Which unknown depends on which known, and how: lists made from the table's columns.
 
 use super::variables::{
-    Access, Causality, Dependencies, DependencyKind, Edition, Initial, Knowns, VARIABLES, Variable, find,
+    Causality, Dependencies, DependencyKind, Edition, Initial, Initially, START, VARIABLES, Variable, find,
     of_edition, reference,
 };
+use std::collections::BTreeMap;
 
-/// An unknown and what it depends on.
+/// An unknown and what it depends on. The lists hold in every mode: where a closed form and a simulation differ, they name
+/// what either depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// Dependencies as (value reference, kind), ordered by reference; `None` means on all knowns, empty means on none.
-    pub dependencies: Option<Vec<(u32, DependencyKind)>>,
+    /// Dependencies as (value reference, kind), ordered by reference; of the knowns of initialization, or of inputs,
+    /// continuous states and time.
+    pub dependencies: Vec<(u32, DependencyKind)>,
+    /// The parameters beside them, where a standard counts them among the knowns; empty in initialization, where they are
+    /// among the dependencies.
+    pub parameters: Vec<u32>,
+}
+
+impl Unknown {
+    /// All dependencies, parameters among them, ordered by reference.
+    pub fn with_parameters(&self) -> Vec<(u32, DependencyKind)> {
+        let parameters = self.parameters.iter().map(|&reference| (reference, DependencyKind::Dependent));
+        let mut all: Vec<_> = self.dependencies.iter().copied().chain(parameters).collect();
+        all.sort_by_key(|(reference, _)| *reference);
+        all
+    }
 }
 
 /// Names of the continuous states, in the order in which a solver takes them.
@@ -31,15 +47,18 @@ pub const INDICATORS: [&str; EVENT_INDICATORS] =
 /// Number of event indicators.
 pub const EVENT_INDICATORS: usize = 3;
 
+const fn check_names(names: &[&str]) {
+    let mut i = 0;
+    while i < names.len() {
+        reference(names[i]);
+        i += 1;
+    }
+}
+
 // A name that is not in the table does not compile.
 const _: () = {
     let mut i = 0;
     while i < VARIABLES.len() {
-        let mut k = 0;
-        while k < VARIABLES[i].further.len() {
-            reference(VARIABLES[i].further[k]);
-            k += 1;
-        }
         if let Dependencies::On(knowns) = VARIABLES[i].dependencies {
             let mut k = 0;
             while k < knowns.len() {
@@ -47,15 +66,17 @@ const _: () = {
                 k += 1;
             }
         }
+        check_names(VARIABLES[i].parameters);
+        if let Initially::On(names) | Initially::OnStartAnd(names) = VARIABLES[i].initially {
+            check_names(names);
+        }
         i += 1;
     }
-    let mut i = 0;
-    while i < STATES.len() {
-        reference(STATES[i]);
-        reference(DERIVATIVES[i]);
-        reference(EXTENDED_DERIVATIVES[i]);
-        i += 1;
-    }
+    check_names(START);
+    check_names(&STATES);
+    check_names(&DERIVATIVES);
+    check_names(&EXTENDED_DERIVATIVES);
+    check_names(&INDICATORS);
 };
 
 /// The input that acts on a body.
@@ -63,58 +84,81 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-/// Places of knowns; of the further ones it is not said how they enter.
-fn known(knowns: Knowns, further: &[&'static str]) -> Vec<(u32, DependencyKind)> {
-    let further = further.iter().map(|name| (*name, DependencyKind::Dependent));
-    let named = knowns.iter().copied().chain(further);
-    let mut dependencies: Vec<_> = named.filter_map(|(name, kind)| Some((find(name)?.0, kind))).collect();
-    dependencies.sort_by_key(|(reference, _)| *reference);
-    dependencies
+fn references(names: &[&str]) -> impl Iterator<Item = u32> {
+    names.iter().filter_map(|name| Some(find(name)?.0))
 }
 
-/// Descriptions with more than the variables of all have further knowns.
-fn unknown((reference, variable): (u32, &Variable), edition: Edition) -> Unknown {
-    let further = if edition > Edition::Every { variable.further } else { &[] };
-    let dependencies = match variable.dependencies {
-        Dependencies::On(knowns) => Some(known(knowns, further)),
-        Dependencies::All | Dependencies::NotUnknown => None,
+/// The dependencies of the column of that name, by reference.
+fn listed(variable: &Variable) -> BTreeMap<u32, DependencyKind> {
+    match variable.dependencies {
+        Dependencies::On(knowns) => {
+            knowns.iter().filter_map(|(name, kind)| Some((find(name)?.0, *kind))).collect()
+        }
+        Dependencies::NotUnknown => BTreeMap::new(),
+    }
+}
+
+/// Outside initialization.
+fn later((reference, variable): (u32, &Variable)) -> Unknown {
+    let mut parameters: Vec<_> = references(variable.parameters).collect();
+    parameters.sort_unstable();
+    Unknown { reference, dependencies: listed(variable).into_iter().collect(), parameters }
+}
+
+/// In initialization, where a factor is either constant or has no particular structure.
+fn initially((reference, variable): (u32, &Variable)) -> Unknown {
+    let dependencies: BTreeMap<_, _> = match variable.initially {
+        Initially::AsLater => listed(variable),
+        Initially::OnStartAnd(names) => {
+            let names = references(START).chain(references(names)).chain(listed(variable).into_keys());
+            names.map(|reference| (reference, DependencyKind::Dependent)).collect()
+        }
+        Initially::On(names) => {
+            references(names).map(|reference| (reference, DependencyKind::Dependent)).collect()
+        }
     };
-    Unknown { reference, dependencies }
+    Unknown { reference, dependencies: dependencies.into_iter().collect(), parameters: Vec::new() }
 }
 
 /// Every output of an edition, in the order of the table, with what it depends on outside initialization.
 pub fn outputs(edition: Edition) -> Vec<Unknown> {
     let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
-    outputs.map(|row| unknown(row, edition)).collect()
+    outputs.map(later).collect()
 }
 
-fn named(names: &[&str], edition: Edition) -> Vec<Unknown> {
-    names.iter().filter_map(|name| find(name)).map(|row| unknown(row, edition)).collect()
+fn named(names: &[&str], dependencies: fn((u32, &Variable)) -> Unknown) -> Vec<Unknown> {
+    names.iter().filter_map(|name| find(name)).map(dependencies).collect()
 }
 
-/// The derivatives of the states, in the order of the states.
+/// The derivatives of the states, in the order of the states; in extended descriptions they are variables that are no states.
 pub fn derivatives(edition: Edition) -> Vec<Unknown> {
-    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, edition)
+    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, later)
 }
 
 /// The event indicators, in their order.
 pub fn event_indicators() -> Vec<Unknown> {
-    named(&INDICATORS, Edition::Extended)
+    named(&INDICATORS, later)
 }
 
-/// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table. A group
-/// lists the parameters it is made of; everything else may depend on everything, since `mode` and `startOnOrbit` choose
-/// what the start is made of.
+/// What is read of the motion and is no output: derivatives of states, event indicators and arrays as variables.
+pub fn locals() -> Vec<Unknown> {
+    let locals = of_edition(Edition::Extended).filter(|(_, variable)| {
+        variable.causality == Causality::Local && matches!(variable.dependencies, Dependencies::On(_))
+    });
+    locals.map(later).collect()
+}
+
+/// What is unknown in initialization: calculated outputs and calculated parameters of an edition, in the order of the table.
 pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
     let unknowns = of_edition(edition).filter(|(_, variable)| {
         variable.initial == Some(Initial::Calculated) && variable.causality != Causality::Local
     });
-    unknowns
-        .map(|(reference, variable)| match variable.access {
-            Access::Derived(_) => unknown((reference, variable), edition),
-            _ => Unknown { reference, dependencies: None },
-        })
-        .collect()
+    unknowns.map(initially).collect()
+}
+
+/// The derivatives of the states in initialization.
+pub fn initial_derivatives(edition: Edition) -> Vec<Unknown> {
+    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, initially)
 }
 
 #[cfg(test)]
@@ -125,15 +169,20 @@ mod tests {
     #[test]
     fn invariant_dependencies_are_listed_once_and_in_order() {
         let every = Edition::Clocked;
-        for list in [outputs(every), derivatives(every), event_indicators(), initial_unknowns(every)] {
+        for list in [
+            outputs(every),
+            derivatives(every),
+            event_indicators(),
+            initial_unknowns(every),
+            initial_derivatives(every),
+        ] {
             for unknown in list {
-                for pair in unknown.dependencies.iter().flat_map(|d| d.windows(2)) {
+                for pair in unknown.with_parameters().windows(2) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");
                 }
             }
         }
         assert_eq!(derivatives(every).len(), STATES.len());
-        assert_eq!(event_indicators().len(), EVENT_INDICATORS);
     }
 
     #[test]

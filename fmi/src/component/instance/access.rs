@@ -240,7 +240,8 @@ impl Instance {
     /// [`Path`]; others are refused.
     ///
     /// # Errors
-    /// A reference that is no output of the motion, an order outside 1…3; nothing is written then.
+    /// A reference that is no output of the motion, an order outside 1…3, a derivative that is not finite; nothing is written
+    /// then.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -259,10 +260,19 @@ impl Instance {
         }
         let derivatives = self.path_derivatives()?;
         let parameters = self.motion_parameters();
-        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
-            if let Some(path) = VARIABLES[reference as usize].path {
-                write(i, path.derivative(&derivatives, &parameters, order as usize));
+        let derivative = |reference: u32, order: i32| {
+            let path = VARIABLES[reference as usize].path;
+            path.map_or(0.0, |path| path.derivative(&derivatives, &parameters, order as usize))
+        };
+        for (&reference, &order) in references.iter().zip(orders) {
+            let value = derivative(reference, order);
+            if !value.is_finite() {
+                let name = VARIABLES[reference as usize].name;
+                return Err(Problem::Overflow { name, value, time: self.time() });
             }
+        }
+        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
+            write(i, derivative(reference, order));
         }
         Ok(())
     }

@@ -84,7 +84,7 @@ impl Instance {
             // A closed form follows time alone.
             Engine::Closed(_) | Engine::None => OutputValues::default(),
         };
-        Ok(self.present_values()?.varied(&rates))
+        Ok(self.values_of(&self.engine)?.varied(&rates))
     }
 
     /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends.

@@ -31,7 +31,7 @@ pub enum StepReason {
 
 impl Instance {
     /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off by rounding. Where the
-    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`].
+    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`], and the next step may begin there.
     ///
     /// # Errors
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
@@ -39,14 +39,19 @@ impl Instance {
         if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
             return Err(Problem::Sequence { what: "the instance is not initialized" });
         }
-        check_step(point, size, self.time())?;
+        check_step(point, size, self.time()).map_err(|problem| match problem {
+            Problem::Time { given, own } if self.phase == Phase::StoppedEarly => {
+                Problem::Stopped { given, own }
+            }
+            problem => problem,
+        })?;
         let end = point + size;
         if let Some(stop) = self.experiment.and_then(|experiment| experiment.stop)
             && end > stop + TIME_TOLERANCE * stop.abs().max(1.0)
         {
             return Err(Problem::StopTime { end, stop });
         }
-        let wanted = log.wants(Category::Events);
+        let (wanted, mut left_out) = (log.wants(Category::Events), 0.0);
         let mut report = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut report) } else { None };
         let reason = match &mut self.engine {
@@ -59,10 +64,16 @@ impl Instance {
                 if self.parameters_set {
                     form.set_parameters(&self.settings.parameters)?;
                 }
-                form.advance(point, size, self.settings.stop_at_impact, report)?
+                let (reason, unreported) = form.advance(point, size, self.settings.stop_at_impact, report)?;
+                left_out = unreported;
+                reason
             }
             Engine::None | Engine::Continuous(_) => AdvanceOutcome::End,
         };
+        if left_out > 0.0 {
+            let message = format!("{left_out} more impacts up to t = {end} s are not listed one by one");
+            log.log(Category::Events, &message);
+        }
         Ok(self.finish_step(reason, end))
     }
 
@@ -79,9 +90,7 @@ impl Instance {
         }
         let time = self.time();
         let early = reason == AdvanceOutcome::Impact && time < end;
-        if early {
-            self.phase = Phase::StoppedEarly;
-        }
+        self.phase = if early { Phase::StoppedEarly } else { Phase::Step };
         StepOutcome { time, reason: if early { StepReason::Impact } else { StepReason::EndReached } }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::bases::Edition;
 use super::columns::{
-    Access, Causality, Dependencies, Initial, Kind, Knowns, Reading, Variability, Variable,
+    Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Reading, Variability, Variable,
 };
 use super::rows::{derivative_of, event_output, reading, real};
 use super::sections::Section;
@@ -31,7 +31,8 @@ const fn local(
         kind,
         access,
         dependencies,
-        further: &[],
+        parameters: &[],
+        initially: Initially::OnStartAnd(&[]),
         path: None,
         body: None,
     }
@@ -46,7 +47,7 @@ pub(super) const fn prediction(
     get: fn(&Prediction) -> f64,
 ) -> Variable {
     let access = Access::Prediction(get);
-    let row = local(Section::Contact, name, description, kind, access, Dependencies::All);
+    let row = local(Section::Contact, name, description, kind, access, Dependencies::NotUnknown);
     Variable { variability, ..row }
 }
 
@@ -105,17 +106,19 @@ pub(super) const fn step_matrix(
     get: fn(&StepMatrices, usize) -> f64,
 ) -> Variable {
     let (kind, access) = (real(units::SENSITIVITY), Access::Step(get));
-    let row = local(Section::Sensitivity, name, description, kind, access, Dependencies::All);
+    let row = local(Section::Sensitivity, name, description, kind, access, Dependencies::NotUnknown);
     Variable { edition: Edition::Extended, dimensions, ..row }
 }
 
-/// The clock of impacts, or what is read while it ticks.
+/// The clock of impacts, with what makes it tick, or what is read while it ticks, which depends on the clock.
 pub(super) const fn tick(
     name: &'static str,
     description: &'static str,
     kind: Kind,
     get: fn(&Tick) -> f64,
+    knowns: Knowns,
 ) -> Variable {
     let row = event_output(Section::Clock, name, description, kind, |_| 0.0);
-    Variable { edition: Edition::Clocked, access: Access::Tick(get), ..row }
+    let dependencies = Dependencies::On(knowns);
+    Variable { edition: Edition::Clocked, access: Access::Tick(get), dependencies, ..row }
 }
