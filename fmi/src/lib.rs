@@ -16,3 +16,4 @@
 pub mod component;
 pub mod ffi;
 pub mod fmi2;
+pub mod fmi3;

@@ -31,7 +31,7 @@ const fn local(
         kind,
         access,
         dependencies,
-        parameters: &[],
+        further: &[],
         initially: Initially::OnStartAnd(&[]),
         path: None,
         body: None,
