@@ -202,7 +202,7 @@ fn unknowns(list: &[structure::Unknown]) -> Unknowns {
         dependencies: Some(joined(
             u.dependencies.iter().map(|(known, _)| description::index(*known).to_string()).collect(),
         )),
-        kinds: Some(joined(u.dependencies.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect())),
+        kinds: Some(joined(u.dependencies.iter().map(|(_, k)| kind_name(*k).to_owned()).collect())),
     };
     Unknowns { unknowns: list.iter().map(unknown).collect() }
 }

@@ -73,7 +73,7 @@ pub fn text() -> String {
             initial,
             kind,
             dependencies,
-            parameters,
+            further,
             initially,
             path,
             body,
@@ -84,7 +84,7 @@ pub fn text() -> String {
             access: _,
         } = v;
         let attributes = format!("{causality:?}|{variability:?}|{initial:?}|{kind:?}|{:?}", v.start());
-        let known = format!("{dependencies:?}|{parameters:?}|{initially:?}");
+        let known = format!("{dependencies:?}|{further:?}|{initially:?}");
         let columns = format!("{known}|{path:?}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
         let _ = writeln!(text, "{name}|{description}|{attributes}|{columns}");
     }

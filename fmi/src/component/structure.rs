@@ -1,8 +1,8 @@
 //! Which unknown depends on which known, and how: lists made from the table's columns.
 
 use super::variables::{
-    Causality, Dependencies, DependencyKind, Edition, Initial, Initially, START, VARIABLES, Variable, find,
-    of_edition, reference,
+    Causality, Dependencies, DependencyKind, Edition, Initial, Initially, Knowns, START, VARIABLES, Variable,
+    find, of_edition, reference,
 };
 use std::collections::BTreeMap;
 
@@ -12,22 +12,8 @@ use std::collections::BTreeMap;
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// Dependencies as (value reference, kind), ordered by reference; of the knowns of initialization, or of inputs,
-    /// continuous states and time.
+    /// Dependencies as (value reference, kind), ordered by reference.
     pub dependencies: Vec<(u32, DependencyKind)>,
-    /// The parameters beside them, where a standard counts them among the knowns; empty in initialization, where they are
-    /// among the dependencies.
-    pub parameters: Vec<u32>,
-}
-
-impl Unknown {
-    /// All dependencies, parameters among them, ordered by reference.
-    pub fn with_parameters(&self) -> Vec<(u32, DependencyKind)> {
-        let parameters = self.parameters.iter().map(|&reference| (reference, DependencyKind::Dependent));
-        let mut all: Vec<_> = self.dependencies.iter().copied().chain(parameters).collect();
-        all.sort_by_key(|(reference, _)| *reference);
-        all
-    }
 }
 
 /// Names of the continuous states, in the order in which a solver takes them.
@@ -66,7 +52,7 @@ const _: () = {
                 k += 1;
             }
         }
-        check_names(VARIABLES[i].parameters);
+        check_names(VARIABLES[i].further);
         if let Initially::On(names) | Initially::OnStartAnd(names) = VARIABLES[i].initially {
             check_names(names);
         }
@@ -84,81 +70,73 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-fn references(names: &[&str]) -> impl Iterator<Item = u32> {
-    names.iter().filter_map(|name| Some(find(name)?.0))
+/// Knowns by reference, in its order; of those that are only named it is not said how they enter.
+fn ordered<'a>(
+    knowns: Knowns,
+    names: impl IntoIterator<Item = &'a &'static str>,
+) -> Vec<(u32, DependencyKind)> {
+    let named = names.into_iter().map(|name| (*name, DependencyKind::Dependent));
+    // Where a name stands in both lists, the second says less.
+    let all = knowns.iter().copied().chain(named).filter_map(|(name, kind)| Some((find(name)?.0, kind)));
+    let ordered: BTreeMap<_, _> = all.collect();
+    ordered.into_iter().collect()
 }
 
-/// The dependencies of the column of that name, by reference.
-fn listed(variable: &Variable) -> BTreeMap<u32, DependencyKind> {
+fn listed(variable: &Variable) -> Knowns {
     match variable.dependencies {
-        Dependencies::On(knowns) => {
-            knowns.iter().filter_map(|(name, kind)| Some((find(name)?.0, *kind))).collect()
-        }
-        Dependencies::NotUnknown => BTreeMap::new(),
+        Dependencies::On(knowns) => knowns,
+        Dependencies::NotUnknown => &[],
     }
 }
 
-/// Outside initialization.
-fn later((reference, variable): (u32, &Variable)) -> Unknown {
-    let mut parameters: Vec<_> = references(variable.parameters).collect();
-    parameters.sort_unstable();
-    Unknown { reference, dependencies: listed(variable).into_iter().collect(), parameters }
+/// Outside initialization. Descriptions with more than the variables of all have further knowns.
+fn unknown((reference, variable): (u32, &Variable), edition: Edition) -> Unknown {
+    let further = if edition > Edition::Every { variable.further } else { &[] };
+    Unknown { reference, dependencies: ordered(listed(variable), further) }
 }
 
 /// In initialization, where a factor is either constant or has no particular structure.
 fn initially((reference, variable): (u32, &Variable)) -> Unknown {
-    let dependencies: BTreeMap<_, _> = match variable.initially {
-        Initially::AsLater => listed(variable),
+    let knowns = listed(variable);
+    let dependencies = match variable.initially {
+        Initially::AsLater => ordered(knowns, []),
         Initially::OnStartAnd(names) => {
-            let names = references(START).chain(references(names)).chain(listed(variable).into_keys());
-            names.map(|reference| (reference, DependencyKind::Dependent)).collect()
+            ordered(&[], START.iter().chain(names).chain(knowns.iter().map(|(name, _)| name)))
         }
-        Initially::On(names) => {
-            references(names).map(|reference| (reference, DependencyKind::Dependent)).collect()
-        }
+        Initially::On(names) => ordered(&[], names),
     };
-    Unknown { reference, dependencies: dependencies.into_iter().collect(), parameters: Vec::new() }
+    Unknown { reference, dependencies }
 }
 
 /// Every output of an edition, in the order of the table, with what it depends on outside initialization.
 pub fn outputs(edition: Edition) -> Vec<Unknown> {
     let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
-    outputs.map(later).collect()
+    outputs.map(|row| unknown(row, edition)).collect()
 }
 
-fn named(names: &[&str], dependencies: fn((u32, &Variable)) -> Unknown) -> Vec<Unknown> {
-    names.iter().filter_map(|name| find(name)).map(dependencies).collect()
+fn named(names: &[&str], edition: Edition) -> Vec<Unknown> {
+    names.iter().filter_map(|name| find(name)).map(|row| unknown(row, edition)).collect()
 }
 
-/// The derivatives of the states, in the order of the states; in extended descriptions they are variables that are no states.
+/// The derivatives of the states, in the order of the states.
 pub fn derivatives(edition: Edition) -> Vec<Unknown> {
-    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, later)
+    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, edition)
 }
 
 /// The event indicators, in their order.
 pub fn event_indicators() -> Vec<Unknown> {
-    named(&INDICATORS, later)
+    named(&INDICATORS, Edition::Extended)
 }
 
-/// What is read of the motion and is no output: derivatives of states, event indicators and arrays as variables.
-pub fn locals() -> Vec<Unknown> {
-    let locals = of_edition(Edition::Extended).filter(|(_, variable)| {
-        variable.causality == Causality::Local && matches!(variable.dependencies, Dependencies::On(_))
-    });
-    locals.map(later).collect()
-}
-
-/// What is unknown in initialization: calculated outputs and calculated parameters of an edition, in the order of the table.
+/// What is unknown in initialization: calculated outputs and calculated parameters in the order of the table, and with them
+/// the derivatives that are variables of their own.
 pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
+    let derivatives: &[_] = if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &[] };
     let unknowns = of_edition(edition).filter(|(_, variable)| {
-        variable.initial == Some(Initial::Calculated) && variable.causality != Causality::Local
+        let exposed = variable.causality != Causality::Local || derivatives.contains(&variable.name);
+        variable.initial == Some(Initial::Calculated) && exposed
     });
     unknowns.map(initially).collect()
-}
-
-/// The derivatives of the states in initialization.
-pub fn initial_derivatives(edition: Edition) -> Vec<Unknown> {
-    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, initially)
 }
 
 #[cfg(test)]
@@ -169,20 +147,15 @@ mod tests {
     #[test]
     fn invariant_dependencies_are_listed_once_and_in_order() {
         let every = Edition::Clocked;
-        for list in [
-            outputs(every),
-            derivatives(every),
-            event_indicators(),
-            initial_unknowns(every),
-            initial_derivatives(every),
-        ] {
+        for list in [outputs(every), derivatives(every), event_indicators(), initial_unknowns(every)] {
             for unknown in list {
-                for pair in unknown.with_parameters().windows(2) {
+                for pair in unknown.dependencies.windows(2) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");
                 }
             }
         }
         assert_eq!(derivatives(every).len(), STATES.len());
+        assert_eq!(event_indicators().len(), EVENT_INDICATORS);
     }
 
     #[test]

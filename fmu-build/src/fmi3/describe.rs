@@ -178,25 +178,19 @@ fn start(v: &variables::Variable) -> Option<String> {
 /// Outputs but those that belong to a clock, calculated parameters, and those derivatives of states that are no outputs
 /// (FMI 3.0.2, 2.4.8).
 fn initial_unknowns(edition: Edition) -> Vec<Row> {
-    let row = |reference: u32| &variables::VARIABLES[reference as usize];
-    let unclocked = structure::initial_unknowns(edition.min(description::MAIN));
-    let derivatives = structure::initial_derivatives(edition).into_iter();
-    let locals = derivatives.filter(|u| row(u.reference).causality == variables::Causality::Local);
-    let mut rows: Vec<Row> = unclocked.into_iter().chain(locals).collect();
-    rows.sort_by_key(|row| row.reference);
-    rows
+    let clocked = |row: &Row| variables::VARIABLES[row.reference as usize].edition == Edition::Clocked;
+    structure::initial_unknowns(edition).into_iter().filter(|row| !clocked(row)).collect()
 }
 
-/// Every element has both lists, empty ones too, since importers exist that need them. Parameters are among the knowns.
+/// Every element has both lists, since importers exist that need them.
 fn unknowns(rows: &[Row]) -> Vec<Unknown> {
     let joined = |words: Vec<String>| Some(words.join(" "));
-    let unknown = |row: &Row| {
-        let all = row.with_parameters();
-        Unknown {
-            value_reference: value_reference(row.reference),
-            dependencies: joined(all.iter().map(|(place, _)| value_reference(*place).to_string()).collect()),
-            kinds: joined(all.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect()),
-        }
+    let unknown = |row: &Row| Unknown {
+        value_reference: value_reference(row.reference),
+        dependencies: joined(
+            row.dependencies.iter().map(|(place, _)| value_reference(*place).to_string()).collect(),
+        ),
+        kinds: joined(row.dependencies.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect()),
     };
     rows.iter().map(unknown).collect()
 }

@@ -205,8 +205,8 @@ pub struct Variable {
     pub access: Access,
     /// What it depends on.
     pub dependencies: Dependencies,
-    /// The parameters that an output depends on at any one moment, the states being given.
-    pub parameters: &'static [&'static str],
+    /// Names of further knowns, in descriptions that count parameters, and what decides on contact at an event, among them.
+    pub further: &'static [&'static str],
     /// What it depends on in initialization.
     pub initially: Initially,
     /// The time derivatives it has beside its value, if any.

@@ -31,7 +31,7 @@ const fn local(
         kind,
         access,
         dependencies,
-        parameters: &[],
+        further: &[],
         initially: Initially::OnStartAnd(&[]),
         path: None,
         body: None,
@@ -110,15 +110,13 @@ pub(super) const fn step_matrix(
     Variable { edition: Edition::Extended, dimensions, ..row }
 }
 
-/// The clock of impacts, with what makes it tick, or what is read while it ticks, which depends on the clock.
+/// The clock of impacts, or what is read while it ticks.
 pub(super) const fn tick(
     name: &'static str,
     description: &'static str,
     kind: Kind,
     get: fn(&Tick) -> f64,
-    knowns: Knowns,
 ) -> Variable {
     let row = event_output(Section::Clock, name, description, kind, |_| 0.0);
-    let dependencies = Dependencies::On(knowns);
-    Variable { edition: Edition::Clocked, access: Access::Tick(get), dependencies, ..row }
+    Variable { edition: Edition::Clocked, access: Access::Tick(get), ..row }
 }

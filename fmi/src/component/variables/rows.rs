@@ -59,7 +59,7 @@ pub(super) const TIME: Variable = Variable {
     kind: real(units::TIME),
     access: Access::Output(reading!(|m| m.time)),
     dependencies: Dependencies::NotUnknown,
-    parameters: &[],
+    further: &[],
     initially: Initially::AsLater,
     path: None,
     body: None,
@@ -105,7 +105,7 @@ pub(super) const fn option(
         kind,
         access: Access::Setting { get, set },
         dependencies: Dependencies::NotUnknown,
-        parameters: &[],
+        further: &[],
         initially: Initially::AsLater,
         path: None,
         body: None,
@@ -131,7 +131,7 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
             set: |s, value| s.loads.derivatives[BODY] = [value, 0.0, 0.0, 0.0],
         },
         dependencies: Dependencies::NotUnknown,
-        parameters: &[],
+        further: &[],
         initially: Initially::AsLater,
         path: None,
         body: Some(BODY),
@@ -216,7 +216,7 @@ pub(super) const fn output(
         kind,
         access: Access::Output(reading),
         dependencies: Dependencies::On(knowns),
-        parameters: &[],
+        further: &[],
         initially: Initially::OnStartAnd(&[]),
         path,
         body: None,
@@ -258,7 +258,7 @@ const fn derived(
         kind,
         access: Access::Derived(get),
         dependencies: Dependencies::On(knowns),
-        parameters: &[],
+        further: &[],
         initially: Initially::AsLater,
         path: None,
         body: None,
@@ -315,14 +315,14 @@ pub(super) const fn manifold(
     derived(Section::Steady, name, description, real(units::NUMBER), get, knowns)
 }
 
-/// An output that depends on `parameters` at any one moment.
-pub(super) const fn by(parameters: &'static [&'static str], output: Variable) -> Variable {
-    Variable { parameters, ..output }
+/// A row with further knowns.
+pub(super) const fn by(further: &'static [&'static str], row: Variable) -> Variable {
+    Variable { further, ..row }
 }
 
-/// An output that depends in initialization on what [`Initially`] says.
-pub(super) const fn at_start(initially: Initially, output: Variable) -> Variable {
-    Variable { initially, ..output }
+/// A row that depends in initialization on what [`Initially`] says.
+pub(super) const fn at_start(initially: Initially, row: Variable) -> Variable {
+    Variable { initially, ..row }
 }
 
 /// The parameters that decide on a steady state: all but the drive's phase, which only says when it passes where.

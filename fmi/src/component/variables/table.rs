@@ -66,16 +66,42 @@ const OF_BOX: &[&str] = &[
 ];
 
 /// The parameters in the block's acceleration: in rest those of both bodies; by multiple scales it is zero.
-const OF_BLOCK: &[&str] =
-    &["box.m", "box.k", "box.c", "block.m", "coupling.k", "drive.amplitude", "drive.phase", "mode"];
+const OF_BLOCK: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "mode",
+];
 
 /// The parameters in the contact force.
-const PRESSING: &[&str] =
-    &["box.m", "box.k", "box.c", "block.m", "coupling.k", "drive.amplitude", "drive.phase"];
+const PRESSING: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+];
 
 /// The same with the unit in which the pressing acceleration is told.
-const PRESSED: &[&str] =
-    &["box.m", "box.k", "box.c", "block.m", "coupling.k", "stop.gap", "drive.amplitude", "drive.phase"];
+const PRESSED: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "stop.gap",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+];
 
 /// The parameters in the accelerations of all three bodies.
 const OF_BODIES: &[&str] = &[
@@ -94,6 +120,31 @@ const OF_BODIES: &[&str] = &[
     "drive.phase",
     "mode",
 ];
+
+/// What decides on contact at an event.
+const OF_CONTACT: &[&str] = &[
+    "time",
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "box.f",
+    "block.f",
+    "box.s",
+    "box.v",
+    "block.s",
+    "block.v",
+    "secondary.s",
+];
+
+/// The parameters of an impact.
+const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
 
 /// The parameters in the dampers' work since the last accepted step of a host's solver; with them, in the work of the inputs.
 const DAMPED: &[&str] = &[
@@ -126,9 +177,6 @@ const CONTACT_AT_START: Initially = Initially::OnStartAnd(&[
     "secondary.s",
     "secondary.v",
 ]);
-
-/// What is read while the clock of impacts ticks belongs to it.
-const TICK: Knowns = &[("impacts.clock", Dependent)];
 
 /// A group's value.
 fn value(derived: &Derived, get: fn(&Groups) -> f64) -> f64 {
@@ -194,20 +242,20 @@ const TABLE: &[Variable] = &[
     by(PRESSING, at_start(MOTION_AT_START, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
         the block away from the stop and the box towards it (stop.state says which stop); exactly 0 in flight",
         real(units::FORCE), reading!(|m| m.contact_force), PAIR, None))),
-    at_start(CONTACT_AT_START, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
-        |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 })),
+    by(OF_CONTACT, at_start(CONTACT_AT_START, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
+        |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 }))),
     event_output(Section::Contact, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.upper)),
     event_output(Section::Contact, "impacts.lower", "Number of impacts on the lower stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.lower)),
     event_output(Section::Contact, "impacts.lastTime", "Time of the last impact; 0 before the first", real(units::TIME),
         |m| m.impacts.last_time),
-    event_output(Section::Contact, "impacts.lastImpulse", "Impulse of the last impact; 0 before the first", real(units::IMPULSE),
-        |m| m.impacts.last_impulse),
+    by(OF_IMPACT, event_output(Section::Contact, "impacts.lastImpulse", "Impulse of the last impact; 0 before the first", real(units::IMPULSE),
+        |m| m.impacts.last_impulse)),
     event_output(Section::Contact, "impacts.lastSpeed", "Relative speed of approach at the last impact; 0 before the first",
         real(units::VELOCITY), |m| m.impacts.last_speed),
-    event_output(Section::Contact, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
-        |m| m.impacts.total_impulse),
+    by(OF_IMPACT, event_output(Section::Contact, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
+        |m| m.impacts.total_impulse)),
     by(&["coupling.k"], output(Section::Contact, "coupling.f", "Force in the coupling spring, k23 (x2 - x3): on the secondary oscillator as is, on the block reversed",
         real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)], Some(Coupling))),
 
@@ -218,7 +266,7 @@ const TABLE: &[Variable] = &[
         output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None))),
     by(DAMPED, at_start(Initially::On(&[]),
         output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None))),
-    event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss),
+    by(OF_IMPACT, event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss)),
 
     // Dimensionless groups
     fixed_group("groups.epsilon", "Mass ratio m2/m1", |d| value(d, |g| g.epsilon),
@@ -307,12 +355,11 @@ const TABLE: &[Variable] = &[
         |m, i| m.response[i / 12][i % 12]),
 
     // Of descriptions with a clock
-    tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active),
-        &[("box.s", Dependent), ("box.v", Dependent), ("block.s", Dependent), ("block.v", Dependent)]),
-    tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time, TICK),
-    tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse, TICK),
-    tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed, TICK),
-    tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum())), TICK),
+    by(&["box.s", "box.v", "block.s", "block.v"], tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active))),
+    by(&["impacts.clock"], tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time)),
+    by(&["impacts.clock"], tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse)),
+    by(&["impacts.clock"], tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed)),
+    by(&["impacts.clock"], tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum())))),
 ];
 
 /// Number of variables.
