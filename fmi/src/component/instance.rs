@@ -5,9 +5,12 @@
 //! decide on what may be set.
 
 mod access;
+mod advance;
 mod derivative;
+mod events;
 mod exchange;
 mod initial;
+mod pieces;
 mod step;
 
 #[cfg(test)]
@@ -22,8 +25,13 @@ use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings};
 use super::steady;
 use super::values::OutputValues;
+use events::Present;
 use vibro_impact::simulator::Simulator;
 
+pub use advance::Advance;
+pub use events::EventHandling;
+pub(super) use events::EventState;
+pub use pieces::{Piece, Pieces};
 pub use step::{StepOutcome, StepReason};
 
 /// What moves.
@@ -39,10 +47,25 @@ enum Engine {
     Continuous(Box<Continuous>),
 }
 
+/// What protocols differ in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Protocol {
+    /// The value reference of the table's first variable.
+    pub first_reference: u32,
+    /// What the host does about events.
+    pub handling: EventHandling,
+    /// What settings start from.
+    pub start: Settings,
+}
+
 /// One component.
 #[derive(Debug)]
 pub struct Instance {
     interface: Interface,
+    first_reference: u32,
+    handling: EventHandling,
+    /// What settings start from.
+    initial: Settings,
     phase: Phase,
     settings: Settings,
     experiment: Option<Experiment>,
@@ -52,6 +75,7 @@ pub struct Instance {
     /// Whether parameters or loads were set since the last step.
     parameters_set: bool,
     loads_set: bool,
+    events: EventState,
     /// What the outputs read; not up to date while stale.
     values: OutputValues,
     values_stale: bool,
@@ -62,15 +86,25 @@ pub struct Instance {
 impl Instance {
     /// A component with all variables at their start values.
     pub fn new(interface: Interface) -> Self {
+        Self::of_protocol(interface, Protocol::default())
+    }
+
+    /// The same in a protocol's own terms.
+    pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
+        let Protocol { first_reference, handling, start } = protocol;
         Self {
             interface,
+            first_reference,
+            handling,
+            initial: start,
             phase: Phase::Instantiated,
-            settings: Settings::default(),
+            settings: start,
             experiment: None,
             engine: Engine::None,
             slopes_set: [false; 3],
             parameters_set: false,
             loads_set: false,
+            events: EventState::default(),
             values: OutputValues::default(),
             values_stale: true,
             derived: Derived::default(),
@@ -81,6 +115,11 @@ impl Instance {
     /// How it is used.
     pub fn interface(&self) -> Interface {
         self.interface
+    }
+
+    /// What is set.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// Present phase.
@@ -150,10 +189,11 @@ impl Instance {
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
         self.values_stale = true;
-        self.phase = match self.interface {
-            Interface::CoSimulation => Phase::Step,
-            Interface::ModelExchange => Phase::Event,
-        };
+        if self.interface == Interface::ModelExchange || self.handling.event_mode {
+            self.begin_event();
+        } else {
+            self.phase = Phase::Step;
+        }
         Ok(())
     }
 
@@ -165,8 +205,9 @@ impl Instance {
     /// As just made.
     pub fn reset(&mut self) {
         self.phase = Phase::Instantiated;
-        self.settings = Settings::default();
+        self.settings = self.initial;
         self.experiment = None;
+        self.events = EventState::default();
         self.engine = Engine::None;
         self.slopes_set = [false; 3];
         (self.parameters_set, self.loads_set) = (false, false);
@@ -193,6 +234,8 @@ impl Instance {
             slopes_set: self.slopes_set,
             parameters_set: self.parameters_set,
             loads_set: self.loads_set,
+            events: self.events,
+            stop_by_default: self.initial.stop_at_impact,
             engine: match &self.engine {
                 Engine::None => EngineState::None,
                 Engine::Simulation(simulator) => EngineState::Simulation(simulator.snapshot()),
@@ -237,12 +280,28 @@ impl Instance {
         self.phase = saved.phase;
         self.derived_stale |= self.settings.parameters != saved.settings.parameters;
         self.settings = saved.settings;
+        if saved.settings.stop_at_impact == saved.stop_by_default {
+            self.settings.stop_at_impact = self.initial.stop_at_impact;
+        }
         self.experiment = saved.experiment;
         self.slopes_set = saved.slopes_set;
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
+        self.events = saved.events;
         self.values_stale = true;
+        self.meet_own_protocol();
         Ok(())
+    }
+
+    /// Of a state that a host with another handling of events has saved: where this one has no such phase, the motion goes on
+    /// from there, an event that is due with its next step.
+    fn meet_own_protocol(&mut self) {
+        if self.interface == Interface::CoSimulation && !self.handling.event_mode {
+            self.events = EventState::default();
+            if self.phase == Phase::Event {
+                self.phase = Phase::Step;
+            }
+        }
     }
 
     /// Brings the values up to date. In initialization that evaluates the start.
@@ -256,12 +315,16 @@ impl Instance {
     }
 
     fn present_values(&self) -> Outcome<OutputValues> {
-        Ok(match &self.engine {
-            Engine::Simulation(simulator) => OutputValues::of(simulator),
-            Engine::Closed(form) => form.values(),
-            Engine::Continuous(continuous) => continuous.values(),
-            Engine::None => self.initial_values(&self.settings)?,
-        })
+        let mut values = match self.present()? {
+            Present::Simulation(simulator) => OutputValues::of(&simulator),
+            Present::Closed(form) => form.values(),
+            Present::Continuous(continuous) => continuous.values(),
+            Present::None => self.initial_values(&self.settings)?,
+        };
+        if let Some(shown) = &self.events.latched {
+            shown.put(&mut values);
+        }
+        Ok(values)
     }
 
     /// Brings what follows from the parameters up to date; only after parameters were set, since steady states take a while

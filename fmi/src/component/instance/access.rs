@@ -1,5 +1,6 @@
 //! Getting and setting values, and the time derivatives of inputs and outputs.
 
+use super::events::Present;
 use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
 use crate::component::settings::Settings;
 use crate::component::values::coupling_force;
@@ -15,25 +16,39 @@ const INPUT_ORDER: i32 = 3;
 /// Highest order of output derivatives: the displacements' fifth is known, so velocities and accelerations have three.
 const OUTPUT_ORDER: i32 = 3;
 
-/// The variable of that reference, which must have one of the types.
+/// Place in the table of a reference, where references begin with `first`; no place for one below it.
 #[inline]
-pub(super) fn look_up(reference: u32, bases: Bases) -> Outcome<&'static Variable> {
-    match VARIABLES.get(reference as usize) {
-        Some(variable) if bases.contains(variable.base()) => Ok(variable),
-        found => Err(no_such(reference, bases, found)),
-    }
+fn place(reference: u32, first: u32) -> usize {
+    reference.wrapping_sub(first) as usize
 }
 
 #[cold]
-fn no_such(reference: u32, bases: Bases, found: Option<&Variable>) -> Problem {
-    let found = match found {
+fn no_such(reference: u32, first: u32, bases: Bases) -> Problem {
+    let found = match VARIABLES.get(place(reference, first)) {
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
-        None => format!("allowed is 0 to {}", VARIABLES.len() - 1),
+        None => format!("allowed is {first} to {}", VARIABLES.len() as u32 - 1 + first),
     };
     Problem::Reference { reference, wanted: bases.name, found }
 }
 
 impl Instance {
+    /// The variable of that reference, which must have one of the types.
+    #[inline]
+    pub(super) fn look_up(&self, reference: u32, bases: Bases) -> Outcome<&'static Variable> {
+        match VARIABLES.get(place(reference, self.first_reference)) {
+            Some(variable) if bases.contains(variable.base()) => Ok(variable),
+            _ => Err(no_such(reference, self.first_reference, bases)),
+        }
+    }
+
+    /// The variable of that reference.
+    ///
+    /// # Errors
+    /// [`Problem::Reference`] when there is none.
+    pub fn variable(&self, reference: u32) -> Outcome<&'static Variable> {
+        self.look_up(reference, Bases::ANY)
+    }
+
     /// Hands the value of variable `i` to `write`.
     ///
     /// # Errors
@@ -41,12 +56,13 @@ impl Instance {
     /// possible.
     #[inline]
     pub fn get(&mut self, bases: Bases, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
+        let first = self.first_reference;
         let initialized = !matches!(self.engine, Engine::None);
         let mut needs = 0;
         for &reference in references {
-            match READERS.get(reference as usize) {
+            match READERS.get(place(reference, first)) {
                 Some(reader) if bases.contains(reader.base) => needs |= reader.needs,
-                _ => return Err(no_such(reference, bases, VARIABLES.get(reference as usize))),
+                _ => return Err(no_such(reference, first, bases)),
             }
         }
         let moves = needs & Reader::MOTION != 0 || initialized && needs & Reader::START != 0;
@@ -57,7 +73,7 @@ impl Instance {
             self.refresh_derived();
         }
         for (i, &reference) in references.iter().enumerate() {
-            let value = match READERS[reference as usize].get {
+            let value = match READERS[place(reference, first)].get {
                 Get::Output(get) => get(&self.values),
                 Get::Start(_, now) if initialized => now(&self.values),
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
@@ -74,20 +90,22 @@ impl Instance {
     /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has changed then.
     #[inline]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
+        let first = self.first_reference;
         let when = self.when();
         let closed = matches!(self.engine, Engine::Closed(_));
         for (i, &reference) in references.iter().enumerate() {
             let value = read(i);
             let plain = |writer: &Writer| writer.takes(bases, when, value) && !(closed && writer.input);
-            if !WRITERS.get(reference as usize).is_some_and(plain) {
+            if !WRITERS.get(place(reference, first)).is_some_and(plain) {
                 self.check_set(reference, bases, value)?;
             }
         }
+        self.events.carried_out &= references.is_empty();
         // A host's solver sees a set at once, not with the next step.
         let before =
             (self.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
-            self.assign(&WRITERS[reference as usize], read(i));
+            self.assign(&WRITERS[place(reference, first)], read(i));
         }
         if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
         {
@@ -107,8 +125,8 @@ impl Instance {
     /// A closer look at one set.
     #[cold]
     fn check_set(&self, reference: u32, bases: Bases, value: f64) -> Outcome {
-        let variable = look_up(reference, bases)?;
-        self.check_settable(reference, variable)?;
+        let variable = self.look_up(reference, bases)?;
+        self.check_settable(&WRITERS[place(reference, self.first_reference)], variable)?;
         if !variable.accepts(value) {
             return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed() });
         }
@@ -153,7 +171,7 @@ impl Instance {
             self.parameters_set = true;
             self.derived_stale = true;
         }
-        if matches!(self.engine, Engine::None) {
+        if matches!(self.engine, Engine::None) || self.phase == Phase::Event {
             self.values_stale = true;
         }
     }
@@ -167,9 +185,9 @@ impl Instance {
         }
     }
 
-    fn check_settable(&self, reference: u32, variable: &Variable) -> Outcome {
+    fn check_settable(&self, writer: &Writer, variable: &Variable) -> Outcome {
         let when = self.when();
-        if WRITERS[reference as usize].settable(when) {
+        if writer.settable(when) {
             return Ok(());
         }
         let allowed = match when {
@@ -186,7 +204,7 @@ impl Instance {
     /// A reference that is no input, an order outside 1…3, a value that is not finite; nothing has changed then.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             if variable.body.is_none() {
                 return Err(Problem::NoDerivative { name: variable.name, allowed: "those of inputs" });
             }
@@ -197,7 +215,7 @@ impl Instance {
             self.check_load(variable, value)?;
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            if let Some(body) = VARIABLES[reference as usize].body {
+            if let Some(body) = VARIABLES[place(reference, self.first_reference)].body {
                 let load = &mut self.settings.loads.derivatives[body];
                 if !self.slopes_set[body] {
                     self.slopes_set[body] = true;
@@ -225,7 +243,7 @@ impl Instance {
         mut write: impl FnMut(usize, f64),
     ) -> Outcome {
         for (&reference, &order) in references.iter().zip(orders) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             if variable.path.is_none() {
                 return Err(Problem::NoDerivative {
                     name: variable.name,
@@ -235,9 +253,9 @@ impl Instance {
             check_order(order, OUTPUT_ORDER, "1, 2 or 3")?;
         }
         let derivatives = self.path_derivatives()?;
-        let parameters = self.motion_parameters();
+        let parameters = self.motion_parameters()?;
         for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
-            if let Some(path) = VARIABLES[reference as usize].path {
+            if let Some(path) = VARIABLES[place(reference, self.first_reference)].path {
                 write(i, path.derivative(&derivatives, &parameters, order as usize));
             }
         }
@@ -245,23 +263,23 @@ impl Instance {
     }
 
     fn path_derivatives(&mut self) -> Outcome<[[f64; 6]; 3]> {
-        match &self.engine {
-            Engine::Simulation(simulator) => Ok(simulator.derivatives()),
-            Engine::Closed(form) => Ok(form.derivatives()),
-            Engine::None | Engine::Continuous(_) => {
+        match self.present()? {
+            Present::Simulation(simulator) => Ok(simulator.derivatives()),
+            Present::Closed(form) => Ok(form.derivatives()),
+            Present::None | Present::Continuous(_) => {
                 Err(Problem::Sequence { what: "the instance is not initialized" })
             }
         }
     }
 
     /// The parameters the motion at the present time was made with.
-    pub(super) fn motion_parameters(&self) -> Parameters {
-        match &self.engine {
-            Engine::Simulation(simulator) => *simulator.parameters(),
-            Engine::Closed(form) => *form.parameters(),
-            Engine::Continuous(continuous) => *continuous.parameters(),
-            Engine::None => self.settings.parameters,
-        }
+    pub(super) fn motion_parameters(&self) -> Outcome<Parameters> {
+        Ok(match self.present()? {
+            Present::Simulation(simulator) => *simulator.parameters(),
+            Present::Closed(form) => *form.parameters(),
+            Present::Continuous(continuous) => *continuous.parameters(),
+            Present::None => self.settings.parameters,
+        })
     }
 }
 

@@ -105,6 +105,9 @@ pub struct Bases {
 impl Bases {
     /// The Reals.
     pub const REAL: Self = Self::new("Real", &[Base::Real]);
+    /// Every type.
+    pub const ANY: Self =
+        Self::new("", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration]);
 
     /// These types under one name.
     pub const fn new(name: &'static str, bases: &[Base]) -> Self {
