@@ -195,6 +195,7 @@ fn attributes(v: &ScalarVariable, found: &mut Vec<String>) {
         ("parameter", "fixed" | "tunable") => initial == Some("exact"),
         ("calculatedParameter", "fixed" | "tunable") => initial == Some("calculated"),
         ("input", "discrete" | "continuous") => initial.is_none(),
+        ("local", "discrete" | "continuous") => initial == Some("calculated"),
         ("output", "discrete" | "continuous") => matches!(initial, Some("exact" | "calculated")),
         ("independent", "continuous") => initial.is_none(),
         _ => false,
@@ -278,6 +279,6 @@ fn structure(model: &ModelDescription, found: &mut Vec<String>) {
     check("Outputs", &lists.outputs, of(&|v| v.causality == "output"));
     check("Derivatives", &lists.derivatives, of(&|v| v.derivative().is_some()));
     let calculated =
-        |v: &ScalarVariable| v.initial.as_deref() == Some("calculated") && v.causality != "independent";
+        |v: &ScalarVariable| v.initial.as_deref() == Some("calculated") && v.causality != "local";
     check("InitialUnknowns", &lists.initial_unknowns, of(&calculated));
 }

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::schema::*;
 use serde::Serialize;
 use vibro_fmi::component::variables::{
-    Causality, DependencyKind, Initial, Kind, VARIABLES, Variability, Variable, find,
+    Causality, DependencyKind, Edition, Initial, Kind, Variability, Variable, find,
 };
 use vibro_fmi::component::{structure, units};
 use vibro_fmi::fmi2::description;
@@ -47,11 +47,11 @@ pub fn model_description() -> ModelDescription {
             tolerance: experiment.tolerance,
             step: experiment.step_size,
         },
-        model_variables: ModelVariables { variables: (0..).zip(&VARIABLES).map(variable).collect() },
+        model_variables: ModelVariables { variables: description::variables().map(variable).collect() },
         model_structure: ModelStructure {
-            outputs: unknowns(&structure::outputs()),
+            outputs: unknowns(&structure::outputs(Edition::Every)),
             derivatives: unknowns(&structure::derivatives()),
-            initial_unknowns: unknowns(&structure::initial_unknowns()),
+            initial_unknowns: unknowns(&structure::initial_unknowns(Edition::Every)),
         },
     }
 }
@@ -91,19 +91,24 @@ fn unit(unit: &units::Unit) -> Unit {
     }
 }
 
+/// Whether a declared type is that of a variable of this version.
+fn is_used(name: &str) -> bool {
+    description::variables().any(|(_, v)| v.declared_type() == Some(name))
+}
+
 fn types() -> Vec<SimpleType> {
-    let reals = units::REAL_TYPES.iter().map(|t| SimpleType {
+    let reals = units::REAL_TYPES.iter().filter(|t| is_used(t.name)).map(|t| SimpleType {
         name: t.name.into(),
         description: t.description.into(),
         kind: SimpleKind::Real(RealType {
-            quantity: t.quantity.into(),
-            unit: t.unit.into(),
+            quantity: t.quantity.unwrap_or_default().into(),
+            unit: t.unit.unwrap_or_default().into(),
             display_unit: t.display_unit.map(Into::into),
         }),
     });
     let item =
         |i: &units::Item| Item { name: i.name.into(), value: i.value, description: i.description.into() };
-    let enumerations = units::ENUMERATION_TYPES.iter().map(|t| SimpleType {
+    let enumerations = units::ENUMERATION_TYPES.iter().filter(|t| is_used(t.name)).map(|t| SimpleType {
         name: t.name.into(),
         description: t.description.into(),
         kind: SimpleKind::Enumeration(EnumerationType { items: t.items.iter().map(item).collect() }),
@@ -118,6 +123,7 @@ pub fn causality(causality: Causality) -> &'static str {
         Causality::CalculatedParameter => "calculatedParameter",
         Causality::Input => "input",
         Causality::Output => "output",
+        Causality::Local => "local",
         Causality::Independent => "independent",
     }
 }
@@ -141,7 +147,7 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
         Kind::Real { declared, nominal, derivative_of, reinit, range: _ } => VariableKind::Real(Real {
             declared_type: declared.name.into(),
             // Repeated from the declared type: some hosts read units of variables only.
-            unit: Some(declared.unit.into()),
+            unit: declared.unit.map(Into::into),
             display_unit: declared.display_unit.map(Into::into),
             min,
             max,
@@ -155,6 +161,8 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
         Kind::Enumeration(declared) => {
             VariableKind::Enumeration(Enumeration { declared_type: declared.name.into(), start: whole })
         }
+        // FMI 2.0 has none; the rows that are clocks are of a later edition.
+        Kind::Clock => VariableKind::Boolean(Boolean { start: None }),
     };
     ScalarVariable {
         name: v.name.into(),

@@ -3,7 +3,7 @@
 use super::problem::Problem;
 use super::settings::SolutionMode;
 use super::steady::{ORDERS, Solution};
-use super::values::{OutputValues, coupling_force};
+use super::values::{OutputValues, coupling_force, indicators_of};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
@@ -245,10 +245,10 @@ impl ClosedForm {
         }
     }
 
-    /// The time of the next impact, s; of the one that is due, if one is.
+    /// Time of the next impact (s), by formula: it may round to the present. One that is due is the next.
     pub(crate) fn next_impact(&self) -> f64 {
         let now = self.halves(self.data.time).0;
-        self.impact_time(if self.is_due() { now } else { now + 1.0 }).value()
+        self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())
     }
 
     /// Displacements and velocities, at an impact those of the limit that is shown.
@@ -326,6 +326,7 @@ impl ClosedForm {
             gap: (y[1], y[4]),
             contact_force: 0.0,
             coupling_force: coupling_force(p, &state.x),
+            indicators: indicators_of(p, Contact::Flight, y[1], 0.0),
             mechanical: energy::mechanical(p, &y),
             input: data.input + total(0),
             damped: data.damped + total(1),

@@ -1,7 +1,7 @@
 //! The model for a host's own solver: states, derivatives, event indicators, and what happens at events.
 
 use super::problem::Problem;
-use super::values::{OutputValues, coupling_force};
+use super::values::{OutputValues, coupling_force, indicators};
 use super::variation::{Velocities, quadrature, variation, velocities};
 use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
@@ -20,8 +20,6 @@ const CONTACT: f64 = 1e-9;
 /// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
 /// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of the displacements.
 const SHIFT: f64 = 1e-12;
-/// Indicator of what cannot happen in the present contact.
-const IDLE: f64 = 1.0;
 
 /// Everything that changes, as plain data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -215,19 +213,9 @@ impl Continuous {
     /// Distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration that presses the
     /// block on, in units of the largest that springs and drive make at one gap's displacement.
     pub(crate) fn indicators(&self) -> [f64; 3] {
-        let gap = self.model.gap;
-        match self.data.contact {
-            Contact::Flight => {
-                let w = self.data.state.x[1] - self.data.state.x[0];
-                [(gap - w) / gap, (gap + w) / gap, IDLE]
-            }
-            contact => {
-                let m = &self.model;
-                let scale = (m.k1 + m.k2) * gap + m.drive.abs();
-                let pressing = contact.side() * self.accelerations().1;
-                [IDLE, IDLE, if scale > 0.0 { pressing / scale } else { pressing }]
-            }
-        }
+        let (m, State { x, .. }) = (&self.model, &self.data.state);
+        let pressing = self.data.contact.side() * self.accelerations().1;
+        indicators(self.data.contact, (m.gap, x[1] - x[0]), pressing, (m.k1 + m.k2, m.drive))
     }
 
     /// Whether an accepted point is past an event that the host has missed: the block in a stop and moving on, or pulled on in
@@ -370,6 +358,7 @@ impl Continuous {
             gap,
             contact_force,
             coupling_force: coupling_force(&data.parameters, &data.state.x),
+            indicators: self.indicators(),
             mechanical,
             // What the balance leaves: the work of inputs between steps is the host's to know.
             input: mechanical - data.initial + damped + data.lost,

@@ -29,11 +29,14 @@ pub fn text() -> String {
             dependencies,
             path,
             body,
+            edition,
+            dimensions,
+            symbol,
             section: _,
             access: _,
         } = v;
         let attributes = format!("{causality:?}|{variability:?}|{initial:?}|{kind:?}|{:?}", v.start());
-        let columns = format!("{dependencies:?}|{path:?}|{body:?}");
+        let columns = format!("{dependencies:?}|{path:?}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
         let _ = writeln!(text, "{name}|{description}|{attributes}|{columns}");
     }
     text

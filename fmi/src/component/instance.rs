@@ -11,6 +11,7 @@ mod events;
 mod exchange;
 mod initial;
 mod pieces;
+mod prediction;
 mod step;
 
 #[cfg(test)]
@@ -22,9 +23,9 @@ use super::log::{Category, Log};
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::saved_state::{EngineState, SavedState};
-use super::settings::{Derived, Settings};
+use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
-use super::values::OutputValues;
+use super::values::{OutputValues, Prediction, StepMatrices, Tick};
 use events::Present;
 use vibro_impact::simulator::Simulator;
 
@@ -81,6 +82,12 @@ pub struct Instance {
     values_stale: bool,
     derived: Derived,
     derived_stale: bool,
+    /// The event that is to come, once it was asked for.
+    prediction: Option<Prediction>,
+    /// Derivatives over the last step.
+    step_matrices: StepMatrices,
+    /// What the clock of impacts shows.
+    tick: Tick,
 }
 
 impl Instance {
@@ -109,6 +116,9 @@ impl Instance {
             values_stale: true,
             derived: Derived::default(),
             derived_stale: true,
+            prediction: None,
+            step_matrices: StepMatrices::default(),
+            tick: Tick::default(),
         }
     }
 
@@ -171,7 +181,7 @@ impl Instance {
     /// From now on outputs show the start that the settings describe.
     pub fn enter_initialization(&mut self) {
         self.phase = Phase::Initialization;
-        self.values_stale = true;
+        self.invalidate();
     }
 
     /// Ends initialization: builds what moves.
@@ -188,7 +198,7 @@ impl Instance {
         self.engine = engine;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
-        self.values_stale = true;
+        self.invalidate();
         if self.interface == Interface::ModelExchange || self.handling.event_mode {
             self.begin_event();
         } else {
@@ -211,7 +221,10 @@ impl Instance {
         self.engine = Engine::None;
         self.slopes_set = [false; 3];
         (self.parameters_set, self.loads_set) = (false, false);
-        (self.values_stale, self.derived_stale) = (true, true);
+        self.derived_stale = true;
+        self.step_matrices = StepMatrices::default();
+        self.tick = Tick::default();
+        self.invalidate();
     }
 
     /// Present time, s; before initialization ends, the start.
@@ -288,7 +301,7 @@ impl Instance {
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
         self.events = saved.events;
-        self.values_stale = true;
+        self.invalidate();
         self.meet_own_protocol();
         Ok(())
     }
@@ -302,6 +315,12 @@ impl Instance {
                 self.phase = Phase::Step;
             }
         }
+    }
+
+    /// What was computed of the motion no longer holds.
+    fn invalidate(&mut self) {
+        self.values_stale = true;
+        self.prediction = None;
     }
 
     /// Brings the values up to date. In initialization that evaluates the start.

@@ -1,7 +1,8 @@
 //! Which unknown depends on which known, and how: lists made from the table's columns.
 
 use super::variables::{
-    Access, Causality, Dependencies, DependencyKind, Initial, Knowns, VARIABLES, Variable, find, reference,
+    Access, Causality, Dependencies, DependencyKind, Edition, Initial, Knowns, VARIABLES, Variable, find,
+    of_edition, reference,
 };
 
 /// An unknown and what it depends on.
@@ -63,9 +64,9 @@ fn unknown((reference, variable): (u32, &Variable)) -> Unknown {
     Unknown { reference, dependencies }
 }
 
-/// Every output, in the order of the table, with what it depends on outside initialization.
-pub fn outputs() -> Vec<Unknown> {
-    let outputs = (0..).zip(&VARIABLES).filter(|(_, variable)| variable.causality == Causality::Output);
+/// Every output of an edition, in the order of the table, with what it depends on outside initialization.
+pub fn outputs(edition: Edition) -> Vec<Unknown> {
+    let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
     outputs.map(unknown).collect()
 }
 
@@ -77,9 +78,10 @@ pub fn derivatives() -> Vec<Unknown> {
 /// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table. A group
 /// lists the parameters it is made of; everything else may depend on everything, since `mode` and `startOnOrbit` choose
 /// what the start is made of.
-pub fn initial_unknowns() -> Vec<Unknown> {
-    let unknowns =
-        (0..).zip(&VARIABLES).filter(|(_, variable)| variable.initial == Some(Initial::Calculated));
+pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
+    let unknowns = of_edition(edition).filter(|(_, variable)| {
+        variable.initial == Some(Initial::Calculated) && variable.causality != Causality::Local
+    });
     unknowns
         .map(|(reference, variable)| match variable.access {
             Access::Derived(_) => unknown((reference, variable)),
@@ -95,7 +97,8 @@ mod tests {
 
     #[test]
     fn invariant_dependencies_are_listed_once_and_in_order() {
-        for list in [outputs(), derivatives(), initial_unknowns()] {
+        let every = Edition::Clocked;
+        for list in [outputs(every), derivatives(), initial_unknowns(every)] {
             for unknown in list {
                 for pair in unknown.dependencies.iter().flat_map(|d| d.windows(2)) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");

@@ -60,6 +60,15 @@ pub(crate) fn variation(
         + p.box_stiffness * x[0] * dx.x[0]
         + p.secondary_stiffness * x[2] * dx.x[2]
         + p.coupling_stiffness * (x[1] - x[2]) * (dx.x[1] - dx.x[2]);
+    // The indicators are linear, but for the idle ones, which do not vary.
+    let indicators = match contact {
+        Contact::Flight => [-z[RELATIVE] / model.gap, z[RELATIVE] / model.gap, 0.0],
+        contact => {
+            let scale = (model.k1 + model.k2) * model.gap + model.drive.abs();
+            let pressing = contact.side() * free;
+            [0.0, 0.0, if scale > 0.0 { pressing / scale } else { pressing }]
+        }
+    };
     OutputValues {
         time: 0.0,
         x: dx.x,
@@ -68,6 +77,7 @@ pub(crate) fn variation(
         gap,
         contact_force,
         coupling_force: coupling_force(p, &dx.x),
+        indicators,
         mechanical,
         input: 0.0,
         damped: 0.0,

@@ -2,6 +2,7 @@
 //! default experiment.
 
 use crate::component::identity;
+use crate::component::variables::{Edition, Variable, of_edition};
 use vibro_impact::parameters::Parameters;
 
 pub use crate::component::structure::EVENT_INDICATORS;
@@ -109,9 +110,15 @@ pub fn default_experiment() -> Experiment {
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 50.0 }
 }
 
-/// `ScalarVariable` index of a variable (FMI 2.0, 2.2.8): they count from 1.
-pub const fn index(reference: u32) -> u32 {
-    reference + 1
+/// Every variable of this version with its value reference, which is its place in the table.
+pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {
+    of_edition(Edition::Every)
+}
+
+/// `ScalarVariable` index of a variable (FMI 2.0, 2.2.8): they count from 1, without those of other versions.
+pub fn index(reference: u32) -> u32 {
+    let before = variables().take_while(|(place, _)| *place < reference);
+    1 + before.count() as u32
 }
 
 /// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0, 2.2.1).

@@ -78,7 +78,7 @@ impl Instance {
     /// # Errors
     /// For a variable without dependencies.
     pub fn dependencies(&self, reference: u32) -> Outcome<Vec<(u32, FmiDependencyKind)>> {
-        let lists = structure::outputs();
+        let lists = structure::outputs(self.edition());
         let list = lists.into_iter().find(|unknown| unknown.reference + FIRST == reference);
         let Some(list) = list else {
             return Err(Problem::Sequence { what: "the variable has no dependencies" });

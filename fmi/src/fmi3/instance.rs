@@ -10,26 +10,32 @@ use crate::component::log::Categories;
 use crate::component::saved_state::SavedState;
 use super::intermediate::{Required, Update};
 use crate::component::settings::{Settings, SolutionMode};
-use crate::component::variables::{Base, Bases};
+use crate::component::variables::{Base, Bases, Edition};
 use crate::component::{self, EventHandling, Interface, Phase, Protocol};
 use crate::ffi::handles::Handles;
 use crate::ffi::pointers::check_count;
 
 /// Variables of the type `Float64` (FMI 3.0.2, 2.4.7).
-pub const FLOAT64: Bases = Bases::new("Float64", &[Base::Real]);
+pub const FLOAT64: Bases = Bases::new("Float64", &[Base::Real]).of(Edition::Extended);
 /// Variables of the type `Int32`.
-pub const INT32: Bases = Bases::new("Int32", &[Base::Integer]);
+pub const INT32: Bases = Bases::new("Int32", &[Base::Integer]).of(Edition::Extended);
 /// Variables that `fmi3GetInt64` and `fmi3SetInt64` access: enumerations.
-pub const INT64: Bases = Bases::new("Int64 or Enumeration", &[Base::Enumeration]);
+pub const INT64: Bases = Bases::new("Int64 or Enumeration", &[Base::Enumeration]).of(Edition::Extended);
 /// Variables of the type `Boolean`.
-pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
+pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]).of(Edition::Extended);
+/// Variables of the type `Clock`.
+pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]).of(Edition::Extended);
+
+/// By how much an announced event must be later than the present, relative to max(1, |t|): fmusim takes one that is nearer for
+/// one in the past, and stops.
+const LATER: f64 = 1e-9;
 
 /// The value reference of the table's first variable.
 pub const FIRST: u32 = 1;
 
 /// Types of which there is no variable.
 pub const fn none(name: &'static str) -> Bases {
-    Bases::new(name, &[])
+    Bases::new(name, &[]).of(Edition::Extended)
 }
 
 /// What FMI 3.0 settings start from: a step ends at an impact where the host takes that.
@@ -44,6 +50,8 @@ pub struct Instance {
     pub component: component::Instance,
     enabled: Categories,
     states: Handles<SavedState>,
+    /// Which description it is of.
+    edition: Edition,
     /// What the host intends to set and get inside a step.
     pub(super) required: Required,
     /// What it may do now, while its callback runs.
@@ -82,6 +90,7 @@ impl Instance {
             component: component::Instance::of_protocol(interface, protocol),
             enabled,
             states: Handles::default(),
+            edition: Edition::Extended,
             required: Required::default(),
             update: None,
         })
@@ -120,6 +129,17 @@ impl Instance {
             Status::Fatal => self.component.break_down(),
             _ => {}
         }
+    }
+
+    /// These types with the variables of this instance's description.
+    #[inline]
+    fn reached(&self, bases: Bases) -> Bases {
+        if self.edition == Edition::Extended { bases } else { bases.of(self.edition) }
+    }
+
+    /// Which description it is of.
+    pub fn edition(&self) -> Edition {
+        self.edition
     }
 
     pub(super) fn log<'a>(&self, sink: &'a mut dyn Sink, function: Function) -> Logger<'a> {
@@ -180,11 +200,15 @@ impl Instance {
         bases: Bases,
         references: &[u32],
         count: usize,
-        write: impl FnMut(usize, f64),
+        mut write: impl FnMut(usize, f64),
     ) -> Outcome {
-        check_count("nValues", count, references.len())?;
         self.check_get()?;
-        Ok(self.component.get(bases, references, write)?)
+        let mut written = 0;
+        self.component.get(self.reached(bases), references, |i, value| {
+            written = i + 1;
+            write(i, value);
+        })?;
+        Ok(check_count("nValues", count, written)?)
     }
 
     /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.6.2): takes value `i` from `read`.
@@ -201,7 +225,7 @@ impl Instance {
     ) -> Outcome {
         check_count("nValues", count, references.len())?;
         self.check_set(references)?;
-        Ok(self.component.set(bases, references, read)?)
+        Ok(self.component.set(self.reached(bases), references, read)?)
     }
 
     /// `fmi3EnterEventMode` (FMI 3.0.2, 3.2.1 and 4.2.1).
@@ -222,7 +246,18 @@ impl Instance {
     pub fn update_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<DiscreteStates> {
         let mut log = self.log(sink, Function::UpdateDiscreteStates);
         let values_of_continuous_states_changed = self.component.handle_events(&mut log)?;
-        Ok(DiscreteStates { values_of_continuous_states_changed, next_event_time: None })
+        Ok(DiscreteStates { values_of_continuous_states_changed, next_event_time: self.next_event_time() })
+    }
+
+    /// `nextEventTime`: that of the next impact, rest or release in Co-Simulation, where it is later than the present also for a
+    /// host that compares times with a tolerance. In Model Exchange events are the host's to find.
+    fn next_event_time(&mut self) -> Option<f64> {
+        if self.component.interface() == Interface::ModelExchange {
+            return None;
+        }
+        let (now, prediction) = (self.component.time(), self.component.prediction());
+        let later = prediction.time > now + LATER * now.abs().max(1.0);
+        (prediction.known && later).then_some(prediction.time)
     }
 
     /// `fmi3EnterStepMode` (FMI 3.0.2, 2.3.5) and `fmi3EnterContinuousTimeMode`.

@@ -5,7 +5,8 @@ use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
 use crate::component::settings::Settings;
 use crate::component::values::coupling_force;
 use crate::component::variables::{
-    Bases, Causality, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
+    Bases, Causality, Class, Edition, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
+    of_edition,
 };
 use vibro_impact::parameters::Parameters;
 
@@ -24,9 +25,13 @@ fn place(reference: u32, first: u32) -> usize {
 
 #[cold]
 fn no_such(reference: u32, first: u32, bases: Bases) -> Problem {
-    let found = match VARIABLES.get(place(reference, first)) {
+    let found = VARIABLES.get(place(reference, first)).filter(|variable| variable.edition <= bases.edition);
+    let found = match found {
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
-        None => format!("allowed is {first} to {}", VARIABLES.len() as u32 - 1 + first),
+        None => {
+            let highest = of_edition(bases.edition).map(|(place, _)| place).max();
+            format!("allowed is {first} to {}", highest.unwrap_or_default() + first)
+        }
     };
     Problem::Reference { reference, wanted: bases.name, found }
 }
@@ -36,20 +41,20 @@ impl Instance {
     #[inline]
     pub(super) fn look_up(&self, reference: u32, bases: Bases) -> Outcome<&'static Variable> {
         match VARIABLES.get(place(reference, self.first_reference)) {
-            Some(variable) if bases.contains(variable.base()) => Ok(variable),
+            Some(variable) if bases.contains(Class::new(variable.base(), variable.edition)) => Ok(variable),
             _ => Err(no_such(reference, self.first_reference, bases)),
         }
     }
 
-    /// The variable of that reference.
+    /// The variable of that reference in an edition.
     ///
     /// # Errors
     /// [`Problem::Reference`] when there is none.
-    pub fn variable(&self, reference: u32) -> Outcome<&'static Variable> {
-        self.look_up(reference, Bases::ANY)
+    pub fn variable(&self, reference: u32, edition: Edition) -> Outcome<&'static Variable> {
+        self.look_up(reference, Bases::ANY.of(edition))
     }
 
-    /// Hands the value of variable `i` to `write`.
+    /// Hands value `i` to `write`: those of the variables in their order, of an array in row-major order.
     ///
     /// # Errors
     /// Before anything is written: a reference that is not of these types, or, in initialization, a start that is not
@@ -61,7 +66,7 @@ impl Instance {
         let mut needs = 0;
         for &reference in references {
             match READERS.get(place(reference, first)) {
-                Some(reader) if bases.contains(reader.base) => needs |= reader.needs,
+                Some(reader) if bases.contains(reader.class) => needs |= reader.needs,
                 _ => return Err(no_such(reference, first, bases)),
             }
         }
@@ -72,14 +77,31 @@ impl Instance {
         if needs & Reader::DERIVED != 0 && self.derived_stale {
             self.refresh_derived();
         }
-        for (i, &reference) in references.iter().enumerate() {
+        if needs & Reader::PREDICTION != 0 {
+            self.refresh_prediction();
+        }
+        let mut i = 0;
+        for &reference in references {
             let value = match READERS[place(reference, first)].get {
                 Get::Output(get) => get(&self.values),
                 Get::Start(_, now) if initialized => now(&self.values),
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
                 Get::Derived(get) => get(&self.derived),
+                Get::Prediction(get) => get(&self.prediction.unwrap_or_default()),
+                Get::Tick(get) => get(&self.tick),
+                Get::Elements(size, get) => {
+                    (0..size).for_each(|k| write(i + k, get(&self.values, k)));
+                    i += size;
+                    continue;
+                }
+                Get::Step(size, get) => {
+                    (0..size).for_each(|k| write(i + k, get(&self.step_matrices, k)));
+                    i += size;
+                    continue;
+                }
             };
             write(i, value);
+            i += 1;
         }
         Ok(())
     }
@@ -117,7 +139,7 @@ impl Instance {
             }
             self.parameters_set = false;
             continuous.set_forces(self.settings.loads.derivatives.map(|load| load[0]));
-            self.values_stale = true;
+            self.invalidate();
         }
         Ok(())
     }
@@ -171,8 +193,9 @@ impl Instance {
             self.parameters_set = true;
             self.derived_stale = true;
         }
+        self.prediction = None;
         if matches!(self.engine, Engine::None) || self.phase == Phase::Event {
-            self.values_stale = true;
+            self.invalidate();
         }
     }
 
@@ -225,8 +248,9 @@ impl Instance {
                 self.loads_set = true;
             }
         }
+        self.prediction = None;
         if matches!(self.engine, Engine::None) {
-            self.values_stale = true;
+            self.invalidate();
         }
         Ok(())
     }

@@ -86,7 +86,7 @@ impl Instance {
         self.events.latched = stand.event.then_some(shown);
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
-        self.values_stale = true;
+        self.invalidate();
         Ok(Advance { time: self.time(), event: stand.event, early: stand.early })
     }
 

@@ -146,7 +146,7 @@ fn no(variable: &Variable, allowed: &'static str) -> Problem {
 fn read(settings: &Settings, variable: &Variable) -> f64 {
     match variable.access {
         Access::Setting { get, .. } | Access::Start { get, .. } => get(settings),
-        Access::Output(_) | Access::Derived(_) => 0.0,
+        _ => 0.0,
     }
 }
 
@@ -163,7 +163,7 @@ fn rate(variable: &Variable, values: &OutputValues<Varied>) -> f64 {
         Access::Output(reading) | Access::Start { now: reading, .. } => {
             reading.varied.map_or(0.0, |varied| varied(values).rate)
         }
-        Access::Setting { .. } | Access::Derived(_) => 0.0,
+        _ => 0.0,
     }
 }
 
@@ -174,7 +174,7 @@ fn difference(variable: &Variable, samples: &[(f64, Sample)]) -> f64 {
             * match variable.access {
                 Access::Output(reading) | Access::Start { now: reading, .. } => (reading.value)(values),
                 Access::Derived(get) => get(derived),
-                Access::Setting { .. } => 0.0,
+                _ => 0.0,
             }
     });
     values.sum()

@@ -203,7 +203,7 @@ impl Instance {
             (self.parameters_set, self.loads_set) = (false, false);
         }
         self.events.carried_out = true;
-        self.values_stale = true;
+        self.invalidate();
         Ok(changed)
     }
 

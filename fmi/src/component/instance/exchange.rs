@@ -22,7 +22,7 @@ impl Instance {
         let continuous = self.continuous_mut()?;
         continuous.accept();
         let missed = continuous.missed_event();
-        self.values_stale = true;
+        self.invalidate();
         Ok(missed)
     }
 
@@ -39,7 +39,7 @@ impl Instance {
             return refuse("the present time in Event Mode");
         }
         self.continuous_mut()?.set_time(time)?;
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
     }
 
@@ -50,7 +50,7 @@ impl Instance {
     pub fn set_continuous_states(&mut self, states: &[f64; 6]) -> Outcome {
         let state = check_states(states)?;
         self.continuous_mut()?.set_state(state);
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
     }
 

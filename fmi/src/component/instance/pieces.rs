@@ -111,7 +111,7 @@ impl Instance {
             _ => {}
         }
         (self.parameters_set, self.loads_set) = (false, false);
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
     }
 
@@ -135,7 +135,7 @@ impl Instance {
             Engine::Closed(form) => form.advance_before_event(end.hi, end.lo, late),
             Engine::None | Engine::Continuous(_) => Ok(false),
         };
-        self.values_stale = true;
+        self.invalidate();
         match outcome {
             Ok(due) => Ok(if due { Piece::Event } else { Piece::End }),
             Err(problem) => {
@@ -166,7 +166,7 @@ impl Instance {
         if pieces.at_event == AtEvent::Latch {
             self.events.latched = Some(pieces.shown);
         }
-        self.values_stale = true;
+        self.invalidate();
         pieces.at_event == AtEvent::EndAfter
     }
 
@@ -193,7 +193,7 @@ impl Instance {
         self.events.pending = event;
         self.events.latched = event.then_some(pieces.shown);
         self.slopes_set = [false; 3];
-        self.values_stale = true;
+        self.invalidate();
         Advance { time, event, early }
     }
 

@@ -77,7 +77,7 @@ impl Instance {
     fn finish_step(&mut self, reason: AdvanceOutcome, end: f64) -> StepOutcome {
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
-        self.values_stale = true;
+        self.invalidate();
         if let Engine::Simulation(simulator) = &self.engine {
             let slopes = self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]);
             if slopes.into_iter().any(|slope| *slope != 0.0) {

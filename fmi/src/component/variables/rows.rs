@@ -1,10 +1,12 @@
 //! Constructors of the table's rows. Each asks for every column that its kind of variable must have, so that a row that
 //! leaves one out does not compile.
 
+use super::bases::Edition;
 use super::columns::DependencyKind::Dependent;
 use super::columns::{
-    Access, Causality, Dependencies, Initial, Kind, Knowns, Path, Reading, Section, Variability, Variable,
+    Access, Causality, Dependencies, Initial, Kind, Knowns, Path, Reading, Variability, Variable,
 };
+use super::sections::Section;
 use crate::component::settings::{Derived, Settings};
 use crate::component::units::{self, RealType};
 use crate::component::values::OutputValues;
@@ -28,7 +30,7 @@ pub(super) const fn real(declared: RealType) -> Kind {
     Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: None, reinit: false }
 }
 
-const fn derivative_of(declared: RealType, of: &'static str) -> Kind {
+pub(super) const fn derivative_of(declared: RealType, of: &'static str) -> Kind {
     Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: Some(of), reinit: false }
 }
 
@@ -42,6 +44,9 @@ pub(super) const TIME: Variable = Variable {
     name: "time",
     description: "Time",
     section: Section::Time,
+    edition: Edition::Every,
+    dimensions: &[],
+    symbol: Some("t"),
     causality: Causality::Independent,
     variability: Variability::Continuous,
     initial: None,
@@ -56,6 +61,10 @@ fn get_field<const I: usize>(settings: &Settings) -> f64 {
     (FIELDS[I].get)(&settings.parameters)
 }
 
+/// Symbols of the physical parameters in docs/theory.md, in the order of [`FIELDS`].
+const SYMBOLS: [&str; 13] =
+    ["m1", "k1", "c1", "m2", "m3", "k3", "c3", "k23", "L", "kappa", "F10", "omega1", "phi"];
+
 /// A physical parameter; name, meaning and range are those of [`FIELDS`].
 pub(super) const fn parameter<const I: usize>(variability: Variability, declared: RealType) -> Variable {
     let field = FIELDS[I];
@@ -64,7 +73,7 @@ pub(super) const fn parameter<const I: usize>(variability: Variability, declared
     let option = option(field.name, field.description, kind, get, |s, value| {
         (FIELDS[I].set)(&mut s.parameters, value);
     });
-    Variable { section: Section::Parameters, variability, ..option }
+    Variable { section: Section::Parameters, variability, symbol: Some(SYMBOLS[I]), ..option }
 }
 
 /// A choice that is fixed after initialization.
@@ -79,6 +88,9 @@ pub(super) const fn option(
         name,
         description,
         section: Section::Solution,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: None,
         causality: Causality::Parameter,
         variability: Variability::Fixed,
         initial: Some(Initial::Exact),
@@ -96,6 +108,9 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
         name,
         description,
         section: Section::Loads,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: Some(["f1", "f2", "f3"][BODY]),
         causality: Causality::Input,
         variability: Variability::Continuous,
         initial: None,
@@ -123,7 +138,7 @@ pub(super) const fn position<const BODY: usize>(
     let access = Access::Start { get: |s| s.start.x[BODY], set: |s, value| s.start.x[BODY] = value, now };
     let kind = state(units::POSITION, None, reinit);
     let output = moving::<BODY>(name, description, kind, now, itself, 0);
-    Variable { initial: Some(Initial::Exact), access, ..output }
+    Variable { initial: Some(Initial::Exact), access, symbol: Some(["x1", "x2", "x3"][BODY]), ..output }
 }
 
 /// Velocity of a body.
@@ -180,6 +195,9 @@ pub(super) const fn output(
         name,
         description,
         section,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: None,
         causality: Causality::Output,
         variability: Variability::Continuous,
         initial: Some(Initial::Calculated),
@@ -217,6 +235,9 @@ const fn derived(
         name,
         description,
         section,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: None,
         causality: Causality::CalculatedParameter,
         variability: Variability::Tunable,
         initial: Some(Initial::Calculated),

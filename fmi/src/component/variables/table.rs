@@ -4,9 +4,12 @@ use super::columns::DependencyKind::{
     Constant, Dependent, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
 };
 use super::columns::Path::{Coupling, Gap};
+use super::columns::Variability::{Continuous, Discrete};
 use super::columns::Variability::{Fixed, Tunable};
-use super::columns::{Kind, Knowns, Section, Variable};
+use super::columns::{Kind, Knowns, Variable};
+use super::later::*;
 use super::rows::*;
+use super::sections::Section;
 use crate::component::settings::{Derived, SolutionMode};
 use crate::component::units;
 use vibro_impact::parameters::Groups;
@@ -21,6 +24,22 @@ const PAIR: Knowns = &[
     ("box.v", AtEvents),
     ("block.s", AtEvents),
     ("secondary.s", AtEvents),
+];
+
+/// What decides on contact in flight.
+const GAP: Knowns = &[("box.s", AtEvents), ("block.s", AtEvents)];
+
+/// What the accelerations of the three bodies depend on.
+const ACCELERATIONS: Knowns = &[
+    ("time", Dependent),
+    ("box.f", AtEvents),
+    ("block.f", AtEvents),
+    ("secondary.f", OfFixed),
+    ("box.s", AtEvents),
+    ("box.v", AtEvents),
+    ("block.s", AtEvents),
+    ("secondary.s", AtEvents),
+    ("secondary.v", OfTunable),
 ];
 
 /// What the secondary oscillator feels.
@@ -88,7 +107,7 @@ const TABLE: &[Variable] = &[
 
     // Contact
     output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
-        real(units::POSITION), reading!(|m| m.gap.0), &[("box.s", AtEvents), ("block.s", AtEvents)], Some(Gap { order: 0 })),
+        real(units::POSITION), reading!(|m| m.gap.0), GAP, Some(Gap { order: 0 })),
     output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
         &[("box.v", AtEvents), ("block.v", AtEvents)], Some(Gap { order: 1 })),
     output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
@@ -172,6 +191,43 @@ const TABLE: &[Variable] = &[
         |d| d.steady.impulse),
     steady("steady.spectralRadius", "Spectral radius of the half-cycle map of the exact orbit, stable below 1; NaN where there is none", units::NUMBER,
         |d| d.steady.spectral_radius),
+
+    // The event to come
+    prediction("impacts.nextTime", "Time of the next impact, rest or release with the inputs and parameters as they are, in \
+        Co-Simulation; where none comes within two drive periods (or 1e4 of the fastest time constant, if that is shorter), the \
+        end of that span. Model Exchange predicts nothing",
+        real(units::TIME), Continuous, |p| p.time),
+    prediction("impacts.nextKnown", "Whether impacts.nextTime is the time of an event", Kind::Boolean, Discrete, |p| f64::from(p.known)),
+
+    // Elements of the model's structure that need a variable of their own in some descriptions
+    rate::<0>("der(box.s)", "box.s", "Derivative of box.s, which is box.v", &[("box.v", Constant)]),
+    rate::<1>("der(block.s)", "block.s", "Derivative of block.s, which is block.v", &[("block.v", Constant)]),
+    rate::<2>("der(secondary.s)", "secondary.s", "Derivative of secondary.s, which is secondary.v", &[("secondary.v", Constant)]),
+    indicator::<0>("stop.indicator.upper", "Distance of the block from the upper stop in gaps; 1 in rest", GAP),
+    indicator::<1>("stop.indicator.lower", "Distance of the block from the lower stop in gaps; 1 in rest", GAP),
+    indicator::<2>("stop.indicator.rest", "In rest, the relative acceleration that presses the block on, in units of the largest that \
+        springs and drive make at one gap's displacement; 1 in flight", PAIR),
+
+    // Arrays
+    bodies("motion.s", "Displacements of box, block and secondary oscillator", units::POSITION, |m, i| m.x[i],
+        &[("box.s", Constant), ("block.s", Constant), ("secondary.s", Constant)]),
+    bodies("motion.v", "Velocities of box, block and secondary oscillator", units::VELOCITY, |m, i| m.v[i],
+        &[("box.v", Constant), ("block.v", Constant), ("secondary.v", Constant)]),
+    bodies("motion.a", "Accelerations of box, block and secondary oscillator", units::ACCELERATION, |m, i| m.acceleration[i], ACCELERATIONS),
+    step_matrix("step.transition", "Derivatives of the states at the end of the last step (rows: box.s, block.s, secondary.s, box.v, \
+        block.v, secondary.v) with respect to those at its begin (columns, in the same order), through all its events, in SI units", &[6, 6],
+        |m, i| m.transition[i / 6][i % 6]),
+    step_matrix("step.response", "Derivatives of the states at the end of the last step (rows as in step.transition) with respect to value \
+        and derivatives 1 to 3, at its begin, of box.f, block.f and secondary.f (columns: four for each input in turn), through all its \
+        events, in SI units", &[6, 12],
+        |m, i| m.response[i / 12][i % 12]),
+
+    // Of descriptions with a clock
+    tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active)),
+    tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time),
+    tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse),
+    tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed),
+    tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum()))),
 ];
 
 /// Number of variables.

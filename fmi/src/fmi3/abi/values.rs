@@ -1,6 +1,6 @@
 //! Getting and setting variables, their dependencies and derivatives (FMI 3.0.2, 2.2.6 to 2.2.12).
 
-use super::super::instance::{BOOLEAN, FLOAT64, INT32, INT64, none};
+use super::super::instance::{BOOLEAN, CLOCK, FLOAT64, INT32, INT64, none};
 use super::super::types::{FmiBoolean, FmiDependencyKind, FmiIntervalQualifier};
 use super::*;
 
@@ -49,7 +49,7 @@ export! {
         |instance, _| instance.get(none("Binary"), valueReferences, nValues, |_, _| ());
     fmi3GetClock, GetClock(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
         out values: FmiBoolean[nValueReferences])
-        |instance, _| instance.get(none("Clock"), valueReferences, nValueReferences, |i, x| values.put(i, (x != 0.0).into()));
+        |instance, _| instance.get(CLOCK, valueReferences, nValueReferences, |i, x| values.put(i, (x != 0.0).into()));
 
     fmi3SetFloat32, SetFloat32(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
         array values: f32[nValues], value nValues: usize)

@@ -2,17 +2,20 @@
 
 use super::*;
 use crate::component::structure;
-use crate::component::variables::{Base, Bases, COUNT, Causality, VARIABLES, Variability, find, reference};
+use crate::component::variables::{Base, Bases, Causality, Edition, VARIABLES, Variability, find, reference};
 
 mod closed;
 mod derivative;
 mod exchange;
 mod memory;
+mod prediction;
 mod step;
 mod values;
 
-/// Every type.
-const ANY: Bases = Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration]);
+/// Every type and edition.
+const ANY: Bases =
+    Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock])
+        .of(Edition::Clocked);
 
 /// Keeps what is logged.
 #[derive(Default)]
