@@ -3,8 +3,12 @@
 use super::instance::{FIRST, Instance};
 use super::problem::{Outcome, Problem};
 use super::types::FmiDependencyKind;
-use crate::component::structure;
+use crate::component::{self, structure};
 use crate::component::variables::DependencyKind;
+
+/// How far beyond a stop a solver may look, in gaps from the middle: farther out it does not look for an impact, but has gone
+/// astray.
+const REACH: f64 = 10.0;
 
 /// `fmi3DependencyKind` of a kind.
 fn number(kind: DependencyKind) -> FmiDependencyKind {
@@ -49,8 +53,14 @@ impl Instance {
     /// `fmi3SetContinuousStates` (FMI 3.0.2, 3.2.1).
     ///
     /// # Errors
-    /// As [`set_continuous_states`](crate::component::Instance::set_continuous_states).
+    /// As [`set_continuous_states`](crate::component::Instance::set_continuous_states), and for a block too far beyond a stop;
+    /// nothing has changed then.
     pub fn set_continuous_states(&mut self, states: &[f64; 6]) -> Outcome {
+        let w = states[1] - states[0];
+        if w.abs() > REACH * self.component.settings().parameters.stop_gap {
+            let allowed = "up to 10 times stop.gap, so that a solver can look beyond an impact";
+            return Err(component::Problem::Value { name: "stop.s", value: w, allowed }.into());
+        }
         Ok(self.component.set_continuous_states(states)?)
     }
 

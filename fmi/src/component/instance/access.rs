@@ -204,6 +204,9 @@ impl Instance {
         match self.phase {
             Phase::Instantiated | Phase::Initialization => Writer::INITIAL,
             Phase::Continuous => Writer::CONTINUOUS,
+            Phase::Event if self.interface == Interface::ModelExchange && self.handling.event_mode => {
+                Writer::EVENT | Writer::UNCHANGED_STATES
+            }
             _ => Writer::EVENT,
         }
     }
