@@ -50,17 +50,17 @@ pub fn model_description() -> ModelDescription {
         model_variables: ModelVariables { variables: description::variables().map(variable).collect() },
         model_structure: ModelStructure {
             outputs: unknowns(&structure::outputs(Edition::Every)),
-            derivatives: unknowns(&structure::derivatives()),
+            derivatives: unknowns(&structure::derivatives(Edition::Every)),
             initial_unknowns: unknowns(&structure::initial_unknowns(Edition::Every)),
         },
     }
 }
 
-/// `modelDescription.xml` as text.
+/// A description as text, of any version.
 ///
 /// # Errors
 /// [`Error::Xml`] when it cannot be written.
-pub fn to_xml(model: &ModelDescription) -> Result<String> {
+pub fn to_xml(model: &impl Serialize) -> Result<String> {
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let mut serializer = quick_xml::se::Serializer::new(&mut text);
     serializer.indent(' ', 2);
@@ -77,7 +77,8 @@ pub fn from_xml(text: &str) -> Result<ModelDescription> {
     quick_xml::de::from_str(text).map_err(|e| Error::Xml(e.to_string()))
 }
 
-fn unit(unit: &units::Unit) -> Unit {
+/// A unit as an element.
+pub(crate) fn unit(unit: &units::Unit) -> Unit {
     let exponent = |n: i32| (n != 0).then_some(n);
     Unit {
         name: unit.name.into(),
@@ -106,14 +107,30 @@ fn types() -> Vec<SimpleType> {
             display_unit: t.display_unit.map(Into::into),
         }),
     });
-    let item =
-        |i: &units::Item| Item { name: i.name.into(), value: i.value, description: i.description.into() };
     let enumerations = units::ENUMERATION_TYPES.iter().filter(|t| is_used(t.name)).map(|t| SimpleType {
         name: t.name.into(),
         description: t.description.into(),
-        kind: SimpleKind::Enumeration(EnumerationType { items: t.items.iter().map(item).collect() }),
+        kind: SimpleKind::Enumeration(EnumerationType { items: enumeration_items(t) }),
     });
     reals.chain(enumerations).collect()
+}
+
+/// The items of an enumeration as elements.
+pub(crate) fn enumeration_items(declared: &units::EnumerationType) -> Vec<Item> {
+    let item =
+        |i: &units::Item| Item { name: i.name.into(), value: i.value, description: i.description.into() };
+    declared.items.iter().map(item).collect()
+}
+
+/// `dependenciesKind` as the standard writes it.
+pub(crate) fn kind_name(kind: DependencyKind) -> &'static str {
+    match kind {
+        DependencyKind::Dependent => "dependent",
+        DependencyKind::Constant => "constant",
+        DependencyKind::Fixed => "fixed",
+        DependencyKind::Tunable => "tunable",
+        DependencyKind::Discrete => "discrete",
+    }
 }
 
 /// `causality` as the standard writes it.
@@ -179,13 +196,6 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
 }
 
 fn unknowns(list: &[structure::Unknown]) -> Unknowns {
-    let kind = |kind: &DependencyKind| match kind {
-        DependencyKind::Dependent => "dependent",
-        DependencyKind::Constant => "constant",
-        DependencyKind::Fixed => "fixed",
-        DependencyKind::Tunable => "tunable",
-        DependencyKind::Discrete => "discrete",
-    };
     let joined = |words: Vec<String>| words.join(" ");
     let unknown = |u: &structure::Unknown| Unknown {
         index: description::index(u.reference),
@@ -193,7 +203,10 @@ fn unknowns(list: &[structure::Unknown]) -> Unknowns {
             .dependencies
             .as_ref()
             .map(|d| joined(d.iter().map(|(known, _)| description::index(*known).to_string()).collect())),
-        kinds: u.dependencies.as_ref().map(|d| joined(d.iter().map(|(_, k)| kind(k).to_owned()).collect())),
+        kinds: u
+            .dependencies
+            .as_ref()
+            .map(|d| joined(d.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect())),
     };
     Unknowns { unknowns: list.iter().map(unknown).collect() }
 }

@@ -13,6 +13,7 @@ pub mod check;
 pub mod compile;
 pub mod describe;
 mod error;
+pub mod fmi3;
 pub mod host;
 pub mod icon;
 pub mod licences;

@@ -5,10 +5,11 @@ use crate::compile;
 use crate::error::{Error, Result};
 use crate::platforms::{self, Binaries, LeftOut};
 use crate::sketch::Sketch;
-use crate::{check, describe, icon, licences, page};
+use crate::{check, describe, fmi3, icon, licences, page};
 use std::path::{Path, PathBuf};
 use vibro::figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
+use vibro_fmi::fmi3::description::{CLOCKED, Edition, MAIN};
 
 /// Where the archive goes when nobody says otherwise.
 pub fn default_output() -> PathBuf {
@@ -22,6 +23,16 @@ pub fn default_output() -> PathBuf {
 pub fn description() -> Result<String> {
     let text = describe::to_xml(&describe::model_description())?;
     let problems = check::problems(&text)?;
+    if problems.is_empty() { Ok(text) } else { Err(Error::Invalid(problems)) }
+}
+
+/// The same of FMI 3.0.
+///
+/// # Errors
+/// As [`description`].
+pub fn description3(edition: Edition) -> Result<String> {
+    let text = describe::to_xml(&fmi3::model_description(edition))?;
+    let problems = fmi3::check::problems(&text)?;
     if problems.is_empty() { Ok(text) } else { Err(Error::Invalid(problems)) }
 }
 
@@ -49,7 +60,12 @@ pub fn committed() -> Result<Content> {
 /// # Errors
 /// As [`description`].
 pub fn described() -> Result<Content> {
-    Ok(Content::from([("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes())]))
+    let text = |edition| Ok::<_, Error>(description3(edition)?.into_bytes());
+    Ok(Content::from([
+        ("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes()),
+        ("modelDescription/fmi3.xml".to_owned(), text(MAIN)?),
+        ("modelDescription/fmi3-clocked.xml".to_owned(), text(CLOCKED)?),
+    ]))
 }
 
 /// Everything the archive holds, around binaries compiled before.

@@ -20,13 +20,26 @@ pub const STATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "bloc
 /// Names of their derivatives, in the same order.
 pub const DERIVATIVES: [&str; 6] = ["box.v", "block.v", "secondary.v", "box.a", "block.a", "secondary.a"];
 
-/// Number of event indicators: both gaps and the contact force in rest.
+/// The same where each derivative is a variable that is no state.
+pub const EXTENDED_DERIVATIVES: [&str; 6] =
+    ["der(box.s)", "der(block.s)", "der(secondary.s)", "box.a", "block.a", "secondary.a"];
+
+/// Names of the event indicators: both gaps and the contact force in rest.
+pub const INDICATORS: [&str; EVENT_INDICATORS] =
+    ["stop.indicator.upper", "stop.indicator.lower", "stop.indicator.rest"];
+
+/// Number of event indicators.
 pub const EVENT_INDICATORS: usize = 3;
 
 // A name that is not in the table does not compile.
 const _: () = {
     let mut i = 0;
     while i < VARIABLES.len() {
+        let mut k = 0;
+        while k < VARIABLES[i].further.len() {
+            reference(VARIABLES[i].further[k]);
+            k += 1;
+        }
         if let Dependencies::On(knowns) = VARIABLES[i].dependencies {
             let mut k = 0;
             while k < knowns.len() {
@@ -40,6 +53,7 @@ const _: () = {
     while i < STATES.len() {
         reference(STATES[i]);
         reference(DERIVATIVES[i]);
+        reference(EXTENDED_DERIVATIVES[i]);
         i += 1;
     }
 };
@@ -49,16 +63,20 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-fn known(knowns: Knowns) -> Vec<(u32, DependencyKind)> {
-    let mut dependencies: Vec<_> =
-        knowns.iter().filter_map(|(name, kind)| Some((find(name)?.0, *kind))).collect();
+/// Places of knowns; of the further ones it is not said how they enter.
+fn known(knowns: Knowns, further: &[&'static str]) -> Vec<(u32, DependencyKind)> {
+    let further = further.iter().map(|name| (*name, DependencyKind::Dependent));
+    let named = knowns.iter().copied().chain(further);
+    let mut dependencies: Vec<_> = named.filter_map(|(name, kind)| Some((find(name)?.0, kind))).collect();
     dependencies.sort_by_key(|(reference, _)| *reference);
     dependencies
 }
 
-fn unknown((reference, variable): (u32, &Variable)) -> Unknown {
+/// Descriptions with more than the variables of all have further knowns.
+fn unknown((reference, variable): (u32, &Variable), edition: Edition) -> Unknown {
+    let further = if edition > Edition::Every { variable.further } else { &[] };
     let dependencies = match variable.dependencies {
-        Dependencies::On(knowns) => Some(known(knowns)),
+        Dependencies::On(knowns) => Some(known(knowns, further)),
         Dependencies::All | Dependencies::NotUnknown => None,
     };
     Unknown { reference, dependencies }
@@ -67,12 +85,21 @@ fn unknown((reference, variable): (u32, &Variable)) -> Unknown {
 /// Every output of an edition, in the order of the table, with what it depends on outside initialization.
 pub fn outputs(edition: Edition) -> Vec<Unknown> {
     let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
-    outputs.map(unknown).collect()
+    outputs.map(|row| unknown(row, edition)).collect()
+}
+
+fn named(names: &[&str], edition: Edition) -> Vec<Unknown> {
+    names.iter().filter_map(|name| find(name)).map(|row| unknown(row, edition)).collect()
 }
 
 /// The derivatives of the states, in the order of the states.
-pub fn derivatives() -> Vec<Unknown> {
-    DERIVATIVES.iter().filter_map(|name| find(name)).map(unknown).collect()
+pub fn derivatives(edition: Edition) -> Vec<Unknown> {
+    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, edition)
+}
+
+/// The event indicators, in their order.
+pub fn event_indicators() -> Vec<Unknown> {
+    named(&INDICATORS, Edition::Extended)
 }
 
 /// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table. A group
@@ -84,7 +111,7 @@ pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
     });
     unknowns
         .map(|(reference, variable)| match variable.access {
-            Access::Derived(_) => unknown((reference, variable)),
+            Access::Derived(_) => unknown((reference, variable), edition),
             _ => Unknown { reference, dependencies: None },
         })
         .collect()
@@ -98,19 +125,21 @@ mod tests {
     #[test]
     fn invariant_dependencies_are_listed_once_and_in_order() {
         let every = Edition::Clocked;
-        for list in [outputs(every), derivatives(), initial_unknowns(every)] {
+        for list in [outputs(every), derivatives(every), event_indicators(), initial_unknowns(every)] {
             for unknown in list {
                 for pair in unknown.dependencies.iter().flat_map(|d| d.windows(2)) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");
                 }
             }
         }
-        assert_eq!(derivatives().len(), STATES.len());
+        assert_eq!(derivatives(every).len(), STATES.len());
+        assert_eq!(event_indicators().len(), EVENT_INDICATORS);
     }
 
     #[test]
     fn invariant_derivatives_belong_to_the_states() {
-        for (state, derivative) in STATES.iter().zip(&DERIVATIVES) {
+        let pairs = STATES.iter().zip(&DERIVATIVES).chain(STATES.iter().zip(&EXTENDED_DERIVATIVES));
+        for (state, derivative) in pairs {
             let (_, variable) = find(derivative).unwrap();
             assert!(
                 matches!(variable.kind, Kind::Real { derivative_of: Some(of), .. } if of == *state),

@@ -9,7 +9,7 @@ use super::types::{DiscreteStates, Status, StepEnd};
 use crate::component::log::Categories;
 use crate::component::saved_state::SavedState;
 use super::intermediate::{Required, Update};
-use crate::component::settings::{Settings, SolutionMode};
+use crate::component::settings::SolutionMode;
 use crate::component::variables::{Base, Bases, Edition};
 use crate::component::{self, EventHandling, Interface, Phase, Protocol};
 use crate::ffi::handles::Handles;
@@ -31,16 +31,11 @@ pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]).of(Edition::Extende
 const LATER: f64 = 1e-9;
 
 /// The value reference of the table's first variable.
-pub const FIRST: u32 = 1;
+pub const FIRST: u32 = description::value_reference(0);
 
 /// Types of which there is no variable.
 pub const fn none(name: &'static str) -> Bases {
     Bases::new(name, &[]).of(Edition::Extended)
-}
-
-/// What FMI 3.0 settings start from: a step ends at an impact where the host takes that.
-pub fn start_settings() -> Settings {
-    Settings { stop_at_impact: true, ..Settings::default() }
 }
 
 /// One instance.
@@ -77,20 +72,19 @@ impl Instance {
                 allowed: "text with at least one character that is no white space".to_owned(),
             });
         }
-        let own = description::instantiation_token();
-        if token != own {
+        let Some(edition) = description::edition_of(token) else {
             return Err(Problem::Text {
                 argument: "instantiationToken",
                 value: token.to_owned(),
-                allowed: own,
+                allowed: description::instantiation_token(description::MAIN),
             });
-        }
-        let protocol = Protocol { first_reference: FIRST, handling, start: start_settings() };
+        };
+        let protocol = Protocol { first_reference: FIRST, handling, start: description::start_settings() };
         Ok(Self {
             component: component::Instance::of_protocol(interface, protocol),
             enabled,
             states: Handles::default(),
-            edition: Edition::Extended,
+            edition,
             required: Required::default(),
             update: None,
         })

@@ -8,13 +8,13 @@
 //!                                                                                          └─ event ─ outputs shown
 //! ```
 
+use super::description::intermediate_update;
 use super::instance::Instance;
 use super::problem::{Outcome, Problem};
 use super::states::Function;
 use super::status::Sink;
 use super::types::{Status, StepEnd};
 use crate::component::log::Category;
-use crate::component::variables::{Causality, Variability, Variable};
 use crate::component::{self, Advance, Piece, Pieces};
 
 /// The inputs that a host intends to set inside a step, by body.
@@ -69,12 +69,6 @@ enum Asked {
     End,
 }
 
-/// Whether `intermediateUpdate` is true of a variable: inputs and continuous outputs.
-pub fn has_intermediate_update(variable: &Variable) -> bool {
-    variable.causality == Causality::Input
-        || variable.causality == Causality::Output && variable.variability == Variability::Continuous
-}
-
 impl Instance {
     /// Takes note of `requiredIntermediateVariables` (FMI 3.0.2, 2.3.1).
     ///
@@ -91,7 +85,7 @@ impl Instance {
             if let Some(body) = variable.body {
                 self.required.inputs[body] = has_callback;
             }
-            if !has_intermediate_update(variable) && self.enabled().contains(Category::Warnings) {
+            if !intermediate_update(variable) && self.enabled().contains(Category::Warnings) {
                 let text = format!(
                     "fmi3InstantiateCoSimulation: {} is required for intermediate update, but has no intermediateUpdate = \
                      \"true\": it can be read there, not set",

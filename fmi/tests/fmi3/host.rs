@@ -68,7 +68,7 @@ pub fn vr(name: &str) -> u32 {
 }
 
 pub fn token() -> CString {
-    CString::new(description::instantiation_token()).unwrap()
+    CString::new(description::instantiation_token(description::MAIN)).unwrap()
 }
 
 impl Fmu {

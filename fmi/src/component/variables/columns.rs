@@ -194,6 +194,8 @@ pub struct Variable {
     pub access: Access,
     /// What it depends on.
     pub dependencies: Dependencies,
+    /// Names of further knowns, in descriptions that count parameters, and what decides on contact at an event, among them.
+    pub further: &'static [&'static str],
     /// The time derivatives it has beside its value, if any.
     pub path: Option<Path>,
     /// Of an input, the body it acts on: 0 the box, 1 the block, 2 the secondary oscillator.

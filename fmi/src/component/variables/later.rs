@@ -31,6 +31,7 @@ const fn local(
         kind,
         access,
         dependencies,
+        further: &[],
         path: None,
         body: None,
     }
@@ -96,7 +97,7 @@ pub(super) const fn bodies(
     Variable { edition: Edition::Extended, dimensions: &[3], ..row }
 }
 
-/// A matrix of derivatives over the last step; it changes at communication points.
+/// A matrix of derivatives over the last step. It is continuous, since discrete variables change at events only.
 pub(super) const fn step_matrix(
     name: &'static str,
     description: &'static str,
@@ -105,7 +106,7 @@ pub(super) const fn step_matrix(
 ) -> Variable {
     let (kind, access) = (real(units::SENSITIVITY), Access::Step(get));
     let row = local(Section::Sensitivity, name, description, kind, access, Dependencies::All);
-    Variable { edition: Edition::Extended, dimensions, variability: Variability::Discrete, ..row }
+    Variable { edition: Edition::Extended, dimensions, ..row }
 }
 
 /// The clock of impacts, or what is read while it ticks.

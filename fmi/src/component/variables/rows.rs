@@ -53,6 +53,7 @@ pub(super) const TIME: Variable = Variable {
     kind: real(units::TIME),
     access: Access::Output(reading!(|m| m.time)),
     dependencies: Dependencies::NotUnknown,
+    further: &[],
     path: None,
     body: None,
 };
@@ -97,6 +98,7 @@ pub(super) const fn option(
         kind,
         access: Access::Setting { get, set },
         dependencies: Dependencies::NotUnknown,
+        further: &[],
         path: None,
         body: None,
     }
@@ -121,6 +123,7 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
             set: |s, value| s.loads.derivatives[BODY] = [value, 0.0, 0.0, 0.0],
         },
         dependencies: Dependencies::NotUnknown,
+        further: &[],
         path: None,
         body: Some(BODY),
     }
@@ -204,6 +207,7 @@ pub(super) const fn output(
         kind,
         access: Access::Output(reading),
         dependencies: Dependencies::On(knowns),
+        further: &[],
         path,
         body: None,
     }
@@ -244,6 +248,7 @@ const fn derived(
         kind,
         access: Access::Derived(get),
         dependencies,
+        further: &[],
         path: None,
         body: None,
     }
@@ -288,6 +293,11 @@ pub(super) const fn flag(
     get: fn(&Derived) -> f64,
 ) -> Variable {
     derived(Section::Steady, name, description, Kind::Boolean, get, Dependencies::All)
+}
+
+/// A row with further knowns.
+pub(super) const fn by(further: &'static [&'static str], row: Variable) -> Variable {
+    Variable { further, ..row }
 }
 
 /// Parameters, by name, that a group is made of.

@@ -50,6 +50,63 @@ const SECONDARY: Knowns = &[
     ("secondary.v", OfTunable),
 ];
 
+/// Parameters of the motion of box and block; the gap counts where they rest at a stop.
+const OF_PAIR: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "stop.gap",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+];
+/// What decides on contact at an event.
+const OF_CONTACT: &[&str] = &[
+    "time",
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "box.f",
+    "block.f",
+    "box.s",
+    "box.v",
+    "block.s",
+    "block.v",
+    "secondary.s",
+];
+/// Of the secondary oscillator.
+const OF_SECONDARY: &[&str] = &["secondary.m", "secondary.k", "secondary.c", "coupling.k"];
+/// Of all three.
+const OF_BODIES: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "secondary.m",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "stop.gap",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+];
+/// Of an impact.
+const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
+/// Of kinetic and elastic energy.
+const OF_ENERGY: &[&str] = &["box.m", "box.k", "block.m", "secondary.m", "secondary.k", "coupling.k"];
+/// Of work that has been summed up.
+const OF_WORK: &[&str] = OF_BODIES;
+
 /// A group's value; NaN when `box.k` = 0, where the dimensionless form is undefined.
 fn value(derived: &Derived, get: fn(&Groups) -> f64) -> f64 {
     derived.groups.as_ref().map_or(f64::NAN, get)
@@ -97,44 +154,44 @@ const TABLE: &[Variable] = &[
     // Motion
     position::<0>("box.s", "Displacement of the box (x1)", true, &[("box.s", Constant)]),
     velocity::<0>("box.v", "box.s", "Velocity of the box", true, &[("box.v", Constant)]),
-    acceleration::<0>("box.a", "box.v", "Acceleration of the box", PAIR),
+    by(OF_PAIR, acceleration::<0>("box.a", "box.v", "Acceleration of the box", PAIR)),
     position::<1>("block.s", "Displacement of the block (x2)", true, &[("block.s", Constant)]),
     velocity::<1>("block.v", "block.s", "Velocity of the block", true, &[("block.v", Constant)]),
-    acceleration::<1>("block.a", "block.v", "Acceleration of the block", PAIR),
+    by(OF_PAIR, acceleration::<1>("block.a", "block.v", "Acceleration of the block", PAIR)),
     position::<2>("secondary.s", "Displacement of the secondary oscillator (x3)", false, &[("secondary.s", Constant)]),
     velocity::<2>("secondary.v", "secondary.s", "Velocity of the secondary oscillator", false, &[("secondary.v", Constant)]),
-    acceleration::<2>("secondary.a", "secondary.v", "Acceleration of the secondary oscillator", SECONDARY),
+    by(OF_SECONDARY, acceleration::<2>("secondary.a", "secondary.v", "Acceleration of the secondary oscillator", SECONDARY)),
 
     // Contact
-    output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
-        real(units::POSITION), reading!(|m| m.gap.0), GAP, Some(Gap { order: 0 })),
+    by(&["stop.gap"], output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
+        real(units::POSITION), reading!(|m| m.gap.0), GAP, Some(Gap { order: 0 }))),
     output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
         &[("box.v", AtEvents), ("block.v", AtEvents)], Some(Gap { order: 1 })),
-    output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
+    by(OF_PAIR, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
         the block away from the stop and the box towards it (stop.state says which stop); exactly 0 in flight",
-        real(units::FORCE), reading!(|m| m.contact_force), PAIR, None),
-    event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
-        |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 }),
+        real(units::FORCE), reading!(|m| m.contact_force), PAIR, None)),
+    by(OF_CONTACT, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
+        |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 })),
     event_output(Section::Contact, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.upper)),
     event_output(Section::Contact, "impacts.lower", "Number of impacts on the lower stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.lower)),
     event_output(Section::Contact, "impacts.lastTime", "Time of the last impact; 0 before the first", real(units::TIME),
         |m| m.impacts.last_time),
-    event_output(Section::Contact, "impacts.lastImpulse", "Impulse of the last impact; 0 before the first", real(units::IMPULSE),
-        |m| m.impacts.last_impulse),
+    by(OF_IMPACT, event_output(Section::Contact, "impacts.lastImpulse", "Impulse of the last impact; 0 before the first", real(units::IMPULSE),
+        |m| m.impacts.last_impulse)),
     event_output(Section::Contact, "impacts.lastSpeed", "Relative speed of approach at the last impact; 0 before the first",
         real(units::VELOCITY), |m| m.impacts.last_speed),
-    event_output(Section::Contact, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
-        |m| m.impacts.total_impulse),
-    output(Section::Contact, "coupling.f", "Force in the coupling spring, k23 (x2 - x3): on the secondary oscillator as is, on the block reversed",
-        real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)], Some(Coupling)),
+    by(OF_IMPACT, event_output(Section::Contact, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
+        |m| m.impacts.total_impulse)),
+    by(&["coupling.k"], output(Section::Contact, "coupling.f", "Force in the coupling spring, k23 (x2 - x3): on the secondary oscillator as is, on the block reversed",
+        real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)], Some(Coupling))),
 
     // Energy
-    output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None),
-    output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None),
-    output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None),
-    event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss),
+    by(OF_ENERGY, output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None)),
+    by(OF_WORK, output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None)),
+    by(OF_WORK, output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None)),
+    by(OF_IMPACT, event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss)),
 
     // Dimensionless groups
     fixed_group("groups.epsilon", "Mass ratio m2/m1", |d| value(d, |g| g.epsilon),
@@ -203,17 +260,17 @@ const TABLE: &[Variable] = &[
     rate::<0>("der(box.s)", "box.s", "Derivative of box.s, which is box.v", &[("box.v", Constant)]),
     rate::<1>("der(block.s)", "block.s", "Derivative of block.s, which is block.v", &[("block.v", Constant)]),
     rate::<2>("der(secondary.s)", "secondary.s", "Derivative of secondary.s, which is secondary.v", &[("secondary.v", Constant)]),
-    indicator::<0>("stop.indicator.upper", "Distance of the block from the upper stop in gaps; 1 in rest", GAP),
-    indicator::<1>("stop.indicator.lower", "Distance of the block from the lower stop in gaps; 1 in rest", GAP),
-    indicator::<2>("stop.indicator.rest", "In rest, the relative acceleration that presses the block on, in units of the largest that \
-        springs and drive make at one gap's displacement; 1 in flight", PAIR),
+    by(&["stop.gap"], indicator::<0>("stop.indicator.upper", "Distance of the block from the upper stop in gaps; 1 in rest", GAP)),
+    by(&["stop.gap"], indicator::<1>("stop.indicator.lower", "Distance of the block from the lower stop in gaps; 1 in rest", GAP)),
+    by(OF_PAIR, indicator::<2>("stop.indicator.rest", "In rest, the relative acceleration that presses the block on, in units of the largest that \
+        springs and drive make at one gap's displacement; 1 in flight", PAIR)),
 
     // Arrays
     bodies("motion.s", "Displacements of box, block and secondary oscillator", units::POSITION, |m, i| m.x[i],
         &[("box.s", Constant), ("block.s", Constant), ("secondary.s", Constant)]),
     bodies("motion.v", "Velocities of box, block and secondary oscillator", units::VELOCITY, |m, i| m.v[i],
         &[("box.v", Constant), ("block.v", Constant), ("secondary.v", Constant)]),
-    bodies("motion.a", "Accelerations of box, block and secondary oscillator", units::ACCELERATION, |m, i| m.acceleration[i], ACCELERATIONS),
+    by(OF_BODIES, bodies("motion.a", "Accelerations of box, block and secondary oscillator", units::ACCELERATION, |m, i| m.acceleration[i], ACCELERATIONS)),
     step_matrix("step.transition", "Derivatives of the states at the end of the last step (rows: box.s, block.s, secondary.s, box.v, \
         block.v, secondary.v) with respect to those at its begin (columns, in the same order), through all its events, in SI units", &[6, 6],
         |m, i| m.transition[i / 6][i % 6]),
@@ -223,11 +280,11 @@ const TABLE: &[Variable] = &[
         |m, i| m.response[i / 12][i % 12]),
 
     // Of descriptions with a clock
-    tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active)),
-    tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time),
-    tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse),
-    tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed),
-    tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum()))),
+    by(&["box.s", "box.v", "block.s", "block.v"], tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active))),
+    by(&["impacts.clock"], tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time)),
+    by(&["impacts.clock"], tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse)),
+    by(&["impacts.clock"], tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed)),
+    by(&["impacts.clock"], tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum())))),
 ];
 
 /// Number of variables.
