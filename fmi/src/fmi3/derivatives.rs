@@ -3,8 +3,8 @@
 use super::instance::{FIRST, Instance};
 use super::problem::{Outcome, Problem};
 use super::types::FmiDependencyKind;
-use crate::component::{self, structure};
 use crate::component::variables::DependencyKind;
+use crate::component::{self, structure};
 
 /// How far beyond a stop a solver may look, in gaps from the middle: farther out it does not look for an impact, but has gone
 /// astray.
@@ -93,6 +93,11 @@ impl Instance {
         let Some(list) = list else {
             return Err(Problem::Sequence { what: "the variable has no dependencies" });
         };
-        Ok(list.dependencies.unwrap_or_default().into_iter().map(|(r, kind)| (r + FIRST, number(kind))).collect())
+        Ok(list
+            .dependencies
+            .unwrap_or_default()
+            .into_iter()
+            .map(|(r, kind)| (r + FIRST, number(kind)))
+            .collect())
     }
 }
