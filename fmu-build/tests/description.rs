@@ -44,7 +44,7 @@ fn real<'a>(model: &'a mut ModelDescription, name: &str) -> &'a mut Real {
 type Damage = fn(&mut ModelDescription);
 
 /// What each check must notice, and a word of its message.
-const DAMAGES: [(&str, Damage); 33] = [
+const DAMAGES: [(&str, Damage); 34] = [
     ("fmiVersion", |m| m.fmi_version = "3.0".into()),
     ("guid", |m| m.guid.clear()),
     ("modelIdentifier", |m| m.co_simulation.model_identifier = "3DOF".into()),

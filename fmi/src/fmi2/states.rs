@@ -264,7 +264,11 @@ mod tests {
                 assert_eq!(marks.len(), states.len());
                 for (state, mark) in states.iter().zip(marks.chars()) {
                     let beside = *state == StepFailed && BESIDE.contains(function);
-                    assert_eq!(function.allowed(interface, *state), mark == 'x' || beside, "{line} {state:?}");
+                    assert_eq!(
+                        function.allowed(interface, *state),
+                        mark == 'x' || beside,
+                        "{line} {state:?}"
+                    );
                 }
             }
         }

@@ -64,8 +64,7 @@ impl Instance {
                 if self.parameters_set {
                     form.set_parameters(&self.settings.parameters)?;
                 }
-                let (reason, unreported) =
-                    form.advance(point, size, self.settings.stop_at_impact, report)?;
+                let (reason, unreported) = form.advance(point, size, self.settings.stop_at_impact, report)?;
                 left_out = unreported;
                 reason
             }

@@ -98,7 +98,7 @@ pub(super) const fn bodies(
     Variable { edition: Edition::Extended, dimensions: &[3], ..row }
 }
 
-/// A matrix of derivatives over the last step; it changes at communication points.
+/// A matrix of derivatives over the last step. It is continuous, since discrete variables change at events only.
 pub(super) const fn step_matrix(
     name: &'static str,
     description: &'static str,
@@ -107,7 +107,7 @@ pub(super) const fn step_matrix(
 ) -> Variable {
     let (kind, access) = (real(units::SENSITIVITY), Access::Step(get));
     let row = local(Section::Sensitivity, name, description, kind, access, Dependencies::NotUnknown);
-    Variable { edition: Edition::Extended, dimensions, variability: Variability::Discrete, ..row }
+    Variable { edition: Edition::Extended, dimensions, ..row }
 }
 
 /// The clock of impacts, or what is read while it ticks.

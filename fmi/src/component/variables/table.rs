@@ -66,12 +66,29 @@ const OF_BOX: &[&str] = &[
 ];
 
 /// The parameters in the block's acceleration: in rest those of both bodies; by multiple scales it is zero.
-const OF_BLOCK: &[&str] =
-    &["box.m", "box.k", "box.c", "block.m", "coupling.k", "drive.amplitude", "drive.frequency", "drive.phase", "mode"];
+const OF_BLOCK: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "mode",
+];
 
 /// The parameters in the contact force.
-const PRESSING: &[&str] =
-    &["box.m", "box.k", "box.c", "block.m", "coupling.k", "drive.amplitude", "drive.frequency", "drive.phase"];
+const PRESSING: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+];
 
 /// The same with the unit in which the pressing acceleration is told.
 const PRESSED: &[&str] = &[
@@ -338,11 +355,11 @@ const TABLE: &[Variable] = &[
         |m, i| m.response[i / 12][i % 12]),
 
     // Of descriptions with a clock
-    tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active)),
-    tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time),
-    tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse),
-    tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed),
-    tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum()))),
+    by(&["box.s", "box.v", "block.s", "block.v"], tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active))),
+    by(&["impacts.clock"], tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time)),
+    by(&["impacts.clock"], tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse)),
+    by(&["impacts.clock"], tick("impacts.clocked.speed", "Relative speed of approach at the tick", real(units::VELOCITY), |t| t.speed)),
+    by(&["impacts.clock"], tick("impacts.clocked.side", "Stop of the impact at the tick", Kind::Enumeration(units::SIDE), |t| f64::from(2 + i32::from(t.side.signum())))),
 ];
 
 /// Number of variables.

@@ -303,8 +303,7 @@ fn a_step_after_an_impact_names_the_way_back() {
         );
         assert!(host.last().ends_with(&refusal), "{}", host.last());
         assert_eq!(fmi2EnterInitializationMode(host.c), ERROR);
-        let refusal =
-            "StepFailed of Co-Simulation: restore the state saved before the impact, or go on from lastSuccessfulTime";
+        let refusal = "StepFailed of Co-Simulation: restore the state saved before the impact, or go on from lastSuccessfulTime";
         assert!(host.last().ends_with(refusal), "{}", host.last());
     }
 }
@@ -329,7 +328,12 @@ fn a_host_goes_on_from_an_impact_where_the_motion_stands() {
     while time < END {
         let load = if stops % 2 == 0 { LOAD } else { -LOAD };
         for host in [&going_on, &going_back] {
-            assert_eq!(unsafe { fmi2SetReal(host.c, &reference("block.f"), 1, &load) }, OK, "{}", host.last());
+            assert_eq!(
+                unsafe { fmi2SetReal(host.c, &reference("block.f"), 1, &load) },
+                OK,
+                "{}",
+                host.last()
+            );
         }
         let mut saved = null_mut();
         unsafe {

@@ -242,7 +242,9 @@ fn a_played_motion_has_no_impacts_at_its_start() {
                 set(&mut fmu, "mode", mode).unwrap();
                 set(&mut fmu, "drive.phase", phase + side + f64::from(off) * 2.0 * f64::EPSILON).unwrap();
                 let mut fmu = initialize(fmu);
-                for name in ["impacts.upper", "impacts.lower", "impacts.impulse", "energy.impact", "energy.input"] {
+                for name in
+                    ["impacts.upper", "impacts.lower", "impacts.impulse", "energy.impact", "energy.input"]
+                {
                     assert_eq!(get(&mut fmu, name), 0.0, "{name} in mode {mode} at {off}");
                 }
                 step(&mut fmu, 0.0, std::f64::consts::PI / 1.04).unwrap();

@@ -70,8 +70,12 @@ fn starts() -> Vec<Start> {
     // An orbit of plastic impacts that passes through the stops would rest, and is started on just then.
     let parameters = Parameters { stop_restitution: 0.0, drive_amplitude: 0.4, ..Parameters::default() };
     let phase = exact_orbit::solve(&parameters).unwrap().upper.unwrap().drive_phase();
-    let plastic =
-        vec![("stop.restitution", 0.0), ("drive.amplitude", 0.4), ("drive.phase", phase), ("startOnOrbit", 1.0)];
+    let plastic = vec![
+        ("stop.restitution", 0.0),
+        ("drive.amplitude", 0.4),
+        ("drive.phase", phase),
+        ("startOnOrbit", 1.0),
+    ];
     // With another restitution there is no steady state any more; or it lies on the other branch.
     let weak = vec![("drive.amplitude", 0.06)];
     let left = vec![("drive.amplitude", 0.085)];
@@ -130,7 +134,16 @@ fn others(name: &str, value: f64) -> Vec<f64> {
         "startOnOrbit" | "stopAtImpact" => vec![0.0, 1.0],
         "time" => vec![value + 0.25, value + 2.0],
         name if FIELDS.iter().any(|field| field.name == name) => {
-            vec![0.0, 0.5 * value, 0.99 * value, 1.01 * value, 2.0 * value, 10.0 * value, 100.0 * value, value + 0.25]
+            vec![
+                0.0,
+                0.5 * value,
+                0.99 * value,
+                1.01 * value,
+                2.0 * value,
+                10.0 * value,
+                100.0 * value,
+                value + 0.25,
+            ]
         }
         _ => vec![value + 0.01, value - 0.01, value + 0.5, value - 0.5, value + 5.0, 0.0],
     }
@@ -144,7 +157,12 @@ fn knowns_of_initialization() -> impl Iterator<Item = (u32, &'static str, f64)> 
 }
 
 /// `moves[unknown][known]` must be what the lists say.
-fn check(unknowns: &[Unknown], listed: impl Fn(&Unknown, u32) -> bool, moves: impl Fn(u32, u32) -> bool, knowns: &[u32]) {
+fn check(
+    unknowns: &[Unknown],
+    listed: impl Fn(&Unknown, u32) -> bool,
+    moves: impl Fn(u32, u32) -> bool,
+    knowns: &[u32],
+) {
     let mut wrong = Vec::new();
     for unknown in unknowns {
         for &known in knowns {
@@ -256,7 +274,8 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
             }
             // Accelerations that the states do not give, but the closed form.
             if by_scales.contains(&variable.name) {
-                let [a, b] = [closed(&standard), closed(&other)].map(|values| value(variable, &values.unwrap()));
+                let [a, b] =
+                    [closed(&standard), closed(&other)].map(|values| value(variable, &values.unwrap()));
                 *seen |= moved(a, b);
             }
         }

@@ -51,9 +51,8 @@ fn case() -> impl Strategy<Value = Case> {
     )
 }
 
-const STARTS: [&str; 9] = [
-    "box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v", "box.f", "block.f", "secondary.f",
-];
+const STARTS: [&str; 9] =
+    ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v", "box.f", "block.f", "secondary.f"];
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
@@ -133,7 +132,10 @@ fn a_start_beyond_doubles_is_refused_by_name() {
     fmu.set_experiment(None, 0.0, None).unwrap();
     fmu.enter_initialization();
     let error = fmu.exit_initialization(&mut Messages::default()).unwrap_err().to_string();
-    assert!(error.starts_with("energy.mechanical = inf at t = 0 s: allowed is what a double can hold"), "{error}");
+    assert!(
+        error.starts_with("energy.mechanical = inf at t = 0 s: allowed is what a double can hold"),
+        "{error}"
+    );
     set(&mut fmu, "box.v", 1.0).unwrap();
     fmu.exit_initialization(&mut Messages::default()).unwrap();
 }
