@@ -39,6 +39,19 @@ pub(crate) struct Data {
     input: f64,
     damped: f64,
     impact: f64,
+    limit: Limit,
+}
+
+/// Which limit is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Limit {
+    /// Whichever rounding makes of the time: it is not known to be that of an impact.
+    #[default]
+    Any,
+    /// The one before the impact that happens now; it is not counted yet.
+    Before,
+    /// The one after it.
+    After,
 }
 
 /// A steady state that is played.
@@ -73,6 +86,7 @@ impl ClosedForm {
             input: 0.0,
             damped: 0.0,
             impact: 0.0,
+            limit: Limit::Any,
         })
     }
 
@@ -156,6 +170,7 @@ impl ClosedForm {
             input: now.input,
             damped: now.damped,
             impact: now.impact_loss,
+            limit: Limit::Any,
         })?;
         // The jump to another steady state is work from outside.
         next.data.input += next.values().mechanical - now.mechanical;
@@ -182,6 +197,7 @@ impl ClosedForm {
         }
         let before = self.halves(self.data.time).0;
         let after = self.halves(end).0;
+        self.data.limit = Limit::Any;
         if stop_at_impact && after > before {
             self.data.time = self.impact_time(before + 1.0);
             if let Some(report) = observer {
@@ -202,6 +218,60 @@ impl ClosedForm {
         Ok((AdvanceOutcome::End, 0.0))
     }
 
+    /// To `begin + step` or to the first impact, which is then due: shown is the limit before it. An impact later than the
+    /// end by no more than `late` (s) is taken as well. Returns whether one is due.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub(crate) fn advance_before_event(&mut self, begin: f64, step: f64, late: f64) -> Result<bool, Problem> {
+        let end = DoubleDouble::sum(begin, step);
+        check_time(self.data.parameters.drive_frequency, end.value())?;
+        if end.minus(self.data.time).value() <= 0.0 {
+            return Ok(false);
+        }
+        let next = self.halves(self.data.time).0 + 1.0;
+        let due = self.halves(end.plus(late)).0 >= next;
+        (self.data.time, self.data.limit) =
+            if due { (self.impact_time(next), Limit::Before) } else { (end, Limit::Any) };
+        Ok(due)
+    }
+
+    /// Whether it stands before an impact.
+    pub(crate) fn is_due(&self) -> bool {
+        self.data.limit == Limit::Before
+    }
+
+    /// Takes the impact before which it stands; without one nothing happens.
+    pub(crate) fn apply_due_event(&mut self, observer: EventObserver<'_, '_>) {
+        if self.is_due() {
+            self.data.limit = Limit::After;
+            if let Some(report) = observer {
+                report(&self.event(self.halves(self.data.time).0));
+            }
+        }
+    }
+
+    /// Time of the next impact (s), by formula: it may round to the present. One that is due is the next.
+    pub(crate) fn next_impact(&self) -> f64 {
+        let now = self.halves(self.data.time).0;
+        self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())
+    }
+
+    /// Displacements and velocities, at an impact those of the limit that is shown.
+    fn state(&self) -> State {
+        let mut state = self.solution.state(self.theta());
+        let side = if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let before = side * (state.v[1] - state.v[0]) > 0.0;
+        let push = match (self.data.limit, before) {
+            (Limit::Before, false) => -side * self.impulse,
+            (Limit::After, true) => side * self.impulse,
+            _ => return state,
+        };
+        state.v[0] += push / self.data.parameters.box_mass;
+        state.v[1] -= push / self.data.parameters.block_mass;
+        state
+    }
+
     /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive
     /// phase since the last impact, rad. Whole numbers above 0 count impacts, odd ones on the lower stop.
     fn halves(&self, time: DoubleDouble) -> (f64, f64) {
@@ -216,11 +286,6 @@ impl ClosedForm {
         self.data.from.plus((n * PI - self.offset) / self.data.parameters.drive_frequency)
     }
 
-    /// Time of the next impact (s), by formula: it may round to the present.
-    pub(crate) fn next_impact(&self) -> f64 {
-        self.impact_time(self.halves(self.data.time).0 + 1.0).value().max(self.time())
-    }
-
     fn event(&self, n: f64) -> Event {
         let side = if n % 2.0 == 0.0 { 1 } else { -1 };
         Event::Impact { time: self.impact_time(n).value(), side, speed: self.speed, impulse: self.impulse }
@@ -232,7 +297,7 @@ impl ClosedForm {
 
     /// Time derivatives of the displacements now.
     pub(crate) fn derivatives(&self) -> [[f64; ORDERS]; 3] {
-        self.solution.derivatives(self.theta())
+        self.solution.derivatives(self.theta(), &self.state())
     }
 
     /// What the outputs read now.
@@ -242,7 +307,10 @@ impl ClosedForm {
         let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
         let y = state.to_relative();
         // By the same rounding, so that nothing has happened at the start, however near to an impact it is.
-        let ((first, before), (now, since)) = (self.halves(data.from), self.halves(data.time));
+        let ((first, before), (mut now, mut since)) = (self.halves(data.from), self.halves(data.time));
+        if self.is_due() {
+            (now, since) = (now - 1.0, PI);
+        }
         let count = (now - first).max(0.0);
         let mut impacts = data.record;
         if count > 0.0 {

@@ -5,9 +5,12 @@
 //! decide on what may be set.
 
 mod access;
+mod advance;
 mod derivative;
+mod events;
 mod exchange;
 mod initial;
+mod pieces;
 mod prediction;
 mod step;
 
@@ -24,8 +27,13 @@ use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
 use super::variables::{Access, VARIABLES};
+use events::Present;
 use vibro_impact::simulator::Simulator;
 
+pub use advance::Advance;
+pub use events::EventHandling;
+pub(super) use events::EventState;
+pub use pieces::{Piece, Pieces};
 pub use step::{StepOutcome, StepReason};
 
 /// What moves.
@@ -41,10 +49,25 @@ enum Engine {
     Continuous(Box<Continuous>),
 }
 
+/// What protocols differ in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Protocol {
+    /// The value reference of the table's first variable.
+    pub first_reference: u32,
+    /// What the host does about events.
+    pub handling: EventHandling,
+    /// What settings start from.
+    pub start: Settings,
+}
+
 /// One component.
 #[derive(Debug)]
 pub struct Instance {
     interface: Interface,
+    first_reference: u32,
+    handling: EventHandling,
+    /// What settings start from.
+    initial: Settings,
     phase: Phase,
     settings: Settings,
     experiment: Option<Experiment>,
@@ -54,6 +77,7 @@ pub struct Instance {
     /// Whether parameters or loads were set since the last step.
     parameters_set: bool,
     loads_set: bool,
+    events: EventState,
     /// What the outputs read; not up to date while stale.
     values: OutputValues,
     values_stale: bool,
@@ -70,15 +94,25 @@ pub struct Instance {
 impl Instance {
     /// A component with all variables at their start values.
     pub fn new(interface: Interface) -> Self {
+        Self::of_protocol(interface, Protocol::default())
+    }
+
+    /// The same in a protocol's own terms.
+    pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
+        let Protocol { first_reference, handling, start } = protocol;
         Self {
             interface,
+            first_reference,
+            handling,
+            initial: start,
             phase: Phase::Instantiated,
-            settings: Settings::default(),
+            settings: start,
             experiment: None,
             engine: Engine::None,
             slopes_set: [false; 3],
             parameters_set: false,
             loads_set: false,
+            events: EventState::default(),
             values: OutputValues::default(),
             values_stale: true,
             derived: Derived::default(),
@@ -92,6 +126,11 @@ impl Instance {
     /// How it is used.
     pub fn interface(&self) -> Interface {
         self.interface
+    }
+
+    /// What is set.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// Present phase.
@@ -152,7 +191,12 @@ impl Instance {
     /// When the start values or the parameters are not possible; the component stays in initialization.
     pub fn exit_initialization(&mut self, log: &mut dyn Log) -> Outcome {
         let (engine, objections) = self.initial_engine()?;
-        self.values_of(&engine)?;
+        match &engine {
+            Engine::Simulation(simulator) => drop(finite(OutputValues::of(simulator))?),
+            Engine::Closed(form) => drop(finite(form.values())?),
+            Engine::Continuous(continuous) => drop(finite(continuous.values())?),
+            Engine::None => {}
+        }
         if let Some(objections) = objections
             && log.wants(Category::Warnings)
         {
@@ -162,10 +206,11 @@ impl Instance {
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
         self.invalidate();
-        self.phase = match self.interface {
-            Interface::CoSimulation => Phase::Step,
-            Interface::ModelExchange => Phase::Event,
-        };
+        if self.interface == Interface::ModelExchange || self.handling.event_mode {
+            self.begin_event();
+        } else {
+            self.phase = Phase::Step;
+        }
         Ok(())
     }
 
@@ -177,8 +222,9 @@ impl Instance {
     /// As just made.
     pub fn reset(&mut self) {
         self.phase = Phase::Instantiated;
-        self.settings = Settings::default();
+        self.settings = self.initial;
         self.experiment = None;
+        self.events = EventState::default();
         self.engine = Engine::None;
         self.slopes_set = [false; 3];
         (self.parameters_set, self.loads_set) = (false, false);
@@ -208,6 +254,8 @@ impl Instance {
             slopes_set: self.slopes_set,
             parameters_set: self.parameters_set,
             loads_set: self.loads_set,
+            events: self.events,
+            stop_by_default: self.initial.stop_at_impact,
             engine: match &self.engine {
                 Engine::None => EngineState::None,
                 Engine::Simulation(simulator) => EngineState::Simulation(simulator.snapshot()),
@@ -252,12 +300,28 @@ impl Instance {
         self.phase = saved.phase;
         self.derived_stale |= self.settings.parameters != saved.settings.parameters;
         self.settings = saved.settings;
+        if saved.settings.stop_at_impact == saved.stop_by_default {
+            self.settings.stop_at_impact = self.initial.stop_at_impact;
+        }
         self.experiment = saved.experiment;
         self.slopes_set = saved.slopes_set;
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
+        self.events = saved.events;
         self.invalidate();
+        self.meet_own_protocol();
         Ok(())
+    }
+
+    /// Of a state that a host with another handling of events has saved: where this one has no such phase, the motion goes on
+    /// from there, an event that is due with its next step.
+    fn meet_own_protocol(&mut self) {
+        if self.interface == Interface::CoSimulation && !self.handling.event_mode {
+            self.events = EventState::default();
+            if self.phase == Phase::Event {
+                self.phase = Phase::Step;
+            }
+        }
     }
 
     /// What was computed of the motion no longer holds.
@@ -271,23 +335,26 @@ impl Instance {
         if !self.values_stale {
             return Ok(());
         }
-        self.values = self.values_of(&self.engine)?;
+        self.values = self.present_values()?;
         self.values_stale = false;
         Ok(())
     }
 
-    /// What the outputs read of what moves; of nothing yet, the start.
+    /// What the outputs read now; of nothing that moves yet, the start.
     ///
     /// # Errors
     /// [`Problem::Overflow`] when one is not finite: no output ever is.
-    fn values_of(&self, engine: &Engine) -> Outcome<OutputValues> {
-        let values = match engine {
-            Engine::Simulation(simulator) => OutputValues::of(simulator),
-            Engine::Closed(form) => form.values(),
-            Engine::Continuous(continuous) => continuous.values(),
-            Engine::None => self.initial_values(&self.settings)?,
+    fn present_values(&self) -> Outcome<OutputValues> {
+        let mut values = match self.present()? {
+            Present::Simulation(simulator) => OutputValues::of(&simulator),
+            Present::Closed(form) => form.values(),
+            Present::Continuous(continuous) => continuous.values(),
+            Present::None => self.initial_values(&self.settings)?,
         };
-        if values.is_finite() { Ok(values) } else { Err(overflow(&values)) }
+        if let Some(shown) = &self.events.latched {
+            shown.put(&mut values);
+        }
+        finite(values)
     }
 
     /// Brings what follows from the parameters up to date; only after parameters were set, since steady states take a while
@@ -298,6 +365,11 @@ impl Instance {
             self.derived_stale = false;
         }
     }
+}
+
+/// The values, each of them finite.
+fn finite(values: OutputValues) -> Outcome<OutputValues> {
+    if values.is_finite() { Ok(values) } else { Err(overflow(&values)) }
 }
 
 /// Names the first output that is not finite.

@@ -27,6 +27,6 @@ pub mod values;
 pub mod variables;
 mod variation;
 
-pub use instance::{Instance, StepOutcome, StepReason};
+pub use instance::{Advance, EventHandling, Instance, Piece, Pieces, Protocol, StepOutcome, StepReason};
 pub use phase::{Interface, Phase};
 pub use problem::{Outcome, Problem};

@@ -23,6 +23,7 @@
 use super::closed_form;
 use super::continuous;
 use super::identity;
+use super::instance::EventState;
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::settings::Settings;
@@ -32,7 +33,7 @@ use vibro_impact::simulator::Snapshot;
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROFMU";
 /// Version of the layout of the bytes that follow.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// Everything a component needs to continue: its phase, what was set, and what moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +45,9 @@ pub struct SavedState {
     pub(super) slopes_set: [bool; 3],
     pub(super) parameters_set: bool,
     pub(super) loads_set: bool,
+    pub(super) events: EventState,
+    /// What `stop_at_impact` starts from where this was saved: a host that has never set it means its own protocol's.
+    pub(super) stop_by_default: bool,
     pub(super) engine: EngineState,
 }
 

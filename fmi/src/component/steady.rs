@@ -186,9 +186,8 @@ impl Solution {
         }
     }
 
-    /// Time derivatives of the displacements at drive phase `theta`, `[body][order]`.
-    pub(crate) fn derivatives(&self, theta: f64) -> [[f64; ORDERS]; 3] {
-        let state = self.state(theta);
+    /// Time derivatives of the displacements at drive phase `theta`, where the motion is in `state`; `[body][order]`.
+    pub(crate) fn derivatives(&self, theta: f64, state: &State) -> [[f64; ORDERS]; 3] {
         let mut d: [[f64; ORDERS]; 3] =
             std::array::from_fn(|body| [state.x[body], state.v[body], 0.0, 0.0, 0.0, 0.0]);
         match self {

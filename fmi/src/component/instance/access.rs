@@ -1,10 +1,11 @@
 //! Getting and setting values, and the time derivatives of inputs and outputs.
 
+use super::events::Present;
 use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
 use crate::component::settings::Settings;
 use crate::component::values::coupling_force;
 use crate::component::variables::{
-    Bases, Causality, Class, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
+    Bases, Causality, Class, Edition, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
     of_edition,
 };
 use vibro_impact::parameters::Parameters;
@@ -16,28 +17,43 @@ const INPUT_ORDER: i32 = 3;
 /// Highest order of output derivatives: the displacements' fifth is known, so velocities and accelerations have three.
 const OUTPUT_ORDER: i32 = 3;
 
-/// The variable of that reference, which must have one of the types.
+/// Place in the table of a reference, where references begin with `first`; no place for one below it.
 #[inline]
-pub(super) fn look_up(reference: u32, bases: Bases) -> Outcome<&'static Variable> {
-    match VARIABLES.get(reference as usize) {
-        Some(variable) if bases.contains(Class::new(variable.base(), variable.edition)) => Ok(variable),
-        found => Err(no_such(reference, bases, found)),
-    }
+fn place(reference: u32, first: u32) -> usize {
+    reference.wrapping_sub(first) as usize
 }
 
 #[cold]
-fn no_such(reference: u32, bases: Bases, found: Option<&Variable>) -> Problem {
-    let found = match found.filter(|variable| variable.edition <= bases.edition) {
+fn no_such(reference: u32, first: u32, bases: Bases) -> Problem {
+    let found = VARIABLES.get(place(reference, first)).filter(|variable| variable.edition <= bases.edition);
+    let found = match found {
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
         None => {
             let highest = of_edition(bases.edition).map(|(place, _)| place).max();
-            format!("allowed is 0 to {}", highest.unwrap_or_default())
+            format!("allowed is {first} to {}", highest.unwrap_or_default() + first)
         }
     };
     Problem::Reference { reference, wanted: bases.name, found }
 }
 
 impl Instance {
+    /// The variable of that reference, which must have one of the types.
+    #[inline]
+    pub(super) fn look_up(&self, reference: u32, bases: Bases) -> Outcome<&'static Variable> {
+        match VARIABLES.get(place(reference, self.first_reference)) {
+            Some(variable) if bases.contains(Class::new(variable.base(), variable.edition)) => Ok(variable),
+            _ => Err(no_such(reference, self.first_reference, bases)),
+        }
+    }
+
+    /// The variable of that reference in an edition.
+    ///
+    /// # Errors
+    /// [`Problem::Reference`] when there is none.
+    pub fn variable(&self, reference: u32, edition: Edition) -> Outcome<&'static Variable> {
+        self.look_up(reference, Bases::ANY.of(edition))
+    }
+
     /// Hands value `i` to `write`: those of the variables in their order, of an array in row-major order.
     ///
     /// # Errors
@@ -45,12 +61,13 @@ impl Instance {
     /// possible.
     #[inline]
     pub fn get(&mut self, bases: Bases, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
+        let first = self.first_reference;
         let initialized = !matches!(self.engine, Engine::None);
         let mut needs = 0;
         for &reference in references {
-            match READERS.get(reference as usize) {
+            match READERS.get(place(reference, first)) {
                 Some(reader) if bases.contains(reader.class) => needs |= reader.needs,
-                _ => return Err(no_such(reference, bases, VARIABLES.get(reference as usize))),
+                _ => return Err(no_such(reference, first, bases)),
             }
         }
         let moves = needs & Reader::MOTION != 0 || initialized && needs & Reader::START != 0;
@@ -65,7 +82,7 @@ impl Instance {
         }
         let mut i = 0;
         for &reference in references {
-            let value = match READERS[reference as usize].get {
+            let value = match READERS[place(reference, first)].get {
                 Get::Output(get) => get(&self.values),
                 Get::Start(_, now) if initialized => now(&self.values),
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
@@ -95,20 +112,22 @@ impl Instance {
     /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has changed then.
     #[inline]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
+        let first = self.first_reference;
         let when = self.when();
         let closed = matches!(self.engine, Engine::Closed(_));
         for (i, &reference) in references.iter().enumerate() {
             let value = read(i);
             let plain = |writer: &Writer| writer.takes(bases, when, value) && !(closed && writer.input);
-            if !WRITERS.get(reference as usize).is_some_and(plain) {
+            if !WRITERS.get(place(reference, first)).is_some_and(plain) {
                 self.check_set(reference, bases, value)?;
             }
         }
+        self.events.carried_out &= references.is_empty();
         // A host's solver sees a set at once, not with the next step.
         let before =
             (self.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
-            self.assign(&WRITERS[reference as usize], read(i));
+            self.assign(&WRITERS[place(reference, first)], read(i));
         }
         if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
         {
@@ -128,8 +147,8 @@ impl Instance {
     /// A closer look at one set.
     #[cold]
     fn check_set(&self, reference: u32, bases: Bases, value: f64) -> Outcome {
-        let variable = look_up(reference, bases)?;
-        self.check_settable(reference, variable)?;
+        let variable = self.look_up(reference, bases)?;
+        self.check_settable(&WRITERS[place(reference, self.first_reference)], variable)?;
         if !variable.accepts(value) {
             return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed() });
         }
@@ -175,7 +194,7 @@ impl Instance {
             self.derived_stale = true;
         }
         self.prediction = None;
-        if matches!(self.engine, Engine::None) {
+        if matches!(self.engine, Engine::None) || self.phase == Phase::Event {
             self.invalidate();
         }
     }
@@ -185,13 +204,16 @@ impl Instance {
         match self.phase {
             Phase::Instantiated | Phase::Initialization => Writer::INITIAL,
             Phase::Continuous => Writer::CONTINUOUS,
+            Phase::Event if self.interface == Interface::ModelExchange && self.handling.event_mode => {
+                Writer::EVENT | Writer::UNCHANGED_STATES
+            }
             _ => Writer::EVENT,
         }
     }
 
-    fn check_settable(&self, reference: u32, variable: &Variable) -> Outcome {
+    fn check_settable(&self, writer: &Writer, variable: &Variable) -> Outcome {
         let when = self.when();
-        if WRITERS[reference as usize].settable(when) {
+        if writer.settable(when) {
             return Ok(());
         }
         let allowed = match when {
@@ -208,7 +230,7 @@ impl Instance {
     /// A reference that is no input, an order outside 1…3, a value that is not finite; nothing has changed then.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             if variable.body.is_none() {
                 return Err(Problem::NoDerivative { name: variable.name, allowed: "those of inputs" });
             }
@@ -219,7 +241,7 @@ impl Instance {
             self.check_load(variable, value)?;
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            if let Some(body) = VARIABLES[reference as usize].body {
+            if let Some(body) = VARIABLES[place(reference, self.first_reference)].body {
                 let load = &mut self.settings.loads.derivatives[body];
                 if !self.slopes_set[body] {
                     self.slopes_set[body] = true;
@@ -249,7 +271,7 @@ impl Instance {
         mut write: impl FnMut(usize, f64),
     ) -> Outcome {
         for (&reference, &order) in references.iter().zip(orders) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             if variable.path.is_none() {
                 return Err(Problem::NoDerivative {
                     name: variable.name,
@@ -259,42 +281,44 @@ impl Instance {
             check_order(order, OUTPUT_ORDER, "1, 2 or 3")?;
         }
         let derivatives = self.path_derivatives()?;
-        let parameters = self.motion_parameters();
-        let derivative = |reference: u32, order: i32| {
-            let path = VARIABLES[reference as usize].path;
-            path.map_or(0.0, |path| path.derivative(&derivatives, &parameters, order as usize))
+        let parameters = self.motion_parameters()?;
+        let derivative = |variable: &Variable, order: i32| {
+            variable.path.map_or(0.0, |path| path.derivative(&derivatives, &parameters, order as usize))
         };
-        for (&reference, &order) in references.iter().zip(orders) {
-            let value = derivative(reference, order);
+        let wanted = || {
+            let variable = |reference: &u32| &VARIABLES[place(*reference, self.first_reference)];
+            references.iter().map(variable).zip(orders.iter().copied())
+        };
+        for (variable, order) in wanted() {
+            let value = derivative(variable, order);
             if !value.is_finite() {
-                let name = VARIABLES[reference as usize].name;
-                return Err(Problem::Overflow { name, value, time: self.time() });
+                return Err(Problem::Overflow { name: variable.name, value, time: self.time() });
             }
         }
-        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
-            write(i, derivative(reference, order));
+        for (i, (variable, order)) in wanted().enumerate() {
+            write(i, derivative(variable, order));
         }
         Ok(())
     }
 
     fn path_derivatives(&mut self) -> Outcome<[[f64; 6]; 3]> {
-        match &self.engine {
-            Engine::Simulation(simulator) => Ok(simulator.derivatives()),
-            Engine::Closed(form) => Ok(form.derivatives()),
-            Engine::None | Engine::Continuous(_) => {
+        match self.present()? {
+            Present::Simulation(simulator) => Ok(simulator.derivatives()),
+            Present::Closed(form) => Ok(form.derivatives()),
+            Present::None | Present::Continuous(_) => {
                 Err(Problem::Sequence { what: "the instance is not initialized" })
             }
         }
     }
 
     /// The parameters the motion at the present time was made with.
-    pub(super) fn motion_parameters(&self) -> Parameters {
-        match &self.engine {
-            Engine::Simulation(simulator) => *simulator.parameters(),
-            Engine::Closed(form) => *form.parameters(),
-            Engine::Continuous(continuous) => *continuous.parameters(),
-            Engine::None => self.settings.parameters,
-        }
+    pub(super) fn motion_parameters(&self) -> Outcome<Parameters> {
+        Ok(match self.present()? {
+            Present::Simulation(simulator) => *simulator.parameters(),
+            Present::Closed(form) => *form.parameters(),
+            Present::Continuous(continuous) => *continuous.parameters(),
+            Present::None => self.settings.parameters,
+        })
     }
 }
 

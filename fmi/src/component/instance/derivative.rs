@@ -1,6 +1,6 @@
 //! Directional derivatives.
 
-use super::access::look_up;
+use super::events::Present;
 use super::initial::forces;
 use super::{Engine, Instance, Outcome, Problem};
 use crate::component::continuous::Continuous;
@@ -35,14 +35,14 @@ impl Instance {
     ) -> Outcome {
         let initial = matches!(self.engine, Engine::None);
         for &reference in unknowns {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             let derived = initial && variable.causality == Causality::CalculatedParameter;
             if !(variable.causality == Causality::Output || derived) {
                 return Err(no(variable, "outputs as unknowns"));
             }
         }
         for (&reference, &value) in knowns.iter().zip(seed) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             let start = matches!(variable.access, Access::Start { .. });
             let exact = initial && variable.initial == Some(Initial::Exact);
             if !(variable.causality == Causality::Input || start || exact) {
@@ -55,12 +55,12 @@ impl Instance {
         if initial {
             let samples = self.differences(knowns, seed)?;
             for (i, &reference) in unknowns.iter().enumerate() {
-                write(i, difference(look_up(reference, Bases::REAL)?, &samples));
+                write(i, difference(self.look_up(reference, Bases::REAL)?, &samples));
             }
         } else {
             let values = self.varied(knowns, seed)?;
             for (i, &reference) in unknowns.iter().enumerate() {
-                write(i, rate(look_up(reference, Bases::REAL)?, &values));
+                write(i, rate(self.look_up(reference, Bases::REAL)?, &values));
             }
         }
         Ok(())
@@ -71,20 +71,20 @@ impl Instance {
         // Settings serve as the vector of states and loads.
         let mut direction = Settings { start: simulator::State::default(), ..Settings::default() };
         for (&reference, &value) in knowns.iter().zip(seed) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             add(&mut direction, variable, value);
         }
         let (dx, df) = (&direction.start, forces(&direction));
-        let rates = match &self.engine {
-            Engine::Simulation(simulator) => {
+        let rates = match self.present()? {
+            Present::Simulation(simulator) => {
                 let model = Model::new(simulator.parameters())?;
                 variation(&model, simulator.parameters(), simulator.contact(), &simulator.state(), dx, df)
             }
-            Engine::Continuous(continuous) => continuous.variation(dx, df),
+            Present::Continuous(continuous) => continuous.variation(dx, df),
             // A closed form follows time alone.
-            Engine::Closed(_) | Engine::None => OutputValues::default(),
+            Present::Closed(_) | Present::None => OutputValues::default(),
         };
-        Ok(self.values_of(&self.engine)?.varied(&rates))
+        Ok(self.present_values()?.varied(&rates))
     }
 
     /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends.
@@ -100,7 +100,7 @@ impl Instance {
         };
         let mut step = f64::INFINITY;
         for (&reference, &value) in knowns.iter().zip(seed).filter(|(_, value)| **value != 0.0) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             let size = read(&self.settings, variable).abs();
             step = step.min(STEP * if size > 0.0 { size } else { 1.0 } / value.abs());
         }
@@ -114,7 +114,7 @@ impl Instance {
                 .map(|&(place, weight)| {
                     let mut settings = self.settings;
                     for (&reference, &value) in knowns.iter().zip(seed) {
-                        add(&mut settings, look_up(reference, Bases::REAL)?, place * step * value);
+                        add(&mut settings, self.look_up(reference, Bases::REAL)?, place * step * value);
                     }
                     settings.parameters.validate()?;
                     Ok((weight / step, self.sample(&settings, contact)?))

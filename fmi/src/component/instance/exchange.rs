@@ -1,40 +1,13 @@
-//! Integration by a host's own solver: events and continuous states.
+//! Integration by a host's own solver: time and continuous states.
 
+use super::events::Present;
 use super::initial::forces;
-use super::step::describe;
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::continuous::{Continuous, check_states};
-use crate::component::log::{Category, Log};
 use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
-use vibro_impact::simulator::{self, Event};
+use vibro_impact::simulator;
 
 impl Instance {
-    /// Accepts the present point, where an event is to be handled.
-    ///
-    /// # Errors
-    /// [`Problem::Sequence`] before initialization.
-    pub fn enter_event(&mut self) -> Outcome {
-        self.continuous_mut()?.accept();
-        self.phase = Phase::Event;
-        Ok(())
-    }
-
-    /// The impact law, rest or release where the present point calls for it; returns whether states have changed. One call
-    /// does all that happens at an instant; there are no time events.
-    ///
-    /// # Errors
-    /// [`Problem::Sequence`] before initialization.
-    pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<bool> {
-        let wanted = log.wants(Category::Events);
-        let changed = self.continuous_mut()?.handle_event(&mut |event: &Event| {
-            if wanted {
-                log.log(Category::Events, &describe(event));
-            }
-        });
-        self.invalidate();
-        Ok(changed)
-    }
-
     /// The host's solver goes on from here.
     pub fn enter_continuous(&mut self) {
         self.phase = Phase::Continuous;
@@ -126,8 +99,8 @@ impl Instance {
         names: [&'static str; N],
         evaluate: impl FnOnce(&Continuous) -> [f64; N],
     ) -> Outcome<[f64; N]> {
-        let values = match &self.engine {
-            Engine::Continuous(continuous) => evaluate(continuous),
+        let values = match self.present()? {
+            Present::Continuous(continuous) => evaluate(&continuous),
             _ => {
                 let (simulator, _) = self.initial_simulator(&self.settings)?;
                 evaluate(&Continuous::start(&simulator, forces(&self.settings))?)

@@ -14,6 +14,12 @@ const PERIODS: f64 = 2.0;
 const TIME_CONSTANTS: f64 = 1e4;
 
 impl Instance {
+    /// The next event with the inputs and parameters as they are set.
+    pub fn prediction(&mut self) -> Prediction {
+        self.refresh_prediction();
+        self.prediction.unwrap_or_default()
+    }
+
     /// Brings the prediction up to date.
     pub(super) fn refresh_prediction(&mut self) {
         if self.prediction.is_none() {

@@ -71,6 +71,9 @@ impl Class {
 impl Bases {
     /// The Reals that every description has.
     pub const REAL: Self = Self::new("Real", &[Base::Real]);
+    /// All types.
+    pub const ANY: Self =
+        Self::new("", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock]);
 
     /// These types under one name, of the variables that every description has.
     pub const fn new(name: &'static str, bases: &[Base]) -> Self {

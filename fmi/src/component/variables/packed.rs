@@ -109,6 +109,8 @@ impl Writer {
     pub(crate) const CONTINUOUS: u8 = 2;
     /// At communication points and events.
     pub(crate) const EVENT: u8 = 4;
+    /// At events of a host's solver, in protocols that let it set the states there that events do not change.
+    pub(crate) const UNCHANGED_STATES: u8 = 8;
 
     /// What may be set when. Inputs are also taken before initialization, where the standards have their start values stand:
     /// several hosts set them there.
@@ -125,6 +127,9 @@ impl Writer {
         }
         if input || tunable {
             when |= Self::EVENT;
+        }
+        if let (Access::Start { .. }, Kind::Real { reinit: false, .. }) = (variable.access, variable.kind) {
+            when |= Self::UNCHANGED_STATES;
         }
         let range = match variable.kind {
             Kind::Real { range, .. } => (

@@ -1,0 +1,8 @@
+//! FMI 3.0 through its C interface, as hosts use it.
+#![allow(unsafe_code)] // the C interface
+
+mod arguments;
+mod bits;
+mod events;
+mod exchange;
+mod host;
