@@ -262,10 +262,12 @@ fn structure(model: &ModelDescription, found: &mut Vec<String>) {
             let valid = indices.is_some_and(|i| {
                 i.iter().all(|i| (1..=variables.len()).contains(i)) && i.windows(2).all(|w| w[0] < w[1])
             });
+            // Initialization knows the first two alone (FMI 2.0, 2.2.8).
             const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
+            let kinds_of = if what == "InitialUnknowns" { &KINDS[..2] } else { &KINDS[..] };
             let fits = |k: &Vec<String>| {
                 on.as_ref().map(Vec::len) == Some(k.len())
-                    && k.iter().all(|kind| KINDS.contains(&kind.as_str()))
+                    && k.iter().all(|kind| kinds_of.contains(&kind.as_str()))
             };
             if !valid || !kinds.as_ref().is_none_or(fits) {
                 found

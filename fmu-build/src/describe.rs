@@ -199,14 +199,10 @@ fn unknowns(list: &[structure::Unknown]) -> Unknowns {
     let joined = |words: Vec<String>| words.join(" ");
     let unknown = |u: &structure::Unknown| Unknown {
         index: description::index(u.reference),
-        dependencies: u
-            .dependencies
-            .as_ref()
-            .map(|d| joined(d.iter().map(|(known, _)| description::index(*known).to_string()).collect())),
-        kinds: u
-            .dependencies
-            .as_ref()
-            .map(|d| joined(d.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect())),
+        dependencies: Some(joined(
+            u.dependencies.iter().map(|(known, _)| description::index(*known).to_string()).collect(),
+        )),
+        kinds: Some(joined(u.dependencies.iter().map(|(_, k)| kind_name(*k).to_owned()).collect())),
     };
     Unknowns { unknowns: list.iter().map(unknown).collect() }
 }

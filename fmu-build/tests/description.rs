@@ -44,7 +44,7 @@ fn real<'a>(model: &'a mut ModelDescription, name: &str) -> &'a mut Real {
 type Damage = fn(&mut ModelDescription);
 
 /// What each check must notice, and a word of its message.
-const DAMAGES: [(&str, Damage); 33] = [
+const DAMAGES: [(&str, Damage); 34] = [
     ("fmiVersion", |m| m.fmi_version = "3.0".into()),
     ("guid", |m| m.guid.clear()),
     ("modelIdentifier", |m| m.co_simulation.model_identifier = "3DOF".into()),
@@ -104,6 +104,11 @@ const DAMAGES: [(&str, Damage); 33] = [
     ("dependencies of", |m| {
         let unknown = m.model_structure.outputs.unknowns.iter_mut().find(|u| u.dependencies.is_some());
         unknown.unwrap().dependencies = Some("5 4".into());
+    }),
+    ("ModelStructure/InitialUnknowns: dependencies of", |m| {
+        let unknowns = &mut m.model_structure.initial_unknowns.unknowns;
+        let unknown = unknowns.iter_mut().find(|u| u.kinds.as_deref() == Some("constant"));
+        unknown.unwrap().kinds = Some("fixed".into());
     }),
 ];
 

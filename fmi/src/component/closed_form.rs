@@ -20,6 +20,9 @@ const PIECE: f64 = 0.5;
 /// Most pieces in half a period; only modes thousands of times faster than the drive would need more.
 const MAX_PIECES: f64 = 4096.0;
 
+/// Most impacts that one step reports: a closed form goes over any number of them at once, and a log has an end.
+pub(crate) const MOST_REPORTED: f64 = 1000.0;
+
 /// Rounding of a drive phase, relative to itself: a few units in the last place from time, frequency and offset.
 const PHASE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
@@ -175,7 +178,8 @@ impl ClosedForm {
         Ok(())
     }
 
-    /// To `begin + step`, reporting each impact; optionally only to the first.
+    /// To `begin + step`, reporting the impacts up to [`MOST_REPORTED`]; optionally only to the first. Returns also how many
+    /// were not reported.
     ///
     /// # Errors
     /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time that a double no longer tells from a moment later.
@@ -185,11 +189,11 @@ impl ClosedForm {
         step: f64,
         stop_at_impact: bool,
         observer: EventObserver<'_, '_>,
-    ) -> Result<AdvanceOutcome, Problem> {
+    ) -> Result<(AdvanceOutcome, f64), Problem> {
         let end = DoubleDouble::sum(begin, step);
         check_time(self.data.parameters.drive_frequency, end.value())?;
         if end.minus(self.data.time).value() <= 0.0 {
-            return Ok(AdvanceOutcome::End);
+            return Ok((AdvanceOutcome::End, 0.0));
         }
         let before = self.halves(self.data.time).0;
         let after = self.halves(end).0;
@@ -199,17 +203,19 @@ impl ClosedForm {
             if let Some(report) = observer {
                 report(&self.event(before + 1.0));
             }
-            return Ok(AdvanceOutcome::Impact);
+            return Ok((AdvanceOutcome::Impact, 0.0));
         }
         self.data.time = end;
         if let Some(report) = observer {
+            let last = after.min(before + MOST_REPORTED);
             let mut n = before + 1.0;
-            while n <= after {
+            while n <= last {
                 report(&self.event(n));
                 n += 1.0;
             }
+            return Ok((AdvanceOutcome::End, after - last.max(before)));
         }
-        Ok(AdvanceOutcome::End)
+        Ok((AdvanceOutcome::End, 0.0))
     }
 
     /// To `begin + step` or to the first impact, which is then due: shown is the limit before it. An impact later than the
@@ -300,8 +306,8 @@ impl ClosedForm {
         let d = self.derivatives();
         let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
         let y = state.to_relative();
-        let first = (self.offset / PI).floor();
-        let (mut now, mut since) = self.halves(data.time);
+        // By the same rounding, so that nothing has happened at the start, however near to an impact it is.
+        let ((first, before), (mut now, mut since)) = (self.halves(data.from), self.halves(data.time));
         if self.is_due() {
             (now, since) = (now - 1.0, PI);
         }
@@ -316,7 +322,7 @@ impl ClosedForm {
             impacts.total_impulse += count * self.impulse;
         }
         let half = self.knots.last().copied().unwrap_or_default();
-        let (begun, reached) = (self.energies(self.offset - first * PI), self.energies(since));
+        let (begun, reached) = (self.energies(before), self.energies(since));
         let total = |i: usize| count * half[i] + (reached[i] - begun[i]);
         OutputValues {
             time: self.time(),

@@ -74,6 +74,7 @@ pub fn text() -> String {
             kind,
             dependencies,
             further,
+            initially,
             path,
             body,
             edition,
@@ -83,8 +84,8 @@ pub fn text() -> String {
             access: _,
         } = v;
         let attributes = format!("{causality:?}|{variability:?}|{initial:?}|{kind:?}|{:?}", v.start());
-        let columns =
-            format!("{dependencies:?}|{further:?}|{path:?}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
+        let known = format!("{dependencies:?}|{further:?}|{initially:?}");
+        let columns = format!("{known}|{path:?}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
         let _ = writeln!(text, "{name}|{description}|{attributes}|{columns}");
     }
     text

@@ -26,6 +26,7 @@ use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
+use super::variables::{Access, VARIABLES};
 use events::Present;
 use vibro_impact::simulator::Simulator;
 
@@ -194,6 +195,12 @@ impl Instance {
     /// When the start values or the parameters are not possible; the component stays in initialization.
     pub fn exit_initialization(&mut self, log: &mut dyn Log) -> Outcome {
         let (engine, objections) = self.initial_engine()?;
+        match &engine {
+            Engine::Simulation(simulator) => drop(finite(OutputValues::of(simulator))?),
+            Engine::Closed(form) => drop(finite(form.values())?),
+            Engine::Continuous(continuous) => drop(finite(continuous.values())?),
+            Engine::None => {}
+        }
         if let Some(objections) = objections
             && log.wants(Category::Warnings)
         {
@@ -340,6 +347,10 @@ impl Instance {
         Ok(())
     }
 
+    /// What the outputs read now; of nothing that moves yet, the start.
+    ///
+    /// # Errors
+    /// [`Problem::Overflow`] when one is not finite: no output ever is.
     fn present_values(&self) -> Outcome<OutputValues> {
         let mut values = match self.present()? {
             Present::Simulation(simulator) => OutputValues::of(&simulator),
@@ -350,7 +361,7 @@ impl Instance {
         if let Some(shown) = &self.events.latched {
             shown.put(&mut values);
         }
-        Ok(values)
+        finite(values)
     }
 
     /// Brings what follows from the parameters up to date; only after parameters were set, since steady states take a while
@@ -361,4 +372,23 @@ impl Instance {
             self.derived_stale = false;
         }
     }
+}
+
+/// The values, each of them finite.
+fn finite(values: OutputValues) -> Outcome<OutputValues> {
+    if values.is_finite() { Ok(values) } else { Err(overflow(&values)) }
+}
+
+/// Names the first output that is not finite.
+#[cold]
+fn overflow(values: &OutputValues) -> Problem {
+    let readings = VARIABLES.iter().filter_map(|variable| match variable.access {
+        Access::Output(reading) | Access::Start { now: reading, .. } => {
+            Some((variable.name, (reading.value)(values)))
+        }
+        _ => None,
+    });
+    let found = readings.into_iter().find(|(_, value)| !value.is_finite());
+    let (name, value) = found.unwrap_or(("the motion", f64::INFINITY));
+    Problem::Overflow { name, value, time: values.time }
 }

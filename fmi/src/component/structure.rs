@@ -1,17 +1,19 @@
 //! Which unknown depends on which known, and how: lists made from the table's columns.
 
 use super::variables::{
-    Access, Causality, Dependencies, DependencyKind, Edition, Initial, Knowns, VARIABLES, Variable, find,
-    of_edition, reference,
+    Causality, Dependencies, DependencyKind, Edition, Initial, Initially, Knowns, START, VARIABLES, Variable,
+    find, of_edition, reference,
 };
+use std::collections::BTreeMap;
 
-/// An unknown and what it depends on.
+/// An unknown and what it depends on. The lists hold in every mode: where a closed form and a simulation differ, they name
+/// what either depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// Dependencies as (value reference, kind), ordered by reference; `None` means on all knowns, empty means on none.
-    pub dependencies: Option<Vec<(u32, DependencyKind)>>,
+    /// Dependencies as (value reference, kind), ordered by reference.
+    pub dependencies: Vec<(u32, DependencyKind)>,
 }
 
 /// Names of the continuous states, in the order in which a solver takes them.
@@ -31,15 +33,18 @@ pub const INDICATORS: [&str; EVENT_INDICATORS] =
 /// Number of event indicators.
 pub const EVENT_INDICATORS: usize = 3;
 
+const fn check_names(names: &[&str]) {
+    let mut i = 0;
+    while i < names.len() {
+        reference(names[i]);
+        i += 1;
+    }
+}
+
 // A name that is not in the table does not compile.
 const _: () = {
     let mut i = 0;
     while i < VARIABLES.len() {
-        let mut k = 0;
-        while k < VARIABLES[i].further.len() {
-            reference(VARIABLES[i].further[k]);
-            k += 1;
-        }
         if let Dependencies::On(knowns) = VARIABLES[i].dependencies {
             let mut k = 0;
             while k < knowns.len() {
@@ -47,15 +52,17 @@ const _: () = {
                 k += 1;
             }
         }
+        check_names(VARIABLES[i].further);
+        if let Initially::On(names) | Initially::OnStartAnd(names) = VARIABLES[i].initially {
+            check_names(names);
+        }
         i += 1;
     }
-    let mut i = 0;
-    while i < STATES.len() {
-        reference(STATES[i]);
-        reference(DERIVATIVES[i]);
-        reference(EXTENDED_DERIVATIVES[i]);
-        i += 1;
-    }
+    check_names(START);
+    check_names(&STATES);
+    check_names(&DERIVATIVES);
+    check_names(&EXTENDED_DERIVATIVES);
+    check_names(&INDICATORS);
 };
 
 /// The input that acts on a body.
@@ -63,21 +70,40 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-/// Places of knowns; of the further ones it is not said how they enter.
-fn known(knowns: Knowns, further: &[&'static str]) -> Vec<(u32, DependencyKind)> {
-    let further = further.iter().map(|name| (*name, DependencyKind::Dependent));
-    let named = knowns.iter().copied().chain(further);
-    let mut dependencies: Vec<_> = named.filter_map(|(name, kind)| Some((find(name)?.0, kind))).collect();
-    dependencies.sort_by_key(|(reference, _)| *reference);
-    dependencies
+/// Knowns by reference, in its order; of those that are only named it is not said how they enter.
+fn ordered<'a>(
+    knowns: Knowns,
+    names: impl IntoIterator<Item = &'a &'static str>,
+) -> Vec<(u32, DependencyKind)> {
+    let named = names.into_iter().map(|name| (*name, DependencyKind::Dependent));
+    // Where a name stands in both lists, the second says less.
+    let all = knowns.iter().copied().chain(named).filter_map(|(name, kind)| Some((find(name)?.0, kind)));
+    let ordered: BTreeMap<_, _> = all.collect();
+    ordered.into_iter().collect()
 }
 
-/// Descriptions with more than the variables of all have further knowns.
+fn listed(variable: &Variable) -> Knowns {
+    match variable.dependencies {
+        Dependencies::On(knowns) => knowns,
+        Dependencies::NotUnknown => &[],
+    }
+}
+
+/// Outside initialization. Descriptions with more than the variables of all have further knowns.
 fn unknown((reference, variable): (u32, &Variable), edition: Edition) -> Unknown {
     let further = if edition > Edition::Every { variable.further } else { &[] };
-    let dependencies = match variable.dependencies {
-        Dependencies::On(knowns) => Some(known(knowns, further)),
-        Dependencies::All | Dependencies::NotUnknown => None,
+    Unknown { reference, dependencies: ordered(listed(variable), further) }
+}
+
+/// In initialization, where a factor is either constant or has no particular structure.
+fn initially((reference, variable): (u32, &Variable)) -> Unknown {
+    let knowns = listed(variable);
+    let dependencies = match variable.initially {
+        Initially::AsLater => ordered(knowns, []),
+        Initially::OnStartAnd(names) => {
+            ordered(&[], START.iter().chain(names).chain(knowns.iter().map(|(name, _)| name)))
+        }
+        Initially::On(names) => ordered(&[], names),
     };
     Unknown { reference, dependencies }
 }
@@ -102,19 +128,15 @@ pub fn event_indicators() -> Vec<Unknown> {
     named(&INDICATORS, Edition::Extended)
 }
 
-/// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table. A group
-/// lists the parameters it is made of; everything else may depend on everything, since `mode` and `startOnOrbit` choose
-/// what the start is made of.
+/// What is unknown in initialization: calculated outputs and calculated parameters in the order of the table, and with them
+/// the derivatives that are variables of their own.
 pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
+    let derivatives: &[_] = if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &[] };
     let unknowns = of_edition(edition).filter(|(_, variable)| {
-        variable.initial == Some(Initial::Calculated) && variable.causality != Causality::Local
+        let exposed = variable.causality != Causality::Local || derivatives.contains(&variable.name);
+        variable.initial == Some(Initial::Calculated) && exposed
     });
-    unknowns
-        .map(|(reference, variable)| match variable.access {
-            Access::Derived(_) => unknown((reference, variable), edition),
-            _ => Unknown { reference, dependencies: None },
-        })
-        .collect()
+    unknowns.map(initially).collect()
 }
 
 #[cfg(test)]
@@ -127,7 +149,7 @@ mod tests {
         let every = Edition::Clocked;
         for list in [outputs(every), derivatives(every), event_indicators(), initial_unknowns(every)] {
             for unknown in list {
-                for pair in unknown.dependencies.iter().flat_map(|d| d.windows(2)) {
+                for pair in unknown.dependencies.windows(2) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");
                 }
             }

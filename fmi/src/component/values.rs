@@ -180,6 +180,17 @@ impl OutputValues {
         }
     }
 
+    /// Whether every number is finite, without a branch for each: 0 times what is not finite is not 0.
+    pub(crate) fn is_finite(&self) -> bool {
+        let impacts = &self.impacts;
+        let lists = [self.x, self.v, self.acceleration, self.indicators];
+        let impact = [impacts.last_time, impacts.last_impulse, impacts.last_speed, impacts.total_impulse];
+        let forces = [self.time, self.gap.0, self.gap.1, self.contact_force, self.coupling_force];
+        let energies = [self.mechanical, self.input, self.damped, self.impact_loss];
+        let numbers = lists.iter().flatten().chain(&impact).chain(&forces).chain(&energies);
+        numbers.map(|number| number * 0.0).sum::<f64>() == 0.0
+    }
+
     /// Displacements and velocities.
     pub fn state(&self) -> State {
         State { x: self.x, v: self.v }

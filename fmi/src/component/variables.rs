@@ -17,6 +17,7 @@ pub(crate) use bases::Class;
 pub use bases::{Base, Bases, Edition};
 pub use columns::*;
 pub(crate) use packed::{Get, READERS, Reader, Set, WRITERS, Writer};
+pub use rows::START;
 pub use sections::{SECTIONS, Section};
 pub use table::{COUNT, VARIABLES};
 

@@ -93,11 +93,6 @@ impl Instance {
         let Some(list) = list else {
             return Err(Problem::Sequence { what: "the variable has no dependencies" });
         };
-        Ok(list
-            .dependencies
-            .unwrap_or_default()
-            .into_iter()
-            .map(|(r, kind)| (r + FIRST, number(kind)))
-            .collect())
+        Ok(list.dependencies.into_iter().map(|(r, kind)| (r + FIRST, number(kind))).collect())
     }
 }

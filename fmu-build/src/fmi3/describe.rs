@@ -42,10 +42,10 @@ pub fn model_description(edition: Edition) -> ModelDescription {
             variables: description::variables(edition).map(variable).collect(),
         },
         model_structure: ModelStructure {
-            outputs: unknowns(edition, &structure::outputs(edition)),
-            derivatives: unknowns(edition, &structure::derivatives(edition)),
-            initial_unknowns: unknowns(edition, &initial_unknowns(edition)),
-            event_indicators: unknowns(edition, &structure::event_indicators()),
+            outputs: unknowns(&structure::outputs(edition)),
+            derivatives: unknowns(&structure::derivatives(edition)),
+            initial_unknowns: unknowns(&initial_unknowns(edition)),
+            event_indicators: unknowns(&structure::event_indicators()),
         },
     }
 }
@@ -179,46 +179,18 @@ fn start(v: &variables::Variable) -> Option<String> {
 /// (FMI 3.0.2, 2.4.8).
 fn initial_unknowns(edition: Edition) -> Vec<Row> {
     let clocked = |row: &Row| variables::VARIABLES[row.reference as usize].edition == Edition::Clocked;
-    let mut rows: Vec<Row> =
-        structure::initial_unknowns(edition).into_iter().filter(|row| !clocked(row)).collect();
-    let listed = |rows: &[Row], row: &Row| rows.iter().any(|r| r.reference == row.reference);
-    for row in structure::derivatives(edition) {
-        if !listed(&rows, &row) {
-            // What the start is made of, `mode` and `startOnOrbit` choose.
-            rows.push(Row { dependencies: None, ..row });
-        }
-    }
-    rows.sort_by_key(|row| row.reference);
-    rows
+    structure::initial_unknowns(edition).into_iter().filter(|row| !clocked(row)).collect()
 }
 
-/// Places of the knowns in initialization (FMI 3.0.2, 2.4.8): inputs, time, and what has an exact initial value.
-fn initial_knowns(edition: Edition) -> Vec<u32> {
-    let known = |v: &variables::Variable| {
-        matches!(v.causality, variables::Causality::Input | variables::Causality::Independent)
-            || v.initial == Some(Initial::Exact)
-    };
-    variables::of_edition(edition).filter(|(_, v)| known(v)).map(|(place, _)| place).collect()
-}
-
-/// Every element has both lists, since importers exist that need them; on everything means on each known.
-fn unknowns(edition: Edition, rows: &[Row]) -> Vec<Unknown> {
+/// Every element has both lists, since importers exist that need them.
+fn unknowns(rows: &[Row]) -> Vec<Unknown> {
     let joined = |words: Vec<String>| Some(words.join(" "));
-    let all = || {
-        initial_knowns(edition)
-            .into_iter()
-            .map(|place| (place, variables::DependencyKind::Dependent))
-            .collect()
-    };
-    let unknown = |row: &Row| {
-        let dependencies = row.dependencies.clone().unwrap_or_else(all);
-        Unknown {
-            value_reference: value_reference(row.reference),
-            dependencies: joined(
-                dependencies.iter().map(|(place, _)| value_reference(*place).to_string()).collect(),
-            ),
-            kinds: joined(dependencies.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect()),
-        }
+    let unknown = |row: &Row| Unknown {
+        value_reference: value_reference(row.reference),
+        dependencies: joined(
+            row.dependencies.iter().map(|(place, _)| value_reference(*place).to_string()).collect(),
+        ),
+        kinds: joined(row.dependencies.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect()),
     };
     rows.iter().map(unknown).collect()
 }

@@ -262,7 +262,8 @@ impl Instance {
     /// [`Path`]; others are refused.
     ///
     /// # Errors
-    /// A reference that is no output of the motion, an order outside 1…3; nothing is written then.
+    /// A reference that is no output of the motion, an order outside 1…3, a derivative that is not finite; nothing is written
+    /// then.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -281,10 +282,21 @@ impl Instance {
         }
         let derivatives = self.path_derivatives()?;
         let parameters = self.motion_parameters()?;
-        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
-            if let Some(path) = VARIABLES[place(reference, self.first_reference)].path {
-                write(i, path.derivative(&derivatives, &parameters, order as usize));
+        let derivative = |variable: &Variable, order: i32| {
+            variable.path.map_or(0.0, |path| path.derivative(&derivatives, &parameters, order as usize))
+        };
+        let wanted = || {
+            let variable = |reference: &u32| &VARIABLES[place(*reference, self.first_reference)];
+            references.iter().map(variable).zip(orders.iter().copied())
+        };
+        for (variable, order) in wanted() {
+            let value = derivative(variable, order);
+            if !value.is_finite() {
+                return Err(Problem::Overflow { name: variable.name, value, time: self.time() });
             }
+        }
+        for (i, (variable, order)) in wanted().enumerate() {
+            write(i, derivative(variable, order));
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::events::Present;
 use super::initial::forces;
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::continuous::{Continuous, check_states};
-use crate::component::structure::EVENT_INDICATORS;
+use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
 use vibro_impact::simulator;
 
 impl Instance {
@@ -59,7 +59,7 @@ impl Instance {
     /// # Errors
     /// In initialization when the start is not possible.
     pub fn continuous_states(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(|continuous| {
+        self.with_continuous(STATES, |continuous| {
             let simulator::State { x, v } = continuous.state();
             [x[0], x[1], x[2], v[0], v[1], v[2]]
         })
@@ -68,17 +68,17 @@ impl Instance {
     /// Their time derivatives.
     ///
     /// # Errors
-    /// In initialization when the start is not possible.
+    /// In initialization when the start is not possible; [`Problem::Overflow`].
     pub fn state_derivatives(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(Continuous::derivatives)
+        self.with_continuous(DERIVATIVES, Continuous::derivatives)
     }
 
     /// Distances to both stops in flight, pressing acceleration in rest: an event is where one becomes negative.
     ///
     /// # Errors
-    /// In initialization when the start is not possible.
+    /// In initialization when the start is not possible; [`Problem::Overflow`].
     pub fn event_indicators(&self) -> Outcome<[f64; EVENT_INDICATORS]> {
-        self.with_continuous(Continuous::indicators)
+        self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
     }
 
     /// Nominal values of the continuous states, all 1, as `rows::state` declares them.
@@ -93,14 +93,22 @@ impl Instance {
         }
     }
 
-    /// Evaluates the model; in initialization at the start.
-    fn with_continuous<T>(&self, evaluate: impl FnOnce(&Continuous) -> T) -> Outcome<T> {
-        match self.present()? {
-            Present::Continuous(continuous) => Ok(evaluate(&continuous)),
+    /// Evaluates numbers of the model; in initialization at the start. None of them is ever not finite.
+    fn with_continuous<const N: usize>(
+        &self,
+        names: [&'static str; N],
+        evaluate: impl FnOnce(&Continuous) -> [f64; N],
+    ) -> Outcome<[f64; N]> {
+        let values = match self.present()? {
+            Present::Continuous(continuous) => evaluate(&continuous),
             _ => {
                 let (simulator, _) = self.initial_simulator(&self.settings)?;
-                Ok(evaluate(&Continuous::start(&simulator, forces(&self.settings))?))
+                evaluate(&Continuous::start(&simulator, forces(&self.settings))?)
             }
+        };
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(values),
+            Some(i) => Err(Problem::Overflow { name: names[i], value: values[i], time: self.time() }),
         }
     }
 }

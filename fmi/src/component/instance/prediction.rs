@@ -81,5 +81,6 @@ fn time_of_impact(mut form: ClosedForm, parameters: &Parameters) -> Outcome<Opti
 /// How far to look, s: a finite number > 0.
 fn span(parameters: &Parameters) -> f64 {
     let fastest = Model::new(parameters).map_or(1.0, |model| model.rate);
-    (PERIODS * parameters.period()).min(TIME_CONSTANTS / fastest)
+    // A frequency may be -0, which is none.
+    (PERIODS * parameters.period().abs()).min(TIME_CONSTANTS / fastest)
 }

@@ -31,14 +31,14 @@ pub enum StepReason {
 
 impl Instance {
     /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off by rounding. Where the
-    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`].
+    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`], and the next step may begin there.
     ///
     /// # Errors
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
     pub fn step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome<StepOutcome> {
         self.check_step(point, size)?;
         let end = point + size;
-        let wanted = log.wants(Category::Events);
+        let (wanted, mut left_out) = (log.wants(Category::Events), 0.0);
         let mut report = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut report) } else { None };
         let reason = match &mut self.engine {
@@ -51,10 +51,16 @@ impl Instance {
                 if self.parameters_set {
                     form.set_parameters(&self.settings.parameters)?;
                 }
-                form.advance(point, size, self.settings.stop_at_impact, report)?
+                let (reason, unreported) = form.advance(point, size, self.settings.stop_at_impact, report)?;
+                left_out = unreported;
+                reason
             }
             Engine::None | Engine::Continuous(_) => AdvanceOutcome::End,
         };
+        if left_out > 0.0 {
+            let message = format!("{left_out} more impacts up to t = {end} s are not listed one by one");
+            log.log(Category::Events, &message);
+        }
         Ok(self.finish_step(reason, end))
     }
 
@@ -63,7 +69,12 @@ impl Instance {
         if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
             return Err(Problem::Sequence { what: "the instance is not initialized" });
         }
-        check_times(point, size, self.time())?;
+        check_times(point, size, self.time()).map_err(|problem| match problem {
+            Problem::Time { given, own } if self.phase == Phase::StoppedEarly => {
+                Problem::Stopped { given, own }
+            }
+            problem => problem,
+        })?;
         let end = point + size;
         match self.experiment.and_then(|experiment| experiment.stop) {
             Some(stop) if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) => {
@@ -86,9 +97,7 @@ impl Instance {
         }
         let time = self.time();
         let early = reason == AdvanceOutcome::Impact && time < end;
-        if early {
-            self.phase = Phase::StoppedEarly;
-        }
+        self.phase = if early { Phase::StoppedEarly } else { Phase::Step };
         StepOutcome { time, reason: if early { StepReason::Impact } else { StepReason::EndReached } }
     }
 }

@@ -152,7 +152,6 @@ fn golden_value_of_the_checksum() {
 /// A state with one bit altered is refused or carried on, in bounded time and without a panic. Of each byte the lowest bit,
 /// which turns Booleans and enumerations, and one other are altered.
 #[test]
-#[ignore = "takes minutes: wild numbers make motions that meet the limit of work"]
 fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
     /// A step ends within a second or two, on a busy machine too.
     const LONGEST: f64 = 10.0;

@@ -136,15 +136,26 @@ pub enum DependencyKind {
 /// Knowns by name, and how an unknown depends on each.
 pub type Knowns = &'static [(&'static str, DependencyKind)];
 
-/// What a variable depends on: an output on inputs, continuous states and time; a calculated parameter on parameters.
+/// What a variable depends on: an output at any one moment on inputs, continuous states and time; a calculated parameter on
+/// parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dependencies {
-    /// It is no unknown: it is set, or it is time.
+    /// It is no unknown of the model's structure: it is set, it is time, or it tells of the last step or of what is to come.
     NotUnknown,
     /// On these and no others.
     On(Knowns),
-    /// On everything, or nobody knows.
-    All,
+}
+
+/// What an unknown depends on in initialization, where inputs, start values, parameters and time are the knowns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Initially {
+    /// On what it depends on at any other time.
+    AsLater,
+    /// Beside that on all that a closed form follows, [`START`](super::START), since the start may be taken from one, and on
+    /// these.
+    OnStartAnd(&'static [&'static str]),
+    /// On these alone.
+    On(&'static [&'static str]),
 }
 
 /// An output as a combination of displacements or their derivatives: its own time derivatives are then known exactly.
@@ -196,6 +207,8 @@ pub struct Variable {
     pub dependencies: Dependencies,
     /// Names of further knowns, in descriptions that count parameters, and what decides on contact at an event, among them.
     pub further: &'static [&'static str],
+    /// What it depends on in initialization.
+    pub initially: Initially,
     /// The time derivatives it has beside its value, if any.
     pub path: Option<Path>,
     /// Of an input, the body it acts on: 0 the box, 1 the block, 2 the secondary oscillator.

@@ -2,7 +2,7 @@
 
 use super::bases::Edition;
 use super::columns::{
-    Access, Causality, Dependencies, Initial, Kind, Knowns, Reading, Variability, Variable,
+    Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Reading, Variability, Variable,
 };
 use super::rows::{derivative_of, event_output, reading, real};
 use super::sections::Section;
@@ -32,6 +32,7 @@ const fn local(
         access,
         dependencies,
         further: &[],
+        initially: Initially::OnStartAnd(&[]),
         path: None,
         body: None,
     }
@@ -46,7 +47,7 @@ pub(super) const fn prediction(
     get: fn(&Prediction) -> f64,
 ) -> Variable {
     let access = Access::Prediction(get);
-    let row = local(Section::Contact, name, description, kind, access, Dependencies::All);
+    let row = local(Section::Contact, name, description, kind, access, Dependencies::NotUnknown);
     Variable { variability, ..row }
 }
 
@@ -105,7 +106,7 @@ pub(super) const fn step_matrix(
     get: fn(&StepMatrices, usize) -> f64,
 ) -> Variable {
     let (kind, access) = (real(units::SENSITIVITY), Access::Step(get));
-    let row = local(Section::Sensitivity, name, description, kind, access, Dependencies::All);
+    let row = local(Section::Sensitivity, name, description, kind, access, Dependencies::NotUnknown);
     Variable { edition: Edition::Extended, dimensions, ..row }
 }
 

@@ -4,7 +4,7 @@
 use super::bases::Edition;
 use super::columns::DependencyKind::Dependent;
 use super::columns::{
-    Access, Causality, Dependencies, Initial, Kind, Knowns, Path, Reading, Variability, Variable,
+    Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Path, Reading, Variability, Variable,
 };
 use super::sections::Section;
 use crate::component::settings::{Derived, Settings};
@@ -24,6 +24,12 @@ macro_rules! reading {
     };
 }
 pub(super) use reading;
+
+/// Parameters, by name, that a group is made of.
+macro_rules! of {
+    ($($name:literal),*) => { &[$(($name, $crate::component::variables::columns::DependencyKind::Dependent)),*] };
+}
+pub(super) use of;
 
 /// A Real of any finite value.
 pub(super) const fn real(declared: RealType) -> Kind {
@@ -54,6 +60,7 @@ pub(super) const TIME: Variable = Variable {
     access: Access::Output(reading!(|m| m.time)),
     dependencies: Dependencies::NotUnknown,
     further: &[],
+    initially: Initially::AsLater,
     path: None,
     body: None,
 };
@@ -99,6 +106,7 @@ pub(super) const fn option(
         access: Access::Setting { get, set },
         dependencies: Dependencies::NotUnknown,
         further: &[],
+        initially: Initially::AsLater,
         path: None,
         body: None,
     }
@@ -124,6 +132,7 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
         },
         dependencies: Dependencies::NotUnknown,
         further: &[],
+        initially: Initially::AsLater,
         path: None,
         body: Some(BODY),
     }
@@ -208,6 +217,7 @@ pub(super) const fn output(
         access: Access::Output(reading),
         dependencies: Dependencies::On(knowns),
         further: &[],
+        initially: Initially::OnStartAnd(&[]),
         path,
         body: None,
     }
@@ -223,7 +233,7 @@ pub(super) const fn event_output(
 ) -> Variable {
     let reading = Reading { value, varied: None };
     let output = output(section, name, description, kind, reading, &[], None);
-    Variable { variability: Variability::Discrete, ..output }
+    Variable { variability: Variability::Discrete, initially: Initially::On(&[]), ..output }
 }
 
 /// What follows from the parameters.
@@ -233,7 +243,7 @@ const fn derived(
     description: &'static str,
     kind: Kind,
     get: fn(&Derived) -> f64,
-    dependencies: Dependencies,
+    knowns: Knowns,
 ) -> Variable {
     Variable {
         name,
@@ -247,15 +257,15 @@ const fn derived(
         initial: Some(Initial::Calculated),
         kind,
         access: Access::Derived(get),
-        dependencies,
+        dependencies: Dependencies::On(knowns),
         further: &[],
+        initially: Initially::AsLater,
         path: None,
         body: None,
     }
 }
 
-/// A dimensionless group, made of the parameters in `knowns`; NaN when `box.k` = 0, where the dimensionless form is
-/// undefined.
+/// A dimensionless group, made of the parameters in `knowns`.
 pub(super) const fn group(
     name: &'static str,
     description: &'static str,
@@ -263,7 +273,7 @@ pub(super) const fn group(
     knowns: Knowns,
 ) -> Variable {
     let number = real(units::NUMBER);
-    derived(Section::Groups, name, description, number, get, Dependencies::On(knowns))
+    derived(Section::Groups, name, description, number, get, knowns)
 }
 
 /// The same of fixed parameters.
@@ -276,14 +286,14 @@ pub(super) const fn fixed_group(
     Variable { variability: Variability::Fixed, ..group(name, description, get, knowns) }
 }
 
-/// A number of the steady state; it may depend on every parameter.
+/// A number of the steady state, 0 where there is none; it depends on [`DECIDING`] parameters.
 pub(super) const fn steady(
     name: &'static str,
     description: &'static str,
     declared: RealType,
     get: fn(&Derived) -> f64,
 ) -> Variable {
-    derived(Section::Steady, name, description, real(declared), get, Dependencies::All)
+    derived(Section::Steady, name, description, real(declared), get, DECIDING)
 }
 
 /// A test of the steady state.
@@ -292,7 +302,17 @@ pub(super) const fn flag(
     description: &'static str,
     get: fn(&Derived) -> f64,
 ) -> Variable {
-    derived(Section::Steady, name, description, Kind::Boolean, get, Dependencies::All)
+    derived(Section::Steady, name, description, Kind::Boolean, get, DECIDING)
+}
+
+/// A number of the slow invariant manifold, which at most the restitution coefficient decides.
+pub(super) const fn manifold(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Derived) -> f64,
+    knowns: Knowns,
+) -> Variable {
+    derived(Section::Steady, name, description, real(units::NUMBER), get, knowns)
 }
 
 /// A row with further knowns.
@@ -300,11 +320,46 @@ pub(super) const fn by(further: &'static [&'static str], row: Variable) -> Varia
     Variable { further, ..row }
 }
 
-/// Parameters, by name, that a group is made of.
-macro_rules! of {
-    ($($name:literal),*) => { &[$(($name, $crate::component::variables::columns::DependencyKind::Dependent)),*] };
+/// A row that depends in initialization on what [`Initially`] says.
+pub(super) const fn at_start(initially: Initially, row: Variable) -> Variable {
+    Variable { initially, ..row }
 }
-pub(super) use of;
+
+/// The parameters that decide on a steady state: all but the drive's phase, which only says when it passes where.
+const DECIDING: Knowns = of!(
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "secondary.m",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency"
+);
+
+/// What a closed form follows: in its modes, and with `startOnOrbit`, these decide on the start, and not the start values.
+pub const START: &[&str] = &[
+    "time",
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "secondary.m",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "mode",
+    "startOnOrbit",
+];
 
 /// Everything: accumulated work and energies.
 pub(super) const ALL: Knowns = &[

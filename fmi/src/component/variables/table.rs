@@ -6,7 +6,7 @@ use super::columns::DependencyKind::{
 use super::columns::Path::{Coupling, Gap};
 use super::columns::Variability::{Continuous, Discrete};
 use super::columns::Variability::{Fixed, Tunable};
-use super::columns::{Kind, Knowns, Variable};
+use super::columns::{Initially, Kind, Knowns, Variable};
 use super::later::*;
 use super::rows::*;
 use super::sections::Section;
@@ -50,8 +50,48 @@ const SECONDARY: Knowns = &[
     ("secondary.v", OfTunable),
 ];
 
-/// Parameters of the motion of box and block; the gap counts where they rest at a stop.
-const OF_PAIR: &[&str] = &[
+/// The parameters in the box's acceleration: in rest those of both bodies, by multiple scales those of its amplitude.
+const OF_BOX: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "mode",
+];
+
+/// The parameters in the block's acceleration: in rest those of both bodies; by multiple scales it is zero.
+const OF_BLOCK: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "mode",
+];
+
+/// The parameters in the contact force.
+const PRESSING: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "coupling.k",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+];
+
+/// The same with the unit in which the pressing acceleration is told.
+const PRESSED: &[&str] = &[
     "box.m",
     "box.k",
     "box.c",
@@ -62,6 +102,25 @@ const OF_PAIR: &[&str] = &[
     "drive.frequency",
     "drive.phase",
 ];
+
+/// The parameters in the accelerations of all three bodies.
+const OF_BODIES: &[&str] = &[
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "secondary.m",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "mode",
+];
+
 /// What decides on contact at an event.
 const OF_CONTACT: &[&str] = &[
     "time",
@@ -83,10 +142,12 @@ const OF_CONTACT: &[&str] = &[
     "block.v",
     "secondary.s",
 ];
-/// Of the secondary oscillator.
-const OF_SECONDARY: &[&str] = &["secondary.m", "secondary.k", "secondary.c", "coupling.k"];
-/// Of all three.
-const OF_BODIES: &[&str] = &[
+
+/// The parameters of an impact.
+const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
+
+/// The parameters in the dampers' work since the last accepted step of a host's solver; with them, in the work of the inputs.
+const DAMPED: &[&str] = &[
     "box.m",
     "box.k",
     "box.c",
@@ -95,21 +156,31 @@ const OF_BODIES: &[&str] = &[
     "secondary.k",
     "secondary.c",
     "coupling.k",
-    "stop.gap",
     "drive.amplitude",
     "drive.frequency",
     "drive.phase",
 ];
-/// Of an impact.
-const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
-/// Of kinetic and elastic energy.
-const OF_ENERGY: &[&str] = &["box.m", "box.k", "block.m", "secondary.m", "secondary.k", "coupling.k"];
-/// Of work that has been summed up.
-const OF_WORK: &[&str] = OF_BODIES;
 
-/// A group's value; NaN when `box.k` = 0, where the dimensionless form is undefined.
+/// At the start the block's velocity too decides on accelerations and contact force: with it the block rests, or leaves.
+const MOTION_AT_START: Initially = Initially::OnStartAnd(&["block.v"]);
+
+/// Where box and block stand still beside each other at a stop without a pressing force, the first derivative that is not
+/// zero decides whether they stay so, and in the higher ones stands everything that moves.
+const CONTACT_AT_START: Initially = Initially::OnStartAnd(&[
+    "box.f",
+    "block.f",
+    "secondary.f",
+    "box.s",
+    "box.v",
+    "block.s",
+    "block.v",
+    "secondary.s",
+    "secondary.v",
+]);
+
+/// A group's value.
 fn value(derived: &Derived, get: fn(&Groups) -> f64) -> f64 {
-    derived.groups.as_ref().map_or(f64::NAN, get)
+    get(&derived.groups)
 }
 
 /// A count as a C int, saturating: 2^31 impacts take years of computing.
@@ -154,24 +225,25 @@ const TABLE: &[Variable] = &[
     // Motion
     position::<0>("box.s", "Displacement of the box (x1)", true, &[("box.s", Constant)]),
     velocity::<0>("box.v", "box.s", "Velocity of the box", true, &[("box.v", Constant)]),
-    by(OF_PAIR, acceleration::<0>("box.a", "box.v", "Acceleration of the box", PAIR)),
+    by(OF_BOX, at_start(MOTION_AT_START, acceleration::<0>("box.a", "box.v", "Acceleration of the box", PAIR))),
     position::<1>("block.s", "Displacement of the block (x2)", true, &[("block.s", Constant)]),
     velocity::<1>("block.v", "block.s", "Velocity of the block", true, &[("block.v", Constant)]),
-    by(OF_PAIR, acceleration::<1>("block.a", "block.v", "Acceleration of the block", PAIR)),
+    by(OF_BLOCK, at_start(MOTION_AT_START, acceleration::<1>("block.a", "block.v", "Acceleration of the block", PAIR))),
     position::<2>("secondary.s", "Displacement of the secondary oscillator (x3)", false, &[("secondary.s", Constant)]),
     velocity::<2>("secondary.v", "secondary.s", "Velocity of the secondary oscillator", false, &[("secondary.v", Constant)]),
-    by(OF_SECONDARY, acceleration::<2>("secondary.a", "secondary.v", "Acceleration of the secondary oscillator", SECONDARY)),
+    by(&["secondary.m", "secondary.k", "secondary.c", "coupling.k", "drive.frequency", "mode"],
+        acceleration::<2>("secondary.a", "secondary.v", "Acceleration of the secondary oscillator", SECONDARY)),
 
     // Contact
     by(&["stop.gap"], output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
         real(units::POSITION), reading!(|m| m.gap.0), GAP, Some(Gap { order: 0 }))),
     output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
         &[("box.v", AtEvents), ("block.v", AtEvents)], Some(Gap { order: 1 })),
-    by(OF_PAIR, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
+    by(PRESSING, at_start(MOTION_AT_START, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
         the block away from the stop and the box towards it (stop.state says which stop); exactly 0 in flight",
-        real(units::FORCE), reading!(|m| m.contact_force), PAIR, None)),
-    by(OF_CONTACT, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
-        |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 })),
+        real(units::FORCE), reading!(|m| m.contact_force), PAIR, None))),
+    by(OF_CONTACT, at_start(CONTACT_AT_START, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
+        |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 }))),
     event_output(Section::Contact, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.upper)),
     event_output(Section::Contact, "impacts.lower", "Number of impacts on the lower stop since the start", Kind::Integer { min: 0 },
@@ -188,65 +260,68 @@ const TABLE: &[Variable] = &[
         real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)], Some(Coupling))),
 
     // Energy
-    by(OF_ENERGY, output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None)),
-    by(OF_WORK, output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None)),
-    by(OF_WORK, output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None)),
+    by(&["box.m", "box.k", "block.m", "secondary.m", "secondary.k", "coupling.k"],
+        output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None)),
+    by(DAMPED, at_start(Initially::On(&[]),
+        output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None))),
+    by(DAMPED, at_start(Initially::On(&[]),
+        output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None))),
     by(OF_IMPACT, event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss)),
 
     // Dimensionless groups
     fixed_group("groups.epsilon", "Mass ratio m2/m1", |d| value(d, |g| g.epsilon),
         of!("box.m", "block.m")),
     group("groups.kappa", "Restitution coefficient", |d| value(d, |g| g.kappa),
-        of!("stop.restitution")),
-    group("groups.f10", "Drive amplitude F10/(k1 L epsilon)", |d| value(d, |g| g.f10),
+        &[("stop.restitution", Constant)]),
+    group("groups.f10", "Drive amplitude F10/(k1 L epsilon); 0 without box.k", |d| value(d, |g| g.f10),
         of!("box.m", "box.k", "block.m", "stop.gap", "drive.amplitude")),
-    group("groups.sigma1", "Detuning of the drive, (omega1/omega10 - 1)/epsilon", |d| value(d, |g| g.sigma1),
+    group("groups.sigma1", "Detuning of the drive, (omega1/omega10 - 1)/epsilon; 0 without box.k", |d| value(d, |g| g.sigma1),
         of!("box.m", "box.k", "block.m", "drive.frequency")),
-    group("groups.gamma1", "Damping of the box, c1/(m1 omega10 epsilon)", |d| value(d, |g| g.gamma1),
+    group("groups.gamma1", "Damping of the box, c1/(m1 omega10 epsilon); 0 without box.k", |d| value(d, |g| g.gamma1),
         of!("box.m", "box.k", "box.c", "block.m")),
-    group("groups.alpha23", "Weak coupling, beta2/epsilon", |d| value(d, |g| g.alpha23),
+    group("groups.alpha23", "Weak coupling, beta2/epsilon; 0 without box.k", |d| value(d, |g| g.alpha23),
         of!("box.m", "box.k", "block.m", "coupling.k")),
-    group("groups.beta2", "Coupling, k23/(m2 omega10^2)", |d| value(d, |g| g.beta2),
+    group("groups.beta2", "Coupling, k23/(m2 omega10^2); 0 without box.k", |d| value(d, |g| g.beta2),
         of!("box.m", "box.k", "block.m", "coupling.k")),
-    group("groups.sigma30", "Detuning of the secondary oscillator, (omega30^2/omega10^2 - 1)/epsilon", |d| value(d, |g| g.sigma30),
+    group("groups.sigma30", "Detuning of the secondary oscillator, (omega30^2/omega10^2 - 1)/epsilon; 0 without box.k", |d| value(d, |g| g.sigma30),
         of!("box.m", "box.k", "block.m", "secondary.m", "secondary.k")),
-    group("groups.gamma3", "Damping of the secondary oscillator, c3/(m3 omega10 epsilon)", |d| value(d, |g| g.gamma3),
+    group("groups.gamma3", "Damping of the secondary oscillator, c3/(m3 omega10 epsilon); 0 without box.k", |d| value(d, |g| g.gamma3),
         of!("box.m", "box.k", "block.m", "secondary.m", "secondary.c")),
     fixed_group("groups.mu13", "Mass ratio m1/m3", |d| value(d, |g| g.mu13),
         of!("box.m", "secondary.m")),
 
     // Steady state
-    flag("steady.exists", "A two-impact steady state exists, by multiple scales",
+    flag("steady.exists", "A two-impact steady state exists, by multiple scales; without one its numbers are 0",
         |d| f64::from(d.steady.exists)),
     flag("steady.geometric", "It keeps the block between the stops", |d| f64::from(d.steady.geometric)),
     flag("steady.fixedPointStable", "The slow flow's fixed point is stable", |d| f64::from(d.steady.fixed_point_stable)),
     flag("steady.motionStable", "The periodic two-impact motion is stable", |d| f64::from(d.steady.motion_stable)),
     flag("steady.stable", "All three tests hold: the steady state is seen in the real system, as far as multiple scales tell", |d| f64::from(d.steady.stable)),
-    steady("steady.B", "Amplitude of the centre-of-mass coordinate in gaps, by multiple scales; NaN without a steady state", units::NUMBER,
+    steady("steady.B", "Amplitude of the centre-of-mass coordinate in gaps, by multiple scales; 0 without a steady state", units::NUMBER,
         |d| d.steady.b),
-    steady("steady.C", "Amplitude of the sawtooth in gaps; NaN without a steady state", units::NUMBER,
+    steady("steady.C", "Amplitude of the sawtooth in gaps; 0 without a steady state", units::NUMBER,
         |d| d.steady.c),
-    steady("steady.A3", "Amplitude of the secondary oscillator in gaps; NaN without a steady state", units::NUMBER,
+    steady("steady.A3", "Amplitude of the secondary oscillator in gaps; 0 without a steady state", units::NUMBER,
         |d| d.steady.a3),
-    steady("steady.rho", "Loss parameter (2/pi)(1 - kappa)/(1 + kappa)", units::NUMBER,
-        |d| d.steady.rho),
-    steady("steady.Cmin", "Smallest C of the slow invariant manifold's upper branch", units::NUMBER,
-        |d| d.steady.c_min),
-    steady("steady.CSmin", "Smallest C of stable periodic motion", units::NUMBER,
-        |d| d.steady.cs_min),
-    steady("steady.CSmax", "Largest C of stable periodic motion", units::NUMBER,
-        |d| d.steady.cs_max),
-    steady("steady.CGmax", "Largest geometrically admissible C", units::NUMBER,
-        |d| d.steady.cg_max),
-    steady("steady.phase", "Phase of the drive when the block meets the upper stop; NaN without a steady state", units::ANGLE,
+    manifold("steady.rho", "Loss parameter (2/pi)(1 - kappa)/(1 + kappa)",
+        |d| d.steady.rho, of!("stop.restitution")),
+    manifold("steady.Cmin", "Smallest C of the slow invariant manifold's upper branch",
+        |d| d.steady.c_min, of!("stop.restitution")),
+    manifold("steady.CSmin", "Smallest C of stable periodic motion",
+        |d| d.steady.cs_min, of!("stop.restitution")),
+    manifold("steady.CSmax", "Largest C of stable periodic motion",
+        |d| d.steady.cs_max, &[]),
+    manifold("steady.CGmax", "Largest geometrically admissible C",
+        |d| d.steady.cg_max, of!("stop.restitution")),
+    steady("steady.phase", "Phase of the drive when the block meets the upper stop; 0 without a steady state", units::ANGLE,
         |d| d.steady.phase),
-    steady("steady.A1", "Amplitude of the box in gaps; NaN without a steady state", units::NUMBER,
+    steady("steady.A1", "Amplitude of the box in gaps; 0 without a steady state", units::NUMBER,
         |d| d.steady.a1),
-    steady("steady.A2", "Amplitude of the block in gaps; NaN without a steady state", units::NUMBER,
+    steady("steady.A2", "Amplitude of the block in gaps; 0 without a steady state", units::NUMBER,
         |d| d.steady.a2),
-    steady("steady.impulse", "Impulse of each impact on the exact orbit; NaN where there is none", units::IMPULSE,
+    steady("steady.impulse", "Impulse of each impact on the exact orbit; 0 where there is none", units::IMPULSE,
         |d| d.steady.impulse),
-    steady("steady.spectralRadius", "Spectral radius of the half-cycle map of the exact orbit, stable below 1; NaN where there is none", units::NUMBER,
+    steady("steady.spectralRadius", "Spectral radius of the half-cycle map of the exact orbit, stable below 1; 0 where there is none, and steady.impulse with it", units::NUMBER,
         |d| d.steady.spectral_radius),
 
     // The event to come
@@ -262,7 +337,7 @@ const TABLE: &[Variable] = &[
     rate::<2>("der(secondary.s)", "secondary.s", "Derivative of secondary.s, which is secondary.v", &[("secondary.v", Constant)]),
     by(&["stop.gap"], indicator::<0>("stop.indicator.upper", "Distance of the block from the upper stop in gaps; 1 in rest", GAP)),
     by(&["stop.gap"], indicator::<1>("stop.indicator.lower", "Distance of the block from the lower stop in gaps; 1 in rest", GAP)),
-    by(OF_PAIR, indicator::<2>("stop.indicator.rest", "In rest, the relative acceleration that presses the block on, in units of the largest that \
+    by(PRESSED, indicator::<2>("stop.indicator.rest", "In rest, the relative acceleration that presses the block on, in units of the largest that \
         springs and drive make at one gap's displacement; 1 in flight", PAIR)),
 
     // Arrays
@@ -270,7 +345,7 @@ const TABLE: &[Variable] = &[
         &[("box.s", Constant), ("block.s", Constant), ("secondary.s", Constant)]),
     bodies("motion.v", "Velocities of box, block and secondary oscillator", units::VELOCITY, |m, i| m.v[i],
         &[("box.v", Constant), ("block.v", Constant), ("secondary.v", Constant)]),
-    by(OF_BODIES, bodies("motion.a", "Accelerations of box, block and secondary oscillator", units::ACCELERATION, |m, i| m.acceleration[i], ACCELERATIONS)),
+    by(OF_BODIES, at_start(MOTION_AT_START, bodies("motion.a", "Accelerations of box, block and secondary oscillator", units::ACCELERATION, |m, i| m.acceleration[i], ACCELERATIONS))),
     step_matrix("step.transition", "Derivatives of the states at the end of the last step (rows: box.s, block.s, secondary.s, box.v, \
         block.v, secondary.v) with respect to those at its begin (columns, in the same order), through all its events, in SI units", &[6, 6],
         |m, i| m.transition[i / 6][i % 6]),

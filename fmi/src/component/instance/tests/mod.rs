@@ -5,8 +5,10 @@ use crate::component::structure;
 use crate::component::variables::{Base, Bases, Causality, Edition, VARIABLES, Variability, find, reference};
 
 mod closed;
+mod dependencies;
 mod derivative;
 mod exchange;
+mod finite;
 mod memory;
 mod prediction;
 mod step;
