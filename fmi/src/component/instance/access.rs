@@ -88,7 +88,7 @@ impl Instance {
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
                 Get::Derived(get) => get(&self.derived),
                 Get::Prediction(get) => get(&self.prediction.unwrap_or_default()),
-                Get::Tick(get) => get(&self.tick),
+                Get::Tick(get) => get(&self.present_tick()),
                 Get::Elements(size, get) => {
                     (0..size).for_each(|k| write(i + k, get(&self.values, k)));
                     i += size;
@@ -282,21 +282,21 @@ impl Instance {
         }
         let derivatives = self.path_derivatives()?;
         let parameters = self.motion_parameters()?;
-        let first = self.first_reference;
-        let variable = |reference: u32| &VARIABLES[place(reference, first)];
-        let derivative = |reference: u32, order: i32| {
-            let path = variable(reference).path;
-            path.map_or(0.0, |path| path.derivative(&derivatives, &parameters, order as usize))
+        let derivative = |variable: &Variable, order: i32| {
+            variable.path.map_or(0.0, |path| path.derivative(&derivatives, &parameters, order as usize))
         };
-        for (&reference, &order) in references.iter().zip(orders) {
-            let value = derivative(reference, order);
+        let wanted = || {
+            let variable = |reference: &u32| &VARIABLES[place(*reference, self.first_reference)];
+            references.iter().map(variable).zip(orders.iter().copied())
+        };
+        for (variable, order) in wanted() {
+            let value = derivative(variable, order);
             if !value.is_finite() {
-                let name = variable(reference).name;
-                return Err(Problem::Overflow { name, value, time: self.time() });
+                return Err(Problem::Overflow { name: variable.name, value, time: self.time() });
             }
         }
-        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
-            write(i, derivative(reference, order));
+        for (i, (variable, order)) in wanted().enumerate() {
+            write(i, derivative(variable, order));
         }
         Ok(())
     }
