@@ -135,6 +135,10 @@ impl Continuous {
         &self.data.parameters
     }
 
+    pub(crate) fn impacts(&self) -> &ImpactRecord {
+        &self.data.record
+    }
+
     pub(crate) fn time(&self) -> f64 {
         self.data.time
     }

@@ -58,6 +58,8 @@ pub struct Protocol {
     pub handling: EventHandling,
     /// What settings start from.
     pub start: Settings,
+    /// Whether there is a clock that ticks at impacts.
+    pub ticks: bool,
 }
 
 /// One component.
@@ -66,6 +68,7 @@ pub struct Instance {
     interface: Interface,
     first_reference: u32,
     handling: EventHandling,
+    ticks: bool,
     /// What settings start from.
     initial: Settings,
     phase: Phase,
@@ -99,11 +102,12 @@ impl Instance {
 
     /// The same in a protocol's own terms.
     pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
-        let Protocol { first_reference, handling, start } = protocol;
+        let Protocol { first_reference, handling, start, ticks } = protocol;
         Self {
             interface,
             first_reference,
             handling,
+            ticks,
             initial: start,
             phase: Phase::Instantiated,
             settings: start,
@@ -255,6 +259,7 @@ impl Instance {
             parameters_set: self.parameters_set,
             loads_set: self.loads_set,
             events: self.events,
+            tick: self.tick,
             stop_by_default: self.initial.stop_at_impact,
             engine: match &self.engine {
                 Engine::None => EngineState::None,
@@ -308,6 +313,7 @@ impl Instance {
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
         self.events = saved.events;
+        self.tick = saved.tick;
         self.invalidate();
         self.meet_own_protocol();
         Ok(())
@@ -318,6 +324,7 @@ impl Instance {
     fn meet_own_protocol(&mut self) {
         if self.interface == Interface::CoSimulation && !self.handling.event_mode {
             self.events = EventState::default();
+            self.tick.active = false;
             if self.phase == Phase::Event {
                 self.phase = Phase::Step;
             }

@@ -1,5 +1,6 @@
 //! What the outputs read: the motion at the present time, in plain numbers or with a variation of each.
 
+use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul, Neg, Sub};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, EnergyAccounts, ImpactRecord, Simulator, State};
@@ -107,7 +108,7 @@ impl Default for StepMatrices {
 }
 
 /// The clock of impacts, and the impact at its last tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tick {
     /// Whether it ticks now.
     pub active: bool,

@@ -108,7 +108,8 @@ unsafe fn go_on(
     body: impl FnOnce(&mut Instance, &mut Host) -> Outcome,
 ) -> FmiStatus {
     // SAFETY: as above.
-    let Some(Ok(mut borrowed)) = unsafe { shared(instance) }.map(|shared| shared.instance.try_borrow_mut()) else {
+    let Some(Ok(mut borrowed)) = unsafe { shared(instance) }.map(|shared| shared.instance.try_borrow_mut())
+    else {
         return Status::Error as FmiStatus;
     };
     let (instance, host) = &mut *borrowed;
@@ -327,10 +328,14 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     // SAFETY: as the caller says.
     unsafe {
         request.instantiate(intermediateUpdate, |name, token, enabled, host| {
-            let required =
-                array(requiredIntermediateVariables, nRequiredIntermediateVariables, "requiredIntermediateVariables")?;
+            let required = array(
+                requiredIntermediateVariables,
+                nRequiredIntermediateVariables,
+                "requiredIntermediateVariables",
+            )?;
             let mut instance = Instance::new(name, Interface::CoSimulation, token, handling, enabled)?;
             instance.require_intermediate_variables(required, intermediateUpdate.is_some(), host)?;
+            instance.warn_of_clocks(host);
             Ok(instance)
         })
     }
@@ -365,7 +370,9 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     // SAFETY: as the caller says.
     unsafe {
         request.instantiate(None, |_, _, _, _| {
-            Err(Problem::Sequence { what: "the model has no partitions to schedule: use Co-Simulation or Model Exchange" })
+            Err(Problem::Sequence {
+                what: "the model has no partitions to schedule: use Co-Simulation or Model Exchange",
+            })
         })
     }
 }

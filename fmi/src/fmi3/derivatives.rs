@@ -3,8 +3,8 @@
 use super::instance::{FIRST, Instance};
 use super::problem::{Outcome, Problem};
 use super::types::FmiDependencyKind;
-use crate::component::{self, structure};
 use crate::component::variables::DependencyKind;
+use crate::component::{self, structure};
 
 /// How far beyond a stop a solver may look, in gaps from the middle: farther out it does not look for an impact, but has gone
 /// astray.

@@ -2,13 +2,13 @@
 //! in one place, before any of these: [`guard`](Instance::guard), which the C interface calls.
 
 use super::description;
+use super::intermediate::{Required, Update};
 use super::problem::{Outcome, Problem};
 use super::states::{Function, Stage};
 use super::status::{self, Logger, Sink};
 use super::types::{DiscreteStates, Status, StepEnd};
 use crate::component::log::Categories;
 use crate::component::saved_state::SavedState;
-use super::intermediate::{Required, Update};
 use crate::component::settings::SolutionMode;
 use crate::component::variables::{Base, Bases, Edition};
 use crate::component::{self, EventHandling, Interface, Phase, Protocol};
@@ -79,7 +79,12 @@ impl Instance {
                 allowed: description::instantiation_token(description::MAIN),
             });
         };
-        let protocol = Protocol { first_reference: FIRST, handling, start: description::start_settings() };
+        let protocol = Protocol {
+            first_reference: FIRST,
+            handling,
+            start: description::start_settings(),
+            ticks: edition == Edition::Clocked,
+        };
         Ok(Self {
             component: component::Instance::of_protocol(interface, protocol),
             enabled,
@@ -163,7 +168,12 @@ impl Instance {
     ///
     /// # Errors
     /// As [`set_experiment`](component::Instance::set_experiment).
-    pub fn enter_initialization_mode(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
+    pub fn enter_initialization_mode(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Outcome {
         self.component.set_experiment(tolerance, start, stop)?;
         self.component.enter_initialization();
         Ok(())

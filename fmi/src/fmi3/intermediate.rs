@@ -15,6 +15,7 @@ use super::states::Function;
 use super::status::Sink;
 use super::types::{Status, StepEnd};
 use crate::component::log::Category;
+use crate::component::variables::Edition;
 use crate::component::{self, Advance, Piece, Pieces};
 
 /// The inputs that a host intends to set inside a step, by body.
@@ -97,6 +98,19 @@ impl Instance {
         Ok(())
     }
 
+    /// Warns of a clock that can never tick, since it does so in Event Mode (FMI 3.0.2, 2.3.1: FMUs with clocks need
+    /// `eventModeUsed`).
+    pub fn warn_of_clocks(&self, sink: &mut dyn Sink) {
+        let clocked = self.edition() == Edition::Clocked;
+        if clocked
+            && !self.component.event_handling().event_mode
+            && self.enabled().contains(Category::Warnings)
+        {
+            let text = "fmi3InstantiateCoSimulation: eventModeUsed is false, so impacts.clock never ticks; all else is right";
+            sink.send(Status::Warning, Category::Warnings, text);
+        }
+    }
+
     /// Whether the host's callback runs.
     pub fn in_callback(&self) -> bool {
         self.update.is_some()
@@ -170,11 +184,18 @@ impl Instance {
     /// # Errors
     /// As [`advance`](component::Instance::advance), and when a call inside the callback was refused; the step has been taken
     /// back then.
-    pub fn answered(&mut self, progress: &mut Progress, until: Option<f64>, sink: &mut dyn Sink) -> Outcome<Turn> {
+    pub fn answered(
+        &mut self,
+        progress: &mut Progress,
+        until: Option<f64>,
+        sink: &mut dyn Sink,
+    ) -> Outcome<Turn> {
         self.update = None;
         if self.component.phase() == component::Phase::Terminated {
             self.component.take_pieces_back(&progress.pieces);
-            return Err(Problem::Sequence { what: "a call inside the callback was refused: the step has been taken back" });
+            return Err(Problem::Sequence {
+                what: "a call inside the callback was refused: the step has been taken back",
+            });
         }
         if let (Some(time), Asked::Event | Asked::End) = (until, progress.asked) {
             let now = self.component.time();
@@ -195,7 +216,8 @@ impl Instance {
                 self.start(progress, sink)
             }
             Asked::Event => {
-                let ends = self.component.pass_event(&mut progress.pieces, &mut self.log(sink, Function::DoStep));
+                let ends =
+                    self.component.pass_event(&mut progress.pieces, &mut self.log(sink, Function::DoStep));
                 let here = progress.until.is_some_and(|until| until <= self.component.time());
                 if ends || here { Ok(self.end_step(progress)) } else { self.go_on(progress, sink) }
             }
@@ -237,6 +259,9 @@ impl Instance {
 
     fn end_step(&mut self, progress: &Progress) -> Turn {
         let Advance { time, event, early } = self.component.end_pieces(&progress.pieces);
+        for body in (0..3).filter(|body| self.required.inputs[*body] && !early) {
+            self.component.hold_load(body, progress.loads[body][3]);
+        }
         Turn::Done(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
     }
 

@@ -192,8 +192,11 @@ impl Function {
     /// then discarded.
     pub fn takes_values(self) -> bool {
         let name = self.name();
-        (name.starts_with("fmi3Set") || name.starts_with("fmi3Get") || name == "fmi3ExitInitializationMode"
-            || name == "fmi3UpdateDiscreteStates" || name == "fmi3EnterStepMode")
+        (name.starts_with("fmi3Set")
+            || name.starts_with("fmi3Get")
+            || name == "fmi3ExitInitializationMode"
+            || name == "fmi3UpdateDiscreteStates"
+            || name == "fmi3EnterStepMode")
             && self != Self::SetTime
     }
 }

@@ -64,7 +64,9 @@ fn wrong_calls_are_errors_that_terminate() {
 
 #[test]
 fn variables_that_cannot_be_set_now_are_errors() {
-    for (name, value) in [("box.m", 1.0), ("box.a", 1.0), ("impacts.upper", 1.0), ("stopAtImpact", 0.0), ("box.s", 0.0)] {
+    for (name, value) in
+        [("box.m", 1.0), ("box.a", 1.0), ("impacts.upper", 1.0), ("stopAtImpact", 0.0), ("box.s", 0.0)]
+    {
         let fmu = Fmu::started(FF, &[]);
         assert_eq!(fmu.set(name, value), ERROR, "{name}");
         assert!(fmu.last().contains(name) && fmu.last().contains("cannot be set"), "{}", fmu.last());
@@ -150,7 +152,10 @@ fn steps_that_cannot_be_are_errors_at_the_time_reached() {
 /// leads on.
 #[test]
 fn a_step_with_too_many_events_is_an_error_and_is_taken_back() {
-    let fmu = Fmu::started(FF, &[("stop.restitution", 1.0), ("block.s", 1.0), ("block.v", -1e-7), ("block.f", 100.0)]);
+    let fmu = Fmu::started(
+        FF,
+        &[("stop.restitution", 1.0), ("block.s", 1.0), ("block.v", -1e-7), ("block.f", 100.0)],
+    );
     let state = fmu.save();
     let (status, end) = fmu.try_step(0.0, 1e4);
     if status == OK {
@@ -183,7 +188,20 @@ fn instantiations_that_cannot_be_are_null_and_logged() {
     // SAFETY: valid strings or null; the logger is called inside only.
     unsafe {
         let make = |name: *const _, token: *const _, on| {
-            fmi3InstantiateCoSimulation(name, token, null(), 0, on, 0, 0, null(), 0, environment, Some(keep), None)
+            fmi3InstantiateCoSimulation(
+                name,
+                token,
+                null(),
+                0,
+                on,
+                0,
+                0,
+                null(),
+                0,
+                environment,
+                Some(keep),
+                None,
+            )
         };
         assert!(make(c"a".as_ptr(), c"{no}".as_ptr(), 1).is_null());
         assert!(make(c" ".as_ptr(), token.as_ptr(), 1).is_null());
@@ -236,7 +254,8 @@ fn instantiations_that_cannot_be_are_null_and_logged() {
         assert_eq!(log.len(), expected.len());
         let guid = CString::new(vibro_fmi::fmi2::description::guid()).unwrap();
         assert!(make(c"a".as_ptr(), guid.as_ptr(), 0).is_null());
-        let quiet = fmi3InstantiateModelExchange(c"a".as_ptr(), token.as_ptr(), null(), 1, 1, null_mut(), None);
+        let quiet =
+            fmi3InstantiateModelExchange(c"a".as_ptr(), token.as_ptr(), null(), 1, 1, null_mut(), None);
         assert!(!quiet.is_null());
         assert_eq!(fmi3EnterStepMode(quiet), ERROR);
         fmi3FreeInstance(quiet);
@@ -334,7 +353,9 @@ fn start_values_are_read_before_initialization() {
     assert_eq!(fmu.set("block.s", 0.25), OK);
     assert_eq!((fmu.get("block.s"), fmu.get("mode")), (0.25, 1.0));
     for (i, variable) in VARIABLES.iter().enumerate() {
-        if variable.dimensions.is_empty() && variable.edition != vibro_fmi::component::variables::Edition::Clocked {
+        if variable.dimensions.is_empty()
+            && variable.edition != vibro_fmi::component::variables::Edition::Clocked
+        {
             let _ = (i, fmu.get(variable.name));
         }
     }

@@ -106,8 +106,14 @@ fn row_event_mode_without_early_return() {
             let (plain, fmu) = (Fmu::started(FF, &start), Fmu::started(flags, &start));
             let mut seen = 0;
             for i in 0..60 {
-                let names =
-                    ["impacts.upper", "impacts.lower", "impacts.lastTime", "impacts.impulse", "stop.state", "energy.impact"];
+                let names = [
+                    "impacts.upper",
+                    "impacts.lower",
+                    "impacts.lastTime",
+                    "impacts.impulse",
+                    "stop.state",
+                    "energy.impact",
+                ];
                 let held = names.map(|name| fmu.get(name));
                 let time = f64::from(i);
                 plain.step(time, 1.0);
@@ -192,7 +198,11 @@ fn an_early_return_that_is_ignored_is_an_error() {
     assert!(end.early);
     let (status, again) = fmu.try_step(50.0, 50.0);
     assert_eq!((status, again.time), (ERROR, end.time));
-    assert!(fmu.last().contains("currentCommunicationPoint = 50 s, but the instance is at t ="), "{}", fmu.last());
+    assert!(
+        fmu.last().contains("currentCommunicationPoint = 50 s, but the instance is at t ="),
+        "{}",
+        fmu.last()
+    );
 }
 
 #[test]

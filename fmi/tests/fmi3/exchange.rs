@@ -112,7 +112,8 @@ fn second_method_exchange_against_cosimulation() {
         if !solver.step(h) {
             continue;
         }
-        let (before, counted) = (solver.states(), solver.fmu.get("impacts.upper") + solver.fmu.get("impacts.lower"));
+        let (before, counted) =
+            (solver.states(), solver.fmu.get("impacts.upper") + solver.fmu.get("impacts.lower"));
         solver.fmu.enter_event_mode();
         // Getters show what comes after the event, before it is carried out.
         let after = solver.states();
@@ -166,7 +167,11 @@ fn invariant_values_do_not_depend_on_the_order_of_calls() {
     let points = [(0.1, 0.3), (0.2, -0.4), (0.05, 0.1), (0.3, 0.0)];
     let read = |(time, s): (f64, f64)| {
         solver.put(time, &[0.1 * s, s, -s, s, 2.0 * s, 0.5]);
-        (solver.rates().map(f64::to_bits), solver.indicators().map(f64::to_bits), solver.fmu.get("box.a").to_bits())
+        (
+            solver.rates().map(f64::to_bits),
+            solver.indicators().map(f64::to_bits),
+            solver.fmu.get("box.a").to_bits(),
+        )
     };
     let there = points.map(read);
     let mut back = points;
@@ -213,7 +218,9 @@ fn closed_forms_and_foreign_calls_are_errors() {
 fn what_may_be_set_in_event_mode() {
     let fmu = Fmu::exchange();
     fmu.initialize();
-    for (name, value) in [("box.f", 0.1), ("drive.amplitude", 0.2), ("secondary.s", 0.3), ("secondary.v", -0.3)] {
+    for (name, value) in
+        [("box.f", 0.1), ("drive.amplitude", 0.2), ("secondary.s", 0.3), ("secondary.v", -0.3)]
+    {
         assert_eq!(fmu.set(name, value), OK, "{name}: {}", fmu.last());
         assert_eq!(fmu.get(name), value);
     }

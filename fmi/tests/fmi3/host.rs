@@ -76,6 +76,11 @@ impl Fmu {
         Self::with_callback(flags, &[], None, null_mut())
     }
 
+    /// Of the description with a clock.
+    pub fn clocked(flags: Flags) -> Self {
+        Self::with(description::CLOCKED, flags, &[], None, null_mut())
+    }
+
     /// Messages go to the log unless there is an environment of the callback's, which both would get.
     pub fn with_callback(
         flags: Flags,
@@ -83,6 +88,17 @@ impl Fmu {
         callback: Option<FmiIntermediateUpdate>,
         environment: *mut c_void,
     ) -> Self {
+        Self::with(description::MAIN, flags, required, callback, environment)
+    }
+
+    fn with(
+        edition: description::Edition,
+        flags: Flags,
+        required: &[u32],
+        callback: Option<FmiIntermediateUpdate>,
+        environment: *mut c_void,
+    ) -> Self {
+        let token = CString::new(description::instantiation_token(edition)).unwrap();
         let log = Box::into_raw(Box::new(Vec::<Record>::new()));
         let (environment, logger) = match environment.is_null() {
             true => (log.cast(), Some(keep as FmiLogMessage)),
@@ -92,7 +108,7 @@ impl Fmu {
         let c = unsafe {
             fmi3InstantiateCoSimulation(
                 c"box".as_ptr(),
-                token().as_ptr(),
+                token.as_ptr(),
                 null(),
                 0,
                 1,
@@ -113,7 +129,15 @@ impl Fmu {
         let log = Box::into_raw(Box::new(Vec::<Record>::new()));
         // SAFETY: as above.
         let c = unsafe {
-            fmi3InstantiateModelExchange(c"box".as_ptr(), token().as_ptr(), null(), 0, 1, log.cast(), Some(keep))
+            fmi3InstantiateModelExchange(
+                c"box".as_ptr(),
+                token().as_ptr(),
+                null(),
+                0,
+                1,
+                log.cast(),
+                Some(keep),
+            )
         };
         assert!(!c.is_null());
         Self { c, log }

@@ -3,6 +3,8 @@
 
 mod arguments;
 mod bits;
+mod clock;
 mod events;
 mod exchange;
 mod host;
+mod intermediate;

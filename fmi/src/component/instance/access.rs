@@ -88,7 +88,7 @@ impl Instance {
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
                 Get::Derived(get) => get(&self.derived),
                 Get::Prediction(get) => get(&self.prediction.unwrap_or_default()),
-                Get::Tick(get) => get(&self.tick),
+                Get::Tick(get) => get(&self.present_tick()),
                 Get::Elements(size, get) => {
                     (0..size).for_each(|k| write(i + k, get(&self.values, k)));
                     i += size;

@@ -40,6 +40,16 @@ struct Stand {
     early: bool,
     /// An event was met whose handling is the host's.
     event: bool,
+    /// The stop of the last impact that was passed over, or 0.
+    side: i8,
+}
+
+/// The stop of an event that is an impact; else what it was before.
+pub(super) fn side_of(event: &Event, before: i8) -> i8 {
+    match event {
+        Event::Impact { side, .. } => *side,
+        _ => before,
+    }
 }
 
 impl Instance {
@@ -84,6 +94,7 @@ impl Instance {
         self.phase = Phase::Step;
         self.events.pending = stand.event;
         self.events.latched = stand.event.then_some(shown);
+        self.events.side = stand.side;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
         self.invalidate();
@@ -94,7 +105,9 @@ impl Instance {
     pub(super) fn check_advance(&self, point: f64, size: f64) -> Outcome {
         self.check_step(point, size)?;
         if self.events.pending {
-            return Err(Problem::Sequence { what: "the event of the last step must be handled in Event Mode first" });
+            return Err(Problem::Sequence {
+                what: "the event of the last step must be handled in Event Mode first",
+            });
         }
         Ok(())
     }
@@ -148,25 +161,27 @@ fn run(
     // A block that an input has let go of, or pressed on, at the step's start.
     let moved = simulator.contact() != contact;
     if at_event == AtEvent::EndBefore && moved {
-        return Ok(Stand { early: true, event: true });
+        return Ok(Stand { early: true, event: true, side: 0 });
     }
-    let mut events = usize::from(moved);
+    let (mut events, mut side) = (usize::from(moved), 0);
     if at_event == AtEvent::Latch {
         let mut count = |event: &Event| {
             events += 1;
+            side = side_of(event, side);
             if let Some(report) = &mut report {
                 report(event);
             }
         };
         advance(simulator, end, Pause::Never, Some(&mut count))?;
         let due = is_at_end(simulator, point + size)?;
-        return Ok(Stand { early: false, event: due || events > 0 });
+        let side = if due { 0 } else { side }; // one that is due comes last
+        return Ok(Stand { early: false, event: due || events > 0, side });
     }
     let paused = advance(simulator, end, Pause::BeforeEvent, report.as_deref_mut())?;
     let early = paused && point + size - simulator.time() > rounding(point + size);
     let due = paused || is_at_end(simulator, point + size)?;
     if at_event == AtEvent::EndBefore {
-        return Ok(Stand { early, event: due });
+        return Ok(Stand { early, event: due, side: 0 });
     }
     if due {
         simulator.apply_due_event(report.as_deref_mut());
@@ -174,7 +189,7 @@ fn run(
             advance(simulator, end, Pause::Never, report)?;
         }
     }
-    Ok(Stand { early, event: false })
+    Ok(Stand { early, event: false, side: 0 })
 }
 
 /// Advances; true where it has paused before an event.
@@ -210,21 +225,22 @@ fn play(
     mut report: EventObserver<'_, '_>,
 ) -> Outcome<Stand> {
     if let AtEvent::Pass | AtEvent::Latch = at_event {
-        let mut events = 0;
+        let (mut events, mut side) = (0, 0);
         let mut count = |event: &Event| {
             events += 1;
+            side = side_of(event, side);
             if let Some(report) = &mut report {
                 report(event);
             }
         };
         form.advance(point, size, false, Some(&mut count))?;
-        return Ok(Stand { early: false, event: at_event == AtEvent::Latch && events > 0 });
+        return Ok(Stand { early: false, event: at_event == AtEvent::Latch && events > 0, side });
     }
     let due = form.advance_before_event(point, size, rounding(point + size))?;
     let early = due && point + size - form.time() > rounding(point + size);
     if at_event == AtEvent::EndBefore {
-        return Ok(Stand { early, event: due });
+        return Ok(Stand { early, event: due, side: 0 });
     }
     form.apply_due_event(report);
-    Ok(Stand { early, event: false })
+    Ok(Stand { early, event: false, side: 0 })
 }

@@ -6,7 +6,7 @@ use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::log::{Category, Log};
-use crate::component::values::OutputValues;
+use crate::component::values::{OutputValues, Tick};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use vibro_impact::parameters::Parameters;
@@ -28,6 +28,8 @@ pub(crate) struct EventState {
     pub(crate) latched: Option<Discrete>,
     /// Whether the host was told of an event and must handle it before the next step.
     pub(crate) pending: bool,
+    /// The stop of the last impact that a step has passed over: +1 the upper, -1 the lower.
+    pub(crate) side: i8,
     /// Whether the event has been carried out since the host came to it, and nothing was set since.
     pub(crate) carried_out: bool,
 }
@@ -90,6 +92,11 @@ impl Changes<'_> {
         }
         Ok(())
     }
+}
+
+/// All impacts of a record.
+fn impacts(record: &ImpactRecord) -> u64 {
+    record.upper + record.lower
 }
 
 impl Instance {
@@ -175,9 +182,49 @@ impl Instance {
 
     /// The phase of an event, with nothing done about it yet.
     pub(super) fn begin_event(&mut self) {
+        let (shown, side) = (self.ticks.then(|| self.impacts_shown()), self.events.side);
         self.phase = Phase::Event;
         self.events = EventState::default();
         self.values_stale |= self.handling.event_mode;
+        // Where the values cannot be had, getters will say why.
+        if let (Some(shown), Ok(())) = (shown, self.refresh_values()) {
+            self.tick.active = impacts(&self.values.impacts) > shown;
+            if self.tick.active {
+                let w = self.values.gap.0;
+                self.tick.side = if side != 0 { side } else { w.signum() as i8 };
+            }
+        }
+    }
+
+    /// Impacts that are counted so far, as it is shown.
+    fn impacts_shown(&self) -> u64 {
+        match (&self.events.latched, &self.engine) {
+            (Some(shown), _) => impacts(&shown.impacts),
+            (None, Engine::Simulation(simulator)) => impacts(simulator.impacts()),
+            (None, Engine::Closed(form)) => impacts(&form.values().impacts),
+            (None, Engine::Continuous(continuous)) => impacts(continuous.impacts()),
+            (None, Engine::None) => 0,
+        }
+    }
+
+    /// What the clock of impacts shows, the values being up to date: while it ticks, the impact after the event; else that of the
+    /// last tick.
+    pub(super) fn present_tick(&self) -> Tick {
+        if !self.tick.active {
+            return self.tick;
+        }
+        let ImpactRecord { last_time: time, last_impulse: impulse, last_speed: speed, .. } =
+            self.values.impacts;
+        Tick { time, impulse, speed, ..self.tick }
+    }
+
+    /// Ends the tick; what it has shown stays.
+    fn end_tick(&mut self) -> Outcome {
+        if self.tick.active {
+            self.refresh_values()?;
+            self.tick = Tick { active: false, ..self.present_tick() };
+        }
+        Ok(())
     }
 
     /// The impact law, rest or release where the present point calls for it, with inputs and parameters as set now; returns
@@ -186,6 +233,7 @@ impl Instance {
     /// # Errors
     /// [`Problem::Sequence`] before initialization; what was set and is not possible. Nothing has changed then.
     pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<bool> {
+        self.end_tick()?;
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
         let mut report: EventObserver = if wanted { Some(&mut show) } else { None };
@@ -246,7 +294,8 @@ impl Instance {
         if !self.events.carried_out {
             self.handle_events(log)?;
             if log.wants(Category::Warnings) {
-                let what = "the discrete states were not updated since the event, or the last set value: done now";
+                let what =
+                    "the discrete states were not updated since the event, or the last set value: done now";
                 log.log(Category::Warnings, what);
             }
         }

@@ -1,16 +1,12 @@
 //! A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
 
-use super::advance::{AtEvent, advance, is_at_end};
+use super::advance::{AtEvent, advance, is_at_end, side_of};
 use super::events::Discrete;
 use super::step::{describe, rounding, take_back};
 use super::{Advance, Engine, Instance, Outcome, Phase, Problem, SavedState};
 use crate::component::log::{Category, Log};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, EventObserver, Pause};
-
-/// A step shorter than this, relative to max(1, |t|), tells nothing of how an input changes in it: the time between its values
-/// is lost in rounding.
-const RESOLVED: f64 = 1e-9;
 
 /// A step in progress.
 #[derive(Debug)]
@@ -21,8 +17,9 @@ pub struct Pieces {
     /// What was shown of the discrete outputs at the step's start.
     shown: Discrete,
     contact: Contact,
-    /// Events met so far.
+    /// Events met so far, and the stop of the last one that was an impact.
     events: usize,
+    side: i8,
     /// To take the step back.
     before: SavedState,
 }
@@ -46,7 +43,9 @@ impl Instance {
         let (shown, contact) = match &self.engine {
             Engine::Simulation(simulator) => (Discrete::of_simulator(simulator), simulator.contact()),
             Engine::Closed(form) => (Discrete::of(&form.values()), Contact::Flight),
-            Engine::None | Engine::Continuous(_) => return Err(Problem::Sequence { what: "there is nothing to step" }),
+            Engine::None | Engine::Continuous(_) => {
+                return Err(Problem::Sequence { what: "there is nothing to step" });
+            }
         };
         Ok(Pieces {
             end: DoubleDouble::sum(point, size),
@@ -55,6 +54,7 @@ impl Instance {
             shown,
             contact,
             events: 0,
+            side: 0,
             before: self.save(),
         })
     }
@@ -72,14 +72,22 @@ impl Instance {
     /// Lets the load on a body follow the cubic through `values` at 0, 1/3, 2/3 and 3/3 of the next `span` s.
     pub fn interpolate_load(&mut self, body: usize, values: [f64; 4], span: f64) {
         let [u0, u1, u2, u3] = values;
-        let (first, second, third) = (u1 - u0, (u2 - u1) - (u1 - u0), (u3 - u2) - 2.0 * (u2 - u1) + (u1 - u0));
+        let (first, second, third) =
+            (u1 - u0, (u2 - u1) - (u1 - u0), (u3 - u2) - 2.0 * (u2 - u1) + (u1 - u0));
         // Newton's forward differences at the first value; three intervals to the span.
         let rate = 3.0 / span;
-        let resolved = span > RESOLVED * self.time().abs().max(1.0);
+        // In a step of the length of rounding they say nothing.
+        let resolved = span > f64::EPSILON * self.time().abs().max(1.0);
         let slopes = [first - 0.5 * second + third / 3.0, second - third, third];
         let scale = if resolved { [rate, rate * rate, rate * rate * rate] } else { [0.0; 3] };
         let load = &mut self.settings.loads.derivatives[body];
         *load = [u0, slopes[0] * scale[0], slopes[1] * scale[1], slopes[2] * scale[2]];
+        self.loads_set = true;
+    }
+
+    /// Lets the load on a body hold a value from here on.
+    pub fn hold_load(&mut self, body: usize, value: f64) {
+        self.settings.loads.derivatives[body] = [value, 0.0, 0.0, 0.0];
         self.loads_set = true;
     }
 
@@ -92,7 +100,8 @@ impl Instance {
             self.take_pieces_back(pieces);
             return Err(problem);
         }
-        let moved = matches!(&self.engine, Engine::Simulation(simulator) if simulator.contact() != pieces.contact);
+        let moved =
+            matches!(&self.engine, Engine::Simulation(simulator) if simulator.contact() != pieces.contact);
         pieces.events = usize::from(moved);
         Ok(if moved && pieces.at_event == AtEvent::EndBefore { Piece::Event } else { Piece::End })
     }
@@ -103,8 +112,11 @@ impl Instance {
                 if self.parameters_set {
                     simulator.set_parameters(&self.settings.parameters)?;
                 }
-                if self.loads_set {
-                    simulator.set_loads(&self.settings.loads)?;
+                let loads = &mut self.settings.loads;
+                if self.loads_set && simulator.set_loads(loads).is_err() {
+                    // In a step so short that slopes are out of all proportion, the loads are held.
+                    loads.derivatives.iter_mut().for_each(|load| load[1..].fill(0.0));
+                    simulator.set_loads(loads)?;
                 }
             }
             Engine::Closed(form) if self.parameters_set => form.set_parameters(&self.settings.parameters)?,
@@ -119,7 +131,12 @@ impl Instance {
     ///
     /// # Errors
     /// As [`advance`](Self::advance); the step has been taken back then.
-    pub fn next_piece(&mut self, pieces: &mut Pieces, until: Option<f64>, log: &mut dyn Log) -> Outcome<Piece> {
+    pub fn next_piece(
+        &mut self,
+        pieces: &mut Pieces,
+        until: Option<f64>,
+        log: &mut dyn Log,
+    ) -> Outcome<Piece> {
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut show) } else { None };
@@ -153,15 +170,21 @@ impl Instance {
     /// Applies the law of the event before which the last piece has ended; true where the step ends after it.
     pub fn pass_event(&mut self, pieces: &mut Pieces, log: &mut dyn Log) -> bool {
         let wanted = log.wants(Category::Events);
-        let mut show = |event: &Event| log.log(Category::Events, &describe(event));
-        let report: EventObserver = if wanted { Some(&mut show) } else { None };
+        let mut side = pieces.side;
+        let mut show = |event: &Event| {
+            side = side_of(event, side);
+            if wanted {
+                log.log(Category::Events, &describe(event));
+            }
+        };
         match &mut self.engine {
             Engine::Simulation(simulator) => {
-                simulator.apply_due_event(report);
+                simulator.apply_due_event(Some(&mut show));
             }
-            Engine::Closed(form) => form.apply_due_event(report),
+            Engine::Closed(form) => form.apply_due_event(Some(&mut show)),
             Engine::None | Engine::Continuous(_) => {}
         }
+        pieces.side = side;
         pieces.events += 1;
         if pieces.at_event == AtEvent::Latch {
             self.events.latched = Some(pieces.shown);
@@ -192,6 +215,7 @@ impl Instance {
         self.phase = Phase::Step;
         self.events.pending = event;
         self.events.latched = event.then_some(pieces.shown);
+        self.events.side = if due { 0 } else { pieces.side };
         self.slopes_set = [false; 3];
         self.invalidate();
         Advance { time, event, early }

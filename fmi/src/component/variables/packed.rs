@@ -68,7 +68,7 @@ impl Reader {
             Access::Derived(get) => (Self::DERIVED, Get::Derived(get)),
             Access::Setting { get, .. } => (0, Get::Setting(get)),
             Access::Prediction(get) => (Self::PREDICTION, Get::Prediction(get)),
-            Access::Tick(get) => (0, Get::Tick(get)),
+            Access::Tick(get) => (Self::MOTION, Get::Tick(get)),
             Access::Elements(get) => (Self::MOTION, Get::Elements(variable.size(), get)),
             Access::Step(get) => (Self::STEP, Get::Step(variable.size(), get)),
         };

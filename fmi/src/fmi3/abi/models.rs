@@ -77,4 +77,3 @@ export! {
     fmi3ActivateModelPartition, ActivateModelPartition(value clockReference: u32, value activationTime: f64)
         |_, _| Outcome::Ok(());
 }
-

@@ -51,7 +51,10 @@ pub unsafe extern "C" fn fmi3DoStep(
                 time: out(lastSuccessfulTime, 1, "lastSuccessfulTime")?,
             })
         };
-        (returned(), shared(instance).and_then(|shared| Some((shared.intermediate_update?, shared.environment))))
+        (
+            returned(),
+            shared(instance).and_then(|shared| Some((shared.intermediate_update?, shared.environment))),
+        )
     };
     let (point, size) = (currentCommunicationPoint, communicationStepSize);
     let mut end = StepEnd::default();

@@ -85,15 +85,8 @@ const STANDARD: &str = "
 fn table_is_the_standards() {
     use Stage::*;
     let exchange = [Instantiated, InitializationMode, EventMode, ContinuousTimeMode, Terminated, Fatal];
-    let cosimulation = [
-        Instantiated,
-        InitializationMode,
-        EventMode,
-        StepMode,
-        IntermediateUpdateMode,
-        Terminated,
-        Fatal,
-    ];
+    let cosimulation =
+        [Instantiated, InitializationMode, EventMode, StepMode, IntermediateUpdateMode, Terminated, Fatal];
     let lines: Vec<_> = STANDARD.lines().filter(|line| !line.trim().is_empty()).collect();
     assert_eq!(lines.len(), FUNCTIONS.len());
     for (line, function) in lines.iter().zip(FUNCTIONS) {
@@ -120,7 +113,8 @@ fn every_function_of_the_header_is_there() {
 #[test]
 fn values_that_the_model_cannot_take_are_discarded_where_they_are_handed_over() {
     let takes = |name: &str| FUNCTIONS.iter().find(|f| f.name() == name).unwrap().takes_values();
-    for name in ["fmi3SetFloat64", "fmi3SetContinuousStates", "fmi3ExitInitializationMode", "fmi3GetFloat64"] {
+    for name in ["fmi3SetFloat64", "fmi3SetContinuousStates", "fmi3ExitInitializationMode", "fmi3GetFloat64"]
+    {
         assert!(takes(name), "{name}");
     }
     for name in ["fmi3DoStep", "fmi3SetTime", "fmi3EnterInitializationMode", "fmi3Terminate"] {
