@@ -11,6 +11,7 @@
 pub mod archive;
 pub mod check;
 pub mod compile;
+pub mod date;
 pub mod describe;
 mod error;
 pub mod fmi3;
@@ -25,5 +26,6 @@ pub mod run;
 pub mod schema;
 pub mod sketch;
 pub mod table;
+pub mod version;
 
 pub use error::{Error, Result};
