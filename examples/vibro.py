@@ -20,9 +20,15 @@ if TYPE_CHECKING:
 Value = Union[float, int, bool, str]
 PathLike = Union[str, Path]
 
+
+def fmi3_beside(fmu: PathLike) -> Path:
+    """The archive of FMI 3.0 that is made beside one of FMI 2.0."""
+    return Path(fmu).with_name("VibroImpact3DOF-FMI3.fmu")
+
+
 #: Where `cargo run --release -p fmu-build` puts the FMU, for FMI 2.0 and for FMI 3.0.
 FMU = Path(__file__).parents[1] / "target" / "VibroImpact3DOF.fmu"
-FMU3 = FMU.with_name("VibroImpact3DOF-FMI3.fmu")
+FMU3 = fmi3_beside(FMU)
 
 #: Displacements (m) and velocities (m/s) of box, block and secondary oscillator.
 STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
