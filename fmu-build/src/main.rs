@@ -5,7 +5,7 @@ use fmu_build::archive::Content;
 use fmu_build::picture::picture;
 use fmu_build::table::Table;
 use fmu_build::version::Version;
-use fmu_build::{archive, compile, package, platforms, run};
+use fmu_build::{archive, compile, package, platforms, reference, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibro::figures::canvas;
@@ -141,6 +141,7 @@ fn pictures(run: &run::Run, beside: &Path) -> fmu_build::Result<[PathBuf; 2]> {
 
 fn refresh() -> fmu_build::Result<()> {
     let mut files = package::committed()?;
+    files.extend(reference::results()?);
     let fmu = package::default_output();
     package::build(&fmu)?;
     let run = run::run(&fmu, 200)?;

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::platforms::{self, Binaries, LeftOut};
 use crate::sketch::Sketch;
 use crate::version::Version;
-use crate::{date, icon, licences, page};
+use crate::{date, icon, licences, page, reference, terminals};
 use std::path::{Path, PathBuf};
 use vibro::figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
@@ -61,6 +61,12 @@ pub fn content(version: Version, binaries: &Binaries) -> Result<Content> {
         // Nothing is read from it; hosts hand over its place all the same.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
     ]);
+    content.insert("documentation/fmi-ls-ref.txt".to_owned(), reference::EXPLANATION.as_bytes().to_vec());
+    for (folder, files) in
+        [("terminalsAndIcons", terminals::files()?), (reference::FOLDER, reference::files()?)]
+    {
+        content.extend(files.into_iter().map(|(name, bytes)| (format!("{folder}/{name}"), bytes)));
+    }
     match version {
         Version::Fmi2 => {
             content.insert("model.png".to_owned(), icon()?);
