@@ -291,7 +291,8 @@ impl ClosedForm {
         Event::Impact { time: self.impact_time(n).value(), side, speed: self.speed, impulse: self.impulse }
     }
 
-    fn theta(&self) -> f64 {
+    /// Phase of the drive, rad.
+    pub(crate) fn theta(&self) -> f64 {
         self.data.phase.angle(self.data.parameters.drive_frequency, self.data.time)
     }
 

@@ -75,7 +75,6 @@ pub fn text() -> String {
             dependencies,
             further,
             initially,
-            path,
             body,
             edition,
             dimensions,
@@ -85,7 +84,7 @@ pub fn text() -> String {
         } = v;
         let attributes = format!("{causality:?}|{variability:?}|{initial:?}|{kind:?}|{:?}", v.start());
         let known = format!("{dependencies:?}|{further:?}|{initially:?}");
-        let columns = format!("{known}|{path:?}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
+        let columns = format!("{known}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
         let _ = writeln!(text, "{name}|{description}|{attributes}|{columns}");
     }
     text

@@ -6,6 +6,7 @@
 
 mod access;
 mod advance;
+mod dependencies;
 mod derivative;
 mod events;
 mod exchange;
@@ -26,11 +27,12 @@ use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
-use super::variables::{Access, VARIABLES};
+use super::variables::{Access, Edition, VARIABLES};
 use events::Present;
 use vibro_impact::simulator::Simulator;
 
 pub use advance::Advance;
+pub use dependencies::Dependency;
 pub use events::EventHandling;
 pub(super) use events::EventState;
 pub use pieces::{Piece, Pieces};
@@ -50,7 +52,7 @@ enum Engine {
 }
 
 /// What protocols differ in.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protocol {
     /// The value reference of the table's first variable.
     pub first_reference: u32,
@@ -58,8 +60,20 @@ pub struct Protocol {
     pub handling: EventHandling,
     /// What settings start from.
     pub start: Settings,
-    /// Whether there is a clock that ticks at impacts.
-    pub ticks: bool,
+    /// The variables that its description has.
+    pub edition: Edition,
+}
+
+impl Default for Protocol {
+    /// References count from 0, the host does nothing about events, and there is what every description has.
+    fn default() -> Self {
+        Self {
+            first_reference: 0,
+            handling: EventHandling::default(),
+            start: Settings::default(),
+            edition: Edition::Every,
+        }
+    }
 }
 
 /// One component.
@@ -68,7 +82,7 @@ pub struct Instance {
     interface: Interface,
     first_reference: u32,
     handling: EventHandling,
-    ticks: bool,
+    edition: Edition,
     /// What settings start from.
     initial: Settings,
     phase: Phase,
@@ -102,12 +116,12 @@ impl Instance {
 
     /// The same in a protocol's own terms.
     pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
-        let Protocol { first_reference, handling, start, ticks } = protocol;
+        let Protocol { first_reference, handling, start, edition } = protocol;
         Self {
             interface,
             first_reference,
             handling,
-            ticks,
+            edition,
             initial: start,
             phase: Phase::Instantiated,
             settings: start,

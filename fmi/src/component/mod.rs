@@ -15,6 +15,7 @@ mod closed_form;
 mod continuous;
 pub mod identity;
 pub mod instance;
+pub mod jets;
 pub mod log;
 pub mod phase;
 pub mod problem;
@@ -27,6 +28,8 @@ pub mod values;
 pub mod variables;
 mod variation;
 
-pub use instance::{Advance, EventHandling, Instance, Piece, Pieces, Protocol, StepOutcome, StepReason};
+pub use instance::{
+    Advance, Dependency, EventHandling, Instance, Piece, Pieces, Protocol, StepOutcome, StepReason,
+};
 pub use phase::{Interface, Phase};
 pub use problem::{Outcome, Problem};

@@ -89,6 +89,11 @@ fn listed(variable: &Variable) -> Knowns {
     }
 }
 
+/// What a variable that is no unknown of the model's structure depends on, an array as a whole.
+pub fn declared(variable: &Variable) -> Vec<(u32, DependencyKind)> {
+    ordered(listed(variable), variable.further)
+}
+
 /// Outside initialization. Descriptions with more than the variables of all have further knowns.
 fn unknown((reference, variable): (u32, &Variable), edition: Edition) -> Unknown {
     let further = if edition > Edition::Every { variable.further } else { &[] };

@@ -1,17 +1,17 @@
 //! Dependencies and derivatives (FMI 3.0.2, 2.2.9, 2.2.12 and 4.1.2).
 
-use super::instance::{FIRST, Instance};
-use super::problem::{Outcome, Problem};
+use super::instance::Instance;
+use super::problem::Outcome;
 use super::types::FmiDependencyKind;
 use crate::component::variables::DependencyKind;
-use crate::component::{self, structure};
+use crate::component::{self, Dependency};
 
 /// How far beyond a stop a solver may look, in gaps from the middle: farther out it does not look for an impact, but has gone
 /// astray.
 const REACH: f64 = 10.0;
 
 /// `fmi3DependencyKind` of a kind.
-fn number(kind: DependencyKind) -> FmiDependencyKind {
+pub fn number(kind: DependencyKind) -> FmiDependencyKind {
     match kind {
         DependencyKind::Constant => 1,
         DependencyKind::Fixed => 2,
@@ -83,16 +83,11 @@ impl Instance {
         Ok(())
     }
 
-    /// What a variable depends on now, as (value reference, kind), by `fmi3GetVariableDependencies` (FMI 3.0.2, 2.2.9).
+    /// What a variable depends on now, by `fmi3GetVariableDependencies` (FMI 3.0.2, 2.2.9).
     ///
     /// # Errors
-    /// For a variable without dependencies.
-    pub fn dependencies(&self, reference: u32) -> Outcome<Vec<(u32, FmiDependencyKind)>> {
-        let lists = structure::outputs(self.edition());
-        let list = lists.into_iter().find(|unknown| unknown.reference + FIRST == reference);
-        let Some(list) = list else {
-            return Err(Problem::Sequence { what: "the variable has no dependencies" });
-        };
-        Ok(list.dependencies.into_iter().map(|(r, kind)| (r + FIRST, number(kind))).collect())
+    /// As [`dependencies`](component::Instance::dependencies).
+    pub fn dependencies(&self, reference: u32) -> Outcome<Vec<Dependency>> {
+        Ok(self.component.dependencies(reference)?)
     }
 }

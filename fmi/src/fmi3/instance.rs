@@ -79,12 +79,8 @@ impl Instance {
                 allowed: description::instantiation_token(description::MAIN),
             });
         };
-        let protocol = Protocol {
-            first_reference: FIRST,
-            handling,
-            start: description::start_settings(),
-            ticks: edition == Edition::Clocked,
-        };
+        let protocol =
+            Protocol { first_reference: FIRST, handling, start: description::start_settings(), edition };
         Ok(Self {
             component: component::Instance::of_protocol(interface, protocol),
             enabled,

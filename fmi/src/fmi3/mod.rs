@@ -13,7 +13,7 @@
 //! the table, counted from 1.
 
 pub mod abi;
-mod derivatives;
+pub mod derivatives;
 pub mod description;
 pub mod instance;
 mod intermediate;

@@ -69,11 +69,12 @@ impl Problem {
         use component::Problem as Refusal;
         match self {
             Self::Fault(Fault::Panic { .. }) => Status::Fatal,
-            Self::Component(Refusal::Value { .. } | Refusal::Model(_) | Refusal::ClosedForm { .. })
-                if function.takes_values() =>
-            {
-                Status::Discard
-            }
+            Self::Component(
+                Refusal::Value { .. }
+                | Refusal::Model(_)
+                | Refusal::ClosedForm { .. }
+                | Refusal::Overflow { .. },
+            ) if function.takes_values() => Status::Discard,
             _ => Status::Error,
         }
     }

@@ -197,7 +197,7 @@ impl Function {
             || name == "fmi3ExitInitializationMode"
             || name == "fmi3UpdateDiscreteStates"
             || name == "fmi3EnterStepMode")
-            && self != Self::SetTime
+            && !matches!(self, Self::SetTime | Self::GetOutputDerivatives)
     }
 }
 

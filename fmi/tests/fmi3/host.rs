@@ -10,7 +10,6 @@ pub const OK: c_int = 0;
 pub const WARNING: c_int = 1;
 pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
-pub const FATAL: c_int = 4;
 
 pub const MOTION: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 

@@ -4,6 +4,7 @@
 mod arguments;
 mod bits;
 mod clock;
+mod derivatives;
 mod events;
 mod exchange;
 mod host;

@@ -2,19 +2,19 @@
 
 use super::events::Present;
 use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
+use crate::component::jets::{Course, Jet, jets};
 use crate::component::settings::Settings;
-use crate::component::values::coupling_force;
+use crate::component::values::OutputValues;
 use crate::component::variables::{
-    Bases, Causality, Class, Edition, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
-    of_edition,
+    Access, Bases, Causality, Class, Edition, Get, READERS, Reader, Set, VARIABLES, Variable, WRITERS,
+    Writer, of_edition,
 };
-use vibro_impact::parameters::Parameters;
 
 /// What loads may be while a closed form is played.
 pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
 /// Highest order of input derivatives.
 const INPUT_ORDER: i32 = 3;
-/// Highest order of output derivatives: the displacements' fifth is known, so velocities and accelerations have three.
+/// Highest order of output derivatives: the displacements' fifth is known, so accelerations have three.
 const OUTPUT_ORDER: i32 = 3;
 
 /// Place in the table of a reference, where references begin with `first`; no place for one below it.
@@ -258,12 +258,12 @@ impl Instance {
         Ok(())
     }
 
-    /// Time derivatives of outputs, orders 1 to 3, at the present time: exact for those that the table gives a
-    /// [`Path`]; others are refused.
+    /// Time derivatives of continuous outputs, orders 1 to 3, at the present time, exact inside a smooth piece of the motion: at an
+    /// event those before it, or those after it where that is what is read.
     ///
     /// # Errors
-    /// A reference that is no output of the motion, an order outside 1…3, a derivative that is not finite; nothing is written
-    /// then.
+    /// A reference that is no continuous output, an order outside 1…3, [`Problem::Overflow`] for a derivative that is not finite;
+    /// nothing is written then.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -271,55 +271,56 @@ impl Instance {
         mut write: impl FnMut(usize, f64),
     ) -> Outcome {
         for (&reference, &order) in references.iter().zip(orders) {
-            let variable = self.look_up(reference, Bases::REAL)?;
-            if variable.path.is_none() {
-                return Err(Problem::NoDerivative {
-                    name: variable.name,
-                    allowed: "those of displacements, velocities, accelerations, stop.s, stop.v and coupling.f",
-                });
-            }
+            jet_of(self.look_up(reference, Bases::REAL)?)?;
             check_order(order, OUTPUT_ORDER, "1, 2 or 3")?;
         }
-        let derivatives = self.path_derivatives()?;
-        let parameters = self.motion_parameters()?;
-        let derivative = |variable: &Variable, order: i32| {
-            variable.path.map_or(0.0, |path| path.derivative(&derivatives, &parameters, order as usize))
-        };
-        let wanted = || {
-            let variable = |reference: &u32| &VARIABLES[place(*reference, self.first_reference)];
-            references.iter().map(variable).zip(orders.iter().copied())
-        };
-        for (variable, order) in wanted() {
-            let value = derivative(variable, order);
-            if !value.is_finite() {
-                return Err(Problem::Overflow { name: variable.name, value, time: self.time() });
+        let jets = self.jets()?;
+        let derivative = |instance: &Self, reference: u32, order: i32| -> Outcome<f64> {
+            let variable = instance.look_up(reference, Bases::REAL)?;
+            let value = jet_of(variable)?(&jets).0[order as usize];
+            if value.is_finite() {
+                return Ok(value);
             }
+            Err(Problem::Overflow { name: variable.name, value, time: instance.time() })
+        };
+        for (&reference, &order) in references.iter().zip(orders) {
+            derivative(self, reference, order)?;
         }
-        for (i, (variable, order)) in wanted().enumerate() {
-            write(i, derivative(variable, order));
+        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
+            write(i, derivative(self, reference, order)?);
         }
         Ok(())
     }
 
-    fn path_derivatives(&mut self) -> Outcome<[[f64; 6]; 3]> {
-        match self.present()? {
-            Present::Simulation(simulator) => Ok(simulator.derivatives()),
-            Present::Closed(form) => Ok(form.derivatives()),
-            Present::None | Present::Continuous(_) => {
-                Err(Problem::Sequence { what: "the instance is not initialized" })
+    /// The time derivatives of all that the outputs read.
+    pub(super) fn jets(&self) -> Outcome<OutputValues<Jet>> {
+        let (motion, parameters, loads, theta, values) = match self.present()? {
+            Present::Simulation(s) => {
+                let loads = s.loads().derivatives;
+                (s.derivatives(), *s.parameters(), loads, s.drive_phase(), OutputValues::of(&s))
             }
-        }
+            Present::Closed(form) => {
+                (form.derivatives(), *form.parameters(), [[0.0; 4]; 3], form.theta(), form.values())
+            }
+            Present::None | Present::Continuous(_) => {
+                return Err(Problem::Sequence { what: "the instance is not initialized" });
+            }
+        };
+        Ok(jets(&Course { values: &values, motion: &motion, parameters: &parameters, loads: &loads, theta }))
     }
+}
 
-    /// The parameters the motion at the present time was made with.
-    pub(super) fn motion_parameters(&self) -> Outcome<Parameters> {
-        Ok(match self.present()? {
-            Present::Simulation(simulator) => *simulator.parameters(),
-            Present::Closed(form) => *form.parameters(),
-            Present::Continuous(continuous) => *continuous.parameters(),
-            Present::None => self.settings.parameters,
-        })
-    }
+/// How the time derivatives of a variable are read.
+fn jet_of(variable: &Variable) -> Outcome<fn(&OutputValues<Jet>) -> Jet> {
+    let reading = match variable.access {
+        Access::Output(reading) | Access::Start { now: reading, .. }
+            if variable.causality == Causality::Output =>
+        {
+            reading.jet
+        }
+        _ => None,
+    };
+    reading.ok_or(Problem::NoDerivative { name: variable.name, allowed: "those of continuous outputs" })
 }
 
 fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
@@ -327,14 +328,4 @@ fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
         return Ok(());
     }
     Err(Problem::Value { name: "order", value: f64::from(order), allowed })
-}
-
-impl Path {
-    fn derivative(self, d: &[[f64; 6]; 3], parameters: &Parameters, order: usize) -> f64 {
-        match self {
-            Self::Body { body, order: base } => d[body][base + order],
-            Self::Gap { order: base } => d[1][base + order] - d[0][base + order],
-            Self::Coupling => coupling_force(parameters, &[d[0][order], d[1][order], d[2][order]]),
-        }
-    }
 }

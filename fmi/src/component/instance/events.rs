@@ -7,6 +7,7 @@ use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::log::{Category, Log};
 use crate::component::values::{OutputValues, Tick};
+use crate::component::variables::Edition;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use vibro_impact::parameters::Parameters;
@@ -182,7 +183,8 @@ impl Instance {
 
     /// The phase of an event, with nothing done about it yet.
     pub(super) fn begin_event(&mut self) {
-        let (shown, side) = (self.ticks.then(|| self.impacts_shown()), self.events.side);
+        let (shown, side) =
+            ((self.edition == Edition::Clocked).then(|| self.impacts_shown()), self.events.side);
         self.phase = Phase::Event;
         self.events = EventState::default();
         self.values_stale |= self.handling.event_mode;

@@ -2,6 +2,7 @@
 
 use super::bases::{Base, Edition};
 use super::sections::Section;
+use crate::component::jets::Jet;
 use crate::component::settings::{Derived, Settings};
 use crate::component::units::{EnumerationType, RealType};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick, Varied};
@@ -82,6 +83,8 @@ pub struct Reading {
     pub value: fn(&OutputValues) -> f64,
     /// The same expression on numbers that vary; none for what changes at events only.
     pub varied: Option<fn(&OutputValues<Varied>) -> Varied>,
+    /// The same expression on numbers with their time derivatives; none for what changes at events only.
+    pub jet: Option<fn(&OutputValues<Jet>) -> Jet>,
 }
 
 /// Where a variable's value lives. All values travel as `f64`: Integers and enumerations are exact in it, Booleans
@@ -158,25 +161,6 @@ pub enum Initially {
     On(&'static [&'static str]),
 }
 
-/// An output as a combination of displacements or their derivatives: its own time derivatives are then known exactly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
-    /// Derivative `order` of a body's displacement.
-    Body {
-        /// 0 is the box, 1 the block, 2 the secondary oscillator.
-        body: usize,
-        /// Order of the derivative.
-        order: usize,
-    },
-    /// Derivative `order` of w = x2 - x1.
-    Gap {
-        /// Order of the derivative.
-        order: usize,
-    },
-    /// k23 (x2 - x3).
-    Coupling,
-}
-
 /// One variable: every column of its row. Who needs to know something of a variable reads a column; nothing is told from
 /// a name.
 #[derive(Clone, Copy, Debug)]
@@ -209,8 +193,6 @@ pub struct Variable {
     pub further: &'static [&'static str],
     /// What it depends on in initialization.
     pub initially: Initially,
-    /// The time derivatives it has beside its value, if any.
-    pub path: Option<Path>,
     /// Of an input, the body it acts on: 0 the box, 1 the block, 2 the secondary oscillator.
     pub body: Option<usize>,
 }

@@ -33,7 +33,6 @@ const fn local(
         dependencies,
         further: &[],
         initially: Initially::OnStartAnd(&[]),
-        path: None,
         body: None,
     }
 }

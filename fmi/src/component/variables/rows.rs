@@ -4,7 +4,7 @@
 use super::bases::Edition;
 use super::columns::DependencyKind::Dependent;
 use super::columns::{
-    Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Path, Reading, Variability, Variable,
+    Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Reading, Variability, Variable,
 };
 use super::sections::Section;
 use crate::component::settings::{Derived, Settings};
@@ -20,6 +20,7 @@ macro_rules! reading {
             varied: Some(
                 |$m: &$crate::component::values::OutputValues<$crate::component::values::Varied>| $value,
             ),
+            jet: Some(|$m: &$crate::component::values::OutputValues<$crate::component::jets::Jet>| $value),
         }
     };
 }
@@ -61,7 +62,6 @@ pub(super) const TIME: Variable = Variable {
     dependencies: Dependencies::NotUnknown,
     further: &[],
     initially: Initially::AsLater,
-    path: None,
     body: None,
 };
 
@@ -107,7 +107,6 @@ pub(super) const fn option(
         dependencies: Dependencies::NotUnknown,
         further: &[],
         initially: Initially::AsLater,
-        path: None,
         body: None,
     }
 }
@@ -133,7 +132,6 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
         dependencies: Dependencies::NotUnknown,
         further: &[],
         initially: Initially::AsLater,
-        path: None,
         body: Some(BODY),
     }
 }
@@ -149,7 +147,7 @@ pub(super) const fn position<const BODY: usize>(
     let now = reading!(|m| m.x[BODY]);
     let access = Access::Start { get: |s| s.start.x[BODY], set: |s, value| s.start.x[BODY] = value, now };
     let kind = state(units::POSITION, None, reinit);
-    let output = moving::<BODY>(name, description, kind, now, itself, 0);
+    let output = moving(name, description, kind, now, itself);
     Variable { initial: Some(Initial::Exact), access, symbol: Some(["x1", "x2", "x3"][BODY]), ..output }
 }
 
@@ -164,7 +162,7 @@ pub(super) const fn velocity<const BODY: usize>(
     let now = reading!(|m| m.v[BODY]);
     let access = Access::Start { get: |s| s.start.v[BODY], set: |s, value| s.start.v[BODY] = value, now };
     let kind = state(units::VELOCITY, Some(of), reinit);
-    let output = moving::<BODY>(name, description, kind, now, itself, 1);
+    let output = moving(name, description, kind, now, itself);
     Variable { initial: Some(Initial::Exact), access, ..output }
 }
 
@@ -176,24 +174,22 @@ pub(super) const fn acceleration<const BODY: usize>(
     knowns: Knowns,
 ) -> Variable {
     let kind = derivative_of(units::ACCELERATION, of);
-    moving::<BODY>(name, description, kind, reading!(|m| m.acceleration[BODY]), knowns, 2)
+    moving(name, description, kind, reading!(|m| m.acceleration[BODY]), knowns)
 }
 
-/// Derivative `order` of a body's displacement.
-const fn moving<const BODY: usize>(
+/// An output of the motion.
+const fn moving(
     name: &'static str,
     description: &'static str,
     kind: Kind,
     reading: Reading,
     knowns: Knowns,
-    order: usize,
 ) -> Variable {
-    let path = Some(Path::Body { body: BODY, order });
-    output(Section::Motion, name, description, kind, reading, knowns, path)
+    output(Section::Motion, name, description, kind, reading, knowns)
 }
 
-/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends on; `path` says what its
-/// time derivatives are, where they are known.
+/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends on; its
+/// derivatives follow from its reading.
 pub(super) const fn output(
     section: Section,
     name: &'static str,
@@ -201,7 +197,6 @@ pub(super) const fn output(
     kind: Kind,
     reading: Reading,
     knowns: Knowns,
-    path: Option<Path>,
 ) -> Variable {
     Variable {
         name,
@@ -218,7 +213,6 @@ pub(super) const fn output(
         dependencies: Dependencies::On(knowns),
         further: &[],
         initially: Initially::OnStartAnd(&[]),
-        path,
         body: None,
     }
 }
@@ -231,8 +225,8 @@ pub(super) const fn event_output(
     kind: Kind,
     value: fn(&OutputValues) -> f64,
 ) -> Variable {
-    let reading = Reading { value, varied: None };
-    let output = output(section, name, description, kind, reading, &[], None);
+    let reading = Reading { value, varied: None, jet: None };
+    let output = output(section, name, description, kind, reading, &[]);
     Variable { variability: Variability::Discrete, initially: Initially::On(&[]), ..output }
 }
 
@@ -260,7 +254,6 @@ const fn derived(
         dependencies: Dependencies::On(knowns),
         further: &[],
         initially: Initially::AsLater,
-        path: None,
         body: None,
     }
 }

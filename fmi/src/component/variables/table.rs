@@ -3,7 +3,6 @@
 use super::columns::DependencyKind::{
     Constant, Dependent, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
 };
-use super::columns::Path::{Coupling, Gap};
 use super::columns::Variability::{Continuous, Discrete};
 use super::columns::Variability::{Fixed, Tunable};
 use super::columns::{Initially, Kind, Knowns, Variable};
@@ -236,12 +235,12 @@ const TABLE: &[Variable] = &[
 
     // Contact
     by(&["stop.gap"], output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
-        real(units::POSITION), reading!(|m| m.gap.0), GAP, Some(Gap { order: 0 }))),
+        real(units::POSITION), reading!(|m| m.gap.0), GAP)),
     output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
-        &[("box.v", AtEvents), ("block.v", AtEvents)], Some(Gap { order: 1 })),
+        &[("box.v", AtEvents), ("block.v", AtEvents)]),
     by(PRESSING, at_start(MOTION_AT_START, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
         the block away from the stop and the box towards it (stop.state says which stop); exactly 0 in flight",
-        real(units::FORCE), reading!(|m| m.contact_force), PAIR, None))),
+        real(units::FORCE), reading!(|m| m.contact_force), PAIR))),
     by(OF_CONTACT, at_start(CONTACT_AT_START, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
         |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 }))),
     event_output(Section::Contact, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
@@ -257,15 +256,15 @@ const TABLE: &[Variable] = &[
     by(OF_IMPACT, event_output(Section::Contact, "impacts.impulse", "Sum of the impulses of all impacts since the start", real(units::IMPULSE),
         |m| m.impacts.total_impulse)),
     by(&["coupling.k"], output(Section::Contact, "coupling.f", "Force in the coupling spring, k23 (x2 - x3): on the secondary oscillator as is, on the block reversed",
-        real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)], Some(Coupling))),
+        real(units::FORCE), reading!(|m| m.coupling_force), &[("block.s", OfTunable), ("secondary.s", OfTunable)])),
 
     // Energy
     by(&["box.m", "box.k", "block.m", "secondary.m", "secondary.k", "coupling.k"],
-        output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES, None)),
+        output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES)),
     by(DAMPED, at_start(Initially::On(&[]),
-        output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL, None))),
+        output(Section::Energy, "energy.input", "Work of drive and loads since the start", real(units::ENERGY), reading!(|m| m.input), ALL))),
     by(DAMPED, at_start(Initially::On(&[]),
-        output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL, None))),
+        output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL))),
     by(OF_IMPACT, event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss)),
 
     // Dimensionless groups

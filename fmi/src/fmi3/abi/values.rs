@@ -1,5 +1,6 @@
 //! Getting and setting variables, their dependencies and derivatives (FMI 3.0.2, 2.2.6 to 2.2.12).
 
+use super::super::derivatives::number;
 use super::super::instance::{BOOLEAN, CLOCK, FLOAT64, INT32, INT64, none};
 use super::super::types::{FmiBoolean, FmiDependencyKind, FmiIntervalQualifier};
 use super::*;
@@ -100,7 +101,7 @@ export! {
     fmi3GetNumberOfVariableDependencies, GetNumberOfVariableDependencies(value valueReference: u32,
         out nDependencies: usize[1])
         |instance, _| nDependencies.give(instance.dependencies(valueReference).map(|list| list.len()));
-    /// All variables with dependencies are scalars or depend as a whole, so the element indices are 0.
+    /// Independent variables are scalars, with the element index 0.
     fmi3GetVariableDependencies, GetVariableDependencies(value dependent: u32,
         out elementIndicesOfDependent: usize[nDependencies], out independents: u32[nDependencies],
         out elementIndicesOfIndependents: usize[nDependencies], out dependencyKinds: FmiDependencyKind[nDependencies],
@@ -108,11 +109,11 @@ export! {
         |instance, _| {
             let list = instance.dependencies(dependent)?;
             check_count("nDependencies", nDependencies, list.len())?;
-            for (i, (independent, kind)) in list.into_iter().enumerate() {
-                elementIndicesOfDependent.put(i, 0);
-                independents.put(i, independent);
+            for (i, entry) in list.into_iter().enumerate() {
+                elementIndicesOfDependent.put(i, entry.element);
+                independents.put(i, entry.reference);
                 elementIndicesOfIndependents.put(i, 0);
-                dependencyKinds.put(i, kind);
+                dependencyKinds.put(i, number(entry.kind));
             }
             Outcome::Ok(())
         };
