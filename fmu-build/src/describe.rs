@@ -23,6 +23,7 @@ pub fn model_description() -> ModelDescription {
         version: description::MODEL_VERSION.into(),
         license: description::LICENSE.into(),
         generation_tool: concat!("fmu-build ", env!("CARGO_PKG_VERSION")).into(),
+        generation_date_and_time: None,
         variable_naming_convention: description::NAMING_CONVENTION.into(),
         number_of_event_indicators: model_exchange.as_ref().map(|_| description::EVENT_INDICATORS),
         model_exchange,

@@ -127,9 +127,8 @@ fn every_check_notices_its_damage() {
 fn licences_of_what_is_linked_are_packed() {
     // Its package holds no text; it is pulp's, by the same author under the same licence.
     const WITHOUT_TEXT: [&str; 1] = ["pulp-wasm-simd-flag"];
-    let mut content = fmu_build::archive::Content::new();
-    licences::add(&mut content).unwrap();
-    let list = String::from_utf8(content["licenses/README.txt"].clone()).unwrap();
+    let content = licences::texts().unwrap();
+    let list = String::from_utf8(content[licences::LIST].clone()).unwrap();
     let crates: Vec<(&str, &str)> = list
         .lines()
         .filter_map(|line| line.split_once(": ")?.0.split_once(' '))
@@ -139,7 +138,7 @@ fn licences_of_what_is_linked_are_packed() {
         assert!(crates.iter().any(|(found, _)| *found == name), "{name}: {list}");
     }
     for (name, version) in crates {
-        let folder = format!("licenses/{name}-{version}/");
+        let folder = format!("{name}-{version}/");
         let has_text = content.keys().any(|path| path.starts_with(&folder));
         assert_eq!(has_text, !WITHOUT_TEXT.contains(&name), "{name}");
     }

@@ -8,7 +8,7 @@ use object::{BinaryFormat, Endianness, FileKind, Object, ObjectSymbol, SymbolSco
 use std::collections::BTreeSet;
 
 pub fn functions() -> BTreeSet<String> {
-    fmu_build::compile::FUNCTIONS.split_whitespace().map(|name| format!("fmi2{name}")).collect()
+    fmu_build::compile::exported().collect()
 }
 
 /// Names exported.
