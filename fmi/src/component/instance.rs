@@ -11,6 +11,7 @@ mod derivative;
 mod events;
 mod exchange;
 mod initial;
+mod last_step;
 mod pieces;
 mod prediction;
 mod step;
@@ -29,6 +30,7 @@ use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
 use super::variables::{Access, Edition, VARIABLES};
 use events::Present;
+use last_step::LastStep;
 use vibro_impact::simulator::Simulator;
 
 pub use advance::Advance;
@@ -102,8 +104,9 @@ pub struct Instance {
     derived_stale: bool,
     /// The event that is to come, once it was asked for.
     prediction: Option<Prediction>,
-    /// Derivatives over the last step.
-    step_matrices: StepMatrices,
+    /// The last step, to be looked at again, and its derivatives once they were asked for.
+    last_step: Option<LastStep>,
+    step_matrices: Option<StepMatrices>,
     /// What the clock of impacts shows.
     tick: Tick,
 }
@@ -136,7 +139,8 @@ impl Instance {
             derived: Derived::default(),
             derived_stale: true,
             prediction: None,
-            step_matrices: StepMatrices::default(),
+            last_step: None,
+            step_matrices: None,
             tick: Tick::default(),
         }
     }
@@ -247,7 +251,7 @@ impl Instance {
         self.slopes_set = [false; 3];
         (self.parameters_set, self.loads_set) = (false, false);
         self.derived_stale = true;
-        self.step_matrices = StepMatrices::default();
+        self.last_step = None;
         self.tick = Tick::default();
         self.invalidate();
     }
@@ -326,6 +330,7 @@ impl Instance {
         self.slopes_set = saved.slopes_set;
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
+        self.last_step = None;
         self.events = saved.events;
         self.tick = saved.tick;
         self.invalidate();
@@ -349,6 +354,7 @@ impl Instance {
     fn invalidate(&mut self) {
         self.values_stale = true;
         self.prediction = None;
+        self.step_matrices = None;
     }
 
     /// Brings the values up to date. In initialization that evaluates the start.

@@ -20,6 +20,7 @@ pub mod log;
 pub mod phase;
 pub mod problem;
 pub mod saved_state;
+mod sensitivity;
 pub mod settings;
 mod steady;
 pub mod structure;

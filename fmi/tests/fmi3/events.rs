@@ -70,7 +70,7 @@ fn row_event_mode_with_early_return() {
             let (after, shown) = (fmu.motion(), count(&fmu));
             let update = fmu.update();
             assert_eq!(after.map(f64::to_bits), fmu.motion().map(f64::to_bits), "shown as it then is");
-            assert_eq!(fmu.update().values_changed, false, "nothing more");
+            assert!(!fmu.update().values_changed, "nothing more");
             fmu.enter_step_mode();
             assert_eq!(after.map(f64::to_bits), fmu.motion().map(f64::to_bits));
             assert_eq!(update.values_changed, shown > counted);

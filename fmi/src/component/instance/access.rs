@@ -80,6 +80,9 @@ impl Instance {
         if needs & Reader::PREDICTION != 0 {
             self.refresh_prediction();
         }
+        if needs & Reader::STEP != 0 {
+            self.refresh_step_matrices();
+        }
         let mut i = 0;
         for &reference in references {
             let value = match READERS[place(reference, first)].get {
@@ -95,7 +98,7 @@ impl Instance {
                     continue;
                 }
                 Get::Step(size, get) => {
-                    (0..size).for_each(|k| write(i + k, get(&self.step_matrices, k)));
+                    (0..size).for_each(|k| write(i + k, get(&self.step_matrices.unwrap_or_default(), k)));
                     i += size;
                     continue;
                 }

@@ -1,13 +1,14 @@
 //! Stepping for a host that may handle events itself or take steps that end early.
 
 use super::events::{Changes, Discrete};
+use super::last_step::LastStep;
 use super::step::{describe, rounding, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::log::{Category, Log};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator};
+use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator, Snapshot};
 
 /// How an advance ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,10 @@ impl Instance {
         let (shown, stand) = match &mut self.engine {
             Engine::Simulation(simulator) => {
                 let shown = Discrete::of_simulator(simulator);
-                (shown, simulate(simulator, changes, (point, size), at_event, report)?)
+                let (parameters, loads) = (changes.parameters.copied(), changes.loads.copied());
+                let step =
+                    self.last_step.insert(LastStep { before: simulator.snapshot(), parameters, loads });
+                (shown, simulate(simulator, &step.before, changes, (point, size), at_event, report)?)
             }
             Engine::Closed(form) => {
                 if let Some(parameters) = changes.parameters {
@@ -131,14 +135,14 @@ fn unreachable_step<T>() -> Outcome<T> {
 /// One step of the simulator, all or nothing.
 fn simulate(
     simulator: &mut Simulator,
+    before: &Snapshot,
     changes: Changes<'_>,
     (point, size): (f64, f64),
     at_event: AtEvent,
     report: EventObserver<'_, '_>,
 ) -> Outcome<Stand> {
-    let before = simulator.snapshot();
     let outcome = run(simulator, changes, (point, size), at_event, report);
-    outcome.map_err(|error| take_back(simulator, &before, error))
+    outcome.map_err(|error| take_back(simulator, before, error))
 }
 
 fn run(

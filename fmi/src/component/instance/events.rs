@@ -187,7 +187,9 @@ impl Instance {
             ((self.edition == Edition::Clocked).then(|| self.impacts_shown()), self.events.side);
         self.phase = Phase::Event;
         self.events = EventState::default();
-        self.values_stale |= self.handling.event_mode;
+        if self.handling.event_mode {
+            self.invalidate();
+        }
         // Where the values cannot be had, getters will say why.
         if let (Some(shown), Ok(())) = (shown, self.refresh_values()) {
             self.tick.active = impacts(&self.values.impacts) > shown;

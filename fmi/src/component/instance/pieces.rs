@@ -2,6 +2,7 @@
 
 use super::advance::{AtEvent, advance, is_at_end, side_of};
 use super::events::Discrete;
+use super::last_step::LastStep;
 use super::step::{describe, rounding, take_back};
 use super::{Advance, Engine, Instance, Outcome, Phase, Problem, SavedState};
 use crate::component::log::{Category, Log};
@@ -123,6 +124,9 @@ impl Instance {
             _ => {}
         }
         (self.parameters_set, self.loads_set) = (false, false);
+        if let Engine::Simulation(simulator) = &self.engine {
+            self.last_step = Some(LastStep { before: simulator.snapshot(), parameters: None, loads: None });
+        }
         self.invalidate();
         Ok(())
     }

@@ -86,7 +86,7 @@ proptest! {
                 assert_finite(&mut fmu, "after an event");
             } else {
                 // As long as the system's own time, so that the work stays small.
-                let parameters = fmu.motion_parameters().unwrap_or_default();
+                let parameters = fmu.settings().parameters;
                 let rate = vibro_impact::model::Model::new(&parameters).map_or(1.0, |model| model.rate);
                 let _ = step(&mut fmu, time, 1.0 / rate);
                 assert_finite(&mut fmu, "after a step");

@@ -11,6 +11,7 @@ mod exchange;
 mod finite;
 mod memory;
 mod prediction;
+mod sensitivity;
 mod step;
 mod values;
 
