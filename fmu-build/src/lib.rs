@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! table (vibro_fmi) ─▶ describe, fmi3 ─▶ check ──┐
-//!     page, icon, sketch, terminals, reference ──┼─▶ package (version) ─▶ archive ─▶ .fmu
+//!  page (recipes), icon, terminals, reference ───┼─▶ package (version) ─▶ archive ─▶ .fmu
 //!          platforms (compile), licences, date ──┘                                     │
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
 //!       picture ◀──┘
@@ -23,6 +23,7 @@ pub mod package;
 pub mod page;
 pub mod picture;
 pub mod platforms;
+pub mod recipes;
 pub mod reference;
 pub mod run;
 pub mod schema;

@@ -2,7 +2,9 @@
 
 mod basin;
 mod compare;
+mod design_sweep;
 mod isoperiodic;
+mod lengths;
 mod manifold;
 mod motions;
 mod plane;
@@ -16,6 +18,7 @@ mod sweep;
 
 pub use basin::basins;
 pub use compare::{accuracy, force_overlay, histories};
+pub use design_sweep::{design_sweep, write_tables as write_design_tables};
 pub use isoperiodic::isoperiodic;
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
@@ -28,9 +31,10 @@ pub use strong::strong_case;
 pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 
 use crate::Result;
-use crate::figures::chart::Figure;
+use crate::figures::canvas::palette::{HERE, WHITE};
+use crate::figures::chart::{Axis, Figure, Layer, MARK, Mark};
 use crate::table::Table;
-use vibro_analysis::ParameterSet;
+use vibro_analysis::{Name, ParameterSet};
 
 /// The outcome of a study.
 #[derive(Clone, Debug)]
@@ -41,6 +45,9 @@ pub struct Study {
     pub what: String,
     /// The numbers: stems of files and their CSV text.
     pub tables: Vec<(String, Vec<u8>)>,
+    /// Names of the files of tables too long for memory, which
+    /// [`LongStudy::write_tables`](crate::long_study::LongStudy::write_tables) writes.
+    pub files: Vec<String>,
     /// The table that is worth reading on a screen.
     pub shown: Option<Table>,
     /// The picture; `None` where there is nothing to draw, which `what` explains.
@@ -60,8 +67,17 @@ impl Study {
 
     /// A study without a table and a figure; `what` says why there is none.
     fn without_figure(name: &str, what: impl Into<String>) -> Self {
-        let (tables, remarks) = (Vec::new(), Vec::new());
-        Self { name: name.into(), what: what.into(), tables, shown: None, figure: None, remarks, set: None }
+        let (tables, files, remarks) = (Vec::new(), Vec::new(), Vec::new());
+        Self {
+            name: name.into(),
+            what: what.into(),
+            tables,
+            files,
+            shown: None,
+            figure: None,
+            remarks,
+            set: None,
+        }
     }
 
     /// The same study, which has parameters of its own.
@@ -77,3 +93,18 @@ impl Study {
 
 /// Size of a panel in units of the drawing, unless a figure needs another.
 const PANEL: (u32, u32) = (1700, 1150);
+
+/// An axis over a range of a parameter, which is in SI, in the unit in which the parameter was written.
+fn parameter_axis(set: &ParameterSet, name: Name, (from, to): (f64, f64)) -> Axis {
+    let axis = Axis::over(set.label(name), from, to);
+    match set.unit(name) {
+        Some(unit) => axis.times(unit.number(1.0)),
+        None => axis,
+    }
+}
+
+/// A mark at the parameters of the set itself, with a white edge, for it may lie on any colour.
+fn here(set: &ParameterSet, x: Name, y: Name) -> [Layer; 2] {
+    let mark = |name, colour| Layer::marks(name, colour, Mark::Disc, vec![(x.value(set), y.value(set))]);
+    [mark("", WHITE).stroke(MARK + 5), mark("this set of parameters", HERE)]
+}

@@ -141,6 +141,11 @@ fn units_are_those_of_the_dimension() {
     );
     assert!(error(&["f10=2 N"]).starts_with("f10: `N` is no unit of it; allowed are 1, %"));
     assert!(error(&["box.m=nanogram"]).contains("is not a number"));
+    for (si, text, value) in
+        [("s", "2", 2.0), ("s", "1.5min", 90.0), ("m/s", "-3 mm/s", -0.003), ("m", "2 mm", 0.002)]
+    {
+        assert_eq!(quantity_in(si, text).map(|q| q.value), Some(value), "{text}");
+    }
     let gap = Name::find("stop.gap").unwrap();
     assert!(numbers(gap, &["1", "2mm"]).unwrap_err().to_string().contains("a unit at every number"));
 }
@@ -192,6 +197,22 @@ fn tied_groups_keep_their_own_value_when_both_vary() {
     assert_eq!(row.with(group("epsilon"), 0.2).unwrap().groups().mu13, 3.0);
     let row = ParameterSet::basic().with(group("beta2"), 0.3).unwrap();
     assert_eq!(row.with(group("epsilon"), 0.2).unwrap().groups().beta2, 0.3);
+}
+
+#[test]
+fn second_method_groups_with_one_changed() {
+    for base in [&["kappa=0.6"][..], &["beta2=0.2"], &["mu13=3", "box.m=12"]] {
+        let set = with(base);
+        for name in GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si)) {
+            for value in [-11.0, 0.0, 0.3, 2.0, f64::NAN] {
+                let (found, whole) = (set.groups_with(name, value), set.with(name, value));
+                assert_eq!(
+                    found.map_err(|e| e.to_string()),
+                    whole.map(|s| *s.groups()).map_err(|e| e.to_string())
+                );
+            }
+        }
+    }
 }
 
 #[test]

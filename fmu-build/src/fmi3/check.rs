@@ -249,7 +249,8 @@ fn structure(model: &ModelDescription, found: &mut Vec<String>) {
     let initially = sets.of(exact);
     let derivatives = sets.of(|a| a.derivative.is_some());
     let unknown = |a: &Attributes| {
-        let calculated = a.initial.as_deref() == Some("calculated") && a.clocks.is_none();
+        let clock = a.interval_variability.is_some();
+        let calculated = clock || a.initial.as_deref() == Some("calculated") && a.clocks.is_none();
         let of_state = a.derivative.is_some() || sets.states.contains(&a.value_reference);
         calculated && (a.causality == "output" || a.causality == "calculatedParameter" || of_state)
     };

@@ -175,10 +175,10 @@ fn start(v: &variables::Variable) -> Option<String> {
     Some(if v.kind == Kind::Boolean { (start != 0.0).to_string() } else { start.to_string() })
 }
 
-/// Outputs but those that belong to a clock, calculated parameters, and those derivatives of states that are no outputs
-/// (FMI 3.0.2, 2.4.8).
+/// Calculated outputs, calculated parameters, and those derivatives of states that are no outputs (FMI 3.0.2, 2.4.8). What belongs
+/// to a clock is not among them; the clock itself is, although it cannot have the attribute `initial`: validators ask for it.
 fn initial_unknowns(edition: Edition) -> Vec<Row> {
-    let clocked = |row: &Row| variables::VARIABLES[row.reference as usize].edition == Edition::Clocked;
+    let clocked = |row: &Row| description::is_clocked(&variables::VARIABLES[row.reference as usize]);
     structure::initial_unknowns(edition).into_iter().filter(|row| !clocked(row)).collect()
 }
 
