@@ -8,7 +8,7 @@ use crate::component::closed_form::ClosedForm;
 use crate::component::log::{Category, Log};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator, Snapshot};
+use vibro_impact::simulator::{AdvanceOutcome, Contact, Event, EventObserver, Pause, Simulator, Snapshot};
 
 /// How an advance ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -213,12 +213,24 @@ pub(super) fn advance(
 /// Goes on to an event that lies past a step's end by rounding alone and stands before it; without one nothing happens. A
 /// host that comes to the time of an event it was told must find it there.
 pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
+    let late = rounding(end);
+    if is_clear(simulator, late) {
+        return Ok(false);
+    }
     let before = simulator.snapshot();
-    if advance(simulator, DoubleDouble::sum(end, rounding(end)), Pause::BeforeEvent, None)? {
+    if advance(simulator, DoubleDouble::sum(end, late), Pause::BeforeEvent, None)? {
         return Ok(true);
     }
     simulator.restore(&before)?;
     Ok(false)
+}
+
+/// Whether the block in flight is so far from the stops that it cannot meet one within the rounding of a time: its acceleration
+/// moves it by far less than the margin in that.
+fn is_clear(simulator: &Simulator, late: f64) -> bool {
+    const MARGIN: f64 = 1e-6; // gaps
+    let ((w, rate), gap) = (simulator.relative_motion(), simulator.parameters().stop_gap);
+    simulator.contact() == Contact::Flight && gap - w.abs() > MARGIN * gap + 4.0 * late * rate.abs()
 }
 
 /// One step of a steady state.
