@@ -42,6 +42,7 @@ fn unsafe_code_stands_in_the_doors_and_their_pointer_helpers() {
         "fmi2/abi/tests/random.rs",
         "fmi2/abi/tests/states.rs",
         "fmi3/abi.rs",
+        "fmi3/abi/instantiation.rs",
         "fmi3/abi/step.rs",
         "fmi3/abi/tests.rs",
         "fmi3/abi/tests/callback.rs",

@@ -24,6 +24,7 @@ use super::continuous::Continuous;
 use super::log::{Category, Log};
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
+use super::protocol::{EventHandling, Protocol};
 use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
@@ -35,7 +36,6 @@ use vibro_impact::simulator::Simulator;
 
 pub use advance::Advance;
 pub use dependencies::Dependency;
-pub use events::EventHandling;
 pub(super) use events::EventState;
 pub use pieces::{Piece, Pieces};
 pub use step::{StepOutcome, StepReason};
@@ -51,31 +51,6 @@ enum Engine {
     Closed(Box<ClosedForm>),
     /// Model Exchange.
     Continuous(Box<Continuous>),
-}
-
-/// What protocols differ in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Protocol {
-    /// The value reference of the table's first variable.
-    pub first_reference: u32,
-    /// What the host does about events.
-    pub handling: EventHandling,
-    /// What settings start from.
-    pub start: Settings,
-    /// The variables that its description has.
-    pub edition: Edition,
-}
-
-impl Default for Protocol {
-    /// References count from 0, the host does nothing about events, and there is what every description has.
-    fn default() -> Self {
-        Self {
-            first_reference: 0,
-            handling: EventHandling::default(),
-            start: Settings::default(),
-            edition: Edition::Every,
-        }
-    }
 }
 
 /// One component.

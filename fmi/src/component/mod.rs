@@ -19,6 +19,7 @@ pub mod jets;
 pub mod log;
 pub mod phase;
 pub mod problem;
+pub mod protocol;
 pub mod saved_state;
 mod sensitivity;
 pub mod settings;
@@ -29,8 +30,7 @@ pub mod values;
 pub mod variables;
 mod variation;
 
-pub use instance::{
-    Advance, Dependency, EventHandling, Instance, Piece, Pieces, Protocol, StepOutcome, StepReason,
-};
+pub use instance::{Advance, Dependency, Instance, Piece, Pieces, StepOutcome, StepReason};
 pub use phase::{Interface, Phase};
 pub use problem::{Outcome, Problem};
+pub use protocol::{EventHandling, Protocol};

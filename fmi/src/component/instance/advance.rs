@@ -55,7 +55,7 @@ pub(super) fn side_of(event: &Event, before: i8) -> i8 {
 
 impl Instance {
     /// From the present time towards `point + size`. Own time is the truth; `point` may be off by rounding. What a step does
-    /// at an event is decided by the [`EventHandling`](super::EventHandling) and the setting `stop_at_impact`:
+    /// at an event is decided by the [`EventHandling`](crate::component::EventHandling) and the setting `stop_at_impact`:
     ///
     /// | event mode | early return, stop | at an event |
     /// |---|---|---|

@@ -2,7 +2,7 @@
 //! its limits, and applies its law when it is told to. A solver's events (Model Exchange) are handled in the same two calls.
 
 use super::step::describe;
-use super::{Engine, Instance, Outcome, Phase, Problem};
+use super::{Engine, EventHandling, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::log::{Category, Log};
@@ -12,15 +12,6 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, DueEvent, Event, EventObserver, ImpactRecord, Loads, Simulator};
-
-/// What a host does about events; agreed when the component is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct EventHandling {
-    /// It handles events itself: what changes at events only is shown from the event's handling on.
-    pub event_mode: bool,
-    /// It takes steps that end before their end.
-    pub early_return: bool,
-}
 
 /// Where the host stands in the handling of events, as plain data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,4 +1,5 @@
 use super::*;
+use crate::component::Interface;
 use crate::component::variables::reference;
 use crate::fmi3::description;
 use std::ffi::{CStr, CString};
