@@ -66,7 +66,7 @@ mod variation;
 
 pub use error::{Error, Result};
 pub use parameter_set::{
-    Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, quantity_in, short, significant,
-    typed_unit,
+    Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, quantity_in, short,
+    significant, typed_unit,
 };
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};
