@@ -40,7 +40,7 @@ const DAMAGES: [(&str, Damage); 33] = [
     ("has no description", |m| named(m, "box.k").description.clear()),
     ("is not a defined type", |m| named(m, "mode").declared_type = None),
     ("is not a defined type", |m| named(m, "impacts.clock").declared_type = Some("Time".into())),
-    ("not those of its declared type", |m| named(m, "box.m").unit = Some("m".into())),
+    ("left to its declared type", |m| named(m, "box.m").unit = Some("m".into())),
     ("unit kg or display unit", |m| m.unit_definitions.units.retain(|unit| unit.name != "kg")),
     ("do not go together", |m| named(m, "box.f").initial = Some("exact".into())),
     ("do not go together", |m| named(m, "impacts.clock").interval_variability = Some("countdown".into())),

@@ -135,8 +135,8 @@ fn declared_type(v: &Variable, model: &ModelDescription, found: &mut Vec<String>
         Some(Type::Float64Type(t)) => (t.unit.as_deref(), t.display_unit.as_deref()),
         _ => (None, None),
     };
-    if (a.unit.as_deref(), a.display_unit.as_deref()) != (unit, display) {
-        found.push(format!("{}: unit and display unit are not those of its declared type", a.name));
+    if a.unit.is_some() || a.display_unit.is_some() {
+        found.push(format!("{}: unit and display unit are left to its declared type", a.name));
     }
     if let Some(unit) = unit {
         let defined = model.unit_definitions.units.iter().find(|u| u.name == unit);

@@ -119,7 +119,6 @@ fn types(edition: Edition) -> Vec<Type> {
 
 fn variable((reference, v): (u32, &variables::Variable)) -> Variable {
     let (min, max) = v.bounds();
-    let real = v.real_type();
     let mut attributes = Attributes {
         name: v.name.into(),
         value_reference: reference,
@@ -131,9 +130,10 @@ fn variable((reference, v): (u32, &variables::Variable)) -> Variable {
             Initial::Calculated => "calculated".into(),
         }),
         declared_type: v.declared_type().map(Into::into),
-        // Repeated from the declared type: some hosts read units of variables only.
-        unit: v.unit().map(Into::into),
-        display_unit: real.and_then(|declared| declared.display_unit).map(Into::into),
+        // The declared type says these, and 1 is the nominal value where none is given: fmi-sim (fmi-schema 0.8) opens no
+        // archive in which a variable has one of the three.
+        unit: None,
+        display_unit: None,
         min,
         max,
         nominal: None,
@@ -148,7 +148,8 @@ fn variable((reference, v): (u32, &variables::Variable)) -> Variable {
     };
     match v.kind {
         Kind::Real { nominal, reinit, .. } => {
-            (attributes.nominal, attributes.reinit) = (nominal, reinit.then_some(true));
+            attributes.nominal = nominal.filter(|nominal| *nominal != 1.0);
+            attributes.reinit = reinit.then_some(true);
             Variable::Float64(attributes)
         }
         Kind::Integer { min } => {

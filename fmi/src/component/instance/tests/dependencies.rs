@@ -25,7 +25,7 @@ type Start = (&'static str, Interface, Vec<(&'static str, f64)>);
 /// Starts that together show every dependency.
 fn starts() -> Vec<Start> {
     use Interface::{CoSimulation, ModelExchange};
-    let moving = vec![
+    let moving = [
         ("time", 0.3),
         ("box.s", 0.1),
         ("box.v", 0.4),
