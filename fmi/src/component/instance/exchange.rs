@@ -43,7 +43,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets the continuous states, in the order of [`STATES`](crate::component::structure::STATES).
+    /// Sets the continuous states, in the order of [`STATES`].
     ///
     /// # Errors
     /// [`Problem::Value`] for one that is not finite; nothing has changed then.
