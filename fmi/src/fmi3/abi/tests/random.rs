@@ -180,8 +180,7 @@ unsafe fn random_call(
 fn assert_finite(host: &Box3) {
     for (place, variable) in (0..).zip(&VARIABLES).filter(|(_, variable)| variable.base() == Base::Real) {
         let mut values = [0.0; ROOM];
-        let status =
-            unsafe { fmi3GetFloat64(host.c, &(place + 1), 1, values.as_mut_ptr(), variable.size()) };
+        let status = unsafe { fmi3GetFloat64(host.c, &(place + 1), 1, values.as_mut_ptr(), variable.size()) };
         if status == OK {
             assert!(values.iter().all(|value| value.is_finite()), "{}: {values:?}", variable.name);
         } else if status == ERROR {
