@@ -19,7 +19,7 @@ pub fn default_output() -> PathBuf {
 /// The icon as PNG.
 ///
 /// # Errors
-/// [`Error::Picture`].
+/// [`Error::Picture`](crate::Error::Picture).
 pub fn icon() -> Result<Vec<u8>> {
     Ok(canvas::png(&icon::Icon)?)
 }

@@ -102,7 +102,8 @@ fn variable(place: u32, v: &Variable, model: &ModelDescription, found: &mut Vec<
         found.push(format!("{name}: intermediateUpdate is for continuous inputs and outputs"));
     }
     // Validators exist that take the alias of a calculated output for another output.
-    if !a.aliases.is_empty() && !(a.initial.as_deref() == Some("exact") || a.causality == "input") {
+    let set = a.initial.as_deref() == Some("exact") || a.causality == "input";
+    if !a.aliases.is_empty() && !set {
         found.push(format!("{name}: aliases are for what is set"));
     }
     let clocks: Vec<&str> = a.clocks.iter().flat_map(|clocks| clocks.split_whitespace()).collect();
