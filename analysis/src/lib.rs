@@ -49,6 +49,7 @@ pub mod isoperiodic;
 pub mod lyapunov;
 pub mod maxima;
 pub mod motion;
+pub mod orbits;
 mod parameter_set;
 pub mod parts;
 pub mod plane;

@@ -1,0 +1,3 @@
+//! Tests of the orbits, by what they are held against.
+
+mod single;
