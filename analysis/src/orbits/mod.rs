@@ -3,16 +3,32 @@
 //!
 //! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns, whatever it does in between.
 
+mod branch;
+mod curve;
 mod cycle;
+mod family;
 mod flights;
+mod free;
+mod grazing;
 mod obstacle;
 mod orbit;
+mod path;
+mod settled;
+mod special;
+mod switching;
 mod system;
+mod test_functions;
+mod tree;
 mod word;
 
 #[cfg(test)]
 mod tests;
 
+pub use branch::{Branch, Label, Point, Special};
+pub use family::{Family, Span};
 pub use orbit::Orbit;
+pub use path::PathOptions;
+pub use settled::{orbit_of, settle};
 pub use system::{ConstantLoads, System};
+pub use tree::{Tree, TreeOptions, tree};
 pub use word::OrbitWord;

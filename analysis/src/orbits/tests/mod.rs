@@ -1,3 +1,4 @@
 //! Tests of the orbits, by what they are held against.
 
 mod single;
+mod scratch;
