@@ -19,6 +19,8 @@ const LEAST_STEP: f64 = 1e-7;
 const CORRECTION: f64 = 0.3;
 /// The least cosine of the angle by which the tangent turns in a step.
 const COSINE: f64 = 0.95;
+/// How far ahead, in steps, a branch that cannot be followed is looked for its birth.
+const BEYOND: f64 = 2.0;
 /// Growth of the step after few Newton steps, and its reduction after many.
 const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
@@ -227,11 +229,16 @@ impl Follower<'_> {
         if !self.span().contains(self.value(&predicted)) {
             return self.advance_to_end(last, self.value(&predicted));
         }
-        let curve = correct(&self.contacts(), &predicted, &last.tangent)?;
-        let turned = curve.tangent.dot(&last.tangent) < COSINE;
-        if turned || (&curve.u - &predicted).norm() > CORRECTION * step {
-            return Err(Obstacle::NoConvergence);
-        }
+        let follows = |curve: &CurvePoint| {
+            let turned = curve.tangent.dot(&last.tangent) < COSINE;
+            !turned && (&curve.u - &predicted).norm() <= CORRECTION * step
+        };
+        let Some(curve) = correct(&self.contacts(), &predicted, &last.tangent).ok().filter(follows) else {
+            // Next to the branch from which this one is born, the corrector may end on that one.
+            let beyond = &last.u + &last.tangent * (BEYOND * step);
+            let primary = special::primary(self.family, self.word, &last.u, &beyond)?;
+            return self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?);
+        };
         if !self.span().contains(self.value(&curve.u)) {
             return self.advance_to_end(last, self.value(&curve.u));
         }
@@ -283,7 +290,11 @@ impl Follower<'_> {
         };
         let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
         let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
-        let (_, touch) = placed.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Obstacle::NoConvergence)?;
+        // Of two at one point, as where a repeated orbit touches in each round, the impact that the word lists is taken out.
+        let order = |a: &(f64, Touch), b: &(f64, Touch)| {
+            if (a.0 - b.0).abs() < LEAST_STEP { b.1.from_longer.cmp(&a.1.from_longer) } else { a.0.total_cmp(&b.0) }
+        };
+        let (_, touch) = placed.min_by(order).ok_or(Obstacle::NoConvergence)?;
         let (is_orbit, pressed) = grazing::examine(self.family, &touch)?;
         if !is_orbit {
             return Err(Obstacle::NoConvergence);

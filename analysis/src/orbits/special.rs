@@ -11,6 +11,9 @@ use nalgebra::DVector;
 use std::cell::Cell;
 use vibro_impact::numerics::roots::brent;
 
+/// The difference of the halves of an orbit (rad) that counts as rounding.
+const BIRTH: f64 = 1e-9;
+
 /// Accuracy in the arc to which a zero is enclosed: rounding of the points themselves is of this size.
 const LOCATION: f64 = 1e-14;
 
@@ -75,7 +78,8 @@ pub(super) fn primary(
 ) -> Result<Option<(OrbitWord, DVector<f64>)>, Obstacle> {
     let Some(folded) = word.folded().filter(|f| f.closing() > 0 || family.is_symmetric()) else { return Ok(None) };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    if a.dot(&b) >= 0.0 {
+    // The first point of a branch born here has halves that are the same but for rounding.
+    if a.dot(&b) >= 0.0 || a.norm() < BIRTH {
         return Ok(None);
     }
     let part = a.norm() / (a.norm() + b.norm());

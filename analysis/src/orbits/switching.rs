@@ -185,6 +185,22 @@ pub(super) fn both_ways(
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }
 
+/// A departure in the shortest word of its orbit: where an orbit that is passed several times touches a stop in each round, the
+/// branch that lists all touches is passed several times too.
+pub(super) fn reduced_departure(family: &Family, word: &OrbitWord, departure: &Departure) -> (OrbitWord, Departure) {
+    let n = word.len();
+    let (least, phases) = word.reduced(&departure.u.as_slice()[..n], family.is_symmetric(), REPETITION);
+    let m = least.len();
+    let rates = &departure.tangent;
+    let repeats = (m..n).all(|i| (rates[i] - rates[i - m]).abs() < REPETITION);
+    if m == n || !repeats {
+        return (word.clone(), departure.clone());
+    }
+    let u = family.point(&phases, &family.values(&departure.u));
+    let tangent = DVector::from_fn(m + 1, |i, _| if i < m { rates[i] } else { rates[n] }).normalize();
+    (least, Departure { u, tangent, ..departure.clone() })
+}
+
 /// A departure in the canonical word, so that one orbit has one place in a tree.
 pub(super) fn canonical_departure(family: &Family, word: &OrbitWord, departure: &Departure) -> (OrbitWord, Departure) {
     let n = word.len();

@@ -103,9 +103,8 @@ pub fn tree(family: &Family, options: &TreeOptions, done: &(dyn Fn(usize, usize)
     }
     let mut traced = 0;
     while !grower.queue.is_empty() {
-        // The queue is in order of depth, and in each depth in order of discovery.
-        let count = TOGETHER.min(grower.queue.len());
-        let batch: Vec<Start> = grower.queue.drain(..count).collect();
+        let batch = grower.next_batch();
+        traced += batch.len();
         let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
         let found: Vec<_> = batch.into_par_iter().map(|start| grower.trace(start)).collect();
         for branch in found {
@@ -114,7 +113,6 @@ pub fn tree(family: &Family, options: &TreeOptions, done: &(dyn Fn(usize, usize)
                 Err(_) => grower.tree.failures += 1,
             }
         }
-        traced += count;
         done(traced, grower.queue.len());
     }
     Ok(grower.tree)
@@ -171,6 +169,22 @@ impl<'a> Grower<'a> {
         let path = PathOptions { longest_step: options.longest_step, most_points: options.most_points };
         let tree = Tree { branches: Vec::new(), failures: 0 };
         Self { family, options, path, tree, queue: Vec::new(), known: Vec::new() }
+    }
+
+    /// The next starts of the queue, which is in order of depth and in each depth in order of discovery: of those of one word the
+    /// first alone, since others may lie on its branch.
+    fn next_batch(&mut self) -> Vec<Start> {
+        let (mut batch, mut rest): (Vec<Start>, Vec<Start>) = (Vec::new(), Vec::new());
+        for start in self.queue.drain(..) {
+            let first = batch.first().is_none_or(|b| b.depth == start.depth);
+            if first && batch.len() < TOGETHER && batch.iter().all(|b| b.word != start.word) {
+                batch.push(start);
+            } else {
+                rest.push(start);
+            }
+        }
+        self.queue = rest;
+        batch
     }
 
     /// Whether the orbit from which a start leaves is on a branch already.
@@ -345,7 +359,8 @@ impl<'a> Grower<'a> {
     ) {
         let special = Special { longer: Some(longer.clone()), ..Special::of(Label::Grazing) };
         let departure = Departure { special: Some(special), ..departure.clone() };
-        let (word, departure) = switching::canonical_departure(self.family, word, &departure);
+        let (word, departure) = switching::reduced_departure(self.family, word, &departure);
+        let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
         self.offer(Start { depth: depth + 1, parent: Some(parent), word, departures: vec![departure] });
     }
 }
