@@ -125,6 +125,11 @@ pub(super) fn meet(
     Err(Obstacle::NoConvergence)
 }
 
+/// The unit vector along one unknown.
+pub(super) fn axis(length: usize, index: usize) -> DVector<f64> {
+    DVector::from_fn(length, |i, _| if i == index { 1.0 } else { 0.0 })
+}
+
 /// The gradient of a function of a point by central differences, where the function is defined on both sides.
 pub(super) fn gradient(
     u: &DVector<f64>,

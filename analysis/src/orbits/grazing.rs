@@ -18,6 +18,8 @@ pub(super) struct Touch {
     pub index: usize,
     /// Phases and parameters as a point of a curve of the longer word.
     pub u: DVector<f64>,
+    /// Other impacts of the word that have no speed there: where a repeated orbit touches a stop in each round.
+    pub also: Vec<usize>,
     /// Whether the branch that was followed lists it.
     pub from_longer: bool,
 }
@@ -45,7 +47,7 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     let mut found = Vec::new();
     let word = cycle.word;
     for index in (0..word.len()).filter(|i| cycle.speed(*i) <= 0.0) {
-        found.push(Touch { longer: word.clone(), index, u: u.clone(), from_longer: true });
+        found.push(Touch { longer: word.clone(), index, u: u.clone(), also: Vec::new(), from_longer: true });
     }
     for flight in 0..word.len() {
         let (z, phase) = (cycle.departure(flight), cycle.phases[flight]);
@@ -56,7 +58,7 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
             for (phase, _) in maxima.into_iter().filter(|m| m.1 > 1.0 + PENETRATION_ROUNDING) {
                 let index = flight + 1;
                 let u = u.clone().insert_row(index, phase);
-                found.push(Touch { longer: word.inserted(index, side), index, u, from_longer: false });
+                found.push(Touch { longer: word.inserted(index, side), index, u, also: Vec::new(), from_longer: false });
             }
         }
     }
@@ -88,14 +90,20 @@ pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> 
     Ok(Touch { u, ..touch.clone() })
 }
 
-/// What a cycle of the longer word at a touch says: whether it is an orbit of the machine but for the touch, and whether the touch
-/// is pressed into the stop, so that there would be chatter.
-pub(super) fn examine(family: &Family, touch: &Touch) -> Result<(bool, bool), Obstacle> {
+/// Approach speeds under this, units of ω1 L, are none next to another touch: its own is zero but for rounding.
+const NO_SPEED: f64 = 1e-6;
+
+/// What a cycle of the longer word at a touch says: the touch with the others at the same point, whether it is an orbit of the
+/// machine but for these, and whether the touch is pressed into the stop, so that there would be chatter.
+pub(super) fn examine(family: &Family, touch: Touch) -> Result<(Touch, bool, bool), Obstacle> {
     let system = family.system_at(&touch.u)?;
     let n = touch.longer.len();
     let cycle = Cycle::new(&system, &touch.longer, &touch.u.as_slice()[..n])?;
-    let others = (0..n).filter(|i| *i != touch.index).all(|i| cycle.speed(i) > 0.0);
+    let others = || (0..n).filter(|i| *i != touch.index);
+    let also = others().filter(|i| cycle.speed(*i).abs() < NO_SPEED).collect();
+    let approach = others().all(|i| cycle.speed(i) > -NO_SPEED);
     let flight = cycle.flight_to(touch.index);
     let pressed = touch.longer.side(flight + 1) * cycle.approach_acceleration(flight) >= 0.0;
-    Ok((others && super::orbit::is_clear(&cycle), pressed))
+    let is_orbit = approach && super::orbit::is_clear(&cycle);
+    Ok((Touch { also, ..touch }, is_orbit, pressed))
 }

@@ -6,8 +6,9 @@ use super::cycle::Cycle;
 use super::family::{Contacts, Family, Span};
 use super::grazing::{self, Touch};
 use super::obstacle::Obstacle;
-use super::orbit::{eigenvalues, newton};
+use super::orbit::{Orbit, eigenvalues, newton};
 use super::special;
+use super::switching::Contact;
 use super::test_functions::{DOUBLING, PAIR, SignedLog, Sample, TESTS, UNIT, test};
 use super::word::OrbitWord;
 use nalgebra::{Complex, DVector};
@@ -295,17 +296,17 @@ impl Follower<'_> {
             if (a.0 - b.0).abs() < LEAST_STEP { b.1.from_longer.cmp(&a.1.from_longer) } else { a.0.total_cmp(&b.0) }
         };
         let (_, touch) = placed.min_by(order).ok_or(Obstacle::NoConvergence)?;
-        let (is_orbit, pressed) = grazing::examine(self.family, &touch)?;
+        let (touch, is_orbit, pressed) = grazing::examine(self.family, touch)?;
         if !is_orbit {
             return Err(Obstacle::NoConvergence);
         }
-        let (u, shorter) = (touch.on_branch(), touch.shorter());
+        let u = touch.on_branch();
         let system = self.family.system_at(&u)?;
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.word.len()])?;
         let tests = [test(&cycle, UNIT), test(&cycle, DOUBLING), None];
-        let without = touch.without();
-        let phases = &without.as_slice()[..shorter.len()];
-        let multipliers = super::orbit::Orbit::at(&system, &shorter, phases)?.multipliers();
+        let without = Contact::of(self.family, &touch);
+        let phases = &without.u.as_slice()[..without.shorter.len()];
+        let multipliers = Orbit::at(&system, &without.shorter, phases)?.multipliers();
         let tangent = last.tangent.clone();
         let at = Position { u, tangent, steps: 3, multipliers, stable: false, tests };
         let between = self.between(last, &at)?;

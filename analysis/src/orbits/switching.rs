@@ -1,7 +1,7 @@
 //! Where branches begin: at settled orbits, at bifurcations of another branch, at touches.
 
 use super::branch::{Label, Special};
-use super::curve::tangent;
+use super::curve::{axis, tangent};
 use super::cycle::{Cycle, Functional};
 use super::family::{Contacts, Family};
 use super::grazing::{self, Touch};
@@ -37,20 +37,23 @@ pub(super) struct Contact {
 impl Contact {
     /// A touch on a branch, reduced.
     pub fn of(family: &Family, touch: &Touch) -> Self {
-        let shorter = touch.shorter();
-        let n = shorter.len();
         let values = family.values(&touch.u);
-        let without = touch.without();
         let (phase, side) = (touch.u[touch.index], touch.longer.letters()[touch.index]);
+        let kept: Vec<usize> =
+            (0..touch.longer.len()).filter(|i| *i != touch.index && !touch.also.contains(i)).collect();
+        let n = kept.len();
         if n == 0 {
             let word = free_word(family);
             return Self { shorter: word, u: family.point(&[], &values), flight: 0, phase, side };
         }
-        let (reduced, phases) = shorter.reduced(&without.as_slice()[..n], family.is_symmetric(), REPETITION);
+        let letters = kept.iter().map(|i| touch.longer.letters()[*i]).collect();
+        let shorter = OrbitWord::of(letters, touch.longer.closing(), touch.longer.half_periods());
+        let phases: Vec<f64> = kept.iter().map(|i| touch.u[*i]).collect();
+        let (reduced, phases) = shorter.reduced(&phases, family.is_symmetric(), REPETITION);
         // A touch before the first impact is one after the last, a round later.
-        let (flight, phase, side) = match touch.index {
+        let (flight, phase, side) = match kept.iter().filter(|i| **i < touch.index).count() {
             0 => (n - 1, phase + shorter.span(), side * shorter.closing()),
-            index => (index - 1, phase, side),
+            before => (before - 1, phase, side),
         };
         let round = flight / reduced.len();
         let sign = if round % 2 == 1 { reduced.closing() } else { 1 };
@@ -70,7 +73,7 @@ impl Contact {
             let mut phases = phases;
             phases.insert(index, self.phase);
             let u = family.point(&phases, &family.values(&self.u));
-            Touch { longer: word.inserted(index, self.side), index, u, from_longer: false }
+            Touch { longer: word.inserted(index, self.side), index, u, also: Vec::new(), from_longer: false }
         };
         let n = self.shorter.len();
         let phases = self.u.as_slice()[..n].to_vec();
@@ -86,7 +89,7 @@ impl Contact {
     pub fn departure(&self, family: &Family) -> Result<Departure, Obstacle> {
         let n = self.shorter.len();
         let contacts = Contacts { family, word: &self.shorter };
-        let along = tangent(&contacts, &self.u, &parameter_axis(n))?;
+        let along = tangent(&contacts, &self.u, &axis(n + 1, n))?;
         let excess = |step: f64| -> Result<f64, Obstacle> {
             let u = &self.u + &along * step;
             let system = family.system_at(&u)?;
@@ -115,15 +118,11 @@ pub(super) fn free_word(family: &Family) -> OrbitWord {
     if family.is_symmetric() { OrbitWord::of(Vec::new(), -1, 1) } else { OrbitWord::of(Vec::new(), 1, 2) }
 }
 
-fn parameter_axis(n: usize) -> DVector<f64> {
-    DVector::from_fn(n + 1, |i, _| if i == n { 1.0 } else { 0.0 })
-}
-
 /// Where the branch with a touch leaves: on the side on which the impact has a speed.
 pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Obstacle> {
     let n = touch.longer.len();
     let contacts = Contacts { family, word: &touch.longer };
-    let along = tangent(&contacts, &touch.u, &parameter_axis(n))?;
+    let along = tangent(&contacts, &touch.u, &axis(n + 1, n))?;
     let (_, gradient) = grazing::approach(&contacts, touch.index, &touch.u)?;
     let tangent = if gradient.dot(&along) > 0.0 { along } else { -along };
     let system = family.system_at(&touch.u)?;
@@ -180,7 +179,7 @@ pub(super) fn both_ways(
 ) -> Result<(OrbitWord, [Departure; 2]), Obstacle> {
     let (word, phases) = canonical(word, phases, family.is_symmetric());
     let u = family.point(&phases, &[value]);
-    let along = tangent(&Contacts { family, word: &word }, &u, &parameter_axis(word.len()))?;
+    let along = tangent(&Contacts { family, word: &word }, &u, &axis(word.len() + 1, word.len()))?;
     let departure = |tangent| Departure { u: u.clone(), tangent, step: FIRST_STEP, special: None, multipliers: None };
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }

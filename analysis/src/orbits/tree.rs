@@ -5,7 +5,7 @@ use super::branch::{Branch, Label, Point, Special};
 use super::family::Family;
 use super::free;
 use super::obstacle::Obstacle;
-use super::orbit::{canonical, newton, same_phases};
+use super::orbit::{Orbit, canonical, newton, same_phases};
 use super::path::{Departure, Follower, PathEnd, PathOptions, follow};
 use super::settled;
 use super::switching::{self, Contact};
@@ -13,7 +13,6 @@ use super::word::OrbitWord;
 use crate::bifurcation::within_gap;
 use crate::error::Error;
 use crate::stroboscopic::moving_block;
-use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -106,7 +105,7 @@ pub fn tree(family: &Family, options: &TreeOptions, done: &(dyn Fn(usize, usize)
         let batch = grower.next_batch();
         traced += batch.len();
         let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
-        let found: Vec<_> = batch.into_par_iter().map(|start| grower.trace(start)).collect();
+        let found: Vec<_> = batch.into_par_iter().map(|start| trace(family, &grower.path, &[], start)).collect();
         for branch in found {
             match branch {
                 Ok(branch) => grower.add(branch),
@@ -116,6 +115,79 @@ pub fn tree(family: &Family, options: &TreeOptions, done: &(dyn Fn(usize, usize)
         done(traced, grower.queue.len());
     }
     Ok(grower.tree)
+}
+
+/// The branch of one orbit, followed in both directions without switching to others; points at the values `marks` of the parameter
+/// are labelled UZ.
+///
+/// ```
+/// use vibro_analysis::orbits::{ConstantLoads, Family, Label, OrbitWord, PathOptions, Span, branch};
+/// use vibro_analysis::{ParameterSet, find_group};
+///
+/// let span = Span::new(find_group("f10")?, 0.5, 3.0)?;
+/// let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span)?;
+/// let found = branch(&family, &OrbitWord::new("U", -1, 1)?, &[5.5], 1.5, &PathOptions::default(), &[])?;
+/// let breaking = found.points.iter().find(|p| p.label() == Some(Label::BranchPoint)).expect("one");
+/// assert!((breaking.value - 2.039_588_865_238).abs() < 1e-11);
+/// # Ok::<(), vibro_analysis::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::NoOrbit`] when there is no orbit near `phases` at the value, or none of the machine; what the machine refuses.
+pub fn branch(
+    family: &Family,
+    word: &OrbitWord,
+    phases: &[f64],
+    value: f64,
+    options: &PathOptions,
+    marks: &[f64],
+) -> Result<Branch, Error> {
+    let system = family.system(&[value])?;
+    let orbit = Orbit::find(&system, word, phases)?;
+    if !orbit.is_certified() {
+        let reason = "what solves its equations passes a stop between its impacts; another guess of the phases may help";
+        return Err(Error::NoOrbit {
+            word: word.to_string(),
+            closing: if word.closing() > 0 { '+' } else { '-' },
+            period: word.period(),
+            reason: reason.into(),
+        });
+    }
+    if word.is_empty() {
+        let around = |b: &Branch| b.points.windows(2).any(|p| (p[0].value..=p[1].value).contains(&value));
+        let found = free::branches(family)?.into_iter().map(|b| b.0).find(around);
+        return found.ok_or_else(|| Obstacle::NoConvergence.error(&system, word));
+    }
+    let followed = || {
+        let (word, both) = switching::both_ways(family, word, orbit.phases(), value)?;
+        let start = Start { depth: 0, parent: None, word, departures: both.to_vec() };
+        trace(family, options, marks, start)
+    };
+    let Traced { start, points, closed, .. } = followed().map_err(|obstacle| obstacle.error(&system, word))?;
+    Ok(Branch { id: 0, parent: None, depth: 0, word: start.word, points, closed })
+}
+
+/// Follows a start in all its directions.
+fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: Start) -> Result<Traced, Obstacle> {
+    let follower = Follower { family, word: &start.word, options, marks };
+    let mut departures = start.departures.iter();
+    let first = departures.next().ok_or(Obstacle::NoConvergence)?;
+    let forward = follow(&follower, first.clone())?;
+    let closed = matches!(forward.end, PathEnd::Closed);
+    let second = departures.next().filter(|_| !closed);
+    let backward = second.map(|d| follow(&follower, d.clone())).transpose()?;
+    let mut points = Vec::new();
+    let mut ends = Vec::new();
+    if let Some(path) = backward {
+        // Each point keeps the stability of the piece that follows it in the branch's order.
+        let pieces: Vec<bool> = path.points.iter().map(|p| p.stable).collect();
+        let reversed = path.points.into_iter().enumerate().skip(1).rev();
+        points.extend(reversed.map(|(i, point)| Point { stable: pieces[i - 1], ..point }));
+        ends.push((0, path.end));
+    }
+    points.extend(forward.points);
+    ends.push((points.len() - 1, forward.end));
+    Ok(Traced { start, points, closed, ends })
 }
 
 /// An orbit's word, phases and parameter.
@@ -194,29 +266,6 @@ impl<'a> Grower<'a> {
         self.tree.passing(self.family, &start.word, &departure.u.as_slice()[..start.word.len()], value).is_some()
     }
 
-    /// Follows a start in all its directions.
-    fn trace(&self, start: Start) -> Result<Traced, Obstacle> {
-        let follower = Follower { family: self.family, word: &start.word, options: &self.path, marks: &[] };
-        let mut departures = start.departures.iter();
-        let first = departures.next().ok_or(Obstacle::NoConvergence)?;
-        let forward = follow(&follower, first.clone())?;
-        let closed = matches!(forward.end, PathEnd::Closed);
-        let second = departures.next().filter(|_| !closed);
-        let backward = second.map(|d| follow(&follower, d.clone())).transpose()?;
-        let mut points = Vec::new();
-        let mut ends = Vec::new();
-        if let Some(path) = backward {
-            // Each point keeps the stability of the piece that follows it in the branch's order.
-            let pieces: Vec<bool> = path.points.iter().map(|p| p.stable).collect();
-            let reversed = path.points.into_iter().enumerate().skip(1).rev();
-            points.extend(reversed.map(|(i, point)| Point { stable: pieces[i - 1], ..point }));
-            ends.push((0, path.end));
-        }
-        points.extend(forward.points);
-        ends.push((points.len() - 1, forward.end));
-        Ok(Traced { start, points, closed, ends })
-    }
-
     /// Takes a branch into the tree, unless it is there, and queues what begins on it.
     fn add(&mut self, traced: Traced) {
         let Traced { start, points, closed, ends } = traced;
@@ -226,7 +275,9 @@ impl<'a> Grower<'a> {
             return;
         }
         let born = departures.len() == 1;
-        let probe = if born { &points[2.min(points.len() - 2)] } else { &points[points.len() / 2] };
+        // Away from the ends, next to which several branches lie close together.
+        let middle = points.len() / 2;
+        let probe = points[middle..].iter().find(|p| p.special.is_none()).unwrap_or(&points[middle]);
         if self.tree.passing(self.family, &word, &probe.phases, probe.value).is_some() {
             return;
         }
@@ -393,14 +444,11 @@ impl Branch {
             if !near(NEAR_ORBIT, &between) {
                 return false;
             }
-            let exact = family.system(&[value]).ok().and_then(|s| newton(&s, &self.word, &between).ok());
-            exact.is_some_and(|found| near(SAME_ORBIT, &found))
+            // Next to a fold or a birth the interpolation is poor, so that the ends are tried too.
+            let Ok(system) = family.system(&[value]) else { return false };
+            [&between, &a.phases, &b.phases].into_iter().any(|guess| {
+                newton(&system, &self.word, guess).is_ok_and(|found| near(SAME_ORBIT, &found))
+            })
         })
-    }
-
-    /// A point as one of a curve.
-    pub(super) fn curve_point(&self, family: &Family, point: usize) -> DVector<f64> {
-        let at = &self.points[point];
-        family.point(&at.phases, &[at.value])
     }
 }

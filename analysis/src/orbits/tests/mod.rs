@@ -1,4 +1,5 @@
 //! Tests of the orbits, by what they are held against.
 
-mod single;
+mod branches;
 mod scratch;
+mod single;

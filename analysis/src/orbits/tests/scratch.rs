@@ -21,6 +21,7 @@ fn scratch_tree() {
         println!("{} parent {:?} depth {} {} closing {} half {} points {} closed {}", b.id, b.parent, b.depth, b.word, b.word.closing(), b.word.half_periods(), b.points.len(), b.closed);
         for (i, p) in b.points.iter().enumerate() { if let Some(s) = &p.special {
             println!("    {i} {} {:.12} {} {:?} stable {} mu {:.4e}", s.label, p.value, s.longer.as_ref().map_or(String::new(), |w| w.to_string()), s.fold, p.stable, p.multipliers[0].norm());
+            if std::env::var("PH").is_ok() && b.word.len() <= 14 { println!("      ORBIT {} {} {} {} {:.17e} {:?}", s.label, b.word, b.word.closing(), b.word.half_periods(), p.value, p.phases); }
         } }
     } }
 }
