@@ -1,0 +1,44 @@
+//! Special points of all types in thirty digits (`analysis/tests/data/make_orbits.py`).
+
+use crate::orbits::orbit::{canonical, same_phases};
+use crate::orbits::{ConstantLoads, Family, Orbit, OrbitWord, PathOptions, Span, branch};
+use crate::{ParameterSet, find_group};
+
+/// The parameter of a located point: rounding of the residual over the sensitivity of the condition.
+const LOCATION: f64 = 2e-13;
+/// Its phases, which at a fold move with the square root of the parameter.
+const PHASES: f64 = 2e-11;
+/// How far from the point its branch is entered, and how far it is followed, in f10.
+const ENTRY: f64 = 1e-3;
+const REACH: f64 = 0.02;
+
+#[test]
+fn golden_orbits_in_thirty_digits() {
+    let table = include_str!("../../../tests/data/orbits.csv");
+    let mut count = 0;
+    for line in table.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let [label, letters, closing, half, f10, phases] = cells[..] else { panic!("{line}") };
+        let word = OrbitWord::new(letters, closing.parse().unwrap(), half.parse().unwrap()).unwrap();
+        let value: f64 = f10.parse().unwrap();
+        let phases: Vec<f64> = phases.split(' ').map(|x| x.parse().unwrap()).collect();
+        let span = Span::new(find_group("f10").unwrap(), value - REACH, value + REACH).unwrap();
+        let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap();
+        // On one side of a fold or of a touch there is nothing.
+        let entry = [ENTRY, -ENTRY].into_iter().find(|by| {
+            let system = family.system(&[value + by]).unwrap();
+            Orbit::find(&system, &word, &phases).is_ok_and(|o| o.is_certified() && o.speeds().iter().all(|s| *s > 0.0))
+        });
+        let at = value + entry.unwrap_or_else(|| panic!("no orbit beside {line}"));
+        let options = PathOptions { longest_step: 0.01, ..PathOptions::default() };
+        let found = branch(&family, &word, &phases, at, &options, &[]).unwrap();
+        let named = found.points.iter().filter(|p| p.label().is_some_and(|l| l.name() == label));
+        let nearest = named.min_by(|a, b| (a.value - value).abs().total_cmp(&(b.value - value).abs()));
+        let point = nearest.unwrap_or_else(|| panic!("no {label} of {letters} near {value}"));
+        assert!((point.value - value).abs() < LOCATION, "{label} {letters}: {:e}", point.value - value);
+        let (canonical, golden) = canonical(&word, &phases, true);
+        assert!(same_phases(&canonical, &golden, &point.phases, true, PHASES), "{label} {letters}: {:?} {golden:?}", point.phases);
+        count += 1;
+    }
+    assert!(count >= 12, "{count} points");
+}
