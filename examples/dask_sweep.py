@@ -4,12 +4,13 @@
     python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:100 --vary drive.amplitude=0.05:0.25:50 \\
         --set stop.restitution=0.6 --scheduler tcp://node1:8786 --output plane.parquet
 
-Every point is a run with fmpy; the last periods are measured. It starts as the studies of the command line do: all at rest
-in the middle but the block, which moves with the speed L ω10 of the point, unless --set or --vary gives another start. (A
-machine that starts at rest may never come to its first impact.) The start is in the table. A point that fails is a row with
-its reason in the column "error" and without measured values. Workers need fmpy and numpy; the FMU is sent to them, also to
-those that join later. The points of a worker that is lost are computed again by the others. The table is the same for any
-number of workers.
+Every point is a run with fmpy; the last periods are measured, by samples. The table has the names of `vibro sweep`, which
+needs no Python, measures exactly and shares its work by --shard: use this one where a cluster has fmpy, or the FMU is part of
+a larger model. A run starts as there: all at rest in the middle but the block, which moves with the speed L ω10 of the point,
+unless --set or --vary gives another start. (A machine that starts at rest may never come to its first impact.) The start is in
+the table. A point that fails is a row with its reason and without measured values. Workers need fmpy and numpy; the FMU is
+sent to them, also to those that join later. The points of a worker that is lost are computed again by the others. The table is
+the same for any number of workers.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ PLUGIN = "vibro-impact-fmu"
 RETRIES = 10  # of a chunk whose workers are lost
 BODIES = ("box.s", "block.s", "secondary.s")
 START = (*BODIES, "box.v", "block.v", "secondary.v")
-MEASURED = (*(f"amplitude.{name}" for name in BODIES), "impacts.upper", "impacts.lower", "power.impact")
+AMPLITUDES = ("amplitude.x1", "amplitude.x2", "amplitude.x3")  # largest |x|, m, as `vibro sweep --list` has them
+MEASURED = (*AMPLITUDES, "impacts.upper", "impacts.lower", "power.impact")
 
 Row = dict[str, Union[float, str, None]]
 
@@ -67,8 +69,8 @@ class FmuPlugin(WorkerPlugin):  # type: ignore[misc] # distributed comes without
 class Measure:
     """What is run and measured at each point."""
 
-    periods: int = 300  # in all
-    kept: int = 50  # at the end, measured
+    discard: int = 400  # drive periods before what is measured
+    periods: int = 60  # measured
     per_period: int = 64  # samples
 
     def row(self, unzipped: str, description: Any, point: Mapping[str, float]) -> Row:
@@ -76,11 +78,11 @@ class Measure:
         defaults = {v.name: float(v.start) for v in description.modelVariables if v.type == "Real" and v.start}
         given = {**moving_block({**defaults, **point}), **point}
         start = {name: given.get(name, defaults.get(name, 0.0)) for name in START}
-        row: Row = {**point, **start, **dict.fromkeys(MEASURED), "error": None}
+        row: Row = {**point, **start, **dict.fromkeys(MEASURED), "reason": None}
         try:
             row.update(self.run(unzipped, description, given))
         except Exception as error:  # whatever it is, the other points are still wanted
-            row["error"] = str(error) or type(error).__name__
+            row["reason"] = str(error) or type(error).__name__
         return row
 
     def run(self, unzipped: str, description: Any, values: Mapping[str, float]) -> dict[str, float]:
@@ -91,7 +93,7 @@ class Measure:
         defaults = {v.name: v.start for v in description.modelVariables}
         period = 2.0 * math.pi / float(values.get("drive.frequency", defaults["drive.frequency"]))
         names = [*BODIES, "impacts.upper", "impacts.lower", "energy.impact"]
-        skipped = (self.periods - self.kept) * period
+        skipped = self.discard * period
         said: list[str] = []  # the FMU's own words, which name what is wrong and what is allowed
 
         def listen(_environment: Any, _instance: Any, status: int, _category: Any, message: bytes) -> None:
@@ -106,8 +108,9 @@ class Measure:
                 slave.setReal([references[name]], [value])
             slave.enterInitializationMode()
             slave.exitInitializationMode()
-            slave.doStep(currentCommunicationPoint=0.0, communicationStepSize=skipped)  # one step, whatever happens in it
-            count = self.kept * self.per_period
+            if skipped > 0.0:  # one step, whatever happens in it
+                slave.doStep(currentCommunicationPoint=0.0, communicationStepSize=skipped)
+            count = self.periods * self.per_period
             size = period / self.per_period
             reals = [references[name] for name in (*BODIES, "energy.impact")]
             counts = [references[name] for name in names[3:5]]
@@ -123,10 +126,10 @@ class Measure:
         finally:
             slave.freeInstance()
         table: NDArray[np.float64] = np.array(rows)
-        result = {f"amplitude.{n}": float(np.ptp(table[:, k])) / 2.0 for k, n in enumerate(BODIES)}
-        result["impacts.upper"] = (after[0] - before[0]) / self.kept
-        result["impacts.lower"] = (after[1] - before[1]) / self.kept
-        result["power.impact"] = float(table[-1, 3] - table[0, 3]) / (self.kept * period)
+        result = {name: float(np.abs(table[:, k]).max()) for k, name in enumerate(AMPLITUDES)}
+        result["impacts.upper"] = (after[0] - before[0]) / self.periods
+        result["impacts.lower"] = (after[1] - before[1]) / self.periods
+        result["power.impact"] = float(table[-1, 3] - table[0, 3]) / (self.periods * period)
         return result
 
 
@@ -177,9 +180,9 @@ def write(path: Path, rows: list[Row], measure: Measure) -> None:
     names = [name for name in ordered[0] if name != "index"]
     # With types, since a column may hold nothing: all points may fail, or none.
     columns = {
-        name: pa.array([row[name] for row in ordered], pa.string() if name == "error" else pa.float64()) for name in names
+        name: pa.array([row[name] for row in ordered], pa.string() if name == "reason" else pa.float64()) for name in names
     }
-    about = {"periods": measure.periods, "kept": measure.kept, "samples per period": measure.per_period}
+    about = {"discard": measure.discard, "periods": measure.periods, "samples per period": measure.per_period}
     table = pa.table(columns).replace_schema_metadata({k: str(v) for k, v in about.items()})
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     parquet.write_table(table, unfinished, compression="zstd")
@@ -222,19 +225,19 @@ def main() -> None:
     parser.add_argument("--fmu", default=FMU, type=Path)
     parser.add_argument("--vary", action="append", type=axis, required=True, metavar="NAME=FROM:TO:COUNT")
     parser.add_argument("--set", action="append", default=[], type=setting, metavar="NAME=VALUE")
-    parser.add_argument("--periods", default=Measure.periods, type=int)
-    parser.add_argument("--kept", default=Measure.kept, type=int, help="periods at the end that are measured")
+    parser.add_argument("--discard", default=Measure.discard, type=int, help="drive periods before what is measured")
+    parser.add_argument("--periods", default=Measure.periods, type=int, help="drive periods that are measured")
     parser.add_argument("--scheduler", help="address of a dask scheduler [default: a cluster of this machine's cores]")
     parser.add_argument("--workers", type=int, help="processes of the local cluster [default: one a core]")
     parser.add_argument("--output", default=Path("sweep.parquet"), type=Path)
     arguments = parser.parse_args()
-    if not 0 < arguments.kept < arguments.periods:
-        parser.error(f"--kept {arguments.kept}: allowed is 1 to --periods - 1 = {arguments.periods - 1}")
+    if arguments.periods < 1 or arguments.discard < 0:
+        parser.error(f"--discard {arguments.discard} --periods {arguments.periods}: allowed are 0 and 1 or more")
 
     axes, fixed = dict(arguments.vary), dict(arguments.set)
     known(arguments.fmu, [*axes, *fixed])
     points = grid(axes, fixed)
-    measure = Measure(periods=arguments.periods, kept=arguments.kept)
+    measure = Measure(discard=arguments.discard, periods=arguments.periods)
     if arguments.scheduler:
         client = Client(arguments.scheduler)
     else:
@@ -247,9 +250,9 @@ def main() -> None:
             print(f"\r{len(rows)} of {len(points)} points", end="", flush=True)
     print()
     write(arguments.output, rows, measure)
-    failed = [row for row in rows if row["error"] is not None]
+    failed = [row for row in rows if row["reason"] is not None]
     if failed:
-        print(f"{len(failed)} points failed, the first with {failed[0]['error']}")
+        print(f"{len(failed)} points failed, the first with {failed[0]['reason']}")
     print(arguments.output)
 
 

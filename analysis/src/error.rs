@@ -15,6 +15,14 @@ pub enum Error {
         /// The nearest valid name with its meaning and range or, where none is near, all valid names.
         advice: String,
     },
+    /// No measure has this name.
+    #[error("no output is named `{name}`; {advice}")]
+    UnknownMeasure {
+        /// What was given.
+        name: String,
+        /// The nearest valid name with its meaning or, where none is near, all valid names.
+        advice: String,
+    },
     /// A number has a unit of another dimension than the parameter's, or one that is not known.
     #[error(
         "{name}: `{unit}` is no unit of it; allowed are {allowed}, or a number without a unit in the first of these"

@@ -19,6 +19,9 @@
 //! | [`bifurcation`] | maxima, classes and exponents over one parameter, both directions | exact orbit and its limits of stability (tests of `vibro`) |
 //! | [`basin`] | attractors over two initial values | single simulations (tests of `vibro`) |
 //! | [`isoperiodic`] | simulated motion over two parameters, beside the exact orbit | single simulations, the plane of the exact orbit (tests of `vibro`) |
+//! | [`measures`] | amplitudes, mean squares, impacts, powers, class of a settled motion | the exact orbit; dense samples; the balance of powers |
+//! | [`design_sweep`] | measures over any number of parameters: grids, listed designs, Sobol sequences | single motions; closed forms |
+//! | [`sobol`] | the Sobol sequence | SciPy's |
 //! | [`plane`] | existence and stability of the two-impact motion over two parameters | single solutions (tests of `vibro`) |
 //! | [`response`](mod@response) | steady states along one parameter | located limits of stability (tests of `vibro`) |
 //!
@@ -44,10 +47,12 @@
 pub mod attractor;
 pub mod basin;
 pub mod bifurcation;
+pub mod design_sweep;
 mod error;
 pub mod isoperiodic;
 pub mod lyapunov;
 pub mod maxima;
+pub mod measures;
 pub mod motion;
 pub mod orbits;
 mod parameter_set;
@@ -55,10 +60,11 @@ pub mod parts;
 pub mod plane;
 pub mod response;
 mod smooth_pieces;
+pub mod sobol;
 pub mod stroboscopic;
 pub mod trajectories;
 mod variation;
 
 pub use error::{Error, Result};
-pub use parameter_set::{Name, ParameterSet, find_field, find_group, number, numbers, short};
+pub use parameter_set::{Name, ParameterSet, find_field, find_group, number, numbers, short, significant};
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

@@ -133,7 +133,7 @@ struct MaximumFinder {
 
 /// Σ weights z[first..first + 3]: the displacement from `first` = 0, its rate from 3.
 #[inline(always)]
-fn weighted_sum(weights: &[f64; 3], z: &[f64], first: usize) -> f64 {
+pub(crate) fn weighted_sum(weights: &[f64; 3], z: &[f64], first: usize) -> f64 {
     weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
 }
 

@@ -5,7 +5,7 @@ mod name;
 mod units;
 
 pub use caption::short;
-pub use name::{Name, find_field, find_group};
+pub use name::{Name, find_field, find_group, significant};
 pub use units::{number, numbers};
 
 use super::error::{Error, Result};

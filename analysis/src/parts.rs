@@ -107,23 +107,47 @@ impl Task<'_> {
         count: usize,
         compute: impl Fn(usize) -> Result<T> + Sync,
     ) -> Result<Option<Vec<T>>> {
-        let Self { store, shard, done } = self;
-        let part = |index: usize| -> Result<Option<T>> {
-            let kept = store.load(index).and_then(|bytes| postcard::from_bytes(&bytes).ok());
-            if let Some(part) = kept {
-                done(true);
-                return Ok(Some(part));
-            }
-            if index % shard.count != shard.index {
-                return Ok(None);
-            }
-            let part = compute(index)?;
-            store.save(index, &postcard::to_stdvec(&part).map_err(Error::store)?)?;
-            done(false);
-            Ok(Some(part))
-        };
+        let part = |index| self.part(index, &compute);
         let parts: Vec<Option<T>> = (0..count).into_par_iter().map(part).collect::<Result<_>>()?;
         Ok(parts.into_iter().collect())
+    }
+
+    /// The same for a study whose parts do not fit into memory together: they are left in the store, where [`Self::part`]
+    /// finds them. Returns whether all are there.
+    ///
+    /// # Errors
+    /// As [`Self::complete`].
+    pub fn fill<T: Serialize + DeserializeOwned + Send>(
+        &self,
+        count: usize,
+        compute: impl Fn(usize) -> Result<T> + Sync,
+    ) -> Result<bool> {
+        let is_there = |index| Ok(self.part(index, &compute)?.is_some());
+        let there: Vec<bool> = (0..count).into_par_iter().map(is_there).collect::<Result<_>>()?;
+        Ok(there.into_iter().all(|is| is))
+    }
+
+    /// A part from the store or, if it belongs to the shard, computed and put there.
+    ///
+    /// # Errors
+    /// As [`Self::complete`].
+    pub fn part<T: Serialize + DeserializeOwned>(
+        &self,
+        index: usize,
+        compute: impl Fn(usize) -> Result<T>,
+    ) -> Result<Option<T>> {
+        let Self { store, shard, done } = self;
+        if let Some(part) = store.load(index).and_then(|bytes| postcard::from_bytes(&bytes).ok()) {
+            done(true);
+            return Ok(Some(part));
+        }
+        if index % shard.count != shard.index {
+            return Ok(None);
+        }
+        let part = compute(index)?;
+        store.save(index, &postcard::to_stdvec(&part).map_err(Error::store)?)?;
+        done(false);
+        Ok(Some(part))
     }
 }
 

@@ -22,6 +22,8 @@ pub(crate) enum PieceEnd {
         side: f64,
         /// w' before the impact.
         rate: f64,
+        /// Impulse on the box in direction `side`, N·s.
+        impulse: f64,
         /// The state after it, and after the merge where the block comes to rest.
         after: Augmented,
         /// Whether it comes to rest.
@@ -106,7 +108,9 @@ pub(crate) fn smooth_pieces(
             Pause::AfterImpact,
             Some(&mut |event| match *event {
                 Event::Release { time, .. } => release = Some(time),
-                Event::Impact { time, side, speed, .. } => hit = Some((time, f64::from(side), speed)),
+                Event::Impact { time, side, speed, impulse } => {
+                    hit = Some((time, f64::from(side), speed, impulse));
+                }
                 Event::Rest { .. } => rests = true,
             }),
         )?;
@@ -115,12 +119,12 @@ pub(crate) fn smooth_pieces(
             start = expand_along(model, way, &start, at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
-        let Some((at, side, speed)) = hit else {
+        let Some((at, side, speed, impulse)) = hit else {
             visit(&Piece { mode: way, start, time, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
         let after = simulator.augmented();
-        let end = PieceEnd::Impact { side, rate: side * speed, after, rests };
+        let end = PieceEnd::Impact { side, rate: side * speed, impulse, after, rests };
         visit(&Piece { mode: way, start, time, span: at - time, end });
     }
 }

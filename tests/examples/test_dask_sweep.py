@@ -18,7 +18,7 @@ os.environ["PYTHONPATH"] = str(EXAMPLES)  # the workers unpickle the module's fu
 import dask_sweep  # noqa: E402
 from dask.distributed import Client, LocalCluster  # noqa: E402
 
-MEASURE = dask_sweep.Measure(periods=60, kept=10)
+MEASURE = dask_sweep.Measure(discard=50, periods=10)
 AXES = {"drive.frequency": [0.9 + 0.01 * i for i in range(12)], "stop.restitution": [0.5, 0.6, 0.75]}
 
 
@@ -40,10 +40,10 @@ def alone(fmu, tmp_path_factory):
 
 def test_rows_are_sensible(alone):
     assert len(alone) == 36
-    assert all(row["amplitude.box.s"] > 0.0 for row in alone)
-    assert len({row["amplitude.block.s"] for row in alone}) > 10, "the points differ"
+    assert all(row["amplitude.x1"] > 0.0 for row in alone)
+    assert len({row["amplitude.x2"] for row in alone}) > 10, "the points differ"
     assert all(row["impacts.upper"] > 0 and row["power.impact"] > 0 for row in alone), "the block starts moving"
-    assert all(row["error"] is None and row["block.v"] == 1.0 for row in alone), "in units of L ω10, both 1"
+    assert all(row["reason"] is None and row["block.v"] == 1.0 for row in alone), "in units of L ω10, both 1"
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_the_start_is_that_of_the_command_line_in_the_scales_of_the_point(unpack
 
 def test_a_failed_point_is_a_row_with_its_reason(fmu, tmp_path):
     output = tmp_path / "sweep.parquet"
-    arguments = ["--vary", "stop.restitution=0.5:1.5:3", "--workers", "1", "--periods", "60", "--kept", "10"]
+    arguments = ["--vary", "stop.restitution=0.5:1.5:3", "--workers", "1", "--discard", "50", "--periods", "10"]
     arguments += ["--fmu", str(fmu), "--output", str(output)]
     command = [sys.executable, str(EXAMPLES / "dask_sweep.py"), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, timeout=200)
@@ -73,9 +73,9 @@ def test_a_failed_point_is_a_row_with_its_reason(fmu, tmp_path):
     assert "1 points failed" in done.stdout
     table = parquet.read_table(output)
     assert table.column("stop.restitution").to_pylist() == [0.5, 1.0, 1.5]
-    errors = table.column("error").to_pylist()
+    errors = table.column("reason").to_pylist()
     assert errors[:2] == [None, None] and "stop.restitution" in errors[2], errors
-    amplitudes = table.column("amplitude.block.s").to_pylist()
+    amplitudes = table.column("amplitude.x2").to_pylist()
     assert amplitudes[0] > 0.0 and amplitudes[1] > 0.0 and amplitudes[2] is None
 
 
@@ -94,7 +94,7 @@ def test_points_of_a_killed_worker_are_computed_again(fmu, alone, tmp_path, monk
     monkeypatch.setenv("SWEEP_MARKS", str(marks))
     monkeypatch.setenv("PYTHONPATH", f"{EXAMPLES}{os.pathsep}{Path(__file__).parent}")
     points = dask_sweep.grid(AXES, {})
-    slowly = Slowly(periods=MEASURE.periods, kept=MEASURE.kept)
+    slowly = Slowly(discard=MEASURE.discard, periods=MEASURE.periods)
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         processes = set(client.run(os.getpid).values())
         assert len(processes) == 2
@@ -115,12 +115,12 @@ def test_points_of_a_killed_worker_are_computed_again(fmu, alone, tmp_path, monk
 def test_the_script_writes_the_same_table_for_any_number_of_workers(fmu, alone, tmp_path, workers):
     output = tmp_path / "sweep.parquet"
     arguments = ["--vary", "drive.frequency=0.9:1.01:12", "--set", "stop.restitution=0.6", "--workers", str(workers)]
-    arguments += ["--periods", "60", "--kept", "10", "--fmu", str(fmu), "--output", str(output)]
+    arguments += ["--discard", "50", "--periods", "10", "--fmu", str(fmu), "--output", str(output)]
     subprocess.run([sys.executable, str(EXAMPLES / "dask_sweep.py"), *arguments], check=True, timeout=200)
     table = parquet.read_table(output)
-    assert table.schema.metadata[b"periods"] == b"60"
+    assert table.schema.metadata[b"periods"] == b"10"
     expected = [row for row in alone if row["stop.restitution"] == 0.6]
-    for name in ("drive.frequency", "stop.restitution", "amplitude.block.s", "impacts.upper", "power.impact"):
+    for name in ("drive.frequency", "stop.restitution", "amplitude.x2", "impacts.upper", "power.impact"):
         assert table.column(name).to_pylist() == pytest.approx([row[name] for row in expected], rel=1e-6), name
     assert list(tmp_path.iterdir()) == [output], "nothing unfinished is left"
 
@@ -128,7 +128,7 @@ def test_the_script_writes_the_same_table_for_any_number_of_workers(fmu, alone, 
 def test_the_script_joins_a_scheduler(fmu, tmp_path):
     output = tmp_path / "sweep.parquet"
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
-        arguments = ["--vary", "stop.restitution=0.5:0.8:3", "--periods", "60", "--kept", "10", "--fmu", str(fmu)]
+        arguments = ["--vary", "stop.restitution=0.5:0.8:3", "--discard", "50", "--periods", "10", "--fmu", str(fmu)]
         arguments += ["--scheduler", cluster.scheduler_address, "--output", str(output)]
         subprocess.run([sys.executable, str(EXAMPLES / "dask_sweep.py"), *arguments], check=True, timeout=200)
     assert parquet.read_table(output).num_rows == 3
@@ -139,7 +139,7 @@ def test_the_script_joins_a_scheduler(fmu, tmp_path):
     [
         (["--vary", "drive.speed=0:1:2"], "drive.speed: allowed are"),
         (["--vary", "drive.frequency=0:1"], "allowed is NAME=FROM:TO:COUNT"),
-        (["--vary", "drive.frequency=0.9:1:2", "--kept", "300"], "--kept 300: allowed is 1 to"),
+        (["--vary", "drive.frequency=0.9:1:2", "--periods", "0"], "--periods 0: allowed are 0 and 1 or more"),
     ],
 )
 def test_wrong_arguments_are_named(fmu, arguments, word):

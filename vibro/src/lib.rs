@@ -10,9 +10,11 @@
 //! | [`manifest`] | what a result or a folder of parts was computed from |
 //! | [`report`] | all studies at once, and the paper's statements beside what is found |
 //! | [`parameter_file`] | parameter files |
+//! | [`design_file`] | designs of a sweep from a CSV file |
 //! | [`part_folder`] | finished parts of long studies on disk |
 //! | [`html`] | text in HTML |
 
+pub mod design_file;
 mod error;
 pub mod figures;
 pub mod html;

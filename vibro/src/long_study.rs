@@ -4,9 +4,11 @@
 use super::studies::{self, Study};
 use crate::Result;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::basin;
 use vibro_analysis::bifurcation::{self, Sweep};
+use vibro_analysis::design_sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::parts::Task;
 
@@ -37,6 +39,8 @@ pub enum StudyKind {
     Basin(basin::Request),
     /// Simulated motion over two parameters.
     Isoperiodic(isoperiodic::Request),
+    /// Measures of motions over any number of parameters.
+    DesignSweep(design_sweep::Request),
 }
 
 impl LongStudy {
@@ -62,6 +66,7 @@ impl LongStudy {
             StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
             StudyKind::Basin(request) => basin::count(request),
             StudyKind::Isoperiodic(request) => isoperiodic::count(request),
+            StudyKind::DesignSweep(request) => request.count(),
         }
     }
 
@@ -77,7 +82,7 @@ impl LongStudy {
     /// Computes the parts of the shard; the tables and pictures too where all parts are there.
     ///
     /// # Errors
-    /// As [`bifurcation::diagram`], [`basin::basin`] and [`isoperiodic::isoperiodic`].
+    /// As [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`] and [`design_sweep::fill`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         match &self.kind {
             StudyKind::Sweep { at, .. } => {
@@ -101,6 +106,25 @@ impl LongStudy {
                 let study = |p| studies::isoperiodic(&self.set, request, &p, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
+            StudyKind::DesignSweep(request) => {
+                let is_complete = design_sweep::fill(&self.set, request, task)?;
+                let study = || studies::design_sweep(&self.set, request, task, &self.name).map(|s| vec![s]);
+                is_complete.then(study).transpose()
+            }
+        }
+    }
+
+    /// Writes the tables that are too long for memory from the parts of a finished study, which a [`Study`] names as its
+    /// [`files`](Study::files).
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File), [`Error::Output`](crate::Error::Output).
+    pub fn write_tables(&self, task: &Task, out: &Path) -> Result<()> {
+        match &self.kind {
+            StudyKind::DesignSweep(request) => {
+                studies::write_design_tables(&self.set, request, task, &out.join(&self.name))
+            }
+            _ => Ok(()),
         }
     }
 }

@@ -146,10 +146,8 @@ impl Manifest {
         // One command may make several studies, all of which belong in one folder.
         values.remove("study");
         values.remove("version");
-        // FNV-1a: the same on every machine and for every version, unlike the hashes of the standard library.
-        let byte = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         let text: String = values.iter().map(|(k, v)| format!("{k}={v}\n")).collect();
-        let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325, byte);
+        let hash = fnv1a(text.as_bytes());
         format!("{:08x}", (hash ^ (hash >> 32)) as u32)
     }
 
@@ -159,6 +157,12 @@ impl Manifest {
             self.groups.iter().map(|(k, v)| format!("{k} = {}", vibro_analysis::short(*v))).collect();
         format!("{} (version {})\n         {}", self.invocation.command_line, self.version, groups.join(", "))
     }
+}
+
+/// The digest FNV-1a: the same on every machine and for every version, unlike the hashes of the standard library.
+pub fn fnv1a(bytes: &[u8]) -> u64 {
+    let byte = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, byte)
 }
 
 #[cfg(test)]

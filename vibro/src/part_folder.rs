@@ -8,7 +8,7 @@
 use crate::manifest::Manifest;
 use crate::{Error, Result};
 use std::fs::{File, TryLockError};
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use vibro_analysis::parts::PartStore;
 
@@ -218,13 +218,20 @@ pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
 /// # Errors
 /// [`Error::File`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_whole_by(path, |file| file.write_all(bytes).map_err(Error::file("writing", path)))
+}
+
+/// The same for a file that `fill` writes piece by piece.
+///
+/// # Errors
+/// [`Error::File`]; what `fill` returns.
+pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
     let beside = path.with_extension(format!("{}.{WRITING}", std::process::id()));
-    let write = || {
-        let mut file = File::create(&beside)?;
-        file.write_all(bytes)?;
-        file.sync_all()
-    };
-    write().map_err(Error::file("writing", &beside))?;
+    let failed = || Error::file("writing", &beside);
+    let mut file = BufWriter::new(File::create(&beside).map_err(failed())?);
+    fill(&mut file)?;
+    file.flush().map_err(failed())?;
+    file.get_ref().sync_all().map_err(failed())?;
     std::fs::rename(&beside, path).map_err(Error::file("writing", path))
 }
 

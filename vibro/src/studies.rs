@@ -2,6 +2,7 @@
 
 mod basin;
 mod compare;
+mod design_sweep;
 mod isoperiodic;
 mod manifold;
 mod motions;
@@ -16,6 +17,7 @@ mod sweep;
 
 pub use basin::basins;
 pub use compare::{accuracy, force_overlay, histories};
+pub use design_sweep::{design_sweep, write_tables as write_design_tables};
 pub use isoperiodic::isoperiodic;
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
@@ -41,6 +43,9 @@ pub struct Study {
     pub what: String,
     /// The numbers: stems of files and their CSV text.
     pub tables: Vec<(String, Vec<u8>)>,
+    /// Names of the files of tables too long for memory, which
+    /// [`LongStudy::write_tables`](crate::long_study::LongStudy::write_tables) writes.
+    pub files: Vec<String>,
     /// The table that is worth reading on a screen.
     pub shown: Option<Table>,
     /// The picture; `None` where there is nothing to draw, which `what` explains.
@@ -60,8 +65,17 @@ impl Study {
 
     /// A study without a table and a figure; `what` says why there is none.
     fn without_figure(name: &str, what: impl Into<String>) -> Self {
-        let (tables, remarks) = (Vec::new(), Vec::new());
-        Self { name: name.into(), what: what.into(), tables, shown: None, figure: None, remarks, set: None }
+        let (tables, files, remarks) = (Vec::new(), Vec::new(), Vec::new());
+        Self {
+            name: name.into(),
+            what: what.into(),
+            tables,
+            files,
+            shown: None,
+            figure: None,
+            remarks,
+            set: None,
+        }
     }
 
     /// The same study, which has parameters of its own.

@@ -2,10 +2,12 @@
 
 use super::{DEFINITIONS, ParameterSet};
 use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{FIELDS, Field, GROUPS, Group};
 
-/// A parameter of either form.
-#[derive(Clone, Copy, Debug)]
+/// A parameter of either form. Written down by its name.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Name {
     /// A physical parameter.
     Si(&'static Field),
@@ -29,6 +31,20 @@ impl From<&'static Group> for Name {
 impl From<&'static Field> for Name {
     fn from(field: &'static Field) -> Self {
         Self::Si(field)
+    }
+}
+
+impl TryFrom<String> for Name {
+    type Error = Error;
+
+    fn try_from(name: String) -> Result<Self> {
+        Self::find(&name)
+    }
+}
+
+impl From<Name> for String {
+    fn from(name: Name) -> Self {
+        name.name().into()
     }
 }
 
@@ -217,8 +233,8 @@ fn unknown(name: &str, valid: &[Name]) -> Error {
     Error::UnknownName { name: name.into(), advice }
 }
 
-/// A number to seven digits, for captions.
-fn significant(value: f64) -> String {
+/// A number to seven digits with a true minus sign, for captions.
+pub fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
     let plain = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
     if plain { format!("{rounded}") } else { format!("{rounded:e}") }.replace('-', "−")

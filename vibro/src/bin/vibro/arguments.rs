@@ -2,6 +2,7 @@
 
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
 use crate::run::Run;
+use crate::sweep::Sweep;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibro::manifest::Invocation;
@@ -40,6 +41,7 @@ EXAMPLES
   vibro template > machine.toml    (fill it in; texts with a unit in quotation marks)
   vibro bifurcation --config machine.toml --vary drive.frequency=9Hz:11Hz:200
   vibro plane --config machine.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
+  vibro sweep --config machine.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
@@ -113,6 +115,13 @@ pub enum Command {
     Basin(Basin),
     /// Simulated motion over planes of two parameters: period, impacts, chaos, beside the exact orbit
     Isoperiodic(Isoperiodic),
+    /// Amplitudes, impacts, losses and more over any number of parameters: a grid, listed designs or a Sobol sequence
+    ///
+    /// A row for each design, in SI, as CSV and Parquet. A design is judged by one motion or by many: from several starts, and
+    /// over an axis such as the drive's frequency in a band, of which least, mean and largest values are told. What makes no
+    /// machine or no motion is a row with its reason.
+    #[command(after_help = crate::sweep::EXAMPLES)]
+    Sweep(Box<Sweep>),
     /// Draws a study whose shards were computed apart
     Merge(Merge),
     /// Writes a parameter file with every parameter, its unit, range and default, to standard output

@@ -17,7 +17,7 @@ use vibro::{Error, Result};
 use vibro_analysis::ParameterSet;
 
 /// Endings of the files of a result that have its name.
-const ENDINGS: [&str; 4] = ["csv", "svg", "png", "html"];
+const ENDINGS: [&str; 5] = ["csv", "parquet", "svg", "png", "html"];
 
 /// What a run is going to write.
 pub enum Claim {

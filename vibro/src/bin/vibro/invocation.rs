@@ -5,8 +5,8 @@ use clap::{ArgMatches, CommandFactory};
 use vibro::manifest::Invocation;
 
 /// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results are made, and
-/// `folders` are those of `merge`.
-const APART: [&str; 4] = ["shard", "figure", "kind", "folders"];
+/// `folders` are those of `merge`; `list` only tells names.
+const APART: [&str; 5] = ["shard", "figure", "kind", "folders", "list"];
 /// Arguments that a manifest's command line leaves out: where, how fast, and which share.
 const LEFT_OUT: [&str; 3] = ["--out", "--threads", "--shard"];
 /// The same for those without a value.

@@ -111,7 +111,16 @@ fn place(study: &LongStudy, common: &Common, invocation: &Invocation) -> Result<
 
 /// Computes a study or a shard of it, and draws it when all its parts are there.
 fn perform(study: &LongStudy, common: &Common, shard: Option<Shard>) -> Result<()> {
-    let invocation = &common.invocation;
+    perform_as(study, common, &common.invocation, shard)
+}
+
+/// The same with the words by which manifests describe it.
+pub fn perform_as(
+    study: &LongStudy,
+    common: &Common,
+    invocation: &Invocation,
+    shard: Option<Shard>,
+) -> Result<()> {
     let out = place(study, common, invocation)?;
     let manifest = Manifest::of_parts(study, invocation);
     let parts = PartFolder::open(&out.join(folder(study)), &manifest, common.discard_unfinished)?;
@@ -136,6 +145,7 @@ fn complete(
     match found {
         Some(studies) => {
             Destination::new(common, invocation, &study.set).write_into(&studies, out)?;
+            study.write_tables(&Task { store: &parts, ..Task::ALL }, out)?;
             parts.remove()?;
             output::print(&studies, &study.set, out, common)
         }

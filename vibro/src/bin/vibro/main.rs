@@ -10,6 +10,7 @@ mod progress;
 mod ranges;
 mod run;
 mod short;
+mod sweep;
 
 use arguments::{Arguments, Command, Common};
 use clap::{CommandFactory, FromArgMatches};
@@ -43,6 +44,11 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Command::Template(a) = &arguments.command {
         return output::say(parameter_file::template(a.groups).trim_end());
     }
+    if let Command::Sweep(a) = &arguments.command
+        && a.list
+    {
+        return output::say(sweep::list().trim_end());
+    }
     let set = configured(ParameterSet::basic(), common)?;
     if !set.not_given().is_empty() {
         eprintln!(
@@ -70,6 +76,7 @@ fn run(arguments: &Arguments) -> Result<()> {
             let axes = short::axes(&set, &a.planes, a.resolution, 2..=3_000)?;
             return long::isoperiodic(&set, common, a, &axes);
         }
+        Command::Sweep(a) => return sweep::sweep(&set, common, a),
         Command::Merge(a) => return long::merge(common, a),
         Command::Template(_) => return Ok(()),
         Command::Reproduce(a) => {

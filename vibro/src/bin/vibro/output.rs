@@ -55,8 +55,8 @@ pub fn say(words: &str) -> Result<()> {
 
 fn first_line(study: &Study, folder: &Path) -> String {
     let stem = folder.join(&study.name);
-    let tables: Vec<_> =
-        study.tables.iter().map(|t| folder.join(format!("{}.csv", t.0)).display().to_string()).collect();
+    let tables = study.tables.iter().map(|t| format!("{}.csv", t.0)).chain(study.files.iter().cloned());
+    let tables: Vec<_> = tables.map(|name| folder.join(name).display().to_string()).collect();
     match study.figure {
         Some(_) => {
             format!("drew {} into {}.svg and .png, with {}", study.what, stem.display(), tables.join(", "))

@@ -1,0 +1,329 @@
+//! Measures of settled motions over any number of parameters: a row for each design.
+//!
+//! A design is one combination of values of the parameters that vary: of a grid, of a list, or a point of a Sobol sequence. It
+//! is judged by one motion, or by several: from several starts, and over parameters that are not the designer's to choose,
+//! such as the drive's frequency in a band. Of several, each measure has its least, mean and largest value. A design that makes
+//! no machine, and a motion that the simulator refuses, end nothing: the row says why it has no values.
+//!
+//! ```
+//! use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, row};
+//! use vibro_analysis::{Name, ParameterSet};
+//!
+//! let axis = SampledAxis { name: Name::find("f10")?, values: vec![1.5, 2.0] };
+//! let request = Request {
+//!     designs: Designs::Grid(vec![axis]),
+//!     measures: vec!["amplitude.x1".parse()?],
+//!     ..Request::default()
+//! };
+//! let second = row(&ParameterSet::basic(), &request, 1);
+//! assert_eq!((second.values, second.reason), (vec![2.0], None));
+//! assert!(second.outputs[0].unwrap().largest > 0.3);
+//! # Ok::<(), vibro_analysis::Error>(())
+//! ```
+
+mod designs;
+
+pub use designs::{Designs, ParameterInterval, SampledAxis, spread_starts};
+
+use crate::attractor::MotionClass;
+use crate::error::{Error, Result};
+use crate::isoperiodic::StartRule;
+use crate::measures::{Measure, Measured, amplitude_without_block, measure};
+use crate::parameter_set::{Name, ParameterSet};
+use crate::parts::Task;
+use crate::plane::exact;
+use crate::stroboscopic::{dimensional, moving_block};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Simulator, State};
+
+/// Most designs.
+pub const MOST_DESIGNS: usize = 1_000_000;
+/// Most motions of one design.
+pub const MOST_MOTIONS: usize = 100_000;
+/// Motions in a part, as near as whole designs come to it: about a second's work.
+const PART: usize = 1024;
+
+/// What to compute.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// The designs.
+    pub designs: Designs,
+    /// Parameters over which the motions of each design are taken together, the last one varying fastest.
+    pub over: Vec<SampledAxis>,
+    /// Where the motions start, each from every one of these.
+    pub starts: Vec<StartRule>,
+    /// Drive periods discarded before a motion is measured.
+    pub discard: u32,
+    /// Drive periods over which it is measured.
+    pub periods: u32,
+    /// What is measured.
+    pub measures: Vec<Measure>,
+}
+
+impl Default for Request {
+    /// One motion of the one design that is the parameter set itself, without measures.
+    fn default() -> Self {
+        let starts = vec![StartRule::default()];
+        let (designs, over, measures) = (Designs::Grid(Vec::new()), Vec::new(), Vec::new());
+        Self { designs, over, starts, discard: 400, periods: 60, measures }
+    }
+}
+
+/// A measure over the motions of a design.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// The least.
+    pub least: f64,
+    /// The mean of all motions.
+    pub mean: f64,
+    /// The largest.
+    pub largest: f64,
+    /// The first motion that has the largest, for [`Request::motion`].
+    pub at: usize,
+}
+
+/// What was found of one design.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Values of the parameters that vary, in their order, SI.
+    pub values: Vec<f64>,
+    /// For each measure what the motions make together; `None` for the class, and where a motion has no value.
+    pub outputs: Vec<Option<Summary>>,
+    /// The different classes in the order in which they are met, where the class was asked for and every motion has one.
+    pub classes: Vec<MotionClass>,
+    /// Why there are values missing.
+    pub reason: Option<String>,
+}
+
+impl Request {
+    /// Checks what every row depends on.
+    ///
+    /// # Errors
+    /// [`Error::Form`] for parameters that are one quantity, lists without values, too many designs or motions.
+    pub fn check(&self) -> Result<()> {
+        let refused = |text: String, expected| Err(Error::Form { text, expected });
+        let names: Vec<Name> =
+            self.designs.names().into_iter().chain(self.over.iter().map(|a| a.name)).collect();
+        for (i, name) in names.iter().enumerate() {
+            if let Some(other) = names[..i].iter().find(|other| other.is_same_quantity(*name)) {
+                let text = format!("{}, {}", other.name(), name.name());
+                return refused(text, "parameters that vary independently, each once");
+            }
+        }
+        let (designs, motions) = (self.designs.count(), self.motions());
+        if !(1..=MOST_DESIGNS).contains(&designs) {
+            return refused(format!("{designs} designs"), "1 to 1000000 designs");
+        }
+        if !(1..=MOST_MOTIONS).contains(&motions) {
+            return refused(
+                format!("{motions} motions of each design"),
+                "1 to 100000 motions of each design",
+            );
+        }
+        if self.measures.is_empty() || self.periods == 0 {
+            return refused(
+                format!("{} outputs", self.measures.len()),
+                "an output and a drive period at least",
+            );
+        }
+        Ok(())
+    }
+
+    /// Motions of each design.
+    pub fn motions(&self) -> usize {
+        let over = self.over.iter().map(|a| a.values.len());
+        over.fold(self.starts.len(), usize::saturating_mul)
+    }
+
+    /// What tells a motion of a design from the others: the values of [`over`](Self::over) and the start.
+    pub fn motion(&self, index: usize) -> (Vec<f64>, StartRule) {
+        let starts = self.starts.len().max(1);
+        let start = self.starts.get(index % starts).copied().unwrap_or_default();
+        (designs::combination(&self.over, index / starts), start)
+    }
+
+    /// A motion in words: `drive.frequency = 62.8 rad/s, start v2=1`, without what all motions have in common.
+    pub fn motion_in_words(&self, index: usize) -> String {
+        let (values, start) = self.motion(index);
+        let told = |(axis, value): (&SampledAxis, f64)| {
+            format!("{} = {}", axis.name.name(), axis.name.with_unit(value))
+        };
+        let mut words: Vec<String> = self.over.iter().zip(values).map(told).collect();
+        if self.starts.len() > 1 {
+            words.push(format!("start {start}"));
+        }
+        words.join(", ")
+    }
+
+    /// Designs in a part.
+    fn part_size(&self) -> usize {
+        (PART / self.motions().max(1)).max(1)
+    }
+
+    /// Number of parts.
+    pub fn count(&self) -> usize {
+        self.designs.count().div_ceil(self.part_size())
+    }
+}
+
+/// The rows of a part, on all threads.
+pub fn part(set: &ParameterSet, request: &Request, index: usize) -> Vec<Row> {
+    let size = request.part_size();
+    let until = ((index + 1) * size).min(request.designs.count());
+    (index * size..until).into_par_iter().map(|design| row(set, request, design)).collect()
+}
+
+/// Computes the parts that are not in the task's store, on all threads, and leaves them there; returns whether all are there.
+/// The rows depend neither on threads nor on shards.
+///
+/// # Errors
+/// As [`Request::check`]; what the store refuses.
+pub fn fill(set: &ParameterSet, request: &Request, task: &Task) -> Result<bool> {
+    request.check()?;
+    task.fill(request.count(), |index| Ok(part(set, request, index)))
+}
+
+/// Calls `visit` with each row in order, of parts that [`fill`] has left in the task's store.
+///
+/// # Errors
+/// What `visit` returns; what the store refuses.
+pub fn each_row<E: From<Error>>(
+    set: &ParameterSet,
+    request: &Request,
+    task: &Task,
+    mut visit: impl FnMut(Row) -> std::result::Result<(), E>,
+) -> std::result::Result<(), E> {
+    for index in 0..request.count() {
+        let rows = task.part(index, |index| Ok(part(set, request, index)))?;
+        rows.into_iter().flatten().try_for_each(&mut visit)?;
+    }
+    Ok(())
+}
+
+/// One design.
+pub fn row(set: &ParameterSet, request: &Request, index: usize) -> Row {
+    let values = request.designs.values(index);
+    let assigned = request.designs.names().into_iter().zip(values.iter().copied());
+    let mut own = set.clone();
+    let count = request.measures.len();
+    match own.assign(&assigned.collect::<Vec<_>>()) {
+        Ok(()) => summary(values, request, &motions(&own, request)),
+        Err(error) => {
+            let reason = Some(error.to_string());
+            Row { values, outputs: vec![None; count], classes: Vec::new(), reason }
+        }
+    }
+}
+
+/// What was measured of one motion, and what there was against it.
+type Outcome = (Measured, Option<String>);
+
+/// All motions of a design.
+fn motions(set: &ParameterSet, request: &Request) -> Vec<Outcome> {
+    let mut found = Vec::with_capacity(request.motions());
+    for index in 0..request.motions() / request.starts.len() {
+        let values = designs::combination(&request.over, index);
+        let assigned: Vec<_> = request.over.iter().map(|a| a.name).zip(values).collect();
+        let mut own = set.clone();
+        let failed = |error: &Error| {
+            let numbers = vec![None; request.measures.len()];
+            (Measured { numbers, class: None }, Some(error.to_string()))
+        };
+        match own.assign(&assigned) {
+            Ok(()) => found.extend(from_all_starts(own.parameters(), request)),
+            Err(error) => found.extend(vec![failed(&error); request.starts.len()]),
+        }
+    }
+    found
+}
+
+/// The motions of one machine, which share the simulator's tables.
+fn from_all_starts(p: &Parameters, request: &Request) -> Vec<Outcome> {
+    let mut shared: Option<Simulator> = None;
+    // What a closed form has no value for is said even where there is a motion.
+    let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
+    let gap = asked.then(|| amplitude_without_block(p).err().map(|e| e.to_string())).flatten();
+    let outcome = |start: &StartRule| {
+        let found = one(p, *start, request, &mut shared);
+        let refused = |error: Error| (without_motion(p, &request.measures), Some(error.to_string()));
+        found.map_or_else(refused, |measured| (measured, gap.clone()))
+    };
+    request.starts.iter().map(outcome).collect()
+}
+
+/// What can be said of a machine without its motion: closed forms.
+fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
+    let number = |m: &Measure| match m {
+        Measure::AmplitudeWithoutBlock => amplitude_without_block(p).ok(),
+        _ => None,
+    };
+    Measured { numbers: measures.iter().map(number).collect(), class: None }
+}
+
+/// One motion: settled, then measured.
+fn one(
+    p: &Parameters,
+    start: StartRule,
+    request: &Request,
+    shared: &mut Option<Simulator>,
+) -> Result<Measured> {
+    let state = first_state(p, start)?;
+    let mut simulator = match shared {
+        Some(other) => other.with_state(&state, 0.0)?,
+        None => {
+            let new = Simulator::new(p, &state, 0.0)?;
+            let keeps = request.measures.contains(&Measure::PowerInput);
+            let new = if keeps { new } else { new.without_energy_accounts() };
+            shared.insert(new).clone()
+        }
+    };
+    if p.drive_frequency > 0.0 {
+        simulator.advance_to(f64::from(request.discard) * p.period())?;
+    }
+    measure(&mut simulator, &request.measures, request.periods)
+}
+
+/// The state that a start stands for, SI.
+fn first_state(p: &Parameters, start: StartRule) -> Result<State> {
+    Ok(match start {
+        StartRule::State(state) => dimensional(p, &state),
+        StartRule::Orbit => exact(p)?.1.map_or_else(|| moving_block(p), |orbit| orbit.state(p.drive_phase)),
+    })
+}
+
+/// The row of all motions of a design.
+fn summary(values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
+    let outputs = (0..request.measures.len())
+        .map(|m| together(motions.iter().map(|(found, _)| found.numbers.get(m).copied().flatten())))
+        .collect();
+    let mut classes: Vec<MotionClass> = Vec::new();
+    if motions.iter().all(|(found, _)| found.class.is_some()) {
+        for class in motions.iter().filter_map(|(found, _)| found.class) {
+            if !classes.contains(&class) {
+                classes.push(class);
+            }
+        }
+    }
+    let bad: Vec<(usize, &String)> =
+        motions.iter().enumerate().filter_map(|(i, (_, reason))| Some((i, reason.as_ref()?))).collect();
+    let reason = bad.first().map(|(index, reason)| match (motions.len(), request.motion_in_words(*index)) {
+        (1, _) => (*reason).clone(),
+        (all, words) => format!("{} of {all} motions, the first at {words}: {reason}", bad.len()),
+    });
+    Row { values, outputs, classes, reason }
+}
+
+/// Least, mean and largest of numbers, all of which must be there.
+fn together(numbers: impl Iterator<Item = Option<f64>>) -> Option<Summary> {
+    let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
+    let at = (1..numbers.len()).fold(0, |best, i| if numbers[i] > numbers[best] { i } else { best });
+    let largest = *numbers.get(at)?;
+    let least = numbers.iter().copied().fold(largest, f64::min);
+    let mean = if least == largest { largest } else { numbers.iter().sum::<f64>() / numbers.len() as f64 };
+    Some(Summary { least, mean, largest, at })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! Which designs a sweep has.
+
+use crate::isoperiodic::StartRule;
+use crate::parameter_set::Name;
+use crate::sobol::coordinate;
+use serde::{Deserialize, Serialize};
+
+/// A parameter and the values that it takes, SI.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SampledAxis {
+    /// The parameter.
+    pub name: Name,
+    /// Its values, at least one.
+    pub values: Vec<f64>,
+}
+
+/// A parameter and the interval that it lies in, SI.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterInterval {
+    /// The parameter.
+    pub name: Name,
+    /// Lower end, which is taken.
+    pub from: f64,
+    /// Upper end, which is not.
+    pub to: f64,
+}
+
+/// The designs of a sweep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Designs {
+    /// All combinations of the values, the last axis varying fastest.
+    Grid(Vec<SampledAxis>),
+    /// Listed ones.
+    Rows {
+        /// The parameters.
+        names: Vec<Name>,
+        /// Their values, design by design.
+        rows: Vec<Vec<f64>>,
+    },
+    /// The first points of the [Sobol sequence](crate::sobol) in the intervals, of which there are at most
+    /// [`DIMENSIONS`](crate::sobol::DIMENSIONS).
+    Sobol {
+        /// The intervals.
+        intervals: Vec<ParameterInterval>,
+        /// Number of points.
+        count: u32,
+    },
+}
+
+impl Designs {
+    /// The parameters that vary.
+    pub fn names(&self) -> Vec<Name> {
+        match self {
+            Self::Grid(axes) => axes.iter().map(|a| a.name).collect(),
+            Self::Rows { names, .. } => names.clone(),
+            Self::Sobol { intervals, .. } => intervals.iter().map(|i| i.name).collect(),
+        }
+    }
+
+    /// Number of designs; the largest `usize` where it is larger.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Grid(axes) => axes.iter().map(|a| a.values.len()).fold(1, usize::saturating_mul),
+            Self::Rows { rows, .. } => rows.len(),
+            Self::Sobol { count, .. } => *count as usize,
+        }
+    }
+
+    /// The values of a design, SI, in the order of [`names`](Self::names).
+    ///
+    /// # Panics
+    /// For an index from [`count`](Self::count) on.
+    pub fn values(&self, index: usize) -> Vec<f64> {
+        match self {
+            Self::Grid(axes) => combination(axes, index),
+            Self::Rows { rows, .. } => rows[index].clone(),
+            Self::Sobol { intervals, .. } => {
+                let value = |(dimension, i): (usize, &ParameterInterval)| {
+                    let part = coordinate(index as u32, dimension);
+                    i.from * (1.0 - part) + i.to * part
+                };
+                intervals.iter().enumerate().map(value).collect()
+            }
+        }
+    }
+}
+
+/// A combination of the axes' values, the last axis varying fastest.
+pub(super) fn combination(axes: &[SampledAxis], index: usize) -> Vec<f64> {
+    let mut rest = index;
+    let value = |axis: &SampledAxis| {
+        let count = axis.values.len();
+        let own = rest % count;
+        rest /= count;
+        axis.values[own]
+    };
+    let mut values: Vec<f64> = axes.iter().rev().map(value).collect();
+    values.reverse();
+    values
+}
+
+/// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They are points of the Sobol
+/// sequence, the same ones in every sweep, without the first two, of which the second is the machine at rest.
+pub fn spread_starts(count: u32) -> Vec<StartRule> {
+    const REACH: f64 = 2.0;
+    let start = |index: u32| {
+        let [x1, w, x3, v1, v2, v3]: [f64; 6] = std::array::from_fn(|d| 2.0 * coordinate(index, d) - 1.0);
+        let state = [REACH * x1, REACH * x1 + w, REACH * x3, REACH * v1, REACH * v2, REACH * v3];
+        StartRule::State(state)
+    };
+    (2..count.saturating_add(2)).map(start).collect()
+}

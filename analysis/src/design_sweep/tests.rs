@@ -1,0 +1,181 @@
+use super::*;
+use crate::measures::measure;
+use crate::motion::settled_simulator;
+use crate::parts::{PartStore, Shard};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+fn name(text: &str) -> Name {
+    Name::find(text).unwrap()
+}
+
+fn axis(text: &str, values: &[f64]) -> SampledAxis {
+    SampledAxis { name: name(text), values: values.into() }
+}
+
+fn measures(names: &[&str]) -> Vec<Measure> {
+    names.iter().map(|n| n.parse().unwrap()).collect()
+}
+
+/// A grid of 6 designs, with 6 motions each.
+fn request() -> Request {
+    Request {
+        designs: Designs::Grid(vec![axis("stop.gap", &[0.8, 1.0]), axis("kappa", &[0.3, 0.5, 0.7])]),
+        over: vec![axis("drive.frequency", &[0.95, 1.0, 1.04])],
+        starts: vec![StartRule::default(), "x1=0.5,v3=-1".parse().unwrap()],
+        discard: 40,
+        periods: 12,
+        measures: measures(&["amplitude.x1", "class", "power.impact"]),
+    }
+}
+
+#[test]
+fn designs_of_each_kind_in_order() {
+    let grid = request().designs;
+    let values: Vec<_> = (0..grid.count()).map(|i| grid.values(i)).collect();
+    let expected = [[0.8, 0.3], [0.8, 0.5], [0.8, 0.7], [1.0, 0.3], [1.0, 0.5], [1.0, 0.7]];
+    assert_eq!(values, expected);
+    let intervals = ["f10", "kappa"].map(|n| ParameterInterval { name: name(n), from: 0.0, to: 2.0 });
+    let sobol = Designs::Sobol { intervals: intervals.into(), count: 4 };
+    let values: Vec<_> = (0..4).map(|i| sobol.values(i)).collect();
+    assert_eq!(values, [[0.0, 0.0], [1.0, 1.0], [1.5, 0.5], [0.5, 1.5]]);
+    let mut more = request();
+    assert_eq!((more.count(), more.motions()), (1, 6));
+    assert_eq!(more.motion_in_words(3), "drive.frequency = 1 rad/s, start x1=0.5,v3=-1");
+    // Starts are inside the stops, and none is at rest.
+    more.starts.extend(spread_starts(200));
+    for start in &more.starts {
+        let StartRule::State([x1, x2, .., v2, _]) = start else { panic!("{start}") };
+        assert!((x2 - x1).abs() < 1.0 && (*v2 != 0.0 || x1 != x2), "{start}");
+    }
+}
+
+#[test]
+fn second_method_a_row_is_what_its_motions_are_one_by_one() {
+    let (set, request) = (ParameterSet::basic(), request());
+    let found = row(&set, &request, 4);
+    let mut all: Vec<Measured> = Vec::new();
+    for frequency in [0.95, 1.0, 1.04] {
+        for start in &request.starts {
+            let mut own = set.clone();
+            let values = [("stop.gap", 1.0), ("kappa", 0.5), ("drive.frequency", frequency)];
+            own.assign(&values.map(|(n, v)| (name(n), v))).unwrap();
+            let StartRule::State(start) = start else { panic!("{start}") };
+            let p = own.parameters();
+            let mut simulator = settled_simulator(p, &dimensional(p, start), 40.0).unwrap();
+            all.push(measure(&mut simulator, &request.measures, 12).unwrap());
+        }
+    }
+    assert_eq!((found.values.as_slice(), &found.reason), ([1.0, 0.5].as_slice(), &None));
+    for m in [0, 2] {
+        let values: Vec<f64> = all.iter().map(|found| found.numbers[m].unwrap()).collect();
+        let summary = found.outputs[m].unwrap();
+        assert_eq!(summary.least, values.iter().copied().fold(f64::INFINITY, f64::min));
+        assert_eq!(summary.largest, values.iter().copied().fold(0.0, f64::max));
+        assert_eq!(summary.largest, values[summary.at]);
+        assert!((summary.mean - values.iter().sum::<f64>() / 6.0).abs() < 1e-15);
+    }
+    assert!(found.outputs[1].is_none() && !found.classes.is_empty());
+    assert!(all.iter().all(|m| found.classes.contains(&m.class.unwrap())));
+}
+
+#[test]
+fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
+    let set = ParameterSet::basic();
+    let names = vec![name("stop.restitution"), name("stop.gap"), name("drive.frequency")];
+    let rows = vec![
+        vec![0.5, 1.0, 1.0],
+        vec![1.2, 1.0, 1.0],
+        vec![0.5, -0.1, 1.0],
+        vec![0.5, 1.0, 0.0],
+        vec![0.6, 1.0, 1.0],
+    ];
+    let designs = Designs::Rows { names, rows };
+    let measures = measures(&["amplitude.x1", "amplitude.without_block", "class"]);
+    let all = Request { designs, measures, discard: 20, periods: 5, ..Request::default() };
+    let reasons: Vec<Option<String>> = (0..5).map(|i| row(&set, &all, i).reason).collect();
+    assert_eq!((&reasons[0], &reasons[4]), (&None, &None));
+    for (index, word) in
+        [(1, "stop.restitution = 1.2: allowed is 0 <="), (2, "stop.gap = -0.1"), (3, "drive.frequency")]
+    {
+        let found = row(&set, &all, index);
+        assert!(found.reason.as_ref().is_some_and(|r| r.contains(word)), "{found:?}");
+        assert!(found.outputs[0].is_none() && found.classes.is_empty());
+    }
+    // Outside the stops there is no start, but the box alone has an amplitude.
+    let starts = vec!["x2=0.5".parse().unwrap(), "x2=1.5".parse().unwrap()];
+    let outside = row(&set, &Request { starts, ..all.clone() }, 0);
+    let reason = outside.reason.unwrap();
+    assert!(reason.starts_with("1 of 2 motions, the first at start x2=1.5: "), "{reason}");
+    assert!(outside.outputs[0].is_none() && outside.outputs[1].is_some() && outside.classes.is_empty());
+    // Of two parameters each may be allowed, and both together not.
+    let pair = Designs::Grid(vec![axis("epsilon", &[0.1, 0.9]), axis("sigma1", &[-2.0])]);
+    let found = row(&set, &Request { designs: pair, ..all }, 1);
+    assert!(found.reason.is_some_and(|r| r.contains("sigma1 = -2")));
+}
+
+#[test]
+fn what_every_row_depends_on_is_checked_first() {
+    let good = request();
+    assert!(good.check().is_ok());
+    let refused = |change: &dyn Fn(&mut Request)| {
+        let mut request = good.clone();
+        change(&mut request);
+        request.check().unwrap_err().to_string()
+    };
+    let twice = refused(&|r| r.over.push(axis("stop.restitution", &[0.5])));
+    assert!(twice.contains("kappa, stop.restitution"), "{twice}");
+    assert!(refused(&|r| r.measures.clear()).contains("0 outputs"));
+    assert!(refused(&|r| r.designs = Designs::Rows { names: vec![], rows: vec![] }).contains("0 designs"));
+    assert!(refused(&|r| r.over[0].values = vec![1.0; 60_000]).contains("120000 motions"));
+    let many = SampledAxis { name: name("f10"), values: vec![1.0; 2000] };
+    let wide = Designs::Grid(vec![many, axis("epsilon", &[0.1; 2000])]);
+    assert!(refused(&|r| r.designs = wide.clone()).contains("4000000 designs"));
+}
+
+/// Keeps the parts in memory.
+#[derive(Default)]
+struct MemoryStore(Mutex<BTreeMap<usize, Vec<u8>>>);
+
+impl PartStore for MemoryStore {
+    fn load(&self, index: usize) -> Option<Vec<u8>> {
+        self.0.lock().unwrap().get(&index).cloned()
+    }
+
+    fn save(&self, index: usize, bytes: &[u8]) -> Result<()> {
+        self.0.lock().unwrap().insert(index, bytes.to_vec());
+        Ok(())
+    }
+}
+
+#[test]
+fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
+    // With so many motions in each design there are several parts.
+    let set = ParameterSet::basic();
+    let mut request = Request { discard: 3, periods: 1, measures: measures(&["amplitude.x2"]), ..request() };
+    request.starts.extend(spread_starts(126));
+    assert_eq!((request.motions(), request.count()), (3 * 128, 3));
+    let of_threads = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let store = MemoryStore::default();
+        let task = Task { store: &store, ..Task::ALL };
+        assert!(pool.install(|| fill(&set, &request, &task)).unwrap());
+        store.0.into_inner().unwrap()
+    };
+    let one = of_threads(1);
+    assert_eq!(one, of_threads(3));
+    let store = MemoryStore::default();
+    for (index, complete) in [(1, false), (0, true)] {
+        let task = Task { store: &store, shard: Shard { index, count: 2 }, ..Task::ALL };
+        assert_eq!(fill(&set, &request, &task).unwrap(), complete);
+    }
+    assert_eq!(*store.0.lock().unwrap(), one);
+    let mut rows = Vec::new();
+    let task = Task { store: &store, ..Task::ALL };
+    each_row(&set, &request, &task, |row| -> Result<()> {
+        rows.push(row.values);
+        Ok(())
+    })
+    .unwrap();
+    assert_eq!(rows, (0..6).map(|i| request.designs.values(i)).collect::<Vec<_>>());
+}

@@ -1,0 +1,92 @@
+//! Designs from a CSV file: a header with names of parameters, and a row of numbers for each design.
+//!
+//! ```csv
+//! block.m,stop.gap,stop.restitution
+//! 1.2 kg,10 mm,0.6
+//! 0.8,0.012,0.75
+//! ```
+//!
+//! A cell is a number in SI, or one with a unit. A number that its parameter does not allow is no error here: that design is a
+//! row of the sweep with its reason.
+
+use crate::manifest::fnv1a;
+use crate::{Error, Result};
+use std::path::Path;
+use vibro_analysis::design_sweep::Designs;
+use vibro_analysis::{Name, number};
+
+/// Most designs in a file: they are kept in the manifest.
+const MOST: usize = 100_000;
+
+/// Reads designs.
+///
+/// # Errors
+/// [`Error::File`]; [`Error::Config`] with the line for names that are none, cells that are no finite numbers, rows of another
+/// length than the header, and files without a design or with too many.
+pub fn read(path: &Path) -> Result<Designs> {
+    let text = std::fs::read(path).map_err(Error::file("reading", path))?;
+    parse(&text).map_err(|problem| Error::Config { path: path.into(), problem })
+}
+
+fn parse(text: &[u8]) -> std::result::Result<Designs, String> {
+    // A mark of the byte order is what some spreadsheets begin a file with.
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text);
+    let header = csv.headers().map_err(|e| e.to_string())?.clone();
+    let names = header.iter().map(|name| Name::find(name).map_err(|e| format!("line 1: {e}")));
+    let names = names.collect::<std::result::Result<Vec<_>, _>>()?;
+    let mut rows = Vec::new();
+    for record in csv.records() {
+        let record = record.map_err(|e| e.to_string())?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let cell = |(name, text): (&Name, &str)| {
+            let value = number(*name, text).map_err(|e| format!("line {line}: {e}"))?;
+            let infinite = || format!("line {line}: {} = {text}: allowed is {}", name.name(), name.allowed());
+            if value.is_finite() { Ok(value) } else { Err(infinite()) }
+        };
+        rows.push(names.iter().zip(record.iter()).map(cell).collect::<std::result::Result<Vec<_>, _>>()?);
+        if rows.len() > MOST {
+            return Err(format!("more than {MOST} designs"));
+        }
+    }
+    if rows.is_empty() {
+        return Err("no design: expected are a header with names of parameters and rows of numbers".into());
+    }
+    Ok(Designs::Rows { names, rows })
+}
+
+/// The designs of a file in words that depend on their values alone, for manifests.
+pub fn in_words(names: &[Name], rows: &[Vec<f64>]) -> String {
+    let names: Vec<_> = names.iter().map(|n| n.name()).collect();
+    let bytes: Vec<u8> = rows.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    format!("{} designs of {}, digest {:016x}", rows.len(), names.join(", "), fnv1a(&bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn designs_are_read_with_units() {
+        let text = "\u{feff}m2, stop.gap\n# two of the same\n1.2 kg, 10 mm\n1.2,0.01\n";
+        let Ok(Designs::Rows { names, rows }) = parse(text.as_bytes()) else { panic!("no rows") };
+        assert_eq!(names.iter().map(|n| n.name()).collect::<Vec<_>>(), ["block.m", "stop.gap"]);
+        assert_eq!(rows, [[1.2, 0.01], [1.2, 0.01]]);
+    }
+
+    #[test]
+    fn what_is_no_list_of_designs_is_refused_with_the_line() {
+        for (text, expected) in [
+            ("stop.gape\n1\n", "line 1: no parameter is named `stop.gape`; the nearest is `stop.gap`"),
+            ("stop.gap\n1\nwide\n", "line 3: stop.gap = `wide` is not a number"),
+            ("stop.gap\n1kg\n", "line 2: stop.gap: `kg` is no unit of it"),
+            ("stop.gap\nNaN\n", "line 2: stop.gap = NaN: allowed is"),
+            ("stop.gap,block.m\n1\n", "line: 2"),
+            ("stop.gap\n", "no design"),
+            ("", "no design"),
+        ] {
+            let error = parse(text.as_bytes()).unwrap_err();
+            assert!(error.contains(expected), "{text:?}: {error}");
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Measures over any number of parameters: tables, pictures, and what is worth saying of them.
+
+mod collected;
+mod map;
+mod picture;
+mod table;
+
+pub use table::write_tables;
+
+use super::Study;
+use crate::Result;
+use collected::Collected;
+use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, each_row};
+use vibro_analysis::parts::Task;
+use vibro_analysis::{Name, ParameterSet, significant};
+
+/// The study of a sweep whose parts are all in the task's store. Its tables are written apart, by [`write_tables`].
+///
+/// # Errors
+/// What the store refuses.
+pub fn design_sweep(set: &ParameterSet, request: &Request, task: &Task, name: &str) -> Result<Study> {
+    let mut found = Collected::new(request);
+    let quiet = Task { done: &|_| (), ..*task };
+    each_row(set, request, &quiet, |row| -> Result<()> {
+        found.take(&row);
+        Ok(())
+    })?;
+    let figure = picture::figure(set, request, &found);
+    let what = format!("{} of {}", outputs_in_words(request), designs_in_words(request));
+    Ok(Study {
+        files: ["csv", "parquet"].map(|ending| format!("{name}.{ending}")).into(),
+        figure,
+        ..Study::without_figure(name, what).with_remarks(found.remarks())
+    })
+}
+
+fn outputs_in_words(request: &Request) -> String {
+    match &request.measures[..] {
+        [one] => one.name(),
+        several => format!("{} outputs", several.len()),
+    }
+}
+
+fn designs_in_words(request: &Request) -> String {
+    let count = request.designs.count();
+    let names: Vec<_> = request.designs.names().iter().map(|n| n.name()).collect();
+    let over = if names.is_empty() { String::new() } else { format!(" over {}", names.join(", ")) };
+    match count {
+        1 => format!("one design{over}"),
+        _ => format!("{count} designs{over}"),
+    }
+}
+
+/// How the numbers came about, for captions.
+fn method(request: &Request) -> String {
+    let kind = match &request.designs {
+        Designs::Grid(_) => "a grid",
+        Designs::Rows { .. } => "as listed",
+        Designs::Sobol { .. } => "points of the Sobol sequence",
+    };
+    let mut words = format!("{} designs ({kind})", request.designs.count());
+    let starts: Vec<String> = request.starts.iter().take(3).map(ToString::to_string).collect();
+    let more = if request.starts.len() > 3 { " …" } else { "" };
+    match &request.starts[..] {
+        [_] => words.push_str(&format!(", start {}", starts.join(""))),
+        all => words.push_str(&format!(", {} starts ({}{more})", all.len(), starts.join("; "))),
+    }
+    for axis in &request.over {
+        words.push_str(&format!(", over {}", axis_in_words(axis)));
+    }
+    words.push_str(&format!(
+        "; {} drive periods discarded and {} measured of each motion.",
+        request.discard, request.periods
+    ));
+    words
+}
+
+/// An axis over which the motions of a design are taken together, in words.
+fn axis_in_words(axis: &SampledAxis) -> String {
+    let ends = (axis.values.iter().copied().reduce(f64::min), axis.values.iter().copied().reduce(f64::max));
+    match ends {
+        (Some(a), Some(b)) if a < b => {
+            let (symbol, count) = (axis.name.symbol(), axis.values.len());
+            format!("{symbol} from {} to {} in {count} values", significant(a), axis.name.with_unit(b))
+        }
+        (Some(a), _) => format!("{} = {}", axis.name.symbol(), axis.name.with_unit(a)),
+        _ => String::new(),
+    }
+}
+
+/// The parameters that a caption leaves out, since they vary.
+fn varied(request: &Request) -> Vec<Name> {
+    request.designs.names().into_iter().chain(request.over.iter().map(|a| a.name)).collect()
+}

@@ -1,0 +1,247 @@
+//! The picture of a sweep: lines over one parameter, maps over two, for more the best over the others, marks over each
+//! parameter for designs that are no grid.
+
+use super::collected::{Collected, MeasureRecord, Reach};
+use super::map::{limits, map};
+use super::{method, varied};
+use crate::figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
+use vibro_analysis::design_sweep::{Designs, Request, SampledAxis};
+use vibro_analysis::measures::{Coordinate, Measure};
+use vibro_analysis::{Name, ParameterSet};
+
+/// Most panels of a picture.
+const PANELS: usize = 6;
+
+/// The picture; `None` for a single design and for too many.
+pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -> Option<Figure> {
+    if !found.draws() || found.records.is_empty() {
+        return None;
+    }
+    let names = request.designs.names();
+    let (panels, columns, panel) = match &request.designs {
+        Designs::Grid(axes) => {
+            let long: Vec<&SampledAxis> = axes.iter().filter(|a| a.values.len() > 1).collect();
+            match &long[..] {
+                [] => return None,
+                [axis] => (lines(axis, request, found), 1, (2400, 900)),
+                [x, y] => (maps([x, y], request, found), 2, (1500, 1250)),
+                all => (projections(all, request, found), 3.min(all.len()), (1300, 1150)),
+            }
+        }
+        _ if request.designs.count() < 2 => return None,
+        _ => (clouds(&names, request, found), 2.min(names.len()), (1500, 1000)),
+    };
+    // Projections have one scale.
+    let is_projection = matches!(&request.designs, Designs::Grid(axes) if axes.iter().filter(|a| a.values.len() > 1).count() > 2);
+    let symbols: Vec<_> = names.iter().map(|n| n.symbol()).collect();
+    let several = panels.len() > 1;
+    let lettered = |(letter, panel): (char, Panel)| match several {
+        true => Panel { title: format!("({letter}) {}", panel.title), ..panel },
+        false => panel,
+    };
+    Some(Figure {
+        title: format!("Designs over {}", symbols.join(", ")),
+        caption: vec![method(request), format!("Elsewhere {}", set.caption_but(&varied(request)))],
+        columns: columns.min(panels.len()),
+        panels: ('a'..).zip(panels).map(lettered).collect(),
+        panel,
+        shared_legend: is_projection,
+    })
+}
+
+/// A unit for labels and legends, with a space before it.
+fn unit(measure: Measure) -> String {
+    match measure.unit() {
+        "1" => String::new(),
+        unit => format!(" {}", unit.replace('.', "·")),
+    }
+}
+
+/// What a panel shows of a measure.
+fn title(measure: Measure, request: &Request) -> String {
+    match request.motions() {
+        1 => measure.name(),
+        motions => format!("{measure}, largest of {motions} motions"),
+    }
+}
+
+/// The kind of a measure: measures of one kind and unit share a panel.
+fn kind(measure: Measure) -> (String, &'static str) {
+    let name = measure.name();
+    let kind = name.split('.').next().unwrap_or_default().to_owned();
+    // Speed and impulse have units of their own.
+    (kind, measure.unit())
+}
+
+/// The colour of a measure: its body's.
+fn colour(measure: Measure) -> Colour {
+    use Coordinate::{Dw, V1, V2, V3, W, X1, X2, X3};
+    match measure {
+        Measure::Amplitude(c) | Measure::Rms(c) | Measure::PeakToPeak(c) | Measure::Maximum(c) => match c {
+            X1 | V1 => BOX,
+            X2 | V2 => BLOCK,
+            X3 | V3 => SECONDARY,
+            W | Dw => RELATIVE,
+        },
+        Measure::PowerBoxDamper => BOX,
+        Measure::PowerSecondaryDamper => SECONDARY,
+        Measure::PowerImpact | Measure::ImpactSpeed | Measure::ImpactImpulse => RELATIVE,
+        Measure::ImpactsUpper => BLUE,
+        Measure::ImpactsLower => BLOCK,
+        Measure::AmplitudeWithoutBlock => GREY,
+        _ => BLACK,
+    }
+}
+
+/// Over one parameter: a panel for each kind of measure. Of several motions the largest value is drawn over the pale area down
+/// to the least.
+fn lines(axis: &SampledAxis, request: &Request, found: &Collected) -> Vec<Panel> {
+    let mut order: Vec<usize> = (0..axis.values.len()).collect();
+    order.sort_by(|a, b| axis.values[*a].total_cmp(&axis.values[*b]));
+    let mut groups: Vec<Vec<&MeasureRecord>> = Vec::new();
+    for record in &found.records {
+        match groups.iter_mut().find(|g| kind(g[0].measure) == kind(record.measure)) {
+            Some(group) => group.push(record),
+            None => groups.push(vec![record]),
+        }
+    }
+    groups.truncate(PANELS);
+    let panel = |group: Vec<&MeasureRecord>| {
+        let mut layers = Vec::new();
+        for record in &group {
+            layers.extend(curve(axis, &order, record, request.motions() > 1));
+        }
+        let bad: Path = order
+            .iter()
+            .filter(|i| group.iter().any(|r| r.reaches[**i].is_none()))
+            .map(|i| (axis.values[*i], 0.0))
+            .collect();
+        if !bad.is_empty() {
+            layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad).stroke(MARK));
+        }
+        let label = match &group[..] {
+            [one] => one.measure.name(),
+            several => kind(several[0].measure).0,
+        };
+        let unit = unit(group[0].measure);
+        let label =
+            if unit.is_empty() { format!("{label} (–)") } else { format!("{label} ({})", unit.trim()) };
+        let largest = if request.motions() > 1 {
+            format!("largest of {} motions, and down to the least", request.motions())
+        } else {
+            String::new()
+        };
+        Panel { title: largest, x: Axis::new(axis.name.label()), y: Axis::new(label), layers }
+    };
+    let mut panels: Vec<Panel> = groups.into_iter().map(panel).collect();
+    for panel in &mut panels {
+        if panel.title.is_empty() {
+            panel.title = panel.y.label.rsplit_once(" (").map_or(String::new(), |parts| parts.0.into());
+        }
+    }
+    panels
+}
+
+/// The layers of one measure over one parameter.
+fn curve(axis: &SampledAxis, order: &[usize], record: &MeasureRecord, several: bool) -> Vec<Layer> {
+    let mut pieces: Vec<Path> = vec![Vec::new()];
+    let mut band: Vec<(f64, f64, f64)> = Vec::new();
+    for &i in order {
+        match record.reaches[i] {
+            Some((least, largest)) => {
+                pieces.last_mut().into_iter().for_each(|p| p.push((axis.values[i], largest)));
+                band.push((axis.values[i], least, largest));
+            }
+            None => pieces.push(Vec::new()),
+        }
+    }
+    pieces.retain(|piece| !piece.is_empty());
+    let (name, colour) = (record.measure.name(), colour(record.measure));
+    let dash = if record.measure == Measure::AmplitudeWithoutBlock { Dash::Dashed } else { Dash::Solid };
+    // A design between two without values would not show as a line.
+    let lonely: Path = pieces.iter().filter(|p| p.len() == 1).flatten().copied().collect();
+    let mut layers = Vec::new();
+    if several && pieces.len() == 1 {
+        layers.push(Layer::band("", colour, 0.25, band));
+    }
+    layers.push(Layer::lines(&name, colour, dash, pieces).labelled(name.clone()));
+    if !lonely.is_empty() {
+        layers.push(Layer::marks("", colour, Mark::Disc, lonely).stroke(THIN));
+    }
+    layers
+}
+
+fn largest(reach: &Reach) -> Option<f64> {
+    reach.map(|r| r.1)
+}
+
+/// Over two parameters: a map of each measure.
+fn maps(axes: [&SampledAxis; 2], request: &Request, found: &Collected) -> Vec<Panel> {
+    let panel = |record: &MeasureRecord| {
+        let values: Vec<Option<f64>> = record.reaches.iter().map(largest).collect();
+        map(title(record.measure, request), &unit(record.measure), axes, &values, &limits(&values))
+    };
+    found.records.iter().take(PANELS).map(panel).collect()
+}
+
+/// Over more parameters: for each pair the least of the first measure over the others, all on one scale.
+fn projections(axes: &[&SampledAxis], request: &Request, found: &Collected) -> Vec<Panel> {
+    let record = &found.records[0];
+    let pairs = (0..axes.len()).flat_map(|i| (i + 1..axes.len()).map(move |j| [i, j]));
+    let best: Vec<_> =
+        pairs.take(PANELS).map(|pair| (pair, best_over_others(axes, pair, &record.reaches))).collect();
+    let limits = limits(best.iter().flat_map(|(_, values)| values));
+    let panel = |(pair, values): ([usize; 2], Vec<Option<f64>>)| {
+        let others = (0..axes.len()).filter(|k| !pair.contains(k));
+        let others: Vec<_> = others.map(|k| axes[k].name.symbol()).collect();
+        let words = format!("least over {} of {}", others.join(", "), title(record.measure, request));
+        map(words, &unit(record.measure), pair.map(|k| axes[k]), &values, &limits)
+    };
+    best.into_iter().map(panel).collect()
+}
+
+/// The least value over all axes but a pair, by the second of the pair within the first.
+fn best_over_others(axes: &[&SampledAxis], [i, j]: [usize; 2], reaches: &[Reach]) -> Vec<Option<f64>> {
+    let counts: Vec<usize> = axes.iter().map(|a| a.values.len()).collect();
+    let place = |design: usize, axis: usize| {
+        let inner: usize = counts[axis + 1..].iter().product();
+        design / inner % counts[axis]
+    };
+    let mut best: Vec<Option<f64>> = vec![None; counts[i] * counts[j]];
+    for (design, reach) in reaches.iter().enumerate() {
+        let cell = &mut best[place(design, i) * counts[j] + place(design, j)];
+        *cell = match (*cell, largest(reach)) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+    }
+    best
+}
+
+/// The first measure over each parameter.
+fn clouds(names: &[Name], request: &Request, found: &Collected) -> Vec<Panel> {
+    let record = &found.records[0];
+    let panel = |(index, name): (usize, &Name)| {
+        let (mut points, mut bad) = (Path::new(), Path::new());
+        for (values, reach) in found.values.iter().zip(&record.reaches) {
+            match largest(reach) {
+                Some(y) => points.push((values[index], y)),
+                None => bad.push((values[index], 0.0)),
+            }
+        }
+        let words = title(record.measure, request);
+        let mut layers = vec![Layer::marks("", colour(record.measure), Mark::Disc, points).stroke(MARK / 2)];
+        if !bad.is_empty() {
+            layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad));
+        }
+        let unit = unit(record.measure);
+        let label = if unit.is_empty() {
+            record.measure.name()
+        } else {
+            format!("{} ({})", record.measure, unit.trim())
+        };
+        Panel { title: words, x: Axis::new(name.label()), y: Axis::new(label), layers }
+    };
+    names.iter().enumerate().take(PANELS).map(panel).collect()
+}

@@ -1,0 +1,218 @@
+//! The table of a sweep, as CSV and as Parquet, written row by row.
+
+use crate::part_folder::write_whole_by;
+use crate::table::exact;
+use crate::{Error, Result};
+use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+use vibro_analysis::ParameterSet;
+use vibro_analysis::design_sweep::{Request, Row, each_row};
+use vibro_analysis::measures::Measure;
+use vibro_analysis::parts::Task;
+
+/// Rows that are kept in memory to be written to Parquet together.
+const ROW_GROUP: usize = 65_536;
+
+/// A column of the table.
+struct Column {
+    name: String,
+    /// SI unit; `None` for text.
+    unit: Option<String>,
+}
+
+/// One cell.
+enum Cell {
+    Number(f64),
+    Text(String),
+    Empty,
+}
+
+impl Cell {
+    fn number(value: Option<f64>) -> Self {
+        value.filter(|v| v.is_finite()).map_or(Self::Empty, Self::Number)
+    }
+
+    fn text(words: String) -> Self {
+        if words.is_empty() { Self::Empty } else { Self::Text(words) }
+    }
+}
+
+/// The columns: parameters, outputs, reason. Of several motions an output has its least, mean and largest value and says where
+/// the largest is.
+fn columns(request: &Request) -> Vec<Column> {
+    let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
+    let text = |name: String| Column { name, unit: None };
+    let names = request.designs.names();
+    let mut all: Vec<Column> = names.iter().map(|n| number(n.name().into(), n.unit())).collect();
+    for measure in &request.measures {
+        let (name, unit) = (measure.name(), measure.unit());
+        match (measure, request.motions()) {
+            (Measure::Class, _) => all.push(text(name)),
+            (_, 1) => all.push(number(name, unit)),
+            _ => {
+                all.extend(["min", "mean", "max"].map(|what| number(format!("{name}.{what}"), unit)));
+                let axes = request.over.iter().map(|a| a.name);
+                all.extend(axes.map(|n| number(format!("{name}.max.{}", n.name()), n.unit())));
+                if request.starts.len() > 1 {
+                    all.push(text(format!("{name}.max.start")));
+                }
+            }
+        }
+    }
+    all.push(text("reason".into()));
+    all
+}
+
+/// The cells of a row, in the order of the [`columns`].
+fn cells(request: &Request, row: Row) -> Vec<Cell> {
+    let mut all: Vec<Cell> = row.values.iter().map(|v| Cell::number(Some(*v))).collect();
+    for (measure, output) in request.measures.iter().zip(&row.outputs) {
+        match (measure, request.motions()) {
+            (Measure::Class, _) => {
+                let classes: Vec<String> = row.classes.iter().map(|c| c.name()).collect();
+                all.push(Cell::text(classes.join("; ")));
+            }
+            (_, 1) => all.push(Cell::number(output.map(|o| o.largest))),
+            _ => {
+                let parts = output.map(|o| [o.least, o.mean, o.largest]);
+                all.extend((0..3).map(|k| Cell::number(parts.map(|p| p[k]))));
+                let motion = output.map(|o| request.motion(o.at));
+                for axis in 0..request.over.len() {
+                    all.push(Cell::number(motion.as_ref().and_then(|m| m.0.get(axis).copied())));
+                }
+                if request.starts.len() > 1 {
+                    all.push(Cell::text(motion.map_or(String::new(), |m| m.1.to_string())));
+                }
+            }
+        }
+    }
+    all.push(Cell::text(row.reason.unwrap_or_default()));
+    all
+}
+
+/// Writes the tables of a sweep whose parts are all in the task's store: `stem.csv` and `stem.parquet`.
+///
+/// # Errors
+/// [`Error::File`], [`Error::Output`].
+pub fn write_tables(set: &ParameterSet, request: &Request, task: &Task, stem: &Path) -> Result<()> {
+    // Endings are appended, since a stem may hold a point.
+    let path = |ending: &str| {
+        let name = stem.file_name().unwrap_or_default().to_string_lossy();
+        stem.with_file_name(format!("{name}.{ending}"))
+    };
+    write_whole_by(&path("csv"), |file| write_csv(set, request, task, file))?;
+    write_whole_by(&path("parquet"), |file| write_parquet(set, request, task, file))
+}
+
+fn write_csv(set: &ParameterSet, request: &Request, task: &Task, file: &mut impl Write) -> Result<()> {
+    let mut csv = csv::Writer::from_writer(file);
+    let problem = Error::output("a table");
+    csv.write_record(columns(request).iter().map(|c| &c.name)).map_err(&problem)?;
+    each_row(set, request, task, |row| {
+        let text = |cell: Cell| match cell {
+            Cell::Number(value) => exact(value),
+            Cell::Text(words) => words,
+            Cell::Empty => String::new(),
+        };
+        csv.write_record(cells(request, row).into_iter().map(text)).map_err(&problem)
+    })?;
+    csv.flush().map_err(Error::output("a table"))
+}
+
+/// Rows that wait to be written, by columns.
+struct Waiting {
+    columns: Vec<Vec<Cell>>,
+}
+
+impl Waiting {
+    fn new(count: usize) -> Self {
+        Self { columns: (0..count).map(|_| Vec::new()).collect() }
+    }
+
+    fn len(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    fn push(&mut self, row: Vec<Cell>) {
+        self.columns.iter_mut().zip(row).for_each(|(column, cell)| column.push(cell));
+    }
+
+    /// Writes the rows as a row group, and forgets them.
+    fn write<W: Write + Send>(
+        &mut self,
+        about: &[Column],
+        writer: &mut SerializedFileWriter<W>,
+    ) -> parquet::errors::Result<()> {
+        let mut group = writer.next_row_group()?;
+        for (column, cells) in about.iter().zip(&mut self.columns) {
+            let Some(mut into) = group.next_column()? else { break };
+            let levels: Vec<i16> = cells.iter().map(|c| i16::from(!matches!(c, Cell::Empty))).collect();
+            if column.unit.is_some() {
+                let values: Vec<f64> = cells
+                    .iter()
+                    .filter_map(|c| if let Cell::Number(v) = c { Some(*v) } else { None })
+                    .collect();
+                into.typed::<DoubleType>().write_batch(&values, Some(&levels), None)?;
+            } else {
+                let word = |c: &Cell| match c {
+                    Cell::Text(words) => Some(ByteArray::from(words.as_str())),
+                    _ => None,
+                };
+                let values: Vec<ByteArray> = cells.iter().filter_map(word).collect();
+                into.typed::<ByteArrayType>().write_batch(&values, Some(&levels), None)?;
+            }
+            into.close()?;
+            cells.clear();
+        }
+        group.close()?;
+        Ok(())
+    }
+}
+
+/// The columns as Parquet has them; every cell may be null.
+fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
+    let field = |column: &Column| {
+        let (physical, logical) = match column.unit {
+            Some(_) => (PhysicalType::DOUBLE, None),
+            None => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
+        };
+        let builder = Type::primitive_type_builder(&column.name, physical).with_logical_type(logical);
+        Ok(Arc::new(builder.with_repetition(Repetition::OPTIONAL).build()?))
+    };
+    let fields = columns.iter().map(field).collect::<parquet::errors::Result<Vec<_>>>()?;
+    Type::group_type_builder("sweep").with_fields(fields).build()
+}
+
+fn write_parquet(
+    set: &ParameterSet,
+    request: &Request,
+    task: &Task,
+    file: &mut (impl Write + Send),
+) -> Result<()> {
+    let problem = Error::output("a Parquet file");
+    let columns = columns(request);
+    let units = columns.iter().filter_map(|c| Some((format!("unit.{}", c.name), c.unit.clone()?)));
+    let units = units.map(|(key, unit)| KeyValue { key, value: Some(unit) }).collect();
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(units)).build();
+    let schema = Arc::new(schema(&columns).map_err(&problem)?);
+    let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).map_err(&problem)?;
+    let mut waiting = Waiting::new(columns.len());
+    each_row(set, request, task, |row| {
+        waiting.push(cells(request, row));
+        if waiting.len() < ROW_GROUP {
+            return Ok(());
+        }
+        waiting.write(&columns, &mut writer).map_err(&problem)
+    })?;
+    if waiting.len() > 0 {
+        waiting.write(&columns, &mut writer).map_err(&problem)?;
+    }
+    writer.close().map(|_| ()).map_err(&problem)
+}
