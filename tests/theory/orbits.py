@@ -38,6 +38,14 @@ class Word:
             self.J[row, 3] -= self.kick[row]
             self.J[row, 4] += self.kick[row]
 
+        self.flights: Dict[Any, Any] = {}
+
+    def flight(self, span: Any) -> Any:
+        """The map of a flight over a span, remembered."""
+        if span not in self.flights:
+            self.flights[span] = mpmath.expm(self.k["A"] * span)
+        return self.flights[span]
+
     def stop(self, i: int) -> int:
         return self.stops[i] if i < len(self.stops) else self.sigma * self.stops[0]
 
@@ -62,7 +70,7 @@ class Word:
     def pass_once(self, phases: Phases, z: Any) -> Tuple[Any, List[Any], List[Any]]:
         before, after = [], []
         for start, end in zip(phases, self.arrivals(phases)):
-            before.append(mpmath.expm(self.k["A"] * (end - start)) * z)
+            before.append(self.flight(end - start) * z)
             z = self.law(before[-1], end)
             after.append(z)
         return z, before, after
@@ -71,7 +79,7 @@ class Word:
         """M of (101)."""
         M = mpmath.eye(6)
         for start, end in zip(phases, self.arrivals(phases)):
-            M = self.J * mpmath.expm(self.k["A"] * (end - start)) * M
+            M = self.J * self.flight(end - start) * M
         return M
 
     def start(self, phases: Phases) -> Any:
@@ -103,7 +111,7 @@ class Word:
         """(104)."""
         n = len(phases)
         spans = [end - start for start, end in zip(phases, self.arrivals(phases))]
-        E = [mpmath.expm(self.k["A"] * span) for span in spans]
+        E = [self.flight(span) for span in spans]
         gap: Callable[[Any], Any] = lambda z: z[1] - z[0]
         W, M = mpmath.matrix(n, 6), mpmath.eye(6)
         for i in range(n):
@@ -135,7 +143,7 @@ class Word:
         normal = mpmath.matrix([[-1, 1, 0, 0, 0, 0]])
         ends = zip(phases, self.arrivals(phases), self.delays(phases), self.rates(phases))
         for start, end, q, rate in ends:
-            D = (self.J - q * normal / rate) * mpmath.expm(self.k["A"] * (end - start)) * D
+            D = (self.J - q * normal / rate) * self.flight(end - start) * D
         return self.sigma * D
 
     def solve(self, guess: List[float]) -> Phases:

@@ -1,6 +1,9 @@
 //! Branches as plain data.
 
+use super::family::Family;
+use super::orbit::Orbit;
 use super::word::OrbitWord;
+use crate::error::Result;
 use nalgebra::Complex;
 
 /// What is special at a point of a branch; the names are those of the field's programs.
@@ -104,4 +107,33 @@ pub struct Branch {
     pub points: Vec<Point>,
     /// Whether it ends where it begins.
     pub closed: bool,
+}
+
+impl Branch {
+    /// The orbit of one of its points.
+    ///
+    /// # Errors
+    /// What the machine refuses.
+    pub fn orbit(&self, family: &Family, point: &Point) -> Result<Orbit> {
+        let system = family.system(&[point.value])?;
+        Orbit::at(&system, &self.word, &point.phases).map_err(|obstacle| obstacle.error(&system, &self.word))
+    }
+
+    /// The local maxima of a displacement with weights of x1, x2, x3 at each point, units of L, the largest first; none where the
+    /// orbit cannot be computed.
+    pub fn maxima(&self, family: &Family, weights: [f64; 3]) -> Vec<Vec<f64>> {
+        let at = |point: &Point| {
+            let mut found = self.orbit(family, point).map_or(Vec::new(), |orbit| orbit.maxima(weights));
+            found.sort_by(|a, b| b.total_cmp(a));
+            found
+        };
+        self.points.iter().map(at).collect()
+    }
+
+    /// Whether the piece before a point and the one after it are stable; at an end the piece that is there.
+    pub fn stability_around(&self, point: usize) -> (bool, bool) {
+        let after = self.points[point].stable;
+        let before = point.checked_sub(1).map_or(after, |last| self.points[last].stable);
+        (before, after)
+    }
 }

@@ -426,6 +426,13 @@ impl Tree {
 }
 
 impl Branch {
+    /// Whether it passes an orbit, which is of the family at a value of the parameter.
+    pub fn holds(&self, family: &Family, orbit: &Orbit, value: f64) -> bool {
+        let mirror = family.is_symmetric();
+        let (word, phases) = canonical(orbit.word(), orbit.phases(), mirror);
+        word == self.word && self.passes(family, &phases, value, mirror)
+    }
+
     /// Whether the branch passes an orbit of its word.
     fn passes(&self, family: &Family, phases: &[f64], value: f64, mirror: bool) -> bool {
         let inside = |pair: &&[Point]| {

@@ -76,6 +76,9 @@ pub fn names(command: &Command) -> Vec<String> {
         Command::Steady => vec!["steady".into()],
         Command::Run(_) => vec!["run".into()],
         Command::Plane(_) => vec!["plane".into()],
+        Command::Orbits(_) => vec!["orbits".into()],
+        Command::Orbit(_) => vec!["orbit".into()],
+        Command::Locus(_) => vec!["locus".into()],
         Command::Response(a) => match a.kind {
             ResponseKind::Frequency => vec!["response-frequency".into()],
             ResponseKind::Force => vec!["response-force".into()],
