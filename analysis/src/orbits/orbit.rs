@@ -17,6 +17,12 @@ const STEPS: usize = 40;
 /// Newton's method ends when a step is smaller than this, relatively: the next would be rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
+/// Longest step, rad: next to a fold Newton's steps are much longer, and would lead anywhere.
+const LONGEST_STEP: f64 = 1.0;
+
+/// Largest residual, units of L, with which the phases count as those of an orbit.
+const RESIDUAL: f64 = 1e-9;
+
 /// Part of a flight by which one step may shorten it.
 const SHORTENING: f64 = 0.5;
 
@@ -282,7 +288,7 @@ pub(super) fn newton(system: &System, word: &OrbitWord, guess: &[f64]) -> Result
         let cycle = Cycle::new(system, word, &phases)?;
         let matrix = cycle.derivative(Functional::Gap, 1.0).ok_or(Obstacle::Singular)?;
         let step = matrix.lu().solve(&-cycle.residual_vector()).ok_or(Obstacle::NoConvergence)?;
-        let mut part: f64 = 1.0;
+        let mut part = (LONGEST_STEP / step.amax()).min(1.0);
         for i in 0..n {
             let span = cycle.arrival(i) - phases[i];
             let shorter = step[i] - step[(i + 1) % n];
@@ -293,10 +299,11 @@ pub(super) fn newton(system: &System, word: &OrbitWord, guess: &[f64]) -> Result
         if !step.iter().all(|x| x.is_finite()) {
             return Err(Obstacle::NoConvergence);
         }
+        let small = cycle.residual.iter().all(|r| r.abs() < RESIDUAL);
         phases.iter_mut().zip(&step).for_each(|(phase, step)| *phase += part * step);
         let size = phases.iter().fold(1.0, |most: f64, phase| most.max(phase.abs()));
         if step.amax() < STEP_ROUNDING * size {
-            return Ok(phases);
+            return if small { Ok(phases) } else { Err(Obstacle::NoConvergence) };
         }
     }
     Err(Obstacle::NoConvergence)

@@ -65,9 +65,14 @@ pub(super) fn said(loads: ConstantLoads) -> String {
     named.map(|(name, f)| format!(", {name} = {f} N")).collect()
 }
 
-/// The largest X2 at each point; NaN where there is none, which is left out everywhere.
+/// The largest X2 at each point, without loads of the orbit or of its mirror image, which is an orbit too; NaN where there is none,
+/// which is left out everywhere.
 fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
-    branch.maxima(family, BLOCK).iter().map(|all| all.first().copied().unwrap_or(f64::NAN)).collect()
+    let own = branch.maxima(family, BLOCK);
+    let mirror = if family.loads() == ConstantLoads::NONE { BLOCK.map(|w| -w) } else { BLOCK };
+    let image = branch.maxima(family, mirror);
+    let first = |all: &Vec<f64>| all.first().copied().unwrap_or(f64::NAN);
+    own.iter().zip(&image).map(|(a, b)| first(a).max(first(b))).collect()
 }
 
 fn remarks(branches: &[Branch], points: usize, specials: usize) -> Vec<String> {

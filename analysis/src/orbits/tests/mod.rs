@@ -2,5 +2,4 @@
 
 mod branches;
 mod golden;
-mod scratch;
 mod single;
