@@ -112,7 +112,8 @@ pub(super) fn meet(
             return Err(Obstacle::NoConvergence);
         }
         let right = -value.push(last / scale);
-        let step = bordered(&matrix, &(gradient / scale)).lu().solve(&right).ok_or(Obstacle::NoConvergence)?;
+        let step =
+            bordered(&matrix, &(gradient / scale)).lu().solve(&right).ok_or(Obstacle::NoConvergence)?;
         let size = step.norm();
         if !size.is_finite() {
             return Err(Obstacle::NoConvergence);

@@ -113,7 +113,8 @@ impl<'a> Cycle<'a> {
     {
         let (own, other) = (&self.system.flight, &system.flight);
         // All that the maps of the flights depend on.
-        let rates = |f: &vibro_impact::steady::exact_orbit::Flight| [f.k1, f.c1, f.k2, f.k3, f.c3, f.k32, f.rate];
+        let rates =
+            |f: &vibro_impact::steady::exact_orbit::Flight| [f.k1, f.c1, f.k2, f.k3, f.c3, f.k32, f.rate];
         if rates(own) == rates(other) {
             Cycle::with_transitions(system, self.word, self.phases, self.transitions.clone())
         } else {
@@ -264,7 +265,8 @@ fn mapped(matrix: &Matrix6<f64>, map: impl Fn(&Vector6) -> Vector6) -> Matrix6<f
 fn solve(matrix: &Matrix6<f64>, right: &Vector6) -> Option<Vector6> {
     let lu = matrix.lu();
     let diagonal = lu.lu_internal().diagonal();
-    let (least, most) = diagonal.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x.abs()), b.max(x.abs())));
+    let (least, most) =
+        diagonal.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x.abs()), b.max(x.abs())));
     // False for NaN too.
     if least > REGULAR * most { lu.solve(right) } else { None }
 }

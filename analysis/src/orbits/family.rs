@@ -1,7 +1,7 @@
 //! The machines along one parameter or two, and the equations of orbits over them.
 
-use super::cycle::{Cycle, Functional};
 use super::curve::{Equations, Linearization};
+use super::cycle::{Cycle, Functional};
 use super::obstacle::Obstacle;
 use super::system::{ConstantLoads, System};
 use super::word::OrbitWord;
@@ -73,7 +73,12 @@ impl Family {
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::Form`] when one parameter is the other by another name.
-    pub fn over_two(set: &ParameterSet, loads: ConstantLoads, first: Span, second: Span) -> Result<Self, Error> {
+    pub fn over_two(
+        set: &ParameterSet,
+        loads: ConstantLoads,
+        first: Span,
+        second: Span,
+    ) -> Result<Self, Error> {
         if first.name.is_same_quantity(second.name) {
             let text = format!("{},{}", first.name.name(), second.name.name());
             return Err(Error::Form { text, expected: "two independent parameters, e.g. f10,kappa" });
@@ -194,7 +199,9 @@ impl Contacts<'_> {
         let by_phases = cycle.derivative(Functional::Gap, 1.0).ok_or(Obstacle::Singular)?;
         let mut matrix = by_phases.resize_horizontally(u.len(), 0.0);
         match known {
-            Some(known) => matrix.columns_mut(n, u.len() - n).copy_from(&known.view((0, n), (n, u.len() - n))),
+            Some(known) => {
+                matrix.columns_mut(n, u.len() - n).copy_from(&known.view((0, n), (n, u.len() - n)))
+            }
             None => {
                 let columns = self.family.by_parameters(u, cycle, |c| c.residual.clone())?;
                 columns.iter().enumerate().for_each(|(k, column)| matrix.set_column(n + k, column));

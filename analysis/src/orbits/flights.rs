@@ -30,7 +30,12 @@ impl TaylorPiece {
 }
 
 /// The pieces of a flight that starts at a phase with the free part z of the state.
-pub(super) fn pieces(system: &System, z: &Vector6, phase: f64, span: f64) -> impl Iterator<Item = TaylorPiece> {
+pub(super) fn pieces(
+    system: &System,
+    z: &Vector6,
+    phase: f64,
+    span: f64,
+) -> impl Iterator<Item = TaylorPiece> {
     let count = system.flight.least_pieces(span);
     let length = span / f64::from(count);
     let (amplitude, angle) = system.wave();
@@ -65,10 +70,17 @@ fn maxima_of(polynomial: &Polynomial) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// The local maxima of a sum of displacements during a flight: phases and values.
-pub(super) fn maxima(system: &System, z: &Vector6, phase: f64, span: f64, weights: [f64; 3]) -> Vec<(f64, f64)> {
+pub(super) fn maxima(
+    system: &System,
+    z: &Vector6,
+    phase: f64,
+    span: f64,
+    weights: [f64; 3],
+) -> Vec<(f64, f64)> {
     let in_piece = |piece: TaylorPiece| {
         let sum = piece.sum(weights);
-        let found: Vec<_> = maxima_of(&sum).map(|(t, value)| (piece.phase + t * piece.length, value)).collect();
+        let found: Vec<_> =
+            maxima_of(&sum).map(|(t, value)| (piece.phase + t * piece.length, value)).collect();
         found
     };
     pieces(system, z, phase, span).flat_map(in_piece).collect()

@@ -72,7 +72,8 @@ pub(super) fn branches(family: &Family) -> Result<Vec<FreeBranch>> {
         }
         let id = found.len();
         if points.len() > 1 {
-            let branch = Branch { id, parent: None, depth: 0, word: free_word(family), points, closed: false };
+            let branch =
+                Branch { id, parent: None, depth: 0, word: free_word(family), points, closed: false };
             found.push((branch, contacts));
         }
         i = last + 1;

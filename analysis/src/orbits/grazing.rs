@@ -58,7 +58,13 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
             for (phase, _) in maxima.into_iter().filter(|m| m.1 > 1.0 + PENETRATION_ROUNDING) {
                 let index = flight + 1;
                 let u = u.clone().insert_row(index, phase);
-                found.push(Touch { longer: word.inserted(index, side), index, u, also: Vec::new(), from_longer: false });
+                found.push(Touch {
+                    longer: word.inserted(index, side),
+                    index,
+                    u,
+                    also: Vec::new(),
+                    from_longer: false,
+                });
             }
         }
     }
@@ -78,7 +84,8 @@ pub(super) fn approach(
     let side = contacts.word.side(flight + 1);
     let by_phases = cycle.derivative(Functional::Rate, 1.0).ok_or(Obstacle::Singular)?;
     let by_parameters = contacts.family.by_parameters(u, &cycle, |c| vec![c.rates[flight]])?;
-    let row: Vec<f64> = by_phases.row(flight).iter().copied().chain(by_parameters.iter().map(|c| c[0])).collect();
+    let row: Vec<f64> =
+        by_phases.row(flight).iter().copied().chain(by_parameters.iter().map(|c| c[0])).collect();
     let gradient = DVector::from_vec(row) * side;
     Ok((cycle.speed(index), gradient))
 }

@@ -255,7 +255,8 @@ pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
         return Err(Error::Form { text, expected: "a family over two parameters" });
     };
     if !(first.contains(start.values[0]) && second.contains(start.values[1])) {
-        let text = format!("{}={},{}={}", first.name.name(), start.values[0], second.name.name(), start.values[1]);
+        let text =
+            format!("{}={},{}={}", first.name.name(), start.values[0], second.name.name(), start.values[1]);
         return Err(Error::Form { text, expected: "a start within the ranges of both parameters" });
     }
     let system = family.system(&start.values)?;
@@ -281,7 +282,10 @@ fn first_point<'a>(
     let symmetric = word.closing() < 0;
     let form = || {
         let text = format!("{} of the word {word}", start.label);
-        Error::Form { text, expected: "one of LP, BP, PD, NS, GR, with the word's closing sign and at GR the longer word" }
+        Error::Form {
+            text,
+            expected: "one of LP, BP, PD, NS, GR, with the word's closing sign and at GR the longer word",
+        }
     };
     let factor = match start.label {
         Label::Fold => 1.0,
@@ -308,7 +312,8 @@ fn first_point<'a>(
                 Condition::Touch((0..word.len()).min_by(slowest).ok_or(Obstacle::Order)?)
             }
             Label::NeimarkSacker => {
-                let multipliers = super::orbit::eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
+                let multipliers =
+                    super::orbit::eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
                 let near = multipliers.into_iter().filter(|m| m.im > 0.0);
                 let nearest = near.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()));
                 let angle = nearest.ok_or(Obstacle::NoConvergence)?.arg();
@@ -361,7 +366,11 @@ fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> Vec<Locus
             }
             Err(_) if step > least => step *= 0.5,
             Err(obstacle) => {
-                let end = if matches!(obstacle, Obstacle::Order) { LocusEnd::Touch } else { LocusEnd::NoConvergence };
+                let end = if matches!(obstacle, Obstacle::Order) {
+                    LocusEnd::Touch
+                } else {
+                    LocusEnd::NoConvergence
+                };
                 if let Some(last) = points.last_mut() {
                     last.end = Some(end);
                 }

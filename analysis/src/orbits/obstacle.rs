@@ -34,7 +34,9 @@ impl Obstacle {
         };
         match self {
             Self::Order => no_orbit("the impacts lose their order; another guess of their phases may help"),
-            Self::NoConvergence => no_orbit("Newton's method does not converge; a nearer guess of the phases may help"),
+            Self::NoConvergence => {
+                no_orbit("Newton's method does not converge; a nearer guess of the phases may help")
+            }
             Self::Singular => {
                 let (name, value, allowed) = system.neutral_parameter();
                 let needed_by = "impact phases of a periodic orbit as unknowns";

@@ -81,7 +81,15 @@ impl Orbit {
             let (departures, speeds) = (Vec::new(), Vec::new());
             let clear = system.amplitude() + system.offset().abs() <= 1.0 + flights::PENETRATION_ROUNDING;
             let multipliers = eigenvalues(free).ok_or(Obstacle::NoConvergence)?;
-            return Ok(Self { system: *system, word: word.clone(), phases: Vec::new(), departures, speeds, multipliers, clear });
+            return Ok(Self {
+                system: *system,
+                word: word.clone(),
+                phases: Vec::new(),
+                departures,
+                speeds,
+                multipliers,
+                clear,
+            });
         }
         let cycle = Cycle::new(system, word, phases)?;
         let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;

@@ -9,7 +9,7 @@ use super::obstacle::Obstacle;
 use super::orbit::{Orbit, eigenvalues, newton};
 use super::special;
 use super::switching::Contact;
-use super::test_functions::{DOUBLING, PAIR, SignedLog, Sample, TESTS, UNIT, test};
+use super::test_functions::{DOUBLING, PAIR, Sample, SignedLog, TESTS, UNIT, test};
 use super::word::OrbitWord;
 use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
@@ -203,7 +203,14 @@ impl Follower<'_> {
         if label.is_none() {
             let sample = Sample::of(&cycle).ok_or(Obstacle::NoConvergence)?;
             let (stable, Sample { multipliers, tests, .. }) = (sample.is_stable(), sample);
-            return Ok(Position { u: u.clone(), tangent: tangent.clone(), steps: 3, multipliers, stable, tests });
+            return Ok(Position {
+                u: u.clone(),
+                tangent: tangent.clone(),
+                steps: 3,
+                multipliers,
+                stable,
+                tests,
+            });
         }
         let smooth = label == Some(Label::Grazing);
         let tests = [UNIT, DOUBLING].map(|index| if smooth { test(&cycle, index) } else { None });
@@ -280,7 +287,12 @@ impl Follower<'_> {
     }
 
     /// Ends the path at the first of the touches that are met on the way to `next`.
-    fn end_at_touch(&self, last: &Position, next: &Position, touches: Vec<Touch>) -> Result<Advance, Obstacle> {
+    fn end_at_touch(
+        &self,
+        last: &Position,
+        next: &Position,
+        touches: Vec<Touch>,
+    ) -> Result<Advance, Obstacle> {
         let length = last.tangent.dot(&(&next.u - &last.u));
         let arc = |touch: &Touch| {
             let way = touch.on_branch() - &last.u;
@@ -293,7 +305,11 @@ impl Follower<'_> {
         let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
         // Of two at one point, as where a repeated orbit touches in each round, the impact that the word lists is taken out.
         let order = |a: &(f64, Touch), b: &(f64, Touch)| {
-            if (a.0 - b.0).abs() < LEAST_STEP { b.1.from_longer.cmp(&a.1.from_longer) } else { a.0.total_cmp(&b.0) }
+            if (a.0 - b.0).abs() < LEAST_STEP {
+                b.1.from_longer.cmp(&a.1.from_longer)
+            } else {
+                a.0.total_cmp(&b.0)
+            }
         };
         let (_, touch) = placed.min_by(order).ok_or(Obstacle::NoConvergence)?;
         let (touch, is_orbit, pressed) = grazing::examine(self.family, touch)?;
@@ -317,7 +333,11 @@ impl Follower<'_> {
     }
 
     /// Ends the path at the branch from which it is born by doubling.
-    fn end_at_primary(&self, last: &Position, (word, u): (OrbitWord, DVector<f64>)) -> Result<Advance, Obstacle> {
+    fn end_at_primary(
+        &self,
+        last: &Position,
+        (word, u): (OrbitWord, DVector<f64>),
+    ) -> Result<Advance, Obstacle> {
         let n = word.len();
         let phases = super::orbit::unfolded_phases(&word, &u.as_slice()[..n]);
         let values = self.family.values(&u);
@@ -342,7 +362,8 @@ impl Follower<'_> {
         let phases = &u.as_slice()[..n];
         self.word.symmetries(self.family.is_symmetric()).into_iter().any(|turn| {
             let turned = self.word.turned_phases(phases, turn);
-            let rates = DVector::from_fn(n + 1, |i, _| if i < n { tangent[(i + turn.by) % n] } else { tangent[n] });
+            let rates =
+                DVector::from_fn(n + 1, |i, _| if i < n { tangent[(i + turn.by) % n] } else { tangent[n] });
             let whole = ((last.u[0] - turned[0]) / TAU).round() * TAU;
             let there = DVector::from_fn(n + 1, |i, _| if i < n { turned[i] + whole } else { u[n] });
             let from = there - &last.u;
@@ -404,7 +425,9 @@ impl Follower<'_> {
             Ok(found.relative_to(unit))
         };
         let ends = next.tests[index].map_or(f64::NAN, |b| b.relative_to(unit));
-        let Some(arc) = special::zero(value, length, (unit.sign, ends)) else { return Err(Obstacle::NoConvergence) };
+        let Some(arc) = special::zero(value, length, (unit.sign, ends)) else {
+            return Err(Obstacle::NoConvergence);
+        };
         let at = self.at_arc(last, next, arc)?;
         let turns = last.tangent[self.word.len()] * next.tangent[self.word.len()] < 0.0;
         let label = match index {

@@ -47,7 +47,9 @@ fn none(word: &OrbitWord, tries: u32) -> Error {
         word: word.to_string(),
         closing: if word.closing() > 0 { '+' } else { '-' },
         period: word.period(),
-        reason: format!("none was found from {tries} guesses of its phases; another value of a parameter or period may have one"),
+        reason: format!(
+            "none was found from {tries} guesses of its phases; another value of a parameter or period may have one"
+        ),
     }
 }
 

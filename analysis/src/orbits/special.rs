@@ -76,7 +76,9 @@ pub(super) fn primary(
     last: &DVector<f64>,
     next: &DVector<f64>,
 ) -> Result<Option<(OrbitWord, DVector<f64>)>, Obstacle> {
-    let Some(folded) = word.folded().filter(|f| f.closing() > 0 || family.is_symmetric()) else { return Ok(None) };
+    let Some(folded) = word.folded().filter(|f| f.closing() > 0 || family.is_symmetric()) else {
+        return Ok(None);
+    };
     let [a, b] = [last, next].map(|u| halves(word, u));
     // The first point of a branch born here has halves that are the same but for rounding.
     if a.dot(&b) >= 0.0 || a.norm() < BIRTH {
@@ -85,9 +87,8 @@ pub(super) fn primary(
     let part = a.norm() / (a.norm() + b.norm());
     let at = last + (next - last) * part;
     let (h, n) = (folded.len(), word.len());
-    let guess = DVector::from_fn(h + 1, |i, _| {
-        if i < h { 0.5 * (at[i] + at[h + i] - folded.span()) } else { at[n] }
-    });
+    let guess =
+        DVector::from_fn(h + 1, |i, _| if i < h { 0.5 * (at[i] + at[h + i] - folded.span()) } else { at[n] });
     let unit = {
         let system = family.system_at(&guess)?;
         let cycle = Cycle::new(&system, &folded, &guess.as_slice()[..h])?;

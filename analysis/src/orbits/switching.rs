@@ -180,13 +180,18 @@ pub(super) fn both_ways(
     let (word, phases) = canonical(word, phases, family.is_symmetric());
     let u = family.point(&phases, &[value]);
     let along = tangent(&Contacts { family, word: &word }, &u, &axis(word.len() + 1, word.len()))?;
-    let departure = |tangent| Departure { u: u.clone(), tangent, step: FIRST_STEP, special: None, multipliers: None };
+    let departure =
+        |tangent| Departure { u: u.clone(), tangent, step: FIRST_STEP, special: None, multipliers: None };
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }
 
 /// A departure in the shortest word of its orbit: where an orbit that is passed several times touches a stop in each round, the
 /// branch that lists all touches is passed several times too.
-pub(super) fn reduced_departure(family: &Family, word: &OrbitWord, departure: &Departure) -> (OrbitWord, Departure) {
+pub(super) fn reduced_departure(
+    family: &Family,
+    word: &OrbitWord,
+    departure: &Departure,
+) -> (OrbitWord, Departure) {
     let n = word.len();
     let (least, phases) = word.reduced(&departure.u.as_slice()[..n], family.is_symmetric(), REPETITION);
     let m = least.len();
@@ -201,7 +206,11 @@ pub(super) fn reduced_departure(family: &Family, word: &OrbitWord, departure: &D
 }
 
 /// A departure in the canonical word, so that one orbit has one place in a tree.
-pub(super) fn canonical_departure(family: &Family, word: &OrbitWord, departure: &Departure) -> (OrbitWord, Departure) {
+pub(super) fn canonical_departure(
+    family: &Family,
+    word: &OrbitWord,
+    departure: &Departure,
+) -> (OrbitWord, Departure) {
     let n = word.len();
     let (canonical, turn) = word.canonical_turn(family.is_symmetric());
     let phases = word.turned_phases(&departure.u.as_slice()[..n], turn);

@@ -3,9 +3,9 @@
 use crate::error::Result;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
+use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Loads;
-use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::{Flight, Vector6};
 
 /// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its centre.
@@ -177,7 +177,12 @@ fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
         }
     };
     let x1 = held("box.k", f1, p.box_stiffness, "box.k > 0, or load.box = 0")?;
-    let x3 = held("secondary.k", f2 + f3, p.secondary_stiffness, "secondary.k > 0, or load.block + load.secondary = 0")?;
+    let x3 = held(
+        "secondary.k",
+        f2 + f3,
+        p.secondary_stiffness,
+        "secondary.k > 0, or load.block + load.secondary = 0",
+    )?;
     let stretch = held("coupling.k", f2, p.coupling_stiffness, "coupling.k > 0, or load.block = 0")?;
     Ok([x1, x3 + stretch, x3].map(|x| x / p.stop_gap))
 }

@@ -50,7 +50,15 @@ pub struct TreeOptions {
 impl Default for TreeOptions {
     fn default() -> Self {
         let PathOptions { longest_step, most_points } = PathOptions::default();
-        Self { seeds: 91, settle: 1000, depth: 12, longest_period: 32, most_letters: 64, longest_step, most_points }
+        Self {
+            seeds: 91,
+            settle: 1000,
+            depth: 12,
+            longest_period: 32,
+            most_letters: 64,
+            longest_step,
+            most_points,
+        }
     }
 }
 
@@ -85,7 +93,11 @@ struct Traced {
 ///
 /// # Errors
 /// What the machines of the family refuse.
-pub fn tree(family: &Family, options: &TreeOptions, done: &(dyn Fn(usize, usize) + Sync)) -> Result<Tree, Error> {
+pub fn tree(
+    family: &Family,
+    options: &TreeOptions,
+    done: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Tree, Error> {
     let mut grower = Grower::new(family, options);
     for (branch, contacts) in free::branches(family)? {
         let id = grower.tree.branches.len();
@@ -105,7 +117,8 @@ pub fn tree(family: &Family, options: &TreeOptions, done: &(dyn Fn(usize, usize)
         let batch = grower.next_batch();
         traced += batch.len();
         let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
-        let found: Vec<_> = batch.into_par_iter().map(|start| trace(family, &grower.path, &[], start)).collect();
+        let found: Vec<_> =
+            batch.into_par_iter().map(|start| trace(family, &grower.path, &[], start)).collect();
         for branch in found {
             match branch {
                 Ok(branch) => grower.add(branch),
@@ -163,7 +176,8 @@ pub fn branch(
         let start = Start { depth: 0, parent: None, word, departures: both.to_vec() };
         trace(family, options, marks, start)
     };
-    let Traced { start, points, closed, .. } = followed().map_err(|obstacle| obstacle.error(&system, word))?;
+    let Traced { start, points, closed, .. } =
+        followed().map_err(|obstacle| obstacle.error(&system, word))?;
     Ok(Branch { id: 0, parent: None, depth: 0, word: start.word, points, closed })
 }
 
@@ -209,7 +223,8 @@ fn settled_orbits(family: &Family, options: &TreeOptions) -> Result<Vec<Place>, 
             let value = value(if rising { i } else { seeds - 1 - i });
             let system = family.system(&[value])?;
             let p = system.parameters();
-            let start = last.map_or_else(|| moving_block(p), |(state, gap)| within_gap(state, gap, p.stop_gap));
+            let start =
+                last.map_or_else(|| moving_block(p), |(state, gap)| within_gap(state, gap, p.stop_gap));
             // Where the simulator refuses, the next value starts anew.
             let settled = settled::settle(&system, &start, options.settle).ok();
             last = settled.map(|state| (state, p.stop_gap));
@@ -263,7 +278,9 @@ impl<'a> Grower<'a> {
     fn tree_has(&self, start: &Start) -> bool {
         let Some(departure) = start.departures.first().filter(|d| d.special.is_none()) else { return false };
         let value = self.family.values(&departure.u)[0];
-        self.tree.passing(self.family, &start.word, &departure.u.as_slice()[..start.word.len()], value).is_some()
+        self.tree
+            .passing(self.family, &start.word, &departure.u.as_slice()[..start.word.len()], value)
+            .is_some()
     }
 
     /// Takes a branch into the tree, unless it is there, and queues what begins on it.
@@ -314,7 +331,12 @@ impl<'a> Grower<'a> {
                     self.know(label.unwrap_or(Label::BranchPoint), &word, value);
                     let phases = u.as_slice()[..primary.len()].to_vec();
                     if let Ok((word, both)) = switching::both_ways(self.family, &primary, &phases, value) {
-                        self.offer(Start { depth: depth + 1, parent: Some((id, point)), word, departures: both.to_vec() });
+                        self.offer(Start {
+                            depth: depth + 1,
+                            parent: Some((id, point)),
+                            word,
+                            departures: both.to_vec(),
+                        });
                     }
                 }
                 PathEnd::Plain | PathEnd::Closed => {}
@@ -346,7 +368,8 @@ impl<'a> Grower<'a> {
     /// Remembers a place; false where it is known.
     fn is_new(&mut self, label: Label, word: &OrbitWord, value: f64) -> bool {
         let key = self.key(label, word, value);
-        let same = |k: &(Label, OrbitWord, f64)| k.0 == key.0 && k.1 == key.1 && (k.2 - key.2).abs() < SAME_PLACE;
+        let same =
+            |k: &(Label, OrbitWord, f64)| k.0 == key.0 && k.1 == key.1 && (k.2 - key.2).abs() < SAME_PLACE;
         if self.known.iter().any(same) {
             return false;
         }
@@ -373,7 +396,12 @@ impl<'a> Grower<'a> {
         let Ok((word, departure)) = switching::doubled(self.family, &word, &u, label) else { return };
         if self.is_new(label, &word, value) {
             let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
-            self.offer(Start { depth: depth + 1, parent: Some((id, point)), word, departures: vec![departure] });
+            self.offer(Start {
+                depth: depth + 1,
+                parent: Some((id, point)),
+                word,
+                departures: vec![departure],
+            });
         }
     }
 
@@ -421,7 +449,10 @@ impl Tree {
     pub fn passing(&self, family: &Family, word: &OrbitWord, phases: &[f64], value: f64) -> Option<usize> {
         let mirror = family.is_symmetric();
         let (word, phases) = canonical(word, phases, mirror);
-        self.branches.iter().find(|b| b.word == word && b.passes(family, &phases, value, mirror)).map(|b| b.id)
+        self.branches
+            .iter()
+            .find(|b| b.word == word && b.passes(family, &phases, value, mirror))
+            .map(|b| b.id)
     }
 }
 
@@ -453,9 +484,9 @@ impl Branch {
             }
             // Next to a fold or a birth the interpolation is poor, so that the ends are tried too.
             let Ok(system) = family.system(&[value]) else { return false };
-            [&between, &a.phases, &b.phases].into_iter().any(|guess| {
-                newton(&system, &self.word, guess).is_ok_and(|found| near(SAME_ORBIT, &found))
-            })
+            [&between, &a.phases, &b.phases]
+                .into_iter()
+                .any(|guess| newton(&system, &self.word, guess).is_ok_and(|found| near(SAME_ORBIT, &found)))
         })
     }
 }

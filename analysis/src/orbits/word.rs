@@ -54,7 +54,11 @@ impl OrbitWord {
         match (closing, half_periods % 2) {
             (1, 0) if half_periods > 0 => {}
             (-1, 1) => {}
-            _ => return Err(form("closing + over whole drive periods, or closing - over an odd number of half periods")),
+            _ => {
+                return Err(form(
+                    "closing + over whole drive periods, or closing - over an odd number of half periods",
+                ));
+            }
         }
         Ok(Self::of(letters, closing, half_periods))
     }

@@ -16,7 +16,16 @@ use vibro_analysis::orbits::{Family, LocusEnd, LocusPoint, LocusStart};
 pub fn loci(set: &ParameterSet, family: &Family, curves: &[(LocusStart, Vec<LocusPoint>)]) -> Result<Study> {
     let [x, y] = [0, 1].map(|i| family.spans()[i]);
     let mut table = CsvRows::new([
-        "curve", "label", "word", "closing", "period", x.name.name(), y.name.name(), "angle", "end", "phases",
+        "curve",
+        "label",
+        "word",
+        "closing",
+        "period",
+        x.name.name(),
+        y.name.name(),
+        "angle",
+        "end",
+        "phases",
     ])?;
     let mut layers = Vec::new();
     for (i, (start, points)) in curves.iter().enumerate() {
@@ -41,7 +50,8 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[(LocusStart, Vec<Locu
         layers.push(Layer::line("", FAMILY[i % FAMILY.len()], Dash::Solid, path).labelled(name));
     }
     let axis = |span: &vibro_analysis::orbits::Span| Axis::over(span.name.label(), span.from, span.to);
-    let what = format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
+    let what =
+        format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
     let figure = Figure {
         title: "Bifurcations of periodic orbits".into(),
         caption: vec![format!("Elsewhere {}{}", set.caption_but(&[x.name, y.name]), said(family.loads()))],
@@ -50,9 +60,9 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[(LocusStart, Vec<Locu
         panel: (2000, 1500),
         shared_legend: false,
     };
-    let remarks = curves.iter().map(|(start, points)| {
-        format!("{} of {}: {} points", start.label, start.word, points.len())
-    });
+    let remarks = curves
+        .iter()
+        .map(|(start, points)| format!("{} of {}: {} points", start.label, start.word, points.len()));
     Ok(Study {
         tables: vec![("locus".into(), table.text()?)],
         figure: Some(figure),

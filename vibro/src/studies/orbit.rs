@@ -28,7 +28,8 @@ pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> 
         format!("start: x = {:?} m, v = {:?} m/s at time 0", start.x, start.v),
     ];
     if others > 0 {
-        remarks.push(format!("{others} other orbits of this word were found; this one is nearest to stability"));
+        remarks
+            .push(format!("{others} other orbits of this word were found; this one is nearest to stability"));
     }
     let figure = Figure {
         title: format!("Periodic orbit {word}"),
@@ -101,11 +102,14 @@ fn portrait(orbit: &Orbit) -> Panel {
     }
     let layers = vec![Layer::lines("", BLUE, Dash::Solid, pieces)];
     let title = "(b) portrait".into();
-    Panel { title, x: Axis::over("w (units of L)", -1.1, 1.1), y: Axis::new("w′ (units of ω₁L)"), layers }
+    Panel {
+        title, x: Axis::over("w (units of L)", -1.1, 1.1), y: Axis::new("w′ (units of ω₁L)"), layers
+    }
 }
 
 fn multipliers(orbit: &Orbit) -> Panel {
-    let circle: Path = (0..=200).map(|i| (TAU * f64::from(i) / 200.0).sin_cos()).map(|(s, c)| (c, s)).collect();
+    let circle: Path =
+        (0..=200).map(|i| (TAU * f64::from(i) / 200.0).sin_cos()).map(|(s, c)| (c, s)).collect();
     let points: Path = orbit.multipliers().iter().map(|m| (m.re, m.im)).collect();
     let reach = points.iter().fold(1.2_f64, |most, (a, b)| most.max(1.1 * a.abs()).max(1.1 * b.abs()));
     let layers = vec![

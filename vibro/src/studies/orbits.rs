@@ -101,7 +101,19 @@ fn or_empty(value: f64) -> String {
 fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<Vec<u8>> {
     let name = span.name.name();
     let mut table = CsvRows::new([
-        "branch", "parent", "point", "label", name, "period", "word", "closing", "stable", "multiplier", "X2_max", "phase", "flights",
+        "branch",
+        "parent",
+        "point",
+        "label",
+        name,
+        "period",
+        "word",
+        "closing",
+        "stable",
+        "multiplier",
+        "X2_max",
+        "phase",
+        "flights",
     ])?;
     for (branch, tops) in branches.iter().zip(tops) {
         let parent = branch.parent.map_or(String::new(), |(id, point)| format!("{id}:{point}"));
@@ -132,8 +144,19 @@ fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<V
 /// The special points alone, with what another study needs to start from them.
 fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
-        "label", "branch", "point", "parameter", "value", "word", "closing", "period", "longer_word", "turns", "stable_before",
-        "stable_after", "phases",
+        "label",
+        "branch",
+        "point",
+        "parameter",
+        "value",
+        "word",
+        "closing",
+        "period",
+        "longer_word",
+        "turns",
+        "stable_before",
+        "stable_after",
+        "phases",
     ])?;
     for branch in branches {
         for (i, point) in branch.points.iter().enumerate() {
@@ -217,7 +240,10 @@ fn panel(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Panel {
     }
     let marked = |label: Label| -> Path {
         let points = branches.iter().zip(tops).flat_map(|(b, tops)| b.points.iter().zip(tops));
-        points.filter(|(p, t)| p.label() == Some(label) && t.is_finite()).map(|(p, t)| (p.value, *t)).collect()
+        points
+            .filter(|(p, t)| p.label() == Some(label) && t.is_finite())
+            .map(|(p, t)| (p.value, *t))
+            .collect()
     };
     let all: usize = MARKS.iter().map(|(label, ..)| marked(*label).len()).sum();
     for (label, name, mark) in MARKS {

@@ -1,8 +1,8 @@
 //! Branches and their special points: the closed form, both sides of a point, halved steps, and the simulator.
 
 use crate::orbits::{
-    Branch, ConstantLoads, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span, Tree, TreeOptions,
-    branch, locus, orbit_of, settle, tree,
+    Branch, ConstantLoads, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span,
+    Tree, TreeOptions, branch, locus, orbit_of, settle, tree,
 };
 use crate::stroboscopic::moving_block;
 use crate::{ParameterSet, find_group};
@@ -43,10 +43,14 @@ fn closed_form_of_the_branch_of_symmetric_orbits() {
         (Special::Bifurcation(vibro_impact::steady::Bifurcation::NeimarkSacker), Label::NeimarkSacker),
         (Special::Bifurcation(vibro_impact::steady::Bifurcation::SymmetryBreaking), Label::BranchPoint),
     ] {
-        let closed: Vec<f64> = exact.specials().filter(|p| p.special == Some(special)).map(|p| p.value).collect();
+        let closed: Vec<f64> =
+            exact.specials().filter(|p| p.special == Some(special)).map(|p| p.value).collect();
         let own: Vec<f64> = labelled(&found, label).map(|p| p.value).collect();
         assert_eq!(closed.len(), own.len(), "{label}: {closed:?} {own:?}");
-        assert!(closed.iter().zip(&own).all(|(a, b)| (a - b).abs() < LOCATION), "{label}: {closed:?} {own:?}");
+        assert!(
+            closed.iter().zip(&own).all(|(a, b)| (a - b).abs() < LOCATION),
+            "{label}: {closed:?} {own:?}"
+        );
     }
     // It comes from the touch of the motion without impacts, where |H| = 1.
     let touch = labelled(&found, Label::Grazing).next().unwrap();
@@ -63,7 +67,12 @@ fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points
         for pair in branch.points.windows(2) {
             let stable = |p: &Point| p.multipliers[0].norm() < 1.0;
             let plain = pair.iter().all(|p| p.special.is_none());
-            assert!(!plain || stable(&pair[0]) == stable(&pair[1]), "branch {} at {}", branch.id, pair[0].value);
+            assert!(
+                !plain || stable(&pair[0]) == stable(&pair[1]),
+                "branch {} at {}",
+                branch.id,
+                pair[0].value
+            );
         }
         for point in branch.points.iter().step_by(7).filter(|p| p.special.is_none()) {
             let system = family.system(&[point.value]).unwrap();
@@ -127,7 +136,8 @@ fn second_method_touches_located_from_both_words_agree() {
     let two = find(2.2, None);
     assert_eq!(two.word().canonical().to_string(), "UL");
     let shorter = branch(&family, two.word(), two.phases(), 2.2, &PathOptions::default(), &[]).unwrap();
-    let [a, b] = [&longer, &shorter].map(|b| labelled(b, Label::Grazing).map(|p| p.value).collect::<Vec<_>>());
+    let [a, b] =
+        [&longer, &shorter].map(|b| labelled(b, Label::Grazing).map(|p| p.value).collect::<Vec<_>>());
     assert!(a.iter().any(|a| b.iter().any(|b| (a - b).abs() < LOCATION)), "{a:?} {b:?}");
 }
 
@@ -135,7 +145,10 @@ fn second_method_touches_located_from_both_words_agree() {
 fn invariant_a_doubled_branch_leaves_as_a_parabola() {
     // λ - λ* over the square of the amplitude settles on a constant.
     let family = family(2.0, 2.6);
-    let found = grow(&family, TreeOptions { seeds: 3, depth: 1, settle: 600, longest_step: 0.01, ..TreeOptions::default() });
+    let found = grow(
+        &family,
+        TreeOptions { seeds: 3, depth: 1, settle: 600, longest_step: 0.01, ..TreeOptions::default() },
+    );
     let born = |b: &&Branch| b.points[0].label() == Some(Label::PeriodDoubling);
     let doubled = found.branches.iter().find(born).unwrap();
     let h = doubled.word.len() / 2;
@@ -190,7 +203,8 @@ fn curve(label: Label) -> Vec<crate::orbits::LocusPoint> {
     let found = branch(&one, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[]).unwrap();
     let point = labelled(&found, label).next().unwrap();
     let spans = [("f10", 0.4, 3.0), ("kappa", 0.6, 0.9)];
-    let [first, second] = spans.map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
+    let [first, second] =
+        spans.map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
     let two = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, first, second).unwrap();
     let start =
         LocusStart { label, word: symmetric(), phases: point.phases.clone(), values: [point.value, 0.75] };
@@ -228,7 +242,13 @@ fn closed_form_of_curves_in_two_parameters() {
                     let orbit = exact.orbit(Sheet::Upper).unwrap().unwrap();
                     let crossing = |m: &nalgebra::Complex<f64>| match label {
                         Label::BranchPoint => (m + 1.0).norm(),
-                        _ => if m.im == 0.0 { 1.0 } else { (m.norm() - 1.0).abs() },
+                        _ => {
+                            if m.im == 0.0 {
+                                1.0
+                            } else {
+                                (m.norm() - 1.0).abs()
+                            }
+                        }
                     };
                     let nearest = orbit.multipliers().iter().map(crossing).fold(1.0, f64::min);
                     assert!(nearest < MULTIPLIER, "{label} at {:?}: {nearest:e}", point.values);

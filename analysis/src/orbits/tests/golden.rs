@@ -42,10 +42,24 @@ fn golden_orbits_in_thirty_digits() {
         let found = branch(&family, &word, &guess, at, &options, &[]).unwrap();
         let named = found.points.iter().filter(|p| p.label().is_some_and(|l| l.name() == label));
         let nearest = named.min_by(|a, b| (a.value - value).abs().total_cmp(&(b.value - value).abs()));
-        let point = nearest.unwrap_or_else(|| panic!("no {label} of {letters} near {value}: {:?}", found.points.iter().filter(|p| p.label().is_some()).map(|p| (p.label(), p.value)).collect::<Vec<_>>()));
+        let point = nearest.unwrap_or_else(|| {
+            panic!(
+                "no {label} of {letters} near {value}: {:?}",
+                found
+                    .points
+                    .iter()
+                    .filter(|p| p.label().is_some())
+                    .map(|p| (p.label(), p.value))
+                    .collect::<Vec<_>>()
+            )
+        });
         assert!((point.value - value).abs() < LOCATION, "{label} {letters}: {:e}", point.value - value);
         let (canonical, golden) = canonical(&word, &phases, true);
-        assert!(same_phases(&canonical, &golden, &point.phases, true, PHASES), "{label} {letters}: {:?} {golden:?}", point.phases);
+        assert!(
+            same_phases(&canonical, &golden, &point.phases, true, PHASES),
+            "{label} {letters}: {:?} {golden:?}",
+            point.phases
+        );
         count += 1;
     }
     assert!(count >= 12, "{count} points");

@@ -38,7 +38,10 @@ fn closed_form_of_the_symmetric_orbit() {
     for f10 in [1.0, 1.5, 2.0, 3.0, 4.5] {
         let (orbit, exact) = symmetric(f10);
         assert!((orbit.phases()[0] - exact.drive_phase()).abs() < CLOSED_FORM, "f10 = {f10}");
-        assert_eq!((orbit.is_certified(), orbit.is_stable()), (exact.is_clear(), exact.spectral_radius() < 1.0));
+        assert_eq!(
+            (orbit.is_certified(), orbit.is_stable()),
+            (exact.is_clear(), exact.spectral_radius() < 1.0)
+        );
         for (own, closed) in orbit.multipliers().iter().zip(exact.multipliers()) {
             assert!((own - closed).norm() < 10.0 * CLOSED_FORM, "{own} {closed}");
         }
@@ -126,7 +129,11 @@ fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
             let left = (cycle.monodromy() - Matrix6::identity() * factor).determinant() * speeds;
             let closed = (Matrix6::identity() * (factor * sigma) - cycle.map()).determinant();
             let right = sign * cycle.derivative(Functional::Gap, factor).unwrap().determinant() * closed;
-            assert!((left - right).abs() < TOLERANCE * left.abs().max(1e-3), "{} {factor}: {left} {right}", orbit.word());
+            assert!(
+                (left - right).abs() < TOLERANCE * left.abs().max(1e-3),
+                "{} {factor}: {left} {right}",
+                orbit.word()
+            );
         }
         // And the complex closing is the real one where it is real.
         let real: DMatrix<f64> = cycle.derivative(Functional::Gap, -1.0).unwrap();
@@ -165,7 +172,11 @@ fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
     Matrix6::from_columns(&[0, 1, 2, 3, 4, 5].map(|i| {
         let moved = |by: f64| {
             let mut state = start;
-            if i < 3 { state.x[i] += by } else { state.v[i - 3] += by }
+            if i < 3 {
+                state.x[i] += by
+            } else {
+                state.v[i - 3] += by
+            }
             end(&state)
         };
         (moved(STEP) - moved(-STEP)) / (2.0 * STEP)

@@ -8,8 +8,8 @@ use std::str::FromStr;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_analysis::orbits::{
-    ConstantLoads, Family, Label, LocusStart, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus, orbit_of,
-    search, settle, tree,
+    ConstantLoads, Family, Label, LocusStart, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions,
+    branch, locus, orbit_of, search, settle, tree,
 };
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Name, ParameterSet, find_group};
@@ -30,9 +30,11 @@ impl FromStr for LoadArgument {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let form = || Error::form(text, "body=force in N with a body of box, block, secondary, e.g. block=-0.02");
+        let form =
+            || Error::form(text, "body=force in N with a body of box, block, secondary, e.g. block=-0.02");
         let (body, force) = text.split_once('=').ok_or_else(form)?;
-        let body = ["box", "block", "secondary"].iter().position(|name| *name == body.trim()).ok_or_else(form)?;
+        let body =
+            ["box", "block", "secondary"].iter().position(|name| *name == body.trim()).ok_or_else(form)?;
         let force = force.trim().parse::<f64>().ok().filter(|f| f.is_finite()).ok_or_else(form)?;
         Ok(Self { body, force })
     }
@@ -126,7 +128,13 @@ pub struct Loci {
     #[arg(long, value_name = "LABEL")]
     pub label: Option<String>,
     /// The two parameters and their ranges, horizontal first; the first is that of the special points
-    #[arg(long, visible_alias = "range", required = true, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        visible_alias = "range",
+        required = true,
+        value_name = "NAME=FROM:TO",
+        allow_hyphen_values = true
+    )]
     pub vary: Vec<ParameterRange>,
     /// A constant load in N on box, block or secondary; may be repeated
     #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
@@ -135,7 +143,8 @@ pub struct Loci {
 
 fn span(range: &ParameterRange) -> Result<Span> {
     if range.count.is_some() {
-        let expected = "name=from:to without a count: branches are followed and have no fixed number of values";
+        let expected =
+            "name=from:to without a count: branches are followed and have no fixed number of values";
         return Err(Error::form(range.name.name(), expected));
     }
     Ok(Span::new(range.name, range.ends.0, range.ends.1)?)
@@ -165,7 +174,10 @@ pub fn orbits(set: &ParameterSet, a: &Orbits) -> Result<Study> {
     let value = range.name.value(set);
     if !(range.ends.0..=range.ends.1).contains(&value) {
         let what = format!("{} = {value}", range.name.name());
-        let problem = format!("the branch begins here, so it must lie in the range {} to {}", range.ends.0, range.ends.1);
+        let problem = format!(
+            "the branch begins here, so it must lie in the range {} to {}",
+            range.ends.0, range.ends.1
+        );
         return Err(Error::Refused { what, problem });
     }
     let orbits = a.which.orbits(&family.system(&[value])?)?;
@@ -190,7 +202,10 @@ pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {
 
 pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
     let [first, second] = a.vary[..] else {
-        return Err(Error::form(format!("{} --vary", a.vary.len()), "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9"));
+        return Err(Error::form(
+            format!("{} --vary", a.vary.len()),
+            "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",
+        ));
     };
     let mut loads = ConstantLoads::NONE;
     a.load.iter().for_each(|load| loads.forces[load.body] += load.force);
@@ -224,26 +239,33 @@ fn start(text: &str, along: Name, held: f64) -> Result<LocusStart> {
     let record = record.map_err(|e| wrong(e.to_string()))?;
     let cell = |name: &str| -> Result<&str> {
         let index = header.iter().position(|h| h == name);
-        index.and_then(|i| record.get(i)).ok_or_else(|| wrong(format!("has no column `{name}`: is it special-points.csv?")))
+        index
+            .and_then(|i| record.get(i))
+            .ok_or_else(|| wrong(format!("has no column `{name}`: is it special-points.csv?")))
     };
     if Name::find(cell("parameter")?)? != along {
-        let problem = format!("has points over {}, but the first --vary is of {}", cell("parameter")?, along.name());
+        let problem =
+            format!("has points over {}, but the first --vary is of {}", cell("parameter")?, along.name());
         return Err(wrong(problem));
     }
-    let label = [Label::Fold, Label::BranchPoint, Label::PeriodDoubling, Label::NeimarkSacker, Label::Grazing];
+    let label =
+        [Label::Fold, Label::BranchPoint, Label::PeriodDoubling, Label::NeimarkSacker, Label::Grazing];
     let name = cell("label")?;
     let no_curve = || wrong(format!("row {row} is {name}; curves start from LP, BP, PD, NS and GR"));
     let label = label.into_iter().find(|l| l.name() == name).ok_or_else(no_curve)?;
-    let number = |text: &str| text.parse::<f64>().map_err(|_| wrong(format!("row {row}: `{text}` is no number")));
+    let number =
+        |text: &str| text.parse::<f64>().map_err(|_| wrong(format!("row {row}: `{text}` is no number")));
     let phases = cell("phases")?.split_whitespace().map(number).collect::<Result<Vec<_>>>()?;
     let closing: i8 = if cell("closing")? == "-" { -1 } else { 1 };
     let period: u32 = cell("period")?.parse().map_err(|_| wrong(format!("row {row}: no period")))?;
     let half = if closing < 0 { period } else { 2 * period };
     let text = cell("word")?;
     if label == Label::Grazing && text != cell("longer_word")? {
-        return Err(wrong(format!("row {row} is a touch seen from the word without it; take the row of the branch {}", cell("longer_word")?)));
+        return Err(wrong(format!(
+            "row {row} is a touch seen from the word without it; take the row of the branch {}",
+            cell("longer_word")?
+        )));
     }
     let word = OrbitWord::new(text, closing, half)?;
     Ok(LocusStart { label, word, phases, values: [number(cell("value")?)?, held] })
 }
-
