@@ -4,8 +4,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use vibro_analysis::orbits::{
-    ConstantLoads, Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of,
-    settle, tree,
+    ConstantLoads, Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree,
 };
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};

@@ -226,8 +226,8 @@ def simulate(
     )
 
 
-#: Okabe–Ito colours of box, block and secondary oscillator, as in all pictures of this project.
-COLOURS = {"box": "#0072b2", "block": "#d55e00", "secondary": "#009e73"}
+#: Colours of box, block and secondary oscillator, as in all pictures of this project; grey tells them apart by lightness.
+COLOURS = {"box": "#004696", "block": "#c84b00", "secondary": "#14a073"}
 
 
 def plot(result: Any, period: float, path: PathLike) -> None:

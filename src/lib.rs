@@ -58,10 +58,14 @@ pub mod theory {}
 #[doc = include_str!("../docs/numerics.md")]
 pub mod numerical_method {}
 
-// The Rust block of the README is run with the tests.
+// The Rust blocks of the README and of the recipes are run with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct ReadmeBlocks;
+
+#[cfg(doctest)]
+#[doc = include_str!("../docs/recipes.md")]
+struct RecipeBlocks;
 
 pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};

@@ -2,7 +2,7 @@
 
 use vibro_impact::load::{Body, Interpolation, Load, loads_at, next_sample};
 use vibro_impact::reference::{Reference, Tolerance};
-use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
+use vibro_impact::simulator::{AdvanceOutcome, Event, Loads, Pause};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 /// Round-off of a motion of a few units' size over some tens of sub-steps.
@@ -193,4 +193,42 @@ fn what_is_no_record_is_refused_by_index() {
     assert_eq!(index(&[(0.0, 0.0), (1.0, 0.0), (1.0 + f64::EPSILON, 1e300)]), 1);
     let text = refused(&[(0.0, 1.0), (0.0, 2.0)]).to_string();
     assert!(text.starts_with("sample 1 ") && text.contains("allowed is a time later"), "{text}");
+}
+
+/// The loads of a gap whose middle lies `b` above the block's place, docs/theory.md (97).
+fn off_centre(p: &Parameters, b: f64) -> Loads {
+    let mut loads = Loads::default();
+    (loads.derivatives[1][0], loads.derivatives[2][0]) =
+        (-p.coupling_stiffness * b, p.coupling_stiffness * b);
+    loads
+}
+
+#[test]
+fn closed_form_of_a_block_at_its_place_off_centre() {
+    // Where the coupling spring is relaxed nothing moves, and that is b below the middle of the gap.
+    let p = Parameters { drive_amplitude: 0.0, ..Parameters::default() };
+    let b = 0.25 * p.stop_gap;
+    let start = State { x: [0.0, -b, 0.0], v: [0.0; 3] };
+    let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+    simulator.set_loads(&off_centre(&p, b)).unwrap();
+    simulator.advance_to(50.0 * p.period()).unwrap();
+    let State { x, v } = simulator.state();
+    assert!(x.iter().zip(start.x).chain(v.iter().zip([0.0; 3])).all(|(a, b)| (a - b).abs() < ROUNDING));
+}
+
+#[test]
+fn invariant_mirror_image_of_an_off_centre_gap() {
+    let run = |sign: f64| {
+        let p = Parameters { drive_amplitude: sign * 0.15, ..Parameters::default() };
+        let start = State { x: [0.0, sign * 0.5, 0.0], v: [0.0, sign, 0.0] };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        simulator.set_loads(&off_centre(&p, sign * 0.2)).unwrap();
+        simulator.advance_to(60.0 * p.period()).unwrap();
+        (simulator.state(), simulator.impacts())
+    };
+    let ((above, one), (below, other)) = (run(1.0), run(-1.0));
+    assert_eq!((one.upper, one.lower), (other.lower, other.upper));
+    assert!(one.upper > 20 && one.lower > 20, "{one:?}");
+    assert_eq!(above.x.map(|x| -x), below.x);
+    assert_eq!(above.v.map(|v| -v), below.v);
 }

@@ -52,6 +52,12 @@ impl std::str::FromStr for InitialValueRange {
     }
 }
 
+impl std::fmt::Display for InitialValueRange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}={}:{}", COORDINATES[self.coordinate], self.from, self.to)
+    }
+}
+
 /// One axis of a plane of starts: an initial value at the centres of `count` cells between `from` and `to`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InitialValueAxis {

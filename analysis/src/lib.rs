@@ -67,5 +67,8 @@ pub mod trajectories;
 mod variation;
 
 pub use error::{Error, Result};
-pub use parameter_set::{Name, ParameterSet, find_field, find_group, number, numbers, short, significant};
+pub use parameter_set::{
+    Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, quantity_in, short,
+    significant, typed_unit,
+};
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

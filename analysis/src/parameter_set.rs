@@ -6,7 +6,7 @@ mod units;
 
 pub use caption::short;
 pub use name::{Name, find_field, find_group, significant};
-pub use units::{number, numbers};
+pub use units::{Quantity, Unit, number, numbers, quantity_in, typed_unit};
 
 use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,9 @@ pub struct ParameterSet {
     given: Given,
     parameters: Parameters,
     groups: Groups,
+    /// For labels.
+    #[serde(default, skip_serializing_if = "units::Units::is_empty")]
+    units: units::Units,
 }
 
 /// The set that values come from which are not set.
@@ -97,6 +100,7 @@ impl ParameterSet {
             holds_mu13: false,
             base: Base::Basic,
             given: Given::default(),
+            units: units::Units::default(),
         }
     }
 
@@ -109,7 +113,7 @@ impl ParameterSet {
         let groups = Groups { beta2: 0.3, alpha23: 3.0, mu13: 1.0, sigma30: 0.5, ..Groups::basic() };
         let base = Base::Strong;
         let parameters = groups.to_parameters(vibro_impact::Scales::default())?;
-        Ok(Self { parameters, groups, holds_beta2: true, holds_mu13: true, base, given: Given::default() })
+        Ok(Self { parameters, groups, holds_beta2: true, holds_mu13: true, base, ..Self::basic() })
     }
 
     /// The dimensionless groups.
@@ -183,6 +187,25 @@ impl ParameterSet {
         self.changed(&[(name.into(), value)])
     }
 
+    /// The groups with one parameter of either form changed. Where that is a group, the physical parameters are not
+    /// computed: theories in groups alone need no more, and over a plane this is a fifth of their time.
+    ///
+    /// # Errors
+    /// The range that the value violates.
+    pub fn groups_with(&self, name: impl Into<Name>, value: f64) -> vibro_impact::Result<Groups> {
+        match name.into() {
+            Name::Group(group) => {
+                group.check(value)?;
+                let mut groups = self.groups;
+                (group.set)(&mut groups, value);
+                let groups = self.tie(groups, group.name);
+                check_together(&groups)?;
+                Ok(groups)
+            }
+            name => Ok(self.with(name, value)?.groups),
+        }
+    }
+
     /// The physical parameters with these groups, in the scales and with the drive phase of this parameter set.
     ///
     /// # Errors
@@ -203,9 +226,20 @@ impl ParameterSet {
             let form = || Error::Form { text: text.into(), expected: "name=value, e.g. kappa=0.75" };
             let (name, value) = text.split_once('=').ok_or_else(form)?;
             let name = Name::find(name.trim())?;
-            Ok((name, number(name, value)?))
+            Ok(((name, number(name, value)?), typed_unit(name, value)))
         };
-        self.assign(&assignments.iter().map(parse).collect::<Result<Vec<_>>>()?)
+        let parsed = assignments.iter().map(parse).collect::<Result<Vec<_>>>()?;
+        self.assign(&parsed.iter().map(|p| p.0).collect::<Vec<_>>())?;
+        parsed.iter().for_each(|((name, _), unit)| self.show_in(*name, *unit));
+        Ok(())
+    }
+
+    /// From now on labels and captions show a physical parameter in this unit, in which it was written; `None`, and a unit of
+    /// another dimension, change nothing.
+    pub fn show_in(&mut self, name: Name, unit: Option<&'static Unit>) {
+        if let (Name::Si(field), Some(unit)) = (name, unit) {
+            self.units.set(field.name, unit.plain());
+        }
     }
 
     /// Applies values in order. The groups are turned into SI only where SI follows and at the end, so that the order of

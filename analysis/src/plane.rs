@@ -4,7 +4,7 @@ use super::error::{Error, Result};
 use super::parameter_set::{Name, ParameterSet};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::Parameters;
+use vibro_impact::parameters::{Groups, Parameters};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
 use vibro_impact::steady::multiple_scales::MultipleScales;
@@ -158,21 +158,25 @@ impl ParameterAxis {
     }
 }
 
-/// The class of one parameter set.
-pub fn classify(set: &ParameterSet, method: Method) -> SteadyStateClass {
-    let groups = set.groups();
-    let class = match method {
-        Method::MultipleScales => MultipleScales::new(groups).map(|m| {
-            let roots = m.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
-            SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
-        }),
-        Method::StrongCoupling => StrongCoupling::new(groups).and_then(|s| s.solutions()).map(|roots| {
-            let roots = roots.into_iter().flat_map(|r| [r.upper, r.lower]);
-            SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all())))
-        }),
-        Method::ExactOrbit => exact(set.parameters()).map(|found| found.0),
-    };
-    class.unwrap_or(SteadyStateClass::Undefined)
+/// The class of a parameter set with one parameter changed. A value that makes no machine with the others is a point without an
+/// answer.
+fn classify_with(set: &ParameterSet, name: Name, value: f64, method: Method) -> SteadyStateClass {
+    match method {
+        Method::MultipleScales => set.groups_with(name, value).and_then(|g| by_multiple_scales(&g)),
+        Method::StrongCoupling => set.groups_with(name, value).and_then(|g| by_strong_coupling(&g)),
+        Method::ExactOrbit => set.with(name, value).and_then(|set| Ok(exact(set.parameters())?.0)),
+    }
+    .unwrap_or(SteadyStateClass::Undefined)
+}
+
+fn by_multiple_scales(groups: &Groups) -> vibro_impact::Result<SteadyStateClass> {
+    let roots = MultipleScales::new(groups)?.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
+    Ok(SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all()))))
+}
+
+fn by_strong_coupling(groups: &Groups) -> vibro_impact::Result<SteadyStateClass> {
+    let roots = StrongCoupling::new(groups)?.solutions()?.into_iter().flat_map(|r| [r.upper, r.lower]);
+    Ok(SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all()))))
 }
 
 /// The class by the exact orbit, and the stable orbit itself.
@@ -220,10 +224,11 @@ pub fn plane(
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()
         .map(|j| {
-            // A value that makes no machine with the others is a point without an answer.
             let row = set.with(y.name, y.value(j));
-            let at = |i| row.as_ref().ok()?.with(x.name, x.value(i)).ok();
-            let class = |i| at(i).map_or(SteadyStateClass::Undefined, |set| classify(&set, method));
+            let class = |i| {
+                row.as_ref()
+                    .map_or(SteadyStateClass::Undefined, |row| classify_with(row, x.name, x.value(i), method))
+            };
             let classes = (0..x.count).map(class).collect();
             done();
             classes

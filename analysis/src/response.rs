@@ -1,11 +1,13 @@
 //! Response curves: steady states along one parameter, with their stability (figures 10, 11).
 
 use super::error::Result;
+use super::maxima::Displacement;
 use super::parameter_set::{Name, ParameterSet};
 use super::plane::Method;
 use vibro_impact::parameters::Groups;
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Branch, Special};
+use vibro_impact::steady::multiple_scales::Manifold;
 
 /// One point of a response curve. Amplitudes in units of L.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +22,9 @@ pub struct ResponsePoint {
     pub b: f64,
     /// Amplitudes of X1, X2, X3.
     pub a: [f64; 3],
+    /// Amplitude of W: 1 where the block keeps clear of the stops between its impacts, more where a theory passes them; by
+    /// strong coupling |W| at the impact.
+    pub w: f64,
     /// Whether the curve from here to the next point is stable and admissible.
     pub stable: bool,
     /// Whether the block keeps clear of the stops between its impacts.
@@ -28,6 +33,19 @@ pub struct ResponsePoint {
     pub right: bool,
     /// What is special here.
     pub special: Option<Special>,
+}
+
+impl ResponsePoint {
+    /// The amplitude of a coordinate; `None` for sums, whose phases a curve does not hold.
+    pub fn amplitude(&self, of: Displacement) -> Option<f64> {
+        match of {
+            Displacement::X1 => Some(self.a[0]),
+            Displacement::X2 => Some(self.a[1]),
+            Displacement::X3 => Some(self.a[2]),
+            Displacement::W => Some(self.w),
+            Displacement::Sum(_) => None,
+        }
+    }
 }
 
 /// Connected curves of one theory.
@@ -61,14 +79,18 @@ pub fn response(
         Method::MultipleScales => {
             let branch = continuation::multiple_scales(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::multiple_scales::FixedPoint| {
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, at(value))
+                let g = at(value);
+                // A manifold is refused for no κ of a solution.
+                let w = Manifold::new(g.kappa).map_or(f64::NAN, |m| m.w_max(p.c));
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3], w), p.admissibility.geometric, g)
             };
             collect(&branch, point)
         }
         Method::StrongCoupling => {
             let branch = continuation::strong_coupling(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::strong_coupling::StrongPoint| {
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3]), p.admissibility.geometric, at(value))
+                let w = p.motion_at_drive(p.drive_phase).w.abs();
+                ((p.c, p.b, [p.a1(), p.a2(), p.a3], w), p.admissibility.geometric, at(value))
             };
             collect(&branch, point)
         }
@@ -80,7 +102,8 @@ pub fn response(
                 let gap = o.parameters().stop_gap;
                 let a = o.amplitudes().map(|a| a / gap);
                 let b = o.amplitude_of([1.0, g.epsilon, 0.0]) / gap;
-                ((a[1] / (1.0 - g.epsilon + g.epsilon * g.epsilon), b, a), o.is_clear(), g)
+                let w = o.amplitude_of(Displacement::W.weights()) / gap;
+                ((a[1] / (1.0 - g.epsilon + g.epsilon * g.epsilon), b, a, w), o.is_clear(), g)
             };
             collect(&branch, point)
         }
@@ -90,10 +113,10 @@ pub fn response(
 
 fn collect<P>(
     branch: &Branch<P>,
-    point: impl Fn(f64, &P) -> ((f64, f64, [f64; 3]), bool, Groups),
+    point: impl Fn(f64, &P) -> ((f64, f64, [f64; 3], f64), bool, Groups),
 ) -> Vec<Vec<ResponsePoint>> {
     let convert = |p: &continuation::BranchPoint<P>| {
-        let ((c, b, a), clear, g) = point(p.value, &p.solution);
+        let ((c, b, a, w), clear, g) = point(p.value, &p.solution);
         let rho = std::f64::consts::FRAC_2_PI * (1.0 - g.kappa) / (1.0 + g.kappa);
         let right = c * (1.0 + rho * rho) >= 1.0;
         ResponsePoint {
@@ -102,6 +125,7 @@ fn collect<P>(
             c,
             b,
             a,
+            w,
             stable: p.stable,
             clear,
             right,

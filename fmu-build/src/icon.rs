@@ -43,7 +43,7 @@ pub(crate) fn spring(from: f64, to: f64, y: f64, height: f64) -> Vec<Place> {
     let end = (to - from) / 8.0;
     let (first, last) = (from + end, to - end);
     let tooth = |i: u32| {
-        let side = if i % 2 == 0 { height } else { -height };
+        let side = if i.is_multiple_of(2) { height } else { -height };
         (first + (last - first) * f64::from(2 * i + 1) / f64::from(2 * TEETH), y + side)
     };
     let mut points = vec![(from, y), (first, y)];

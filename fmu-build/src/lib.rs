@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! table (vibro_fmi::fmi2) ─▶ describe ─▶ check ─┐
-//!                       page, icon, sketch ────────┼─▶ package ─▶ archive ─▶ .fmu
+//!             page (recipes), icon, sketch ────────┼─▶ package ─▶ archive ─▶ .fmu
 //!                    platforms (compile), licences ─┘                          │
 //!                 table ◀─ run (host: the packaged binary; native library) ◀──┘
 //!               picture ◀──┘
@@ -20,6 +20,7 @@ pub mod package;
 pub mod page;
 pub mod picture;
 pub mod platforms;
+pub mod recipes;
 pub mod run;
 pub mod schema;
 pub mod sketch;

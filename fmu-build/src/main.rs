@@ -136,7 +136,7 @@ fn refresh() -> fmu_build::Result<()> {
     let folder = "modelDescription/documentation";
     files.insert(format!("{folder}/run.svg"), canvas::svg(&picture(&run))?.into_bytes());
     files.insert(format!("{folder}/run.png"), canvas::png(&picture(&run))?);
-    let response = studies::force(&ParameterSet::basic(), (0.0, 4.0), &[0.4], &[-0.4])?;
+    let response = studies::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None)?;
     if let Some(figure) = &response.figure {
         files.insert(format!("{folder}/response.svg"), canvas::svg(figure)?.into_bytes());
     }

@@ -1,6 +1,7 @@
 //! `documentation/index.html`: one self-contained page, its variables from the table.
 
 use crate::describe::{causality, variability};
+use crate::recipes::recipes;
 use std::fmt::Write;
 use vibro::html::escape;
 use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
@@ -20,14 +21,18 @@ pub fn page() -> String {
         .replace("{{description}}", &escape(MODEL_DESCRIPTION))
         .replace("{{variables}}", &variables())
         .replace("{{enumerations}}", &enumerations())
-        .replace("{{sketch}}", &inline(SKETCH, "Sketch of the machine with its symbols"))
-        .replace("{{picture}}", &inline(RUN, "Time histories and phase portraits of a run"))
-        .replace("{{response}}", &inline(RESPONSE, "Amplitudes over the drive amplitude"))
+        .replace("{{recipes}}", &recipes())
+        .replace("{{sketch}}", &inline(SKETCH, "sketch", "Sketch of the machine with its symbols"))
+        .replace("{{picture}}", &inline(RUN, "run", "Time histories and phase portraits of a run"))
+        .replace("{{response}}", &inline(RESPONSE, "response", "Amplitudes over the drive amplitude"))
 }
 
-/// An SVG file as an element with a name for those who cannot see it.
-fn inline(file: &str, name: &str) -> String {
+/// An SVG file as an element with a name for those who cannot see it. What it cuts its curves with is named after the stem:
+/// names are unique in a page.
+fn inline(file: &str, stem: &str, name: &str) -> String {
     let picture = file.find("<svg").map_or("", |start| &file[start..]);
+    let picture = picture.replace("id=\"clip-", &format!("id=\"{stem}-clip-"));
+    let picture = picture.replace("url(#clip-", &format!("url(#{stem}-clip-"));
     picture.replacen("<svg", &format!("<svg role=\"img\" aria-label=\"{name}\""), 1)
 }
 

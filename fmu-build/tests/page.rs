@@ -43,6 +43,21 @@ fn every_variable_stands_under_its_heading() {
     }
 }
 
+#[test]
+fn the_recipes_are_those_of_the_documentation() {
+    let page = page();
+    let recipes = include_str!("../../docs/recipes.md");
+    let titles: Vec<&str> = recipes.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+    assert_eq!(titles.len(), 4);
+    for title in titles {
+        assert!(page.contains(&format!("<h3>{title}</h3>")), "{title}");
+    }
+    assert_eq!(page.matches("language-python").count(), recipes.matches("```python").count());
+    for absent in ["vibro run --config", "use vibro_impact", "target/VibroImpact3DOF.fmu"] {
+        assert!(!page.contains(absent), "{absent}");
+    }
+}
+
 /// Element by element: every tag closed, no address to load anything from, no script, every inner link leading somewhere.
 #[test]
 fn the_page_needs_nothing_from_outside() {
@@ -71,7 +86,10 @@ fn the_page_needs_nothing_from_outside() {
             }
         }
     }
-    assert!(!page.contains("url(") && !page.contains("@import"));
+    // What is named by an address is in the page.
+    let addresses = page.split("url(").skip(1).map(|rest| rest.split(')').next().unwrap_or_default());
+    links.extend(addresses.map(|a| a.strip_prefix('#').expect("within the page").to_owned()));
+    assert!(!page.contains("@import"));
     assert!(links.is_subset(&ids), "{:?}", links.difference(&ids));
     assert_eq!(pictures, 3, "sketch, run, response");
     assert!(formulas > 10, "{formulas}");
@@ -124,8 +142,20 @@ addEventListener("load", () => {
   for (const formula of document.querySelectorAll("math")) {
     if (!shown(formula)) errors.push("formula not shown: " + formula.textContent);
   }
-  const fraction = document.querySelector("mfrac").getBoundingClientRect();
-  if (fraction.height < 25) errors.push("MathML is not laid out");
+  // Text on its background by WCAG 2.2, 1.4.3.
+  const light = (c) => { const [r, g, b] = c.match(/[\d.]+/g).map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92
+    : ((v + 0.055) / 1.055) ** 2.4); return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05; };
+  const ground = (e) => { const c = getComputedStyle(e).backgroundColor;
+    return c !== "rgba(0, 0, 0, 0)" ? c : e.parentElement ? ground(e.parentElement) : "rgb(255, 255, 255)"; };
+  for (const e of document.querySelectorAll("p, li, a, th, td, pre, code, figcaption, h1, h2, h3, dt, dd, math")) {
+    const [a, b] = [light(getComputedStyle(e).color), light(ground(e))];
+    if (Math.max(a, b) / Math.min(a, b) < 4.5) errors.push("unreadable: " + e.textContent.slice(0, 40));
+  }
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  document.documentElement.setAttribute("data-scheme", dark && light(ground(document.body)) < 0.3 ? "dark" : "light");
+  const fraction = document.querySelector("mfrac");
+  const high = fraction.getBoundingClientRect().height / parseFloat(getComputedStyle(fraction).fontSize);
+  if (high < 1.5) errors.push("MathML is not laid out");
   if (document.documentElement.scrollWidth > innerWidth) errors.push("the page is wider than the window");
   for (const r of performance.getEntriesByType("resource")) errors.push("loaded " + r.name);
   document.documentElement.setAttribute("data-found", "found:" + errors.join("; ") + ":end");
@@ -137,12 +167,15 @@ addEventListener("load", () => {
 fn chromium_shows_the_page_without_errors_or_missing_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let (file, profile) = (folder.path().join("index.html"), folder.path().join("profile"));
-    for width in [1280, 700] {
+    // Headless Chromium's narrowest window is of 500 pixels.
+    for (width, scheme) in [(1280, "light"), (1280, "dark"), (700, "light"), (500, "light"), (500, "dark")] {
         std::fs::write(&file, page().replacen("</title>", &format!("</title>{PROBE}"), 1)).unwrap();
         let size = format!("--window-size={width},900");
-        let (dom, log) = browse(&[&size, "--dump-dom"], &file, &profile);
+        let preferred = format!("--blink-settings=preferredColorScheme={}", u8::from(scheme == "light"));
+        let (dom, log) = browse(&[&size, &preferred, "--dump-dom"], &file, &profile);
         let found = dom.split("data-found=\"found:").nth(1).and_then(|rest| rest.split(":end\"").next());
-        assert_eq!(found, Some(""), "at {width} pixels");
+        assert_eq!(found, Some(""), "at {width} pixels, {scheme}");
+        assert!(dom.contains(&format!("data-scheme=\"{scheme}\"")), "{scheme}");
         let complaints: Vec<&str> = log.lines().filter(|line| line.contains(":CONSOLE")).collect();
         assert!(complaints.is_empty(), "{complaints:?}");
     }

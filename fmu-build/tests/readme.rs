@@ -38,23 +38,10 @@ fn the_targets_named_are_those_of_the_platforms() {
     assert_eq!(named, needed.filter(|target| *target != "x86_64-unknown-linux-gnu").collect());
 }
 
-/// Fenced blocks as (language, text).
-fn blocks(markdown: &str) -> Vec<(String, String)> {
-    let mut found = Vec::new();
-    let mut lines = markdown.lines();
-    while let Some(line) = lines.next() {
-        if let Some(language) = line.strip_prefix("```") {
-            let text: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
-            found.push((language.to_owned(), text.join("\n")));
-        }
-    }
-    found
-}
-
 #[test]
 fn every_code_block_works() {
     let readme = fs::read_to_string(common::python::root().join("README.md")).expect("README.md can be read");
-    let blocks = blocks(&readme);
+    let blocks = common::blocks(&readme);
     assert!(blocks.iter().any(|(language, _)| language == "python"), "the README shows the use in fmpy");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
     fs::create_dir_all(folder.join("target")).expect("target can be written");

@@ -178,8 +178,8 @@ impl Group {
 /// # Errors
 /// [`Error::OutOfRange`] naming `sigma1` or `sigma30`.
 pub fn check_together(g: &Groups) -> Result<()> {
-    let frequency = (SIGMA1, g.sigma1, 1.0 + g.epsilon * g.sigma1 > 0.0);
-    let stiffness = (SIGMA30, g.sigma30, 1.0 + g.epsilon * g.sigma30 >= 0.0);
+    let frequency = (&SIGMA1, g.sigma1, 1.0 + g.epsilon * g.sigma1 > 0.0);
+    let stiffness = (&SIGMA30, g.sigma30, 1.0 + g.epsilon * g.sigma30 >= 0.0);
     for (group, value, holds) in [frequency, stiffness] {
         if !holds {
             return Err(Error::OutOfRange { name: group.name, value, allowed: group.range.allowed });

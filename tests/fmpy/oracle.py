@@ -6,12 +6,13 @@ from scipy.integrate import solve_ivp
 TOLERANCE = 1e-12  # the tightest DOP853 holds in double precision
 
 
-def simulate(p, state, times, f=(0.0, 0.0, 0.0)):
+def simulate(p, state, times, f=(0.0, 0.0, 0.0), offset=0.0):
     """States [x1 x2 x3 v1 v2 v3] at the given times, and the instants of impact.
 
     p      start values by variable name
     state  state at times[0]
     f      loads on the three bodies, constant or a function of time
+    offset the middle of the gap above the place where the coupling spring leaves the block
     """
     loads = f if callable(f) else lambda t: f
     m1, m2, m3 = p["box.m"], p["block.m"], p["secondary.m"]
@@ -28,10 +29,10 @@ def simulate(p, state, times, f=(0.0, 0.0, 0.0)):
         return [v1, v2, v3, a1, a2, a3]
 
     def upper(t, y):
-        return y[1] - y[0] - gap
+        return y[1] - y[0] - (offset + gap)
 
     def lower(t, y):
-        return y[0] - y[1] - gap
+        return y[0] - y[1] - (gap - offset)
 
     for event in (upper, lower):
         event.terminal, event.direction = True, 1.0

@@ -110,6 +110,29 @@ def test_input_derivatives_equal_dop853(new, description, period):
     assert np.abs(held - expected).max() > 0.1, "the loads must matter"
 
 
+def test_loads_of_an_off_centre_gap_equal_dop853_with_shifted_stops(new, description, period):
+    """docs/theory.md (97): the pair of loads against a model whose stops lie at unequal distances."""
+    b = 0.2
+    parameters = {v.name: float(v.start) for v in description.modelVariables
+                  if v.causality == "parameter" and v.type == "Real"}
+    start = np.array((0.1, -0.3, 0.2, -0.4, 0.9, 0.3))
+    middle = np.array((0.0, b, 0.0, 0.0, 0.0, 0.0))
+    instance = new()
+    for name, value in zip(STATES, start - middle):
+        instance.set(name, value)
+    instance.initialize()
+    instance.set("block.f", -parameters["coupling.k"] * b)
+    instance.set("secondary.f", parameters["coupling.k"] * b)
+    times = np.linspace(0.0, 10.0 * period, 101)
+    got = [instance.get(*STATES)]
+    for begin, end in zip(times, times[1:]):
+        instance.step(begin, end - begin)
+        got.append(instance.get(*STATES))
+    expected, impacts = oracle.simulate(parameters, list(start), times, offset=b)
+    assert len(impacts) >= 8
+    np.testing.assert_allclose(np.array(got) + middle, expected, rtol=0, atol=ORACLE)
+
+
 def test_energy_balances(new, period):
     """mechanical = initial + input - damped - impact, at every communication point."""
     names = [f"energy.{name}" for name in ("mechanical", "input", "damped", "impact")]

@@ -1,4 +1,4 @@
-"""Periodic orbits with any impact word in any number of digits, by the equations of section 13 of docs/theory.md."""
+"""Periodic orbits with any impact word in any number of digits, by the equations of section 14 of docs/theory.md."""
 
 from typing import Any, Callable, Dict, List, Tuple
 
@@ -26,12 +26,12 @@ class Word:
         k["A"] = eq(70)("A", {**NUMERIC, **k, "matrix": mpmath.matrix})
         k["H"] = evaluated(71, "H", k)
         k["H_w"] = evaluated(71, "H_w", k)
-        k.update({name: eq(98)(name, {**NUMERIC, **k}) for name in ("x_1s", "x_3s")})
-        k["x_2s"] = eq(98)("x_2s", {**NUMERIC, **k})
-        k["w_s"] = eq(99)("w_s", {**NUMERIC, **k})
+        k.update({name: eq(99)(name, {**NUMERIC, **k}) for name in ("x_1s", "x_3s")})
+        k["x_2s"] = eq(99)("x_2s", {**NUMERIC, **k})
+        k["w_s"] = eq(100)("w_s", {**NUMERIC, **k})
         self.k = k
         share = (1 + k["kappa"]) / (1 + k["varepsilon"])
-        # g_w of (100) is J's rank-one part: J = I - share g_w n_v^T.
+        # g_w of (101) is J's rank-one part: J = I - share g_w n_v^T.
         self.kick = -share * mpmath.matrix([0, 0, 0, -k["varepsilon"], 1, 0])
         self.J = mpmath.eye(6)
         for row in (3, 4):
@@ -50,12 +50,12 @@ class Word:
         return self.stops[i] if i < len(self.stops) else self.sigma * self.stops[0]
 
     def forced(self, phase: Any) -> List[Any]:
-        """w_p of (99) and its first two derivatives."""
+        """w_p of (100) and its first two derivatives."""
         turned = self.k["H_w"] * mpmath.expjpi(phase / mpmath.pi)
         return [mpmath.im(turned) + self.k["w_s"], mpmath.re(turned), -mpmath.im(turned)]
 
     def particular(self, phase: Any) -> Any:
-        """p of (97)."""
+        """p of (98)."""
         turned = self.k["H"] * mpmath.expjpi(phase / mpmath.pi)
         k = self.k
         return mpmath.matrix([mpmath.im(turned) + k["x_1s"], k["x_2s"], k["x_3s"], mpmath.re(turned), 0, 0])
@@ -64,7 +64,7 @@ class Word:
         return list(phases[1:]) + [phases[0] + self.span]
 
     def law(self, z: Any, phase: Any) -> Any:
-        """(100)."""
+        """(101)."""
         return self.J * z + self.kick * self.forced(phase)[1]
 
     def pass_once(self, phases: Phases, z: Any) -> Tuple[Any, List[Any], List[Any]]:
@@ -76,14 +76,14 @@ class Word:
         return z, before, after
 
     def map(self, phases: Phases) -> Any:
-        """M of (101)."""
+        """M of (102)."""
         M = mpmath.eye(6)
         for start, end in zip(phases, self.arrivals(phases)):
             M = self.J * self.flight(end - start) * M
         return M
 
     def start(self, phases: Phases) -> Any:
-        """z_1 of (102)."""
+        """z_1 of (103)."""
         r, _, _ = self.pass_once(phases, mpmath.zeros(6, 1))
         return mpmath.lu_solve(self.sigma * mpmath.eye(6) - self.map(phases), r)
 
@@ -97,7 +97,7 @@ class Word:
         return [z[4] - z[3] + self.forced(end)[1] for z, end in zip(before, self.arrivals(phases))]
 
     def delays(self, phases: Phases) -> List[Any]:
-        """q of (103) at the end of each flight."""
+        """q of (104) at the end of each flight."""
         found = []
         _, before, after = self.pass_once(phases, self.start(phases))
         A = self.k["A"]
@@ -108,7 +108,7 @@ class Word:
         return found
 
     def derivative(self, phases: Phases, c: Any = 1) -> Any:
-        """(104)."""
+        """(105)."""
         n = len(phases)
         spans = [end - start for start, end in zip(phases, self.arrivals(phases))]
         E = [self.flight(span) for span in spans]
@@ -134,11 +134,11 @@ class Word:
             V[i, (i + 1) % n] = rate * (c if i == n - 1 else 1)
         inverse = (c * self.sigma * mpmath.eye(6) - M) ** -1
         names = {"W": W, "P": P, "Q": Q, "V": V, "M": M, "c": c, "sigma": self.sigma, "I": mpmath.eye(6)}
-        assert "".join(eq(104).relations[0].right_tokens) == r"W(c\sigmaI-M)^{-1}Q+P+V"
+        assert "".join(eq(105).relations[0].right_tokens) == r"W(c\sigmaI-M)^{-1}Q+P+V"
         return names["W"] * inverse * names["Q"] + P + V
 
     def monodromy(self, phases: Phases) -> Any:
-        """(105) with (78)."""
+        """(106) with (78)."""
         D = mpmath.eye(6)
         normal = mpmath.matrix([[-1, 1, 0, 0, 0, 0]])
         ends = zip(phases, self.arrivals(phases), self.delays(phases), self.rates(phases))
@@ -147,7 +147,7 @@ class Word:
         return self.sigma * D
 
     def solve(self, guess: List[float]) -> Phases:
-        """Newton's method with (104)."""
+        """Newton's method with (105)."""
         phases = [mpmath.mpf(x) for x in guess]
         for _ in range(30):
             step = mpmath.lu_solve(self.derivative(phases), -mpmath.matrix(self.residual(phases)))

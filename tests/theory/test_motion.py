@@ -41,6 +41,21 @@ def test_eq_1_2_3_numbers_of_one_configuration() -> None:
     assert eq(1)("V", env) == sympy.Rational(13, 2) and eq(2)("R", {**env, "dot_x_3": 2}) == 38
 
 
+def test_eq_97_loads_of_an_off_centre_gap() -> None:
+    """(3) in the coordinate of the coupling spring, without loads, is (3) under the loads of (97) in that of the gap's middle."""
+    env = in_time(["x_1", "bar_x_2", "x_3"])
+    offset = eq(97)("x_2", env)
+    no_loads = {"f_1": 0, "f_2": 0, "f_3": 0}
+    spring = {**env, "x_2": env["bar_x_2"], "dot_x_2": env["dot_bar_x_2"], "ddot_x_2": env["ddot_bar_x_2"], **no_loads}
+    middle = {**env, "x_2": offset, "dot_x_2": offset.diff(t), "ddot_x_2": offset.diff(t, 2), "f_1": 0}
+    middle.update({name: eq(97)(name, env) for name in ("f_2", "f_3")})
+    for relation in eq(3).relations:
+        assert zero(relation.left(spring) - relation.right(spring) - relation.left(middle) + relation.right(middle))
+    # The stops: w = s L in the middle's coordinate where the block touches at b + s L in the spring's.
+    stop = sympy.solve(env["bar_x_2"] - env["x_1"] - sym("b") - sym("s") * sym("L"), env["bar_x_2"])[0]
+    assert zero((offset - env["x_1"]).subs(env["bar_x_2"], stop) - sym("s") * sym("L"))
+
+
 def accelerations() -> Dict[str, Any]:
     """(6) with its own names put in."""
     return eq(6).values()

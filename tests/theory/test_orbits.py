@@ -1,4 +1,4 @@
-"""Section 13: periodic orbits with any impact word."""
+"""Section 14: periodic orbits with any impact word."""
 
 from functools import lru_cache
 from typing import Any, List, Tuple
@@ -35,8 +35,8 @@ def two() -> Tuple[Word, Phases]:
         return word, word.solve([5.5])
 
 
-def test_eq_97_98_99_motion_without_impacts() -> None:
-    """(97): p solves the equations of motion under the drive and under loads, with (98) and (99)."""
+def test_eq_98_99_100_motion_without_impacts() -> None:
+    """(98): p solves the equations of motion under the drive and under loads, with (99) and (100)."""
     with mpmath.workdps(DIGITS):
         word = Word(basic(F_10="0.02"), [1], 1, 2, (0.03, -0.01, 0.004))
         k = word.k
@@ -49,15 +49,15 @@ def test_eq_97_98_99_motion_without_impacts() -> None:
             second = [-(k["L"] * k["omega_1"] ** 2) * (y[0] - k["x_1s"]), 0, 0]
             assert max(abs(a - b) for a, b in zip(found, second)) < TIGHT
             assert abs(word.forced(theta)[0] - (y[1] - y[0])) < TIGHT
-        assert [r.key for r in eq(97).relations] == ["yp", "p", "zp"]
+        assert [r.key for r in eq(98).relations] == ["yp", "p", "zp"]
         # A gap off its centre by δ: the pair of loads moves the block by -δ against the stops.
         delta = mpmath.mpf("0.02")
         pair = Word(basic(), [1], 1, 2, (0, -k["k_23"] * delta, k["k_23"] * delta))
         assert abs(pair.k["w_s"] + delta / k["L"]) < TIGHT
 
 
-def test_eq_100_101_102_orbit_returns_and_meets_the_impact_law() -> None:
-    """(100) to (102): the phases at which the residual is zero are those of the motion by the equations of motion alone."""
+def test_eq_101_102_103_orbit_returns_and_meets_the_impact_law() -> None:
+    """(101) to (103): the phases at which the residual is zero are those of the motion by the equations of motion alone."""
     with mpmath.workdps(DIGITS):
         for (word, phases), half in ((three(), 2), (two(), 1)):
             start = word.si(phases)
@@ -67,11 +67,11 @@ def test_eq_100_101_102_orbit_returns_and_meets_the_impact_law() -> None:
             assert max([abs(a[0] - b) for a, b in zip(found.impacts, times)] + [0]) < mpmath.mpf(10) ** -16
             end = run(word.k, start, half * mpmath.pi / word.k["omega_1"] + mpmath.mpf("0.1")).impacts[-1][2]
             assert max(abs(a - word.sigma * b) for a, b in zip(end[:6], start)) < mpmath.mpf(10) ** -16
-        assert "".join(tokens_of(eq(102).tex)).count("=") == 4
+        assert "".join(tokens_of(eq(103).tex)).count("=") == 4
 
 
-def test_eq_101_the_map_at_fixed_phases_contracts() -> None:
-    """M of (101) shortens states in the norm of the energy, though the orbit is unstable."""
+def test_eq_102_the_map_at_fixed_phases_contracts() -> None:
+    """M of (102) shortens states in the norm of the energy, though the orbit is unstable."""
     with mpmath.workdps(DIGITS):
         word, phases = three()
         k = word.k
@@ -91,8 +91,8 @@ def test_eq_101_the_map_at_fixed_phases_contracts() -> None:
             assert max(abs(x) for x in mpmath.eig(M, left=False, right=False)) < 1
 
 
-def test_eq_103_104_derivatives_by_differences() -> None:
-    """(103), (104): the derivative of the residual against central differences, away from an orbit too."""
+def test_eq_104_105_derivatives_by_differences() -> None:
+    """(104), (105): the derivative of the residual against central differences, away from an orbit too."""
     with mpmath.workdps(DIGITS):
         word, phases = three()
         for at in (phases, [p + d for p, d in zip(phases, (0.1, -0.05, 0.2))]):
@@ -101,8 +101,8 @@ def test_eq_103_104_derivatives_by_differences() -> None:
             assert mpmath.norm(found - word.derivative(at)) < DIFFERENCE * (1 + mpmath.norm(found))
 
 
-def test_eq_105_multipliers_by_differences_of_the_motion() -> None:
-    """(105) against differences of the motion over a period, from mid-flight."""
+def test_eq_106_multipliers_by_differences_of_the_motion() -> None:
+    """(106) against differences of the motion over a period, from mid-flight."""
     with mpmath.workdps(DIGITS):
         word, phases = three()
         k = word.k
@@ -121,8 +121,8 @@ def test_eq_105_multipliers_by_differences_of_the_motion() -> None:
         assert mpmath.norm(found - expected) < mpmath.mpf(10) ** -11 * (1 + mpmath.norm(expected))
 
 
-def test_eq_106_107_determinants() -> None:
-    """(106) for both words and both signs, and the zeros of (107) where a multiplier is 1 or -1."""
+def test_eq_107_108_determinants() -> None:
+    """(107) for both words and both signs, and the zeros of (108) where a multiplier is 1 or -1."""
     with mpmath.workdps(DIGITS):
         for word, phases in (three(), two()):
             rates, n = word.rates(phases), len(phases)
@@ -134,7 +134,7 @@ def test_eq_106_107_determinants() -> None:
                 closed = mpmath.det(c * word.sigma * mpmath.eye(6) - word.map(phases))
                 right = c * (-1) ** (n - 1) * mpmath.det(word.derivative(phases, c)) * closed
                 assert abs(left - right) < TIGHT * (1 + abs(left))
-        # The symmetry of the default set breaks where t_PD of (107) is zero.
+        # The symmetry of the default set breaks where t_PD of (108) is zero.
         def breaking(force: Any) -> Any:
             word = Word(basic(F_10=force), [1], -1, 1)
             return mpmath.det(word.derivative(word.solve([5.5]), -1))
@@ -144,11 +144,11 @@ def test_eq_106_107_determinants() -> None:
         multipliers = mpmath.eig(word.monodromy(word.solve([5.5])), left=False, right=False)
         assert min(abs(m + 1) for m in multipliers) < mpmath.mpf(10) ** -15
         assert abs(force - mpmath.mpf("0.2039588865238")) < mpmath.mpf(10) ** -13
-        assert [r.key for r in eq(107).relations] == ["t_LP", "t_PD"]
+        assert [r.key for r in eq(108).relations] == ["t_LP", "t_PD"]
 
 
-def test_eq_108_a_touch_belongs_to_both_words() -> None:
-    """At a zero of (108) the orbit without the touching impact is the same motion, and touches the stop."""
+def test_eq_109_a_touch_belongs_to_both_words() -> None:
+    """At a zero of (109) the orbit without the touching impact is the same motion, and touches the stop."""
     with mpmath.workdps(DIGITS):
         guess = [mpmath.mpf(x) for x in TOUCH]
 
@@ -168,15 +168,15 @@ def test_eq_108_a_touch_belongs_to_both_words() -> None:
         assert abs(u[3] * 10 - mpmath.mpf("2.899802377121")) < mpmath.mpf(10) ** -12
         # The derivative of the longer word is regular there.
         assert abs(mpmath.det(longer.derivative(u[:3]))) > 0.01
-        # (108) says as much: the last relation is that of the speed.
-        assert eq(108).relations[-1].right_tokens == ("0",) and eq(108).relations[-1].left_tokens[0] == "s"
+        # (109) says as much: the last relation is that of the speed.
+        assert eq(109).relations[-1].right_tokens == ("0",) and eq(109).relations[-1].left_tokens[0] == "s"
 
 
-def test_eq_109_bordered_matrix() -> None:
-    """g of (109) is the determinant over that of the bordered matrix, so that both are zero together."""
+def test_eq_110_bordered_matrix() -> None:
+    """g of (110) is the determinant over that of the bordered matrix, so that both are zero together."""
     entries = sympy.symbols("a b c d u1 u2 v1 v2", real=True)
     a, b, c, d, u1, u2, v1, v2 = entries
     matrix = sympy.Matrix([[a, b, u1], [c, d, u2], [v1, v2, 0]])
     g = matrix.LUsolve(sympy.Matrix([0, 0, 1]))[2]
     assert sympy.simplify(g - (a * d - b * c) / matrix.det()) == 0
-    assert r"\begin" in eq(109).tex
+    assert r"\begin" in eq(110).tex

@@ -9,6 +9,7 @@
 //! Columns are separated by commas or semicolons, with a decimal point. A header is allowed, and if it names units these are s
 //! and N. Empty lines and lines that begin with # are skipped.
 
+use crate::manifest::fnv1a;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use vibro_impact::load::{Body, Interpolation, Load};
@@ -53,6 +54,13 @@ impl LoadFile {
             problem(&self.path, format!("line {line} is no UTF-8 text: allowed is CSV text, {EXPECTED}"))
         })?;
         parse(&text, self.body, interpolation).map_err(|words| problem(&self.path, words))
+    }
+
+    /// The body and a digest of what is in the file, for manifests: a record that was changed makes another result, and one that
+    /// was moved does not. `None` for what cannot be read twice, such as a pipe.
+    pub fn contents_in_words(&self) -> Option<String> {
+        let bytes = self.path.is_file().then(|| std::fs::read(&self.path).ok()).flatten()?;
+        Some(format!("{}=file of {} bytes, digest {:016x}", self.body.name(), bytes.len(), fnv1a(&bytes)))
     }
 }
 

@@ -11,7 +11,7 @@
 
 use crate::{Error, Result};
 use std::path::Path;
-use vibro_analysis::{GROUPS, Name, ParameterSet, find_field, find_group, number};
+use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, find_field, find_group, number, typed_unit};
 use vibro_impact::parameters::FIELDS;
 
 /// Applies a parameter file to a parameter set: first `[si]`, then `[groups]`.
@@ -51,15 +51,18 @@ pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     if let Some(value) = table.get("groups") {
         collect("", value, &group, &mut assignments)?;
     }
-    Ok(set.assign(&assignments)?)
+    set.assign(&assignments.iter().map(|a| (a.0, a.1)).collect::<Vec<_>>())?;
+    assignments.into_iter().for_each(|(name, _, unit)| set.show_in(name, unit));
+    Ok(())
 }
 
-/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`.
+/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. A value goes with the unit in which it was
+/// written.
 fn collect(
     prefix: &str,
     value: &toml::Value,
     find: &dyn Fn(&str) -> vibro_analysis::Result<Name>,
-    into: &mut Vec<(Name, f64)>,
+    into: &mut Vec<(Name, f64, Option<&'static Unit>)>,
 ) -> vibro_analysis::Result<()> {
     if let toml::Value::Table(table) = value {
         for (key, value) in table {
@@ -69,13 +72,13 @@ fn collect(
         return Ok(());
     }
     let name = find(prefix)?;
-    let value = match value {
-        toml::Value::Float(x) => *x,
-        toml::Value::Integer(i) => *i as f64,
-        toml::Value::String(text) => number(name, text)?,
-        other => number(name, &other.to_string())?,
+    let (value, unit) = match value {
+        toml::Value::Float(x) => (*x, None),
+        toml::Value::Integer(i) => (*i as f64, None),
+        toml::Value::String(text) => (number(name, text)?, typed_unit(name, text)),
+        other => (number(name, &other.to_string())?, None),
     };
-    into.push((name, value));
+    into.push((name, value, unit));
     Ok(())
 }
 

@@ -176,8 +176,8 @@ impl Plan {
         add(vec![studies::steady(set)?, studies::histories(set)?]);
         let shown = |name: &str| -> Result<(f64, f64)> { Ok(find_group(name)?.shown) };
         add(vec![
-            studies::frequency(set, shown("sigma1")?, &[1.0, 1.5, 2.0, 2.5], &[0.2, 0.5, 1.0, 1.5])?,
-            studies::force(set, shown("f10")?, &[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2])?,
+            studies::frequency(set, shown("sigma1")?, (&[1.0, 1.5, 2.0, 2.5], &[0.2, 0.5, 1.0, 1.5]), None)?,
+            studies::force(set, shown("f10")?, (&[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2]), None)?,
         ]);
         let cells = if self.quick { 60 } else { 300 };
         let axis = |name: &str| -> Result<ParameterAxis> {

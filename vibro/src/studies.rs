@@ -4,6 +4,7 @@ mod basin;
 mod compare;
 mod design_sweep;
 mod isoperiodic;
+mod lengths;
 mod locus;
 mod manifold;
 mod motions;
@@ -36,9 +37,10 @@ pub use strong::strong_case;
 pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 
 use crate::Result;
-use crate::figures::chart::Figure;
+use crate::figures::canvas::palette::{HERE, WHITE};
+use crate::figures::chart::{Axis, Figure, Layer, MARK, Mark};
 use crate::table::Table;
-use vibro_analysis::ParameterSet;
+use vibro_analysis::{Name, ParameterSet};
 
 /// The outcome of a study.
 #[derive(Clone, Debug)]
@@ -97,3 +99,18 @@ impl Study {
 
 /// Size of a panel in units of the drawing, unless a figure needs another.
 const PANEL: (u32, u32) = (1700, 1150);
+
+/// An axis over a range of a parameter, which is in SI, in the unit in which the parameter was written.
+fn parameter_axis(set: &ParameterSet, name: Name, (from, to): (f64, f64)) -> Axis {
+    let axis = Axis::over(set.label(name), from, to);
+    match set.unit(name) {
+        Some(unit) => axis.times(unit.number(1.0)),
+        None => axis,
+    }
+}
+
+/// A mark at the parameters of the set itself, with a white edge, for it may lie on any colour.
+fn here(set: &ParameterSet, x: Name, y: Name) -> [Layer; 2] {
+    let mark = |name, colour| Layer::marks(name, colour, Mark::Disc, vec![(x.value(set), y.value(set))]);
+    [mark("", WHITE).stroke(MARK + 5), mark("this set of parameters", HERE)]
+}

@@ -1,8 +1,20 @@
-//! Pictures by what is measured on their pixels: curves stay inside the frames of their panels.
+//! Pictures by what is measured on their pixels and read in their files: curves stay inside the frames of their panels, files
+//! are small, bodies have their colours, and colours differ in lightness.
 
+use std::collections::BTreeMap;
 use vibro::figures::canvas;
-use vibro::figures::canvas::palette::VERMILLION;
-use vibro::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path};
+use vibro::figures::canvas::palette::{
+    BLACK, BLOCK, BODIES, BOX, CENTRE, FAMILY, HERE, RELATIVE, SECONDARY, WHITE,
+};
+use vibro::figures::canvas::{Colour, Drawing};
+use vibro::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape};
+use vibro::studies::{self, Study};
+use vibro_analysis::bifurcation::{Sweep, diagram};
+use vibro_analysis::lyapunov::SpectrumOptions;
+use vibro_analysis::maxima::Displacement;
+use vibro_analysis::parts::Task;
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::{Name, ParameterSet};
 
 /// Numbers of values: few, as in a quick look, and many more than a panel has pixels.
 const COUNTS: [usize; 3] = [50, 500, 5000];
@@ -43,8 +55,14 @@ fn jagged_curves_stay_inside_their_panel() {
     let (top, bottom) = (rows[0] - EDGE, rows[rows.len() - 1] + EDGE);
     let (left, right) = (columns[0] - EDGE, columns[columns.len() - 1] + EDGE);
     for count in COUNTS {
-        let layer = Layer::line("", VERMILLION, Dash::Solid, jagged(count));
-        let (_, _, full) = drawn(&figure(vec![layer]));
+        let curve = jagged(count);
+        let layers = vec![
+            Layer::line("", BLOCK, Dash::Solid, curve.clone()),
+            Layer::marks("", BOX, Mark::Disc, curve.clone()),
+            Layer::marks("", BLACK, Mark::Cross, vec![(0.0, -1.0), (1.0, 1.0), (2.0, 0.0)]),
+            Layer::band("", SECONDARY, 0.5, curve.iter().map(|&(x, y)| (x, y, 3.0)).collect()),
+        ];
+        let (_, _, full) = drawn(&figure(layers));
         let changed = |x: usize, y: usize| {
             let at = 3 * (y * width + x);
             empty[at..at + 3] != full[at..at + 3]
@@ -55,4 +73,186 @@ fn jagged_curves_stay_inside_their_panel() {
         let outside = all.iter().find(|p| !(left..=right).contains(&p.0) || !(top..=bottom).contains(&p.1));
         assert_eq!(outside, None, "{count} values: the curve leaves its panel");
     }
+}
+
+/// Cells and curves of many values: no more than the picture can show is written, and every number is finite.
+#[test]
+fn invariant_files_of_many_values_are_small_and_finite() {
+    // Far less than a browser takes in at once.
+    const LARGEST: usize = 4_000_000;
+    for count in COUNTS {
+        let cells = Shape::Cells {
+            x: (0.0, 1.0),
+            y: (-1.0, 1.0),
+            columns: count,
+            cells: (0..count * 380).map(|i| (i * 7919 % 1013 % 4) as u8).collect(),
+            colours: vec![None, Some(BOX), Some(BLOCK), Some(SECONDARY)],
+        };
+        let curve = Layer::line("", BLOCK, Dash::Solid, jagged(count)).labelled("a name");
+        let marks =
+            Layer::marks("", BOX, Mark::Ring, vec![(0.5, f64::NAN), (f64::INFINITY, 0.0), (0.5, 0.5)]);
+        let with_gaps =
+            Layer::line("", BOX, Dash::Dotted, vec![(0.0, 0.0), (f64::NAN, 1.0), (0.5, 0.5), (0.6, 9e99)]);
+        let drawing = figure(vec![Layer::new("", BLACK, cells), curve, marks, with_gaps]);
+        let svg = canvas::svg(&drawing).unwrap();
+        assert!(svg.len() < LARGEST, "{count} values: {} bytes", svg.len());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{count} values");
+        // What is drawn is cut at a rectangle inside the picture.
+        let (width, height) = drawing.size();
+        let rectangle = svg.split("<clipPath").nth(1).unwrap().split("/>").next().unwrap();
+        let number = |name: &str| -> f64 {
+            rectangle
+                .split(&format!(" {name}=\""))
+                .nth(1)
+                .unwrap()
+                .split('"')
+                .next()
+                .unwrap()
+                .parse()
+                .unwrap()
+        };
+        assert!(number("x") + number("width") < f64::from(width), "{rectangle}");
+        assert!(number("y") + number("height") < f64::from(height), "{rectangle}");
+    }
+}
+
+/// WCAG 2.2: the lighter of two luminances over the darker, with some stray light.
+fn contrast(a: Colour, b: Colour) -> f64 {
+    let (a, b) = (a.luminance() + 0.05, b.luminance() + 0.05);
+    a.max(b) / a.min(b)
+}
+
+/// Grey shows nothing but lightness, so colours that differ in it are told apart by eyes of any kind and in any print.
+#[test]
+fn invariant_colours_are_told_apart_by_their_lightness() {
+    // WCAG 2.2, 1.4.11: what graphics need on their background.
+    const ON_PAPER: f64 = 3.0;
+    // Of one line and the next: about a fifth of the way from grey to black that the eye divides evenly.
+    const APART: f64 = 1.35;
+    for colours in [BODIES, FAMILY] {
+        let mut sorted = colours;
+        sorted.sort_by(|a, b| a.luminance().total_cmp(&b.luminance()));
+        assert_eq!(sorted, colours, "from dark to light");
+        for pair in colours.windows(2) {
+            assert!(contrast(pair[0], pair[1]) > APART, "{pair:?}: {}", contrast(pair[0], pair[1]));
+        }
+        for colour in colours {
+            assert!(contrast(colour, WHITE) > ON_PAPER, "{colour:?}: {}", contrast(colour, WHITE));
+        }
+    }
+    assert!(contrast(HERE, WHITE) > ON_PAPER);
+    assert!(FAMILY.iter().chain([&HERE, &BLACK]).all(|colour| !BODIES.contains(colour)));
+}
+
+/// The bodies, by the symbols and words that name them.
+const NAMES: [(Colour, &[&str]); 5] = [
+    (CENTRE, &["U", "u", "B", "B·L", "centre"]),
+    (BOX, &["X₁", "x₁", "A₁", "A₁·L", "box"]),
+    (RELATIVE, &["W", "w"]),
+    (BLOCK, &["X₂", "x₂", "A₂", "A₂·L", "block"]),
+    (SECONDARY, &["X₃", "x₃", "A₃", "A₃·L", "secondary"]),
+];
+
+/// The body that a name begins with.
+fn body(name: &str) -> Option<Colour> {
+    let first = name.split([' ', ',']).next().unwrap_or_default();
+    NAMES.iter().find(|n| n.1.contains(&first)).map(|n| n.0)
+}
+
+/// Checks every line and mark of a study; returns how many of each body there were.
+fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
+    let Some(figure) = &study.figure else { panic!("{} has a picture", study.name) };
+    for panel in &figure.panels {
+        let areas =
+            |l: &&Layer| matches!(l.shape, Shape::Band { .. } | Shape::Cells { .. } | Shape::Text { .. });
+        for layer in panel.layers.iter().filter(|l| !areas(l)) {
+            let told = layer.label.as_deref().or(layer.name.as_deref());
+            let place = format!("{}, {}, {told:?}", study.name, panel.title);
+            match told.map(|name| (name, body(name))) {
+                Some((_, Some(colour))) => {
+                    assert_eq!(layer.colour, colour, "{place}");
+                    *count.entry(colour).or_default() += 1;
+                }
+                Some((_, None)) => assert!(!BODIES.contains(&layer.colour), "{place}"),
+                None => {}
+            }
+        }
+        // A curve without a name has the colour of one that has a name in the same panel.
+        let named: Vec<_> = panel.layers.iter().filter(|l| l.label.is_some() || l.name.is_some()).collect();
+        for layer in panel.layers.iter().filter(|l| BODIES.contains(&l.colour)) {
+            assert!(named.iter().any(|n| n.colour == layer.colour), "{}, {}", study.name, panel.title);
+        }
+    }
+    // The picture can be drawn.
+    let svg = canvas::svg(figure).unwrap();
+    assert!(!svg.contains("NaN") && svg.len() < 4_000_000, "{}: {} bytes", study.name, svg.len());
+}
+
+/// A machine in SI that settles on the motion with two impacts.
+fn machine() -> ParameterSet {
+    let mut set = ParameterSet::basic();
+    set.apply(&["box.m=12kg", "box.k=48kN/m", "box.c=75", "block.m=1.2kg", "stop.gap=5mm", "coupling.k=288"])
+        .unwrap();
+    set.apply(&["secondary.m=1.2kg", "secondary.k=4.8kN/m", "secondary.c=4.5"]).unwrap();
+    set.apply(&["stop.restitution=0.75", "drive.amplitude=36N", "drive.frequency=10.4Hz"]).unwrap();
+    set
+}
+
+/// In units of L and in SI, in every study whose curves are motions or amplitudes of bodies.
+#[test]
+fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
+    for set in [ParameterSet::basic(), machine()] {
+        let f10 = Name::find("f10").unwrap();
+        let options = SpectrumOptions { periods: 210, ..SpectrumOptions::default() };
+        let axis = ParameterAxis::new(f10, (1.0, 2.4), 8).unwrap();
+        let sweep = Sweep { axis, discard: 50, keep: 20, exponents: Some(options), of: Displacement::X1 };
+        let found = diagram(&set, &sweep, &Task::ALL).unwrap().unwrap();
+        let all = [
+            studies::steady(&set).unwrap(),
+            studies::histories(&set).unwrap(),
+            studies::accuracy(&set, &[0.1, 0.05]).unwrap(),
+            studies::accuracy(&set, &[0.1]).unwrap(),
+            studies::strong_case(&ParameterSet::strong().unwrap()).unwrap(),
+            studies::histories_of(&set, f10, 0.6).unwrap().0,
+            studies::frequency(&set, (-1.0, 1.0), (&[1.0, 1.5], &[0.5, 1.0]), None).unwrap(),
+            studies::force(&set, (0.5, 2.0), (&[0.4], &[-0.4]), Some(Displacement::X1)).unwrap(),
+            studies::sweep(&set, &sweep, &found, "sweep").unwrap(),
+            studies::overlay(&set, &sweep, &found, "overlay").unwrap(),
+            studies::portraits(&set, f10, &found, &[1.2, 2.2]).unwrap(),
+            studies::running(&set, f10, &[1.5], 20, &options, "running").unwrap(),
+            studies::shapes(&set).unwrap(),
+            studies::branches(&set).unwrap(),
+            studies::families(&set, f10, &[1.2, 1.5]).unwrap(),
+            studies::regions(&set).unwrap(),
+        ];
+        let mut count = BTreeMap::new();
+        all.iter().for_each(|study| check_bodies(study, &mut count));
+        for colour in BODIES {
+            assert!(count.get(&colour).is_some_and(|n| *n > 2), "{colour:?}: {count:?}");
+        }
+    }
+}
+
+/// In SI no axis is in units of L, and the numbers at the ticks are the data in the unit told.
+#[test]
+fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
+    let set = machine();
+    let study = studies::force(&set, (0.5, 2.0), (&[0.4], &[]), Some(Displacement::X1)).unwrap();
+    let panel = &study.figure.unwrap().panels[0];
+    assert_eq!(panel.y.label, "amplitude of x₁ (mm)");
+    // Of L = 5 mm.
+    assert!((panel.y.factor.unwrap() / 5.0 - 1.0).abs() < 1e-12);
+    // Along the gap itself the data are in units of the machine's own gap, whatever the gap of a point is.
+    let gap = Name::find("stop.gap").unwrap();
+    let kappa = Name::find("kappa").unwrap();
+    let along = studies::along(&set, gap, (0.004, 0.008), (kappa, &[0.75]), Some(Displacement::W)).unwrap();
+    let panel = &along.figure.unwrap().panels[0];
+    let curves = panel.layers.iter().flat_map(Layer::extent).filter(|p| p.1 > 0.1 && p.1 < 1.6);
+    let mut compared = 0;
+    for (value, amplitude) in curves {
+        // From stop to stop: w is as large as the gap there, by multiple scales and by the exact orbit.
+        assert!((amplitude - value / 0.005).abs() < 1e-9, "{value}: {amplitude}");
+        compared += 1;
+    }
+    assert!(compared > 20, "{compared}");
 }

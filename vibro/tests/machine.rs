@@ -8,7 +8,7 @@ use command::{command, drawn, folder, number, refused, table};
 use std::collections::HashMap;
 use std::path::Path;
 use vibro_analysis::ParameterSet;
-use vibro_impact::steady::multiple_scales;
+use vibro_impact::steady::{exact_orbit, multiple_scales};
 
 /// A machine of data sheets, all of it in SI with units.
 const MACHINE: &str = r#"[si]
@@ -67,7 +67,7 @@ fn a_response_draws_the_machine_that_was_given() {
     assert!(matches!(detunings[..], [s] if (s - sigma1).abs() < 1e-12), "{detunings:?} {sigma1}");
     let text = words(&out, "response-frequency");
     // The machine in SI, without what differs between or along the curves.
-    assert!(text.contains("k₁ = 48000 N/m") && text.contains("₁₀ = 3.125"), "{text}");
+    assert!(text.contains("k₁ = 48 kN/m") && text.contains("₁₀ = 3.125"), "{text}");
     assert!(!text.contains("F₁₀ =") && !text.contains("₁₀ = 2.5"), "{text}");
     // A value that is listed stands beside the machine's own.
     drawn(&out, &["response", "--config", &file, "--kind", "frequency", "--values", "f10=1", "--replace"]);
@@ -92,16 +92,43 @@ fn a_value_that_was_set_is_the_only_member() {
 #[test]
 fn a_value_that_a_study_does_not_use_is_refused_by_name() {
     for (arguments, name) in [
-        (vec!["stability", "--set", "f10=2"], "f10 = 2: figure 5 does not use this value"),
-        (vec!["stability", "--figure", "6", "--set", "epsilon=0.1"], "epsilon = 0.1: figure 6 does not use"),
-        (vec!["stability", "--figure", "6", "--set", "box.c=2"], "box.c = 2 N·s/m: figure 6 does not use"),
         (vec!["reproduce", "--set", "sigma1=0.7"], "sigma1 = 0.7: reproduce does not use"),
         (vec!["response", "--kind", "force", "--values", "f10=1"], "values of sigma1 for the force response"),
     ] {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(name), "{arguments:?}: {error}");
     }
-    drawn(&folder("cli-used"), &["stability", "--figure", "6", "--set", "alpha23=0.5"]);
+}
+
+#[test]
+fn second_method_stability_marks_the_machine_that_was_given() {
+    for (name, text) in [
+        ("cli-stability", MACHINE.to_owned()),
+        ("cli-stability-template", vibro::parameter_file::template(false)),
+    ] {
+        let (out, file) = machine(name, &text);
+        let said = drawn(&out, &["stability", "--config", &file]);
+        let mut set = ParameterSet::basic();
+        vibro::parameter_file::apply(&mut set, &text).unwrap();
+        let g = set.groups();
+        let motion = multiple_scales::fixed_points(g).unwrap().unwrap().upper;
+        assert!(said.contains(&format!("this set's own force: C = {:.5}", motion.c)), "{said}");
+        // xi = k1 L/F10 by the machine itself.
+        let p = set.parameters();
+        let xi = p.box_stiffness * p.stop_gap / p.drive_amplitude;
+        assert!(said.contains(&format!("xi = {xi:.5}")), "{said}");
+        for stem in ["stability-5", "stability-6"] {
+            assert!(words(&out, stem).contains("this set of parameters"), "{stem}");
+        }
+        // The machine's own mass ratio, damping ratio c1/(2 sqrt(k1 m1)) and detuning, not the paper's.
+        let zeta = vibro_analysis::short(p.box_damping / (2.0 * (p.box_stiffness * p.box_mass).sqrt()));
+        assert!(words(&out, "stability-6").contains(&format!("ε = 0.1, ζ = {zeta}")), "{zeta}");
+    }
+    // What was not set is the paper's, and no force is marked.
+    let out = folder("cli-stability-paper");
+    drawn(&out, &["stability", "--set", "alpha23=0.5"]);
+    let text = words(&out, "stability-6");
+    assert!(text.contains("ε = 0.05, ζ = 0.01") && !text.contains("this set of parameters"), "{text}");
 }
 
 #[test]
@@ -144,8 +171,9 @@ fn axes_are_of_any_parameter_with_units() {
     let found = values("bifurcation-points.csv", "drive.frequency");
     assert!(found[0] == 9.0 * hertz && found.contains(&(11.0 * hertz)), "{found:?}");
     let text = words(&out, "bifurcation");
-    assert!(text.contains("ω₁ (rad/s)") && text.contains("this set: ω₁ = 65.34513 rad/s"), "{text}");
-    assert!(text.contains("m₂ = 1.2 kg") && !text.contains(", ω₁ ="), "{text}");
+    assert!(text.contains("ω₁/2π (Hz)") && text.contains("this set: ω₁/2π = 10.4 Hz"), "{text}");
+    assert!(text.contains("m₂ = 1.2 kg") && !text.contains(", ω₁"), "{text}");
+    assert!(text.contains("x₂ (mm)") && !text.contains("units of L"), "{text}");
     // The block of one value may be past the stops of the next.
     with(&["bifurcation", "--vary", "L=1mm:9mm:9", "--discard", "20", "--keep", "9"]);
     assert_eq!(table(&out, "bifurcation-points.csv").len(), 2 * 9);
@@ -170,6 +198,65 @@ fn axes_are_of_any_parameter_with_units() {
     with(&["response", "--vary", "drive.frequency=9Hz:11.5Hz", "--values", "stop.gap=4mm,6mm"]);
     assert_eq!(members(&out, "response-drive.frequency.csv", "stop.gap"), [0.005, 0.004, 0.006]);
     assert!(out.join("response-drive.frequency.png").exists());
+    // Labels are in the units that were written: the ticks of 9 to 11.5 Hz, the members in mm, amplitudes in mm.
+    let text = words(&out, "response-drive.frequency");
+    for expected in ["ω₁/2π (Hz)", "9.0 9.5 10.0 10.5 11.0 11.5", "L = 4 mm", "C·L (mm)", "A₃·L (mm)"]
+    {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    assert!(!text.contains("units of L"), "{text}");
+}
+
+/// Amplitudes of any coordinate, along the response that the table has in full.
+#[test]
+fn closed_form_a_response_is_of_any_coordinate() {
+    let (out, file) = machine("cli-of", MACHINE);
+    let with = |arguments: &[&str]| drawn(&out, &[arguments, &["--config", &file]].concat());
+    with(&["response", "--kind", "force", "--of", "x1"]);
+    let rows = table(&out, "response-force-x1.csv");
+    let mut own = ParameterSet::basic();
+    vibro::parameter_file::apply(&mut own, MACHINE).unwrap();
+    let mut compared = 0;
+    for row in rows.iter().filter(|r| r["theory"] == "exact orbit" && r["clear"] == "true").step_by(50) {
+        let mut set = own.clone();
+        set.apply(&[format!("f10={}", row["value"])]).unwrap();
+        let orbits = exact_orbit::solve(set.parameters()).unwrap();
+        let gap = set.parameters().stop_gap;
+        let a1 = |o: &exact_orbit::ExactOrbit| o.amplitudes()[0] / gap;
+        let number = |name: &str| row[name].parse::<f64>().unwrap();
+        let orbits: Vec<_> = [orbits.upper, orbits.lower].into_iter().flatten().collect();
+        assert!(orbits.iter().any(|o| (a1(o) - number("A1")).abs() < 1e-6), "{row:?}");
+        // From stop to stop.
+        assert!((number("W") - 1.0).abs() < 1e-9, "{row:?}");
+        compared += 1;
+    }
+    assert!(compared > 3, "{compared}");
+    let text = words(&out, "response-force-x1");
+    assert!(text.contains("amplitude of x₁ (mm)") && !text.contains("C·L"), "{text}");
+    with(&["response", "--kind", "frequency", "--of", "w"]);
+    assert!(words(&out, "response-frequency-w").contains("amplitude of w (mm)"));
+    let (code, error) = refused(&["response", "--of", "x4"]);
+    assert!(code == 2 && error.contains("x4") && error.contains("one of x1, x2, x3, w"), "{error}");
+}
+
+/// A range is labelled in the unit in which it was written, whatever the unit of the machine's own value.
+#[test]
+fn labels_are_in_the_unit_that_was_written() {
+    let out = folder("cli-unit");
+    drawn(&out, &["plane", "--pair", "stop.gap,f10", "--vary", "stop.gap=5mm:30mm:8", "--resolution", "6"]);
+    let text = words(&out, "plane");
+    assert!(text.contains("L (mm)") && text.contains("5 10 15 20 25 30"), "{text}");
+    drawn(&out, &["plane", "--pair", "k1,f10", "--vary", "k1=1:2:8", "--resolution", "6", "--replace"]);
+    assert!(words(&out, "plane").contains("k₁ (N/m)"));
+    // Shards keep the unit for the machine that merges them.
+    let (one, two) = (folder("cli-unit-1"), folder("cli-unit-2"));
+    let work = ["bifurcation", "--vary", "drive.frequency=0.15Hz:0.17Hz:20", "--discard", "9", "--keep", "9"];
+    for (out, share) in [(&one, "1/2"), (&two, "2/2")] {
+        drawn(out, &[&work[..], &["--shard", share]].concat());
+    }
+    let merged = folder("cli-unit-merged");
+    drawn(&merged, &["merge", one.to_str().unwrap(), two.to_str().unwrap()]);
+    assert!(words(&merged, "bifurcation").contains("ω₁/2π (Hz)"));
 }
 
 #[test]

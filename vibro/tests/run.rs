@@ -81,6 +81,38 @@ fn second_method_a_load_from_a_file_is_the_librarys() {
 }
 
 #[test]
+fn closed_form_of_units_in_duration_and_start() {
+    // Without load, drive and coupling the block flies freely from x2 = 5 mm with 0.2 m/s, and the gap is wide.
+    let out = folder("run-units");
+    let set = ["drive.amplitude=0", "coupling.k=0", "stop.gap=2", "box.m=1"].map(|a| ["--set", a]).concat();
+    let start = ["run", "--duration", "1500 ms", "--start", "block.s=5mm,block.v=20 cm/s"];
+    command(&out, &[&start[..], &set].concat()).status().expect("vibro runs");
+    let (_, rows) = columns(&out.join("run.csv"));
+    let last = rows.last().expect("rows");
+    assert_eq!(number(&last[0]), 1.5);
+    assert!((number(&last[2]) - (0.005 + 0.2 * 1.5)).abs() < 1e-15, "{last:?}");
+    let out = folder("run-periods");
+    let text = drawn(&out, &["run", "--duration", "2.5 periods", "--start", "orbit"]);
+    assert!(text.contains("(2.5 drive periods)"), "{text}");
+}
+
+#[test]
+fn a_changed_record_is_another_study() {
+    let record = file("run-changing.csv", "0,0\n1,0.5\n2,0\n");
+    let given = format!("box={}", record.display());
+    let out = folder("run-changing");
+    drawn(&out, &["run", "--load", &given, "--duration", "2"]);
+    // The same contents in another place and the same time in other words are the same study.
+    let copy = format!("box={}", file("run-moved.csv", "0,0\n1,0.5\n2,0\n").display());
+    drawn(&out, &["run", "--load", &copy, "--duration", "2000ms"]);
+    file("run-changing.csv", "0,0\n1,0.6\n2,0\n");
+    let output = command(&out, &["run", "--load", &given, "--duration", "2"]).output().expect("vibro runs");
+    let error = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("--load: box=file of ") && error.contains("--replace"), "{error}");
+}
+
+#[test]
 fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
     let bad = file("run-bad.csv", "t,f\n0,1\n0.5,2\n0.25,3\n");
     let units = file("run-units.csv", "t [ms],f [N]\n0,1\n1,3\n");
@@ -90,7 +122,9 @@ fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
         (vec!["--load", &units], "the unit of `t [ms]` is ms: allowed is s"),
         (vec!["--load", "lid=a.csv"], "a body of box, block, secondary"),
         (vec!["--load", "box=no-such.csv"], "reading no-such.csv"),
-        (vec!["--duration", "-1"], "--duration -1"),
+        (vec!["--duration", "-1"], "a finite time above 0"),
+        (vec!["--duration", "2 Hz"], "200 periods"),
+        (vec!["--start", "block.s=5kg"], "block.s=5mm"),
         (vec!["--duration", "nan"], "a finite time above 0"),
         (vec!["--start", "x2=1.5"], "block.s - box.s = 1.5 m"),
         (

@@ -177,13 +177,17 @@ fn folder(name: &str) -> PathBuf {
     command::folder(&format!("studies-{name}"))
 }
 
-/// All files of a folder and their bytes.
+/// All files of a folder and their bytes; what a program at work renames between the listing and the reading is left out.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut found: Vec<_> = std::fs::read_dir(folder)
-        .expect("a folder")
-        .map(|e| e.expect("an entry").path())
-        .map(|p| (p.file_name().unwrap().to_string_lossy().into_owned(), std::fs::read(&p).expect("a file")))
-        .collect();
+    let read = |path: PathBuf| {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        match std::fs::read(&path) {
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => None,
+            bytes => Some((name, bytes.expect("a file"))),
+        }
+    };
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut found: Vec<_> = entries.filter_map(|e| read(e.expect("an entry").path())).collect();
     found.sort();
     found
 }

@@ -197,7 +197,7 @@ fn each_kind_of_designs_has_its_picture() {
     );
     has(
         "sweep-map",
-        &["--vary", "f10=1:2:4", "--vary", "kappa=0.4,0.5,0.8", "--output", "impacts"],
+        &["--vary", "f10=1:2:4", "--vary", "kappa=0.4,0.5,0.8", "--output", "amplitude.x1"],
         &["least, ", "0.8"],
     );
     let three = ["--vary", "f10=1:2:3", "--vary", "kappa=0.4:0.8:3", "--vary", "L=0.9:1.1:2"];

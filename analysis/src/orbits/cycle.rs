@@ -1,5 +1,5 @@
 //! The linear part of an orbit: for given impact phases the state follows from one system of six equations, and the conditions of
-//! contact are left as residual (docs/theory.md (100) to (104)).
+//! contact are left as residual (docs/theory.md (101) to (105)).
 
 use super::obstacle::Obstacle;
 use super::system::System;
@@ -30,13 +30,13 @@ impl Functional {
     }
 }
 
-/// A word passed once at given impact phases, closed by docs/theory.md (102). Flight i leads from impact i to impact i + 1.
+/// A word passed once at given impact phases, closed by docs/theory.md (103). Flight i leads from impact i to impact i + 1.
 pub(super) struct Cycle<'a> {
     pub system: &'a System,
     pub word: &'a OrbitWord,
     pub phases: &'a [f64],
     transitions: Vec<Transition>,
-    /// M of docs/theory.md (101).
+    /// M of docs/theory.md (102).
     map: Matrix6<f64>,
     /// The derivatives of w and of w' at the end of each flight with respect to the state at the start.
     rows: Vec<[Vector6; 2]>,
@@ -153,14 +153,14 @@ impl<'a> Cycle<'a> {
         free + self.system.forced_gap(self.arrival(flight))[2]
     }
 
-    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ (docs/theory.md (103)).
+    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ (docs/theory.md (104)).
     fn delay(&self, flight: usize) -> Vector6 {
         let forced = self.system.forced_gap(self.arrival(flight))[2];
         let approach = self.system.rate(&self.before[flight]);
         self.system.strike(&approach, forced) - self.system.rate(&self.after[flight])
     }
 
-    /// The derivative of a functional at the ends of the flights with respect to the phases, docs/theory.md (104), for variations
+    /// The derivative of a functional at the ends of the flights with respect to the phases, docs/theory.md (105), for variations
     /// that close with `factor` times the word's sign: 1 for those of the orbit itself, -1 for those that double the period or
     /// break the symmetry.
     pub fn derivative(&self, functional: Functional, factor: f64) -> Option<DMatrix<f64>> {
@@ -230,7 +230,7 @@ impl<'a> Cycle<'a> {
     }
 
     /// The map of variations from just after the first impact to just after the one that closes the word, with the closing sign:
-    /// docs/theory.md (105). Its eigenvalues are the multipliers. Each impact must have a speed.
+    /// docs/theory.md (106). Its eigenvalues are the multipliers. Each impact must have a speed.
     pub fn monodromy(&self) -> Matrix6<f64> {
         let mut map = Matrix6::identity();
         for (i, transition) in self.transitions.iter().enumerate() {
@@ -244,7 +244,7 @@ impl<'a> Cycle<'a> {
         map * f64::from(self.word.closing())
     }
 
-    /// M, the map of the free part of the state at fixed phases, docs/theory.md (101).
+    /// M, the map of the free part of the state at fixed phases, docs/theory.md (102).
     #[cfg(test)]
     pub fn map(&self) -> &Matrix6<f64> {
         &self.map

@@ -1,5 +1,5 @@
 //! Grazing: an orbit that touches a stop with speed zero belongs to two words, with and without that impact (docs/theory.md,
-//! section 13).
+//! section 14).
 
 use super::curve::meet;
 use super::cycle::{Cycle, Functional};

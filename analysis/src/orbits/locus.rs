@@ -1,4 +1,4 @@
-//! Curves of bifurcations and of touches in two parameters (docs/theory.md, section 13).
+//! Curves of bifurcations and of touches in two parameters (docs/theory.md, section 14).
 
 use super::branch::Label;
 use super::curve::{CurvePoint, Equations, Linearization, axis, correct, meet, tangent};

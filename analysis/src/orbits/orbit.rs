@@ -125,7 +125,7 @@ impl Orbit {
         &self.speeds
     }
 
-    /// The six multipliers, docs/theory.md (105), largest modulus first: those of half a period for a symmetric orbit (closing
+    /// The six multipliers, docs/theory.md (106), largest modulus first: those of half a period for a symmetric orbit (closing
     /// -1), whose squares are those of the period.
     pub fn multipliers(&self) -> [Complex<f64>; 6] {
         self.multipliers

@@ -1,4 +1,4 @@
-//! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 13).
+//! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 14).
 
 use crate::error::Result;
 use nalgebra::Complex;
@@ -11,8 +11,8 @@ use vibro_impact::steady::exact_orbit::{Flight, Vector6};
 /// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its centre.
 ///
 /// They act on impacts through one number, the displacement w_s of the block in the box that they cause without impacts
-/// (docs/theory.md (99)). A gap whose middle is off the centre by δ is the machine under the loads (0, -k23 δ, k23 δ), since these
-/// move the block by the same amount against the stops.
+/// (docs/theory.md (100)). A gap whose middle lies b above the centre is the machine under the loads (0, -k23 b, k23 b),
+/// docs/theory.md (97).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ConstantLoads {
     /// On the box, the block and the secondary oscillator.
@@ -157,7 +157,7 @@ impl System {
     }
 }
 
-/// The displacements at which the springs hold the loads, units of L: docs/theory.md (98).
+/// The displacements at which the springs hold the loads, units of L: docs/theory.md (99).
 fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
     let [f1, f2, f3] = loads.forces;
     for (name, value) in ConstantLoads::NAMES.into_iter().zip(loads.forces) {

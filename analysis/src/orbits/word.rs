@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 13).
+/// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 14).
 ///
 /// The orbit repeats itself after [`half_periods`](Self::half_periods) half drive periods: unchanged where
 /// [`closing`](Self::closing) is +1, with the opposite sign where it is -1. The second kind is a symmetric orbit, of which the word

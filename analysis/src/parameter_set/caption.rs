@@ -1,6 +1,7 @@
 //! What a caption says about a parameter set.
 
-use super::{Base, Given, Name, ParameterSet};
+use super::name::significant;
+use super::{Base, Given, Name, ParameterSet, Unit};
 use vibro_impact::parameters::{FIELDS, GROUPS, Group};
 
 /// Two values of a quantity are the same up to the rounding of a conversion there and back.
@@ -53,9 +54,50 @@ impl ParameterSet {
         } else {
             GROUPS.iter().filter(|g| self.is_held(g)).map(Name::Group).collect()
         };
-        let told = |name: Name| format!("{} = {}", name.symbol(), name.with_unit(name.value(self)));
+        let told = |name: Name| self.told(name, name.value(self));
         let values: Vec<String> = names.into_iter().filter(same).map(told).collect();
         format!("{} ({})", values.join(", "), self.origin())
+    }
+
+    /// The unit in which a physical parameter was written, if it had one.
+    pub fn unit(&self, name: Name) -> Option<&'static Unit> {
+        match name {
+            Name::Si(field) => self.units.get(field.name),
+            Name::Group(_) => None,
+        }
+    }
+
+    /// The symbol of a parameter for labels; a frequency in Hz is ω1/2π.
+    pub fn symbol(&self, name: Name) -> String {
+        let cyclic = self.unit(name).is_some_and(Unit::counts_revolutions);
+        format!("{}{}", name.symbol(), if cyclic { "/2π" } else { "" })
+    }
+
+    /// Label of an axis: the symbol and the unit in which the parameter was written, or its SI unit.
+    pub fn label(&self, name: Name) -> String {
+        let unit = self.unit(name).map(Unit::symbol).filter(|symbol| symbol != "1");
+        unit.map_or_else(|| name.label(), |unit| format!("{} ({unit})", self.symbol(name)))
+    }
+
+    /// A value of a parameter, given in SI, with the unit in which the parameter was written, or with its SI unit.
+    pub fn with_unit(&self, name: Name, value: f64) -> String {
+        let in_unit = |u: &Unit| format!("{} {}", significant(u.number(value)), u.symbol());
+        self.unit(name).filter(|u| u.plain() != "1").map_or_else(|| name.with_unit(value), in_unit)
+    }
+
+    /// Symbol and value, given in SI, of a parameter: `k₁ = 48 kN/m`.
+    ///
+    /// ```
+    /// use vibro_analysis::{Name, ParameterSet};
+    ///
+    /// let mut set = ParameterSet::basic();
+    /// set.apply(&["box.k=48 kN/m", "omega1=10.4Hz"])?;
+    /// assert_eq!(set.told(Name::find("k1")?, 48_000.0), "k₁ = 48 kN/m");
+    /// assert_eq!(set.label(Name::find("omega1")?), "ω₁/2π (Hz)");
+    /// # Ok::<(), vibro_analysis::Error>(())
+    /// ```
+    pub fn told(&self, name: Name, value: f64) -> String {
+        format!("{} = {}", self.symbol(name), self.with_unit(name, value))
     }
 
     /// Whether a group is told: of the two names for the coupling the one that is held, and μ13 where it is no

@@ -141,6 +141,11 @@ fn units_are_those_of_the_dimension() {
     );
     assert!(error(&["f10=2 N"]).starts_with("f10: `N` is no unit of it; allowed are 1, %"));
     assert!(error(&["box.m=nanogram"]).contains("is not a number"));
+    for (si, text, value) in
+        [("s", "2", 2.0), ("s", "1.5min", 90.0), ("m/s", "-3 mm/s", -0.003), ("m", "2 mm", 0.002)]
+    {
+        assert_eq!(quantity_in(si, text).map(|q| q.value), Some(value), "{text}");
+    }
     let gap = Name::find("stop.gap").unwrap();
     assert!(numbers(gap, &["1", "2mm"]).unwrap_err().to_string().contains("a unit at every number"));
 }
@@ -170,7 +175,7 @@ fn a_machine_in_si_tells_what_was_not_given() {
          secondary.c = 0.006 N·s/m, coupling.k = 0.006 N/m, stop.gap = 1 m, drive.amplitude = 0.15 N, \
          drive.frequency = 1.04 rad/s"
     );
-    assert!(set.caption().contains("k₁ = 48000 N/m") && set.caption().contains("stop.gap = 1 m"));
+    assert!(set.caption().contains("k₁ = 48 kN/m") && set.caption().contains("stop.gap = 1 m"));
     assert_eq!(with(&["kappa=0.8"]).not_given(), []);
 }
 
@@ -192,6 +197,22 @@ fn tied_groups_keep_their_own_value_when_both_vary() {
     assert_eq!(row.with(group("epsilon"), 0.2).unwrap().groups().mu13, 3.0);
     let row = ParameterSet::basic().with(group("beta2"), 0.3).unwrap();
     assert_eq!(row.with(group("epsilon"), 0.2).unwrap().groups().beta2, 0.3);
+}
+
+#[test]
+fn second_method_groups_with_one_changed() {
+    for base in [&["kappa=0.6"][..], &["beta2=0.2"], &["mu13=3", "box.m=12"]] {
+        let set = with(base);
+        for name in GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si)) {
+            for value in [-11.0, 0.0, 0.3, 2.0, f64::NAN] {
+                let (found, whole) = (set.groups_with(name, value), set.with(name, value));
+                assert_eq!(
+                    found.map_err(|e| e.to_string()),
+                    whole.map(|s| *s.groups()).map_err(|e| e.to_string())
+                );
+            }
+        }
+    }
 }
 
 #[test]

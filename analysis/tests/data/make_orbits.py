@@ -1,8 +1,8 @@
 """Writes orbits.csv beside it: special points of the default set over f10 in thirty digits, of all types and words.
 
 Run once with the requirements of tests/theory: `python analysis/tests/data/make_orbits.py`. The orbits are solved by the equations of
-docs/theory.md, section 13, which tests/theory holds against the motion itself; the special points by the eigenvalues of the map
-(105) and not by the determinants (107), so that the library's way of finding them is checked too.
+docs/theory.md, section 14, which tests/theory holds against the motion itself; the special points by the eigenvalues of the map
+(106) and not by the determinants (108), so that the library's way of finding them is checked too.
 """
 
 import csv

@@ -1,4 +1,4 @@
-//! What a shared library exports and needs, of any platform.
+//! What a shared library exports and needs, of any platform; code blocks of pages.
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
 pub mod python;
@@ -6,6 +6,19 @@ pub mod python;
 use object::read::elf::{FileHeader, SectionHeader};
 use object::{BinaryFormat, Endianness, FileKind, Object, ObjectSymbol, SymbolScope, elf};
 use std::collections::BTreeSet;
+
+/// Fenced blocks of a page as (what follows the fence, text).
+pub fn blocks(markdown: &str) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut lines = markdown.lines();
+    while let Some(line) = lines.next() {
+        if let Some(language) = line.strip_prefix("```") {
+            let text: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+            found.push((language.to_owned(), text.join("\n")));
+        }
+    }
+    found
+}
 
 pub fn functions() -> BTreeSet<String> {
     fmu_build::compile::FUNCTIONS.split_whitespace().map(|name| format!("fmi2{name}")).collect()

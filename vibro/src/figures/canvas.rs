@@ -1,8 +1,11 @@
 //! What all pictures share: the embedded font, the palette, and an SVG, from which the PNG is made, so that both are the
 //! same picture on any machine.
 
+pub mod palette;
+
 use crate::{Error, Result};
 use resvg::{tiny_skia, usvg};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::sync::{Arc, OnceLock};
 
@@ -35,42 +38,22 @@ impl Colour {
         let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
         Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
     }
-}
 
-/// Okabe–Ito colours: told apart by colour-blind eyes, and in print by their lightness.
-pub mod palette {
-    use super::Colour;
-    /// First choice.
-    pub const BLUE: Colour = Colour(0, 114, 178);
-    /// Second choice.
-    pub const VERMILLION: Colour = Colour(213, 94, 0);
-    /// Third choice.
-    pub const GREEN: Colour = Colour(0, 158, 115);
-    /// Fourth choice.
-    pub const PURPLE: Colour = Colour(204, 121, 167);
-    /// Fifth choice.
-    pub const ORANGE: Colour = Colour(230, 159, 0);
-    /// Light; areas.
-    pub const SKY: Colour = Colour(86, 180, 233);
-    /// Frames, stops, exact values.
-    pub const BLACK: Colour = Colour(0, 0, 0);
-    /// Grids, captions, unstable areas.
-    pub const GREY: Colour = Colour(140, 140, 140);
-    /// The background.
-    pub const WHITE: Colour = Colour(255, 255, 255);
-    /// Colours of a family of curves, in order.
-    pub const FAMILY: [Colour; 5] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE];
-
-    /// The box, x1, in all pictures.
-    pub const BOX: Colour = BLUE;
-    /// The block, x2, in all pictures.
-    pub const BLOCK: Colour = VERMILLION;
-    /// The secondary oscillator, x3, in all pictures.
-    pub const SECONDARY: Colour = GREEN;
-    /// The block's displacement relative to the box, w, in all pictures.
-    pub const RELATIVE: Colour = PURPLE;
-    /// The centre of mass of box and block, U, in all pictures.
-    pub const CENTRE: Colour = ORANGE;
+    /// The relative luminance of WCAG 2.2, from 0, black, to 1, white: how light the colour is to the eye, and in grey.
+    ///
+    /// ```
+    /// use vibro::figures::canvas::Colour;
+    ///
+    /// assert_eq!((Colour(0, 0, 0).luminance(), Colour(255, 255, 255).luminance()), (0.0, 1.0));
+    /// ```
+    #[must_use]
+    pub fn luminance(self) -> f64 {
+        let linear = |part: u8| match f64::from(part) / 255.0 {
+            v if v <= 0.04045 => v / 12.92,
+            v => ((v + 0.055) / 1.055).powf(2.4),
+        };
+        0.2126 * linear(self.0) + 0.7152 * linear(self.1) + 0.0722 * linear(self.2)
+    }
 }
 
 /// A place in units of the drawing, from the upper left corner.
@@ -147,6 +130,8 @@ pub fn text_width(words: &str, size: f64) -> f64 {
 #[derive(Debug, Default)]
 pub struct Canvas {
     body: String,
+    /// Names of the rectangles at which parts are cut.
+    clips: BTreeSet<String>,
     /// Whether a coordinate was not finite.
     broken: bool,
 }
@@ -286,15 +271,16 @@ impl Canvas {
         self.push(format_args!("</g>\n"));
     }
 
-    /// What `draw` draws, cut at the edges of a rectangle. Its name in the file is made of its numbers, so that a page may
-    /// hold many pictures: rectangles of one name are equal.
+    /// What `draw` draws, cut at the edges of a rectangle, whose name in the file is made of its numbers.
     pub fn clipped(&mut self, [a, b]: [Place; 2], draw: impl FnOnce(&mut Self)) {
         let (x, y) = (self.number(a.0), self.number(a.1));
         let (w, h) = (self.number(b.0 - a.0), self.number(b.1 - a.1));
         let name = format!("clip-{x}-{y}-{w}-{h}");
-        self.push(format_args!(
-            "<clipPath id=\"{name}\"><rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/></clipPath>\n"
-        ));
+        if self.clips.insert(name.clone()) {
+            self.push(format_args!(
+                "<clipPath id=\"{name}\"><rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/></clipPath>\n"
+            ));
+        }
         self.push(format_args!("<g clip-path=\"url(#{name})\">\n"));
         draw(self);
         self.push(format_args!("</g>\n"));

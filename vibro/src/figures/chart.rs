@@ -42,6 +42,8 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// Whether it is logarithmic.
     pub log: bool,
+    /// How many units of the label one unit of the data is; 1 where `None`. The numbers at the ticks are in the label's unit.
+    pub factor: Option<f64>,
     /// Names at 1, 2, … in place of numbers.
     pub names: Vec<String>,
 }
@@ -159,6 +161,12 @@ impl Axis {
     /// An axis over a range.
     pub fn over(label: impl Into<String>, from: f64, to: f64) -> Self {
         Self { label: label.into(), range: Some((from, to)), ..Self::default() }
+    }
+
+    /// The axis with numbers in the label's unit, of which one unit of the data has so many.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self { factor: Some(factor), ..self }
     }
 
     /// A logarithmic axis over its data.

@@ -90,6 +90,8 @@ impl Figure {
         let room = f64::from(self.width() - 4 * GAP);
         let mut lines = Vec::new();
         for paragraph in &self.caption {
+            // A symbol and its value stay together.
+            let paragraph = paragraph.replace(" = ", "\u{a0}=\u{a0}");
             let mut line = String::new();
             for word in paragraph.split(' ') {
                 if !line.is_empty() && text_width(&format!("{line} {word}"), CAPTION) > room {
@@ -102,7 +104,7 @@ impl Figure {
             }
             lines.push(line);
         }
-        lines
+        lines.into_iter().map(|line| line.replace('\u{a0}', " ")).collect()
     }
 }
 

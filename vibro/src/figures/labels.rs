@@ -12,6 +12,10 @@ const AIR: f64 = 6.0;
 const APART: f64 = 26.0;
 /// Distance of the places along a curve at which a name is tried.
 const STEP: f64 = 12.0;
+/// Most places along a curve at which a name is tried.
+const TRIES: f64 = 2000.0;
+/// Most pieces of a curve beside which a name is tried, the longest first.
+const MOST_PIECES: usize = 5;
 /// Height of a name's box.
 const HEIGHT: f64 = 1.1 * SMALL;
 
@@ -84,11 +88,18 @@ impl Room {
 
     /// The middle of a name beside its curve, and the name's room marked as covered; `None` where there is none.
     pub fn place(&mut self, words: &str, pieces: &[Vec<Place>], colour: Colour) -> Option<Place> {
+        let mut longest: Vec<_> = pieces.iter().collect();
+        longest.sort_by(|a, b| length(b).total_cmp(&length(a)));
+        longest.into_iter().take(MOST_PIECES).find_map(|piece| self.place_beside(words, piece, colour))
+    }
+
+    /// The same beside one piece of the curve.
+    fn place_beside(&mut self, words: &str, piece: &[Place], colour: Colour) -> Option<Place> {
         let (half, high) = (0.5 * text_width(words, SMALL), 0.5 * HEIGHT);
         let away = AIR + SQUARE + 2.0;
-        // From the middle of the longest piece to its ends: names stand best where a curve is alone.
-        let piece = pieces.iter().max_by(|a, b| length(a).total_cmp(&length(b)))?;
-        let spots: Vec<Place> = along(piece, STEP).collect();
+        // From the middle of the piece to its ends: names stand best where a curve is alone.
+        let stride = (length(piece) / (STEP * TRIES)).ceil().max(1.0) as usize;
+        let spots: Vec<Place> = along(piece, STEP).step_by(stride).collect();
         let middle = spots.len() / 2;
         let order =
             (0..spots.len()).map(|i| if i % 2 == 0 { middle + i / 2 } else { middle - i.div_ceil(2) });

@@ -1,11 +1,12 @@
 //! One panel: axes, grid, layers and names beside curves.
 
 use super::canvas::palette::BLACK;
-use super::canvas::{Across, Along, Canvas, Colour, Pen, Place, Writing};
+use super::canvas::{Across, Along, Canvas, Colour, PNG_SHRINK, Pen, Place, Writing};
 use super::chart::{Layer, Panel, Path, Shape};
 use super::labels::Room;
 use super::scale::{Frame, Scale};
 use super::symbols::{SMALL, marks, pen, stroke};
+use std::borrow::Cow;
 
 /// Size of the text of axes and titles of panels.
 const LABEL: f64 = 34.0;
@@ -170,16 +171,20 @@ impl<'p> Layout<'p> {
     /// Draws cells: neighbours of one colour in a row become one rectangle, which spans all following rows that are equal.
     fn cells(&self, canvas: &mut Canvas, layer: &Layer) {
         let Shape::Cells { x, y, columns, cells, colours } = &layer.shape else { return };
-        let rows: Vec<&[u8]> = cells.chunks(*columns).collect();
+        // No more cells than the bitmap has pixels.
+        let f = &self.frame;
+        let most = |from: f64, to: f64| ((to - from) / f64::from(PNG_SHRINK)).max(1.0) as usize;
+        let (columns, cells) = merged(cells, *columns, (most(f.left, f.right), most(f.top, f.bottom)));
+        let rows: Vec<&[u8]> = cells.chunks(columns).collect();
         let edge = |i: usize| y.0 + (y.1 - y.0) * i as f64 / rows.len() as f64;
-        let side = |i: usize| x.0 + (x.1 - x.0) * i as f64 / *columns as f64;
+        let side = |i: usize| x.0 + (x.1 - x.0) * i as f64 / columns as f64;
         let whole = |place: Place| (place.0.round(), place.1.round());
         let mut areas = vec![Vec::new(); colours.len()];
         let mut from = 0;
         while from < rows.len() {
             let equal = rows[from..].iter().take_while(|r| **r == rows[from]).count();
             let mut column = 0;
-            while column < *columns {
+            while column < columns {
                 let class = rows[from][column];
                 let run = rows[from][column..].iter().take_while(|c| **c == class).count();
                 if let Some(areas) = areas.get_mut(usize::from(class)) {
@@ -195,5 +200,39 @@ impl<'p> Layout<'p> {
                 canvas.rectangles(areas, *colour);
             }
         }
+    }
+}
+
+/// Cells of which no more than `most` lie side by side and above one another: of those that share a place the commonest is
+/// kept, and the first of equally common ones. Also the number of columns.
+fn merged(cells: &[u8], columns: usize, most: (usize, usize)) -> (usize, Cow<'_, [u8]>) {
+    let rows = cells.len() / columns;
+    let (across, up) = (columns.min(most.0), rows.min(most.1));
+    if (across, up) == (columns, rows) {
+        return (columns, Cow::Borrowed(cells));
+    }
+    let part = |i: usize, from: usize, to: usize| i * from / to..(i + 1) * from / to;
+    let common = |i: usize, j: usize| {
+        let mut counts = [0_u32; 256];
+        for row in part(j, rows, up) {
+            let row = &cells[row * columns..(row + 1) * columns];
+            part(i, columns, across).for_each(|column| counts[usize::from(row[column])] += 1);
+        }
+        (0..=u8::MAX).rev().max_by_key(|class| counts[usize::from(*class)]).unwrap_or_default()
+    };
+    (across, (0..up).flat_map(|j| (0..across).map(move |i| common(i, j))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merged_cells_are_the_commonest() {
+        let cells = [0, 0, 1, 2, 0, 3, 1, 2, 5, 5, 4, 4, 5, 6, 4, 7];
+        assert_eq!(merged(&cells, 4, (4, 4)), (4, Cow::Borrowed(&cells[..])));
+        assert_eq!(merged(&cells, 4, (2, 2)), (2, Cow::Owned(vec![0, 1, 5, 4])));
+        // Three columns of four: the last has two of them.
+        assert_eq!(merged(&[1, 2, 3, 3], 4, (3, 9)), (3, Cow::Owned(vec![1, 2, 3])));
     }
 }

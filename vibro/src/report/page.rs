@@ -11,11 +11,16 @@ use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 use vibro_analysis::{ParameterSet, short};
 
-const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;max-width:1200px;margin:2em auto;padding:0 1em}\
-h1,h2,h3{line-height:1.2}table{border-collapse:collapse;width:100%}td,th{border:1px solid #ccc;padding:.4em .6em;\
-text-align:left;vertical-align:top}th{background:#f3f3f3}td.n{text-align:right;white-space:nowrap}\
-img{max-width:100%;border:1px solid #ddd}.agrees{background:#e2f2e6}.partly{background:#fdf3d8}.differs{background:#f9dedc}\
-.note{background:#eef3fa;padding:.8em 1em}small{color:#555}";
+const STYLE: &str = ":root{color-scheme:light dark;--text:#222;--paper:#fff;--line:#ccc;--head:#f3f3f3;--yes:#e2f2e6;\
+--partly:#fdf3d8;--no:#f9dedc;--note:#eef3fa;--small:#555}\
+@media (prefers-color-scheme:dark){:root{--text:#e4e4e4;--paper:#16181b;--line:#555;--head:#2a2d31;--yes:#173a24;\
+--partly:#423510;--no:#4a2020;--note:#1f2c3c;--small:#b8b8b8}}\
+body{font:16px/1.5 sans-serif;color:var(--text);background:var(--paper);max-width:1200px;margin:2em auto;padding:0 1em;\
+overflow-wrap:break-word}h1,h2,h3{line-height:1.2}.wide{overflow-x:auto}table{border-collapse:collapse;width:100%}\
+td,th{border:1px solid var(--line);padding:.4em .6em;text-align:left;vertical-align:top}th{background:var(--head)}\
+td.n{text-align:right;white-space:nowrap}img{max-width:100%;height:auto;border:1px solid var(--line)}\
+.agrees{background:var(--yes)}.partly{background:var(--partly)}.differs{background:var(--no)}\
+.note{background:var(--note);padding:.8em 1em}small{color:var(--small)}";
 
 /// The whole page; `spectra` is the table of exponents, whose last column is a word.
 pub(super) fn page(
@@ -32,7 +37,8 @@ pub(super) fn page(
         + "<h2>Figures</h2>\n"
         + &figures.collect::<String>();
     Ok(format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>vibro-impact: the study redone</title>\
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>vibro-impact: the study redone</title>\
          <style>{STYLE}</style></head>\n<body>\n{body}</body></html>\n"
     ))
 }
@@ -65,8 +71,8 @@ fn comparison(statements: &[Statement]) -> String {
         format!("<tr class=\"{class}\"><td>{}</td></tr>\n", cells.join("</td><td>"))
     };
     format!(
-        "<h2>The paper's statements and what is found</h2>\n<table><tr><th>where</th><th>the paper</th>\
-         <th>found here</th><th>verdict</th></tr>\n{}</table>\n",
+        "<h2>The paper's statements and what is found</h2>\n<div class=\"wide\"><table><tr><th>where</th><th>the paper</th>\
+         <th>found here</th><th>verdict</th></tr>\n{}</table></div>\n",
         statements.iter().map(row).collect::<String>()
     )
 }
@@ -87,7 +93,7 @@ fn exponents(spectra: &Table) -> String {
     };
     format!(
         "<h2>Spectra of Lyapunov exponents (cf. table 2)</h2>\n<p>Per unit of the dimensionless time τ, value rising.</p>\n\
-         <table><tr>{}</tr>\n{}</table>\n",
+         <div class=\"wide\"><table><tr>{}</tr>\n{}</table></div>\n",
         spectra.header.iter().map(name).collect::<String>(),
         spectra.rows.iter().map(row).collect::<String>()
     )

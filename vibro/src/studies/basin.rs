@@ -1,6 +1,7 @@
 //! Pictures and tables of basins of attraction.
 
 use super::Study;
+use super::lengths::Lengths;
 use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
@@ -136,12 +137,13 @@ fn legend(basin: &Basin) -> Vec<Layer> {
     layers
 }
 
-fn axis(axis: &InitialValueAxis) -> Axis {
-    let symbol = match axis.coordinate {
-        i @ 0..3 => format!("X{}", ["₁", "₂", "₃"][i]),
-        i => format!("dX{}/dτ", ["₁", "₂", "₃"][i - 3]),
+fn axis(lengths: &Lengths, axis: &InitialValueAxis) -> Axis {
+    const SYMBOLS: [&str; 3] = ["X₁", "X₂", "X₃"];
+    let shown = match axis.coordinate {
+        i @ 0..3 => lengths.axis(&lengths.displacement(SYMBOLS[i])),
+        i => lengths.rates(&[SYMBOLS[i - 3]]),
     };
-    Axis::over(format!("{symbol} at τ = 0 (units of L)"), axis.from, axis.to)
+    Axis { label: format!("at the start: {}", shown.label), range: Some((axis.from, axis.to)), ..shown }
 }
 
 fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
@@ -151,10 +153,12 @@ fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
         "{} × {} starts, the other initial values zero; {} periods discarded. Past the paper.",
         request.x.count, request.y.count, request.discard
     );
+    let lengths = Lengths::of(set);
+    let (x, y) = (axis(&lengths, &request.x), axis(&lengths, &request.y));
     Figure {
         title: "Basins of attraction".into(),
         caption: vec![method, set.caption()],
-        panels: vec![Panel { title: String::new(), x: axis(&request.x), y: axis(&request.y), layers }],
+        panels: vec![Panel { title: String::new(), x, y, layers }],
         columns: 1,
         panel: (2300, 1700),
         shared_legend: true,

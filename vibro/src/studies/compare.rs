@@ -1,12 +1,13 @@
 //! Steady motion by theory against simulation (figures 8, 16, 17).
 
+use super::lengths::Lengths;
 use super::steady::{comparison_panel, four_panels};
 use super::steady_motion::{MotionSample, SteadyMotion, simulated};
 use super::sweep::{maxima_table, overlay};
 use super::{PANEL, Study};
 use crate::Result;
 use crate::figures::canvas::palette::{BLOCK, BOX, CENTRE, SECONDARY};
-use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, observe};
@@ -194,10 +195,11 @@ impl Run {
         std::array::from_fn(|k| self.predicted[k] / self.simulated[k] - 1.0)
     }
 
-    fn panel(&self, letter: char) -> Panel {
-        let title = format!("({letter}) U and W, ε = {}", short(self.epsilon));
+    fn panel(&self, letter: char, lengths: &Lengths) -> Panel {
+        let [u, w] = ["U", "W"].map(|s| lengths.displacement(s));
+        let title = format!("({letter}) {u} and {w}, ε = {}", short(self.epsilon));
         let theory = (&self.theory[..], "multiple scales");
-        comparison_panel(&title, &[0, 1], false, theory, (&self.simulation, "simulation"))
+        comparison_panel(&title, lengths, (&[0, 1], false), theory, (&self.simulation, "simulation"))
     }
 }
 
@@ -215,7 +217,9 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     }
     let mut shown = vec![0, runs.len() / 2, runs.len() - 1];
     shown.dedup();
-    let mut panels: Vec<_> = ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter)).collect();
+    let lengths = Lengths::of(set);
+    let mut panels: Vec<_> =
+        ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter, &lengths)).collect();
     let (panel, slopes) = error_panel(char::from(b'a' + shown.len() as u8), &runs);
     // Nothing to draw where no value of epsilon can be compared.
     if !panel.layers.is_empty() {
@@ -261,7 +265,7 @@ fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
         runs.iter().filter_map(|r| Some((r.epsilon, 100.0 * r.errors()?[k].abs()))).collect()
     };
     let errors: [Path; 4] = std::array::from_fn(percent);
-    let symbols = ["B", "A₁", "A₂", "A₃"];
+    let names = ["B, centre of mass", "A₁, box", "A₂, block", "A₃, secondary"];
     let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
     let reason = |r: &Run| Some(format!("epsilon = {}: {}", short(r.epsilon), r.not_compared.as_ref()?));
     let (mut layers, mut remarks) = (Vec::new(), runs.iter().filter_map(reason).collect::<Vec<_>>());
@@ -279,21 +283,33 @@ fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
             rises
         ));
         let colour = [CENTRE, BOX, BLOCK, SECONDARY][k];
-        layers.push(Layer::marks(
-            &slope.map_or(symbols[k].into(), |slope| format!("{}, slope {slope:.2}", symbols[k])),
-            colour,
-            marks[k],
-            path.clone(),
-        ));
+        let name = slope.map_or(names[k].into(), |slope| format!("{}, slope {slope:.2}", names[k]));
+        layers.push(Layer::marks(&name, colour, marks[k], path.clone()));
         layers.push(Layer::line("", colour, Dash::Solid, path.clone()).stroke(THIN));
     }
-    let panel = Panel {
-        title: format!("({letter}) Errors of the amplitudes"),
-        x: Axis::log("ε (–)"),
-        y: Axis::log("relative error (%)"),
-        layers,
+    let title = format!("({letter}) Errors of the amplitudes");
+    let (x, y) = (Axis::log("ε (–)"), Axis::log("relative error (%)"));
+    let panel = match runs {
+        [one] if !layers.is_empty() => single_panel(format!("{title}, ε = {}", short(one.epsilon)), layers),
+        _ => Panel { title, x, y, layers },
     };
     (panel, remarks)
+}
+
+/// The errors at one ε side by side, from zero: a single value has no slope to show in logarithms.
+fn single_panel(title: String, mut layers: Vec<Layer>) -> Panel {
+    layers.retain(|layer| layer.name.is_some());
+    let mut highest = 0.0_f64;
+    for (place, layer) in (1..).map(f64::from).zip(&mut layers) {
+        if let Shape::Marks { points, .. } = &mut layer.shape {
+            points.iter_mut().for_each(|p| p.0 = place);
+            highest = points.iter().fold(highest, |h, p| h.max(p.1));
+        }
+    }
+    let names = ["B", "A₁", "A₂", "A₃"].map(String::from).to_vec();
+    let x = Axis { names, ..Axis::over("amplitude", 0.5, 4.5) };
+    let layers = layers.into_iter().map(|layer| layer.stroke(18)).collect();
+    Panel { title, x, y: Axis::over("relative error (%)", 0.0, 1.1 * highest), layers }
 }
 
 /// Least-squares slope in the logarithms.

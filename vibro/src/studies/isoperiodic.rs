@@ -2,8 +2,8 @@
 
 use super::Study;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY};
+use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Panel, Path, Shape, THIN};
 use crate::table::{CsvRows, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::MotionClass;
@@ -52,7 +52,7 @@ const TOLD: usize = 8;
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn isoperiodic(set: &ParameterSet, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
-    let pair = format!("({}, {})", request.x.name.symbol(), request.y.name.symbol());
+    let pair = format!("({}, {})", set.symbol(request.x.name), set.symbol(request.y.name));
     let figure = Figure {
         title: format!("Simulated motion over {pair}"),
         caption: vec![
@@ -126,15 +126,13 @@ impl PanelOver<'_> {
         let shape = Shape::Cells { x: x.edges(), y: y.edges(), columns: x.count, cells, colours };
         layers.insert(0, Layer::new("", GREY, shape));
         let edge = |name, colour| Layer::lines(name, colour, Dash::Solid, self.border.clone());
-        layers.push(edge("", Colour(255, 255, 255)).stroke(3 * THIN));
-        layers.push(edge("limit of the stable exact orbit", VERMILLION));
-        let here = vec![(x.name.value(self.set), y.name.value(self.set))];
-        layers.push(Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here));
-        let (across, up) = (x.edges(), y.edges());
+        layers.push(edge("", Colour(255, 255, 255)).stroke(LINE + 2 * THIN));
+        layers.push(edge("limit of the stable exact orbit", HERE));
+        layers.extend(super::here(self.set, x.name, y.name));
         Panel {
             title: title.into(),
-            x: Axis::over(x.name.label(), across.0, across.1),
-            y: Axis::over(y.name.label(), up.0, up.1),
+            x: super::parameter_axis(self.set, x.name, x.edges()),
+            y: super::parameter_axis(self.set, y.name, y.edges()),
             layers,
         }
     }

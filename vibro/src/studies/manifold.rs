@@ -1,8 +1,9 @@
 //! The slow invariant manifold: its shape (figure 2), its admissible part (7), its fixed points (9).
 
 use super::Study;
+use super::lengths::Lengths;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, FAMILY, GREEN, GREY, ORANGE, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, FAMILY, GREY, HERE};
 use crate::figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
 use crate::table::{Table, exact};
 use std::f64::consts::{PI, TAU};
@@ -60,7 +61,7 @@ fn shown(system: &MultipleScales, roots: &[(&'static str, FixedPoint)]) -> (f64,
 /// # Errors
 /// What multiple scales refuses.
 pub fn shapes(set: &ParameterSet) -> Result<Study> {
-    let system = MultipleScales::new(set.groups())?;
+    let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
     let roots = both(system.fixed_points());
     let (from, to) = shown(&system, &roots);
@@ -75,8 +76,8 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
         table.rows.push(vec![name.into(), exact(p.c), exact(p.b)]);
     }
     let high = system.manifold().b(to).max(m.b(from));
-    let mut sim = vec![Layer::line("slow invariant manifold B(C)", BLUE, Dash::Solid, curve(m, from, to))];
-    sim.push(Layer::marks("minimum (C_min, B_min)", VERMILLION, Mark::Square, vec![(m.c_min(), m.b_min())]));
+    let mut sim = vec![Layer::line("", FAMILY[1], Dash::Solid, curve(m, from, to)).labelled("manifold")];
+    sim.push(Layer::marks("minimum (C_min, B_min)", FAMILY[3], Mark::Square, vec![(m.c_min(), m.b_min())]));
     sim.extend(points(&roots, BLACK));
     sim.extend(labels(&roots, 0.07 * high));
     let panels = vec![
@@ -84,12 +85,12 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
             title: "(a) Sawtooth function".into(),
             x: Axis::over("phase s/π (–)", 0.0, 4.0),
             y: Axis::over("Z (–)", -1.3, 1.3),
-            layers: vec![Layer::line("", BLUE, Dash::Solid, saw)],
+            layers: vec![Layer::line("", FAMILY[1], Dash::Solid, saw)],
         },
         Panel {
             title: format!("(b) Manifold, κ = {}", short(m.kappa())),
-            x: Axis::over("C (units of L)", from, to),
-            y: Axis::over("B (units of L)", 0.0, 1.15 * high),
+            x: lengths.axis_over(&lengths.amplitude("C"), from, to),
+            y: lengths.axis_over(&lengths.amplitude("B"), 0.0, 1.15 * high),
             layers: sim,
         },
         Panel {
@@ -97,8 +98,8 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
             x: Axis::over("κ (–)", 0.0, 1.0),
             y: Axis::over("ρ (–)", 0.0, 0.7),
             layers: vec![
-                Layer::line("", BLUE, Dash::Solid, rhos),
-                Layer::marks("this set", VERMILLION, Mark::Square, vec![(m.kappa(), m.rho())]),
+                Layer::line("", FAMILY[1], Dash::Solid, rhos),
+                Layer::marks("this set", HERE, Mark::Disc, vec![(m.kappa(), m.rho())]),
             ],
         },
     ];
@@ -137,7 +138,7 @@ fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
 /// # Errors
 /// What multiple scales refuses.
 pub fn branches(set: &ParameterSet) -> Result<Study> {
-    let system = MultipleScales::new(set.groups())?;
+    let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
     let roots = both(system.fixed_points());
     let (from, mut to) = shown(&system, &roots);
@@ -149,29 +150,29 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
     };
     let tests = vec![
         Layer::line("slow invariant manifold", BLACK, Dash::Solid, curve(m, from, to)).stroke(3),
-        wide("geometrically allowed (0 < C ≤ C_Gmax)", ORANGE, 30, 0.0, m.c_gmax()),
-        wide("stable fixed point (SFP)", BLUE, 18, left.0, left.1),
-        wide("", BLUE, 18, right.0, right.1),
-        wide("stable periodic motion (SPM)", VERMILLION, 8, m.c_smin(), m.c_smax()),
+        wide("geometrically allowed (0 < C ≤ C_Gmax)", FAMILY[4], 34, 0.0, m.c_gmax()).pale(),
+        wide("stable fixed point (SFP)", FAMILY[3], 20, left.0, left.1),
+        wide("", FAMILY[3], 20, right.0, right.1),
+        wide("stable periodic motion (SPM)", FAMILY[0], 8, m.c_smin(), m.c_smax()),
     ];
     let (near, top) = (0.5_f64.min(low - 0.3), 2.2_f64.max(high + 0.3));
     let mut all = vec![
         Layer::line("slow invariant manifold", GREY, Dash::Solid, curve(m, near.min(from), top)),
-        wide("all three tests hold (S)", GREEN, 18, low, high),
+        wide("all three tests hold (S)", FAMILY[4], 18, low, high),
     ];
     all.extend(points(&roots, BLACK));
     all.extend(labels(&roots, 0.1));
     let panels = vec![
         Panel {
             title: "(a) Each test on its own".into(),
-            x: Axis::over("C (units of L)", from, to),
-            y: Axis::over("B (units of L)", 0.0, 1.05 * m.b(to)),
+            x: lengths.axis_over(&lengths.amplitude("C"), from, to),
+            y: lengths.axis_over(&lengths.amplitude("B"), 0.0, 1.05 * m.b(to)),
             layers: tests,
         },
         Panel {
             title: "(b) All tests, and the fixed points".into(),
-            x: Axis::over("C (units of L)", from.min(near), top),
-            y: Axis::over("B (units of L)", 0.0, 1.1 * m.b(top).max(m.b(from))),
+            x: lengths.axis_over(&lengths.amplitude("C"), from.min(near), top),
+            y: lengths.axis_over(&lengths.amplitude("B"), 0.0, 1.1 * m.b(top).max(m.b(from))),
             layers: all,
         },
     ];
@@ -245,7 +246,7 @@ pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study>
         Figure {
             title: format!("Fixed points for some {} (cf. figure 9)", name.symbol()),
             caption: vec![
-                format!("{} differs between the panels; else:", name.symbol()),
+                format!("{} differs between the panels; else:", set.symbol(name)),
                 set.caption_but(&[name]),
             ],
             panels,
@@ -257,7 +258,7 @@ pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study>
 }
 
 fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
-    let system = MultipleScales::new(set.groups())?;
+    let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
     let roots = both(system.fixed_points());
     for (root, p) in &roots {
@@ -273,16 +274,16 @@ fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut 
     let (from, to) = (from.min(-1.0), to.max(2.4));
     let mut layers = vec![
         Layer::line("slow invariant manifold", GREY, Dash::Solid, curve(m, from, to)),
-        Layer::line("all three tests hold (S)", FAMILY[2], Dash::Solid, curve(m, low, high)).stroke(3 * LINE),
+        Layer::line("all three tests hold (S)", FAMILY[4], Dash::Solid, curve(m, low, high)).stroke(3 * LINE),
     ];
     layers.extend(points(&roots, BLACK));
     let top = 1.1 * m.b(from).max(m.b(to));
     layers.extend(labels(&roots, 0.08 * top));
     let letter = char::from(b'a' + (index % 26) as u8);
     Ok(Panel {
-        title: format!("({letter}) {} = {}", name.symbol(), name.with_unit(value)),
-        x: Axis::over("C (units of L)", from, to),
-        y: Axis::over("B (units of L)", 0.0, top),
+        title: format!("({letter}) {}", set.told(name, value)),
+        x: lengths.axis_over(&lengths.amplitude("C"), from, to),
+        y: lengths.axis_over(&lengths.amplitude("B"), 0.0, top),
         layers,
     })
 }

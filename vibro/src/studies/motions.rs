@@ -1,9 +1,10 @@
 //! Simulated motions: time histories (figure 13), phase portraits (figure 15), running exponents.
 
+use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, FAMILY, RELATIVE, SECONDARY, VERMILLION};
+use crate::figures::canvas::palette::{BLOCK, BOX, FAMILY, RELATIVE, SECONDARY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
@@ -26,7 +27,7 @@ const WANDERING: u32 = 60;
 const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
 
 /// W, X1, X3 over time or their portraits: indices into [`MotionSample`]'s quantities.
-const SHOWN: [(usize, &str, Colour); 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
+const SHOWN: [Quantity; 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
 
 /// What is worth knowing of a motion with modulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +73,7 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
     let mut table = Table::new(&[name.name(), "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
     let mut panels = Vec::new();
     let mut found = None;
-    let own = name.value(set);
+    let (own, lengths) = (name.value(set), Lengths::of(set));
     for (value, periods, letters) in [(own, STEADY, "abc"), (other, MODULATED, "def")] {
         let p = *set.with(name, value)?.parameters();
         let mut simulator = settled_simulator(&p, &moving_block(&p), TRANSIENT)?;
@@ -86,13 +87,13 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
         }
         found = Some(modulation(&points, &flights, periods));
         let mut letters = letters.chars();
-        let mut title = |what: &str| {
-            format!("({}) {what}, {} = {}", letters.next().unwrap_or(' '), name.symbol(), short(value))
-        };
+        let mut title =
+            |what: &str| format!("({}) {what}, {}", letters.next().unwrap_or(' '), set.told(name, value));
         let width = if periods > STEADY { 2 } else { THIN };
-        panels.push(history(&title("W"), &points, &SHOWN[..1], width));
-        panels.push(history(&title("X₁ and X₃"), &points, &SHOWN[1..], width));
-        panels.push(portrait(&title("phase portraits"), &points, &SHOWN, width));
+        let shown = Shown { lengths: &lengths, points: &points, width };
+        panels.push(shown.history(&title(&lengths.displacement("W")), &SHOWN[..1]));
+        panels.push(shown.history(&title(&lengths.displacements(&["X₁", "X₃"])), &SHOWN[1..]));
+        panels.push(shown.portrait(&title("phase portraits"), &SHOWN));
     }
     let Some(modulation) = found else { unreachable!("two values") };
     let figure = Figure {
@@ -114,34 +115,49 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
     Ok((Study::of("figure-13", what, &table, figure)?.with_remarks(vec![remark]), modulation))
 }
 
-fn history(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
-    let first = points.first().map_or(0.0, |p| p.time);
-    let end = points.last().map_or(1.0, |p| p.time - first);
-    let path = |q: usize| -> Path { points.iter().map(|p| (p.time - first, p.x[q])).collect() };
-    let curve = |(q, name, colour): &(usize, &str, Colour)| {
-        Layer::line(name, *colour, Dash::Solid, path(*q)).stroke(width)
-    };
-    let names: Vec<_> = shown.iter().map(|s| s.1).collect();
-    Panel {
-        title: title.into(),
-        x: Axis::over("time Ω₁τ/2π (drive periods)", 0.0, end),
-        y: Axis::new(format!("{} (units of L)", names.join(", "))),
-        layers: shown.iter().map(curve).collect(),
-    }
+/// A quantity: its index in [`MotionSample`], its symbol and its colour.
+type Quantity = (usize, &'static str, Colour);
+
+/// A motion as panels show it.
+struct Shown<'a> {
+    lengths: &'a Lengths,
+    points: &'a [MotionSample],
+    width: u32,
 }
 
-fn portrait(title: &str, points: &[MotionSample], shown: &[(usize, &str, Colour)], width: u32) -> Panel {
-    let path = |q: usize| -> Path { points.iter().map(|p| (p.x[q], p.v[q])).collect() };
-    let curve = |(q, name, colour): &(usize, &str, Colour)| {
-        Layer::line(name, *colour, Dash::Solid, path(*q)).stroke(width)
-    };
-    let names: Vec<_> = shown.iter().map(|s| s.1.split(',').next().unwrap_or_default()).collect();
-    let rates: Vec<_> = names.iter().map(|n| format!("d{n}/dτ")).collect();
-    Panel {
-        title: title.into(),
-        x: Axis::new(format!("{} (units of L)", names.join(", "))),
-        y: Axis::new(format!("{} (units of L)", rates.join(", "))),
-        layers: shown.iter().map(curve).collect(),
+impl Shown<'_> {
+    fn curves(&self, of: &[Quantity], point: impl Fn(&MotionSample, usize) -> (f64, f64)) -> Vec<Layer> {
+        let curve = |(q, symbol, colour): &Quantity| {
+            let path: Path = self.points.iter().map(|p| point(p, *q)).collect();
+            let line = Layer::line("", *colour, Dash::Solid, path).stroke(self.width);
+            line.labelled(self.lengths.displacement(symbol))
+        };
+        of.iter().map(curve).collect()
+    }
+
+    fn symbols(of: &[Quantity]) -> Vec<&'static str> {
+        of.iter().map(|q| q.1).collect()
+    }
+
+    fn history(&self, title: &str, of: &[Quantity]) -> Panel {
+        let first = self.points.first().map_or(0.0, |p| p.time);
+        let end = self.points.last().map_or(1.0, |p| p.time - first);
+        Panel {
+            title: title.into(),
+            x: Axis::over("time Ω₁τ/2π (drive periods)", 0.0, end),
+            y: self.lengths.axis(&self.lengths.displacements(&Self::symbols(of))),
+            layers: self.curves(of, |p, q| (p.time - first, p.x[q])),
+        }
+    }
+
+    fn portrait(&self, title: &str, of: &[Quantity]) -> Panel {
+        let symbols = Self::symbols(of);
+        Panel {
+            title: title.into(),
+            x: self.lengths.axis(&self.lengths.displacements(&symbols)),
+            y: self.lengths.rates(&symbols),
+            layers: self.curves(of, |p, q| (p.x[q], p.v[q])),
+        }
     }
 }
 
@@ -159,7 +175,7 @@ fn inside(p: &Parameters, s: &StroboscopicState) -> State {
 /// What the simulator refuses.
 pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f64]) -> Result<Study> {
     let mut table = Table::new(&[name.name(), "class", "time", "X2", "dX2"]);
-    let mut panels = Vec::new();
+    let (mut panels, lengths) = (Vec::new(), Lengths::of(set));
     for (letter, value) in ('a'..).zip(values) {
         let Some(point) = diagram.nearest(*value) else { continue };
         let samples = continued(set.with(name, point.value)?.parameters(), point)?;
@@ -167,19 +183,17 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
             let state = [sample.time, sample.x[3], sample.v[3]].map(exact);
             table.rows.push([vec![exact(point.value), point.class.name()], state.to_vec()].concat());
         }
-        let title = format!("({letter}) {} = {}: {}", name.symbol(), short(point.value), point.class.name());
-        let (name, colour, width) = match point.attractor.period {
-            Some(_) => ("X₂", BLOCK, THIN),
-            None => ("X₂", BLOCK, 2),
-        };
-        panels.push(portrait(&title, &samples, &[(3, name, colour)], width));
+        let title = format!("({letter}) {}: {}", set.told(name, point.value), point.class.name());
+        let width = if point.attractor.period.is_some() { THIN } else { 2 };
+        let shown = Shown { lengths: &lengths, points: &samples, width };
+        panels.push(shown.portrait(&title, &[(3, "X₂", BLOCK)]));
     }
     let figure = Figure {
         title: "Phase portraits of the block (cf. figure 15)".into(),
         caption: vec![
             format!(
                 "Motions of the sweep with {} rising, over their period, or over {WANDERING} periods.",
-                name.symbol()
+                set.symbol(name)
             ),
             format!("Elsewhere {}", set.caption_but(&[name])),
         ],
@@ -217,7 +231,8 @@ pub fn running(
         Ok((*value, dimensionless(&mut simulator, options)?))
     };
     let runs = values.par_iter().map(run).collect::<Result<Vec<_>>>()?;
-    let panels: Vec<_> = ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, along, run)).collect();
+    let panels: Vec<_> =
+        ('a'..).zip(&runs).map(|(letter, run)| running_panel(letter, set, along, run)).collect();
     let figure = Figure {
         title: "Lyapunov exponents on their way".into(),
         caption: vec![format!("Elsewhere {}", set.caption_but(&[along]))],
@@ -245,15 +260,20 @@ fn running_table(name: Name, runs: &[(f64, Convergence)]) -> Table {
     table
 }
 
-fn running_panel(letter: char, name: Name, (value, found): &(f64, Convergence)) -> Panel {
+fn running_panel(
+    letter: char,
+    set: &ParameterSet,
+    along: Name,
+    (value, found): &(f64, Convergence),
+) -> Panel {
     let path = |i: usize| (1..).zip(&found.running).map(|(n, e)| (f64::from(n), e[i])).collect();
-    let colours = FAMILY.into_iter().chain([BLACK, VERMILLION]);
+    let colours = FAMILY.into_iter().cycle();
     let curve = |(i, (name, colour)): (usize, (&str, Colour))| {
-        let dash = if i > 5 { Dash::Dashed } else { Dash::Solid };
-        Layer::line(name, colour, dash, path(i)).stroke(THIN)
+        let dash = if i < FAMILY.len() { Dash::Solid } else { Dash::Dashed };
+        Layer::line("", colour, dash, path(i)).stroke(THIN).labelled(name)
     };
     Panel {
-        title: format!("({letter}) {} = {}", name.symbol(), short(*value)),
+        title: format!("({letter}) {}", set.told(along, *value)),
         x: Axis::over("drive periods", 0.0, f64::from(found.spectrum.periods)),
         y: Axis::new("λ (per unit of τ)"),
         layers: EXPONENTS.into_iter().zip(colours).enumerate().map(curve).collect(),

@@ -2,8 +2,8 @@
 
 use super::Study;
 use crate::Result;
-use crate::figures::canvas::palette::{BLUE, GREY, ORANGE, VERMILLION};
-use crate::figures::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Shape};
+use crate::figures::canvas::palette::{BLUE, GREY, ORANGE};
+use crate::figures::chart::{Colour, Figure, Layer, Panel, Shape};
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use vibro_analysis::ParameterSet;
@@ -67,17 +67,13 @@ fn panel(set: &ParameterSet, index: usize, plane: &Plane, count: usize) -> Panel
         cells: plane.classes.iter().map(|c| *c as u8).collect(),
         colours: vec![None, Some(LIGHT), Some(BLUE), Some(ORANGE)],
     };
-    let here = vec![(x.name.value(set), y.name.value(set))];
     let letter = char::from(b'a' + (index % 26) as u8);
-    let pair = format!("({}, {})", x.name.symbol(), y.name.symbol());
+    let pair = format!("({}, {})", set.symbol(x.name), set.symbol(y.name));
     Panel {
         title: if count > 1 { format!("({letter}) {pair}") } else { pair },
-        x: Axis::over(x.name.label(), x_range.0, x_range.1),
-        y: Axis::over(y.name.label(), y_range.0, y_range.1),
-        layers: vec![
-            Layer::new("", GREY, cells),
-            Layer::marks("this set of parameters", VERMILLION, Mark::Disc, here),
-        ],
+        x: super::parameter_axis(set, x.name, x_range),
+        y: super::parameter_axis(set, y.name, y_range),
+        layers: [vec![Layer::new("", GREY, cells)], super::here(set, x.name, y.name).into()].concat(),
     }
 }
 

@@ -1,11 +1,13 @@
 //! Frequency and force response curves (figures 10, 11), and the response along any other parameter.
 
+use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{FAMILY, GREY, VERMILLION};
-use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
+use crate::figures::canvas::palette::{FAMILY, GREY, HERE};
+use crate::figures::chart::{Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
+use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::{Response, ResponsePoint, response};
 use vibro_analysis::{Name, ParameterSet};
@@ -17,7 +19,7 @@ const WIDE: u32 = 14;
 
 const METHODS: [Method; 2] = [Method::MultipleScales, Method::ExactOrbit];
 
-const HEADER: [&str; 15] = [
+const HEADER: [&str; 16] = [
     "along",
     "value",
     "member",
@@ -29,6 +31,7 @@ const HEADER: [&str; 15] = [
     "A1",
     "A2",
     "A3",
+    "W",
     "stable",
     "clear",
     "right_branch",
@@ -74,6 +77,7 @@ fn table(along: Name, families: &[Family]) -> Table {
                             exact(p.a[0]),
                             exact(p.a[1]),
                             exact(p.a[2]),
+                            exact(p.w),
                             p.stable.to_string(),
                             p.clear.to_string(),
                             p.right.to_string(),
@@ -110,53 +114,122 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>;
     parts
 }
 
-fn panel(title: String, x: Axis, own: Option<(f64, &str)>, family: &Family, third: bool) -> Panel {
-    let y = |p: &ResponsePoint| if third { p.a[2] } else { p.c };
-    let mut layers = Vec::new();
-    let mut highest = 0.0_f64;
-    let mut over = Vec::new();
-    for ((value, responses), colour) in family.members.iter().zip(FAMILY.into_iter().cycle()) {
-        let name = format!("{} = {}", family.name.symbol(), family.name.with_unit(*value));
-        for r in responses {
-            let [stable, unstable] = pieces(r, y);
-            let points = stable.iter().chain(&unstable).flatten();
-            highest = points.fold(highest, |h, p| h.max(p.1));
-            let lines = |dash, pieces| Layer::lines("", colour, dash, pieces);
-            if r.method == Method::ExactOrbit {
-                over.push(lines(Dash::Solid, stable).stroke(THIN));
-                over.push(lines(Dash::Dotted, unstable).stroke(THIN));
-            } else {
-                // The name stands beside the stable part, or the other where there is none.
-                let mut curves = [lines(Dash::Solid, stable), lines(Dash::Dotted, unstable)];
-                let none = curves[0].extent().is_empty();
-                let named = &mut curves[usize::from(none)];
-                *named = named.clone().labelled(&name);
-                layers.extend(curves.map(|curve| curve.stroke(WIDE).pale()));
-            }
+/// The amplitude that a panel shows.
+#[derive(Clone, Copy)]
+enum Shown {
+    C,
+    A3,
+    /// That of a coordinate, asked for by name.
+    Of(Displacement),
+}
+
+impl Shown {
+    /// What one figure shows of each family: the paper's C and A3, or the amplitude asked for.
+    fn of(asked: Option<Displacement>) -> Vec<Self> {
+        asked.map_or_else(|| vec![Self::C, Self::A3], |of| vec![Self::Of(of)])
+    }
+
+    /// In units of L.
+    fn value(self, p: &ResponsePoint) -> f64 {
+        match self {
+            Self::C => p.c,
+            Self::A3 => p.a[2],
+            // A sum has no name to ask for it by.
+            Self::Of(of) => p.amplitude(of).unwrap_or(p.c),
         }
     }
-    layers.extend(over);
-    for (name, dash, width) in [
+
+    fn name(self, lengths: &Lengths) -> String {
+        match self {
+            Self::C => lengths.amplitude("C"),
+            Self::A3 => lengths.amplitude("A₃"),
+            Self::Of(of) => format!("amplitude of {}", lengths.displacement(of.symbol())),
+        }
+    }
+}
+
+/// What the panels of a figure have in common.
+struct Panels<'a> {
+    set: &'a ParameterSet,
+    lengths: Lengths,
+    along: Name,
+    range: (f64, f64),
+}
+
+impl Panels<'_> {
+    /// Where the set itself is, if its value was set and is in the range.
+    fn own(&self) -> Option<f64> {
+        let own = self.along.value(self.set);
+        (self.set.is_set(self.along) && (self.range.0..=self.range.1).contains(&own)).then_some(own)
+    }
+
+    fn panel(&self, title: String, family: &Family, shown: Shown) -> Panel {
+        let mut layers = Vec::new();
+        let mut highest = 0.0_f64;
+        let mut over = Vec::new();
+        for ((value, responses), colour) in family.members.iter().zip(FAMILY.into_iter().cycle()) {
+            let name = self.set.told(family.name, *value);
+            // Lengths are in units of the gap of their point.
+            let member = self.lengths.ratio(family.name, *value);
+            let y = |p: &ResponsePoint| member * self.lengths.ratio(self.along, p.value) * shown.value(p);
+            for r in responses {
+                let [stable, unstable] = pieces(r, y);
+                let points = stable.iter().chain(&unstable).flatten();
+                highest = points.fold(highest, |h, p| h.max(p.1));
+                let lines = |dash, pieces| Layer::lines("", colour, dash, pieces);
+                if r.method == Method::ExactOrbit {
+                    over.push(lines(Dash::Solid, stable).stroke(THIN));
+                    over.push(lines(Dash::Dotted, unstable).stroke(THIN));
+                } else {
+                    // The name stands beside the part with more points: where there is one, and more room.
+                    let mut curves = [lines(Dash::Solid, stable), lines(Dash::Dotted, unstable)];
+                    let more = curves[1].extent().len() > curves[0].extent().len();
+                    let named = &mut curves[usize::from(more)];
+                    *named = named.clone().labelled(&name);
+                    layers.extend(curves.map(|curve| curve.stroke(WIDE).pale()));
+                }
+            }
+        }
+        layers.extend(over);
+        layers.extend(samples());
+        let top = if highest > 0.0 { 1.05 * highest } else { 1.0 };
+        if let Some(own) = self.own() {
+            let line = Layer::line("", HERE, Dash::Dotted, vec![(own, 0.0), (own, top)]).stroke(THIN);
+            layers.push(line.labelled(format!("this set: {}", self.set.told(self.along, own))));
+        }
+        Panel {
+            title,
+            x: super::parameter_axis(self.set, self.along, self.range),
+            y: self.lengths.axis_over(&shown.name(&self.lengths), 0.0, top),
+            layers,
+        }
+    }
+}
+
+/// How theories and stability are told apart, for the legend.
+fn samples() -> impl Iterator<Item = Layer> {
+    let all = [
         ("multiple scales, stable", Dash::Solid, WIDE),
         ("multiple scales, unstable", Dash::Dotted, WIDE),
         ("exact orbit, stable", Dash::Solid, THIN),
         ("exact orbit, unstable", Dash::Dotted, THIN),
-    ] {
+    ];
+    all.into_iter().map(|(name, dash, width)| {
         let sample = Layer::lines(name, GREY, dash, Vec::new()).stroke(width);
-        layers.push(if width == WIDE { sample.pale() } else { sample });
-    }
-    let top = if highest > 0.0 { 1.05 * highest } else { 1.0 };
-    if let Some((value, name)) = own {
-        layers
-            .push(Layer::line(name, VERMILLION, Dash::Dotted, vec![(value, 0.0), (value, top)]).stroke(THIN));
-    }
-    let label = if third { "A₃ (units of L)" } else { "C (units of L)" };
-    Panel { title, x, y: Axis::over(label, 0.0, top), layers }
+        if width == WIDE { sample.pale() } else { sample }
+    })
 }
 
-fn caption(set: &ParameterSet, varied: &[Name]) -> Vec<String> {
-    let exact = "Pale and wide: multiple scales. Thin: exact orbit; for it C is A₂/(1 − ε + ε²). Shown where C > C_Smin (right branch).";
-    vec![exact.into(), set.caption_but(varied)]
+fn caption(set: &ParameterSet, varied: &[Name], of: Option<Displacement>) -> Vec<String> {
+    let exact = match of {
+        None => "Thin: exact orbit; for it C is A₂/(1 − ε + ε²).",
+        Some(Displacement::W) => {
+            "Thin: exact orbit. In this motion the block goes from stop to stop: the amplitude of w is L."
+        }
+        Some(_) => "Thin: exact orbit.",
+    };
+    let text = format!("Pale and wide: multiple scales. {exact} Shown where C > C_Smin (right branch).");
+    vec![text, set.caption_but(varied)]
 }
 
 /// What the response figures differ in.
@@ -170,10 +243,12 @@ struct ResponseFigure<'a> {
     range: (f64, f64),
     /// The families of curves: the parameter that differs between the members, what they are, and its values.
     families: &'a [(Name, &'a str, &'a [f64])],
+    /// The coordinate whose amplitude is shown; the paper's C and A3 where there is none.
+    of: Option<Displacement>,
 }
 
 impl ResponseFigure<'_> {
-    /// C and A3 of each family. A family without a value is left out, and so is one whose only curve, that of the set
+    /// The amplitudes of each family. A family without a value is left out, and so is one whose only curve, that of the set
     /// itself, is in another family already.
     fn study(&self, set: &ParameterSet) -> Result<Study> {
         let (along, range) = (self.along, self.range);
@@ -188,71 +263,94 @@ impl ResponseFigure<'_> {
         }
         let families =
             shown.iter().map(|f| family(set, along, range, (f.0, f.2))).collect::<Result<Vec<_>>>()?;
+        let panels = Panels { set, lengths: Lengths::of(set), along, range };
         // Between the families of one figure other parameters differ: each panel tells those of the other families.
         let elsewhere = |name: Name| {
             let others = shown.iter().map(|f| f.0).filter(|other| *other != name);
-            let told = others.map(|o| format!("; {} = {}", o.symbol(), o.with_unit(o.value(set))));
-            told.collect::<String>()
+            others.map(|o| format!("; {}", set.told(o, o.value(set)))).collect::<String>()
         };
-        let pairs = families.iter().zip(&shown).flat_map(|(f, w)| [(f, "C", w.1), (f, "A₃", w.1)]);
-        let here = along.value(set);
-        let mark = set.is_set(along) && (range.0..=range.1).contains(&here);
-        let label = format!("this set: {} = {}", along.symbol(), along.with_unit(here));
-        let panels = ('a'..).zip(pairs).map(|(letter, (family, symbol, words))| {
-            let x = Axis::over(along.label(), range.0, range.1);
-            let title = format!("({letter}) {symbol} {words}{}", elsewhere(family.name));
-            panel(title, x, mark.then_some((here, &label)), family, symbol != "C")
+        let amplitudes = Shown::of(self.of);
+        let pairs =
+            families.iter().zip(&shown).flat_map(|(f, w)| amplitudes.iter().map(move |a| (f, *a, w.1)));
+        let drawn = ('a'..).zip(pairs).map(|(letter, (family, amplitude, words))| {
+            let name = amplitude.name(&panels.lengths);
+            let title = format!("({letter}) {name} {words}{}", elsewhere(family.name));
+            panels.panel(title, family, amplitude)
         });
         let varied: Vec<Name> = std::iter::once(along).chain(shown.iter().map(|f| f.0)).collect();
+        let panels: Vec<_> = drawn.collect();
         let figure = Figure {
             title: self.title.into(),
-            caption: caption(set, &varied),
-            panels: panels.collect(),
-            columns: 2,
+            caption: caption(set, &varied, self.of),
+            columns: panels.len().min(2),
+            panels,
             panel: PANEL,
             shared_legend: true,
         };
-        Study::of(self.stem, self.what, &table(along, &families), figure)
+        let (stem, what) = match self.of {
+            None => (self.stem.into(), format!("{}, multiple scales and exact orbit", self.what)),
+            Some(of) => (
+                format!("{}-{of}", self.stem),
+                format!(
+                    "response, the amplitude of {of} along {}, multiple scales and exact orbit",
+                    along.name()
+                ),
+            ),
+        };
+        Study::of(&stem, what, &table(along, &families), figure)
     }
 }
 
-/// Figure 10: C and A3 over the detuning σ̂1, for some f̂10 and for some γ̂1.
+/// Figure 10: C and A3, or the amplitude of a coordinate, over the detuning σ̂1, for some f̂10 and for some γ̂1.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn frequency(set: &ParameterSet, range: (f64, f64), f10: &[f64], gamma1: &[f64]) -> Result<Study> {
+pub fn frequency(
+    set: &ParameterSet,
+    range: (f64, f64),
+    (f10, gamma1): (&[f64], &[f64]),
+    of: Option<Displacement>,
+) -> Result<Study> {
     ResponseFigure {
         stem: "response-frequency",
         title: "Frequency response (cf. figure 10)",
-        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10, multiple scales and exact orbit",
+        what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10",
         along: Name::find("sigma1")?,
         range,
         families: &[
             (Name::find("f10")?, "for some excitation amplitudes", f10),
             (Name::find("gamma1")?, "for some dampings", gamma1),
         ],
+        of,
     }
     .study(set)
 }
 
-/// Figure 11: C and A3 over the excitation amplitude f̂10, for some detunings σ̂1.
+/// Figure 11: C and A3, or the amplitude of a coordinate, over the excitation amplitude f̂10, for some detunings σ̂1, those
+/// above resonance first.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
-pub fn force(set: &ParameterSet, range: (f64, f64), positive: &[f64], negative: &[f64]) -> Result<Study> {
+pub fn force(
+    set: &ParameterSet,
+    range: (f64, f64),
+    (positive, negative): (&[f64], &[f64]),
+    of: Option<Displacement>,
+) -> Result<Study> {
     let sigma1 = Name::find("sigma1")?;
     ResponseFigure {
         stem: "response-force",
         title: "Force response (cf. figure 11)",
-        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11, multiple scales and exact orbit",
+        what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11",
         along: Name::find("f10")?,
         range,
         families: &[(sigma1, "above resonance", positive), (sigma1, "below resonance", negative)],
+        of,
     }
     .study(set)
 }
 
-/// C and A3 along any parameter, for some values of another.
+/// C and A3, or the amplitude of a coordinate, along any parameter, for some values of another.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
@@ -261,14 +359,16 @@ pub fn along(
     along: Name,
     range: (f64, f64),
     (member, values): (Name, &[f64]),
+    of: Option<Displacement>,
 ) -> Result<Study> {
     ResponseFigure {
         stem: &format!("response-{}", along.name()),
-        title: &format!("Response along {}", along.symbol()),
-        what: &format!("response C, A₃ along {}, multiple scales and exact orbit", along.name()),
+        title: &format!("Response along {}", set.symbol(along)),
+        what: &format!("response C, A₃ along {}", along.name()),
         along,
         range,
-        families: &[(member, &format!("along {}", along.symbol()), values)],
+        families: &[(member, &format!("along {}", set.symbol(along)), values)],
+        of,
     }
     .study(set)
 }

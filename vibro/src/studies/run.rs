@@ -5,15 +5,15 @@ mod picture;
 
 use super::Study;
 use super::steady_motion::SteadyMotion;
+use crate::run_start::{self, Coordinate, Start};
 use crate::table::{CsvRows, Table, exact};
 use crate::{Error, Result};
 use history::{Extent, History, RunImpact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::{MotionClass, OBSERVED, observe};
-use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::lyapunov::{SpectrumOptions, dimensionless};
 use vibro_analysis::motion::settled_simulator;
-use vibro_analysis::stroboscopic::{dimensional, moving_block};
+use vibro_analysis::stroboscopic::moving_block;
 use vibro_impact::load::Load;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator, State};
@@ -33,7 +33,7 @@ const NAMES: [&str; 4] = ["x1", "x2", "x3", "w"];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
     /// So many drive periods.
-    Periods(u32),
+    Periods(f64),
     /// So many seconds.
     Seconds(f64),
     /// To the last sample of the loads, or 20 drive periods without loads.
@@ -49,7 +49,7 @@ pub struct Request {
     /// given.
     pub discard: Option<u32>,
     /// The start, before what is discarded; the moving block unless given.
-    pub start: Option<StartRule>,
+    pub start: Option<Start>,
     /// Rows of the table in a drive period.
     pub samples: u32,
     /// The loads, whose time 0 is the beginning of the run.
@@ -62,7 +62,7 @@ impl Request {
         let duration = match (self.length, last) {
             (Length::Seconds(s), _) => s,
             (Length::Default, Some(last)) => last,
-            (Length::Periods(n), _) => f64::from(n) * p.period(),
+            (Length::Periods(n), _) => n * p.period(),
             (Length::Default, None) => f64::from(PERIODS) * p.period(),
         };
         if duration > 0.0 && duration.is_finite() {
@@ -82,11 +82,18 @@ impl Request {
     /// The state in which the run, or what is discarded before it, begins; with its name.
     fn first_state(&self, p: &Parameters) -> Result<(State, String)> {
         match self.start.unwrap_or_default() {
-            StartRule::State(start) => {
-                let rule = StartRule::State(start);
-                Ok((dimensional(p, &start), format!("{rule} (units of L and L ω10), the rest 0")))
+            Start::Coordinates(start) => {
+                let units = if start.iter().any(|c| matches!(c, Coordinate::Si(_))) {
+                    "names with a point in m and m/s, others in units of L and L ω10"
+                } else {
+                    "units of L and L ω10"
+                };
+                Ok((
+                    run_start::state(p, &start),
+                    format!("{} ({units}), the rest 0", Start::Coordinates(start)),
+                ))
             }
-            StartRule::Orbit => match SteadyMotion::exact(p)? {
+            Start::Orbit => match SteadyMotion::exact(p)? {
                 Some(SteadyMotion::Exact(orbit)) if orbit.is_stable() => {
                     Ok((orbit.state(p.drive_phase), "the stable exact orbit".into()))
                 }

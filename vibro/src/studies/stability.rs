@@ -1,8 +1,9 @@
 //! Stability regions of the periodic motion (figure 5) and Masri's plane (figure 6).
 
+use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, SKY, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, FAMILY, HERE, SKY};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
@@ -11,13 +12,15 @@ use vibro_analysis::response::response;
 use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::parameters::Groups;
 use vibro_impact::steady::continuation;
-use vibro_impact::steady::multiple_scales::{Manifold, MultipleScales};
+use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales};
 
+/// The legend's words for the machine's own values.
+const OWN: &str = "this set of parameters";
 const POINTS: u32 = 200;
 /// Values at which the exact orbit's limits are found, and nodes of each search.
 const EXACT_POINTS: u32 = 16;
 const NODES: usize = 200;
-/// Largest ε of figure 5b.
+/// Largest ε of figure 5b, unless the machine's own is larger.
 const LARGEST_EPSILON: f64 = 0.1;
 /// Force range in which the exact orbit's limits are sought.
 const FORCES: (f64, f64) = (0.01, 12.0);
@@ -39,6 +42,17 @@ fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     Ok((least < most).then_some([least, most]))
 }
 
+/// C of the motions that multiple scales find for the force that was set; none where none was, since the regions are those over all
+/// forces.
+fn own_motions(set: &ParameterSet) -> Result<Vec<FixedPoint>> {
+    if !set.is_set(find_group("f10")?.into()) {
+        return Ok(Vec::new());
+    }
+    let roots =
+        MultipleScales::new(set.groups())?.fixed_points().into_iter().flat_map(|r| [r.upper, r.lower]);
+    Ok(roots.filter(|p| p.admissibility.geometric).collect())
+}
+
 /// What figure 5 shows.
 struct Regions {
     /// Multiple scales over κ, from 0 to 1.
@@ -47,6 +61,11 @@ struct Regions {
     own: Manifold,
     /// On the planes (κ, C) and (ε, C): the value, and the least and largest stable C of the exact orbit.
     exact: [Vec<(f64, [f64; 2])>; 2],
+    /// The set's own ε and motions.
+    epsilon: f64,
+    motions: Vec<FixedPoint>,
+    /// Largest ε shown.
+    largest: f64,
 }
 
 impl Regions {
@@ -58,12 +77,19 @@ impl Regions {
             let found = values.par_iter().map(limit).collect::<Result<Vec<_>>>()?;
             Ok(found.into_iter().flatten().collect())
         };
+        let (epsilon, motions) = (set.groups().epsilon, own_motions(set)?);
+        // The marks are not to lie on the panel's edge.
+        let largest =
+            if motions.is_empty() { LARGEST_EPSILON } else { LARGEST_EPSILON.max((1.2 * epsilon).min(1.0)) };
         Ok(Self {
+            epsilon,
+            motions,
+            largest,
             manifolds: over_kappa.collect::<vibro_impact::Result<_>>()?,
             own: Manifold::new(set.groups().kappa)?,
             exact: [
                 limits("kappa", steps(0.05, 0.95, EXACT_POINTS))?,
-                limits("epsilon", steps(0.005, LARGEST_EPSILON, EXACT_POINTS))?,
+                limits("epsilon", steps(0.005, largest, EXACT_POINTS))?,
             ],
         })
     }
@@ -75,18 +101,18 @@ impl Regions {
             table.rows.push(row(plane, value, "multiple scales", &limits));
         };
         self.manifolds.iter().for_each(|m| scales("kappa", m.kappa(), m));
-        steps(0.0, LARGEST_EPSILON, 10).into_iter().for_each(|value| scales("epsilon", value, &self.own));
+        steps(0.0, self.largest, 10).into_iter().for_each(|value| scales("epsilon", value, &self.own));
         for (plane, found) in ["kappa", "epsilon"].into_iter().zip(&self.exact) {
             table.rows.extend(found.iter().map(|(value, limits)| row(plane, *value, "exact orbit", limits)));
         }
         table
     }
 
-    fn panels(&self) -> Vec<Panel> {
+    fn panels(&self, lengths: &Lengths) -> Vec<Panel> {
         let curve = |pick: fn(&Manifold) -> f64| -> Path {
             self.manifolds.iter().map(|m| (m.kappa(), pick(m))).collect()
         };
-        let flat = |c: f64| vec![(0.0, c), (LARGEST_EPSILON, c)];
+        let flat = |c: f64| vec![(0.0, c), (self.largest, c)];
         let stable = |m: &Manifold| (m.c_smin(), m.c_smax().min(m.c_gmax()));
         let band = |x: f64, m: &Manifold| (x, stable(m).0, stable(m).1);
         let [over_kappa, over_epsilon] = &self.exact;
@@ -95,24 +121,40 @@ impl Regions {
             Panel {
                 title: "(a) Plane (κ, C)".into(),
                 x: Axis::over("κ (–)", 0.0, 1.0),
-                y: Axis::over("C (units of L)", 0.4, 2.4),
+                y: lengths.axis_over(&lengths.amplitude("C"), 0.4, 2.4),
                 layers: region_layers(
                     self.manifolds.iter().map(|m| band(m.kappa(), m)).collect(),
                     [curve(Manifold::c_smin), curve(Manifold::c_smax), curve(Manifold::c_gmax)],
                     over_kappa,
+                    self.marks(own.kappa()),
                 ),
             },
             Panel {
                 title: format!("(b) Plane (ε, C), κ = {}", short(own.kappa())),
-                x: Axis::over("ε (–)", 0.0, LARGEST_EPSILON),
-                y: Axis::over("C (units of L)", 0.4, 2.4),
+                x: Axis::over("ε (–)", 0.0, self.largest),
+                y: lengths.axis_over(&lengths.amplitude("C"), 0.4, 2.4),
                 layers: region_layers(
-                    vec![band(0.0, own), band(LARGEST_EPSILON, own)],
+                    vec![band(0.0, own), band(self.largest, own)],
                     [own.c_smin(), own.c_smax(), own.c_gmax()].map(flat),
                     over_epsilon,
+                    self.marks(self.epsilon),
                 ),
             },
         ]
+    }
+
+    /// The set's own motions at a value of the horizontal axis.
+    fn marks(&self, x: f64) -> Path {
+        self.motions.iter().map(|p| (x, p.c)).collect()
+    }
+
+    /// The set's own motions in words.
+    fn motions_in_words(&self) -> Vec<String> {
+        let word = |p: &FixedPoint| {
+            let kind = if p.admissibility.all() { "stable" } else { "unstable" };
+            format!("this set's own force: C = {:.5}, {kind}", p.c)
+        };
+        self.motions.iter().map(word).collect()
     }
 }
 
@@ -121,20 +163,26 @@ fn region_layers(
     band: Vec<(f64, f64, f64)>,
     [low, high, geometric]: [Path; 3],
     exact: &[(f64, [f64; 2])],
+    own: Path,
 ) -> Vec<Layer> {
     let marks = |end: usize| exact.iter().map(|(value, limits)| (*value, limits[end])).collect::<Path>();
-    vec![
+    let mut layers = vec![
         Layer::band("stable periodic motion", SKY, 0.45, band),
-        Layer::line("C_Smin = 1/(1 + ρ²)", BLUE, Dash::Solid, low),
-        Layer::line("C_Smax = π²/(π² − 4)", VERMILLION, Dash::Solid, high),
-        Layer::line("C_Gmax", GREEN, Dash::Dashed, geometric),
+        Layer::line("", FAMILY[0], Dash::Solid, low).labelled("C_Smin = 1/(1 + ρ²)"),
+        Layer::line("", FAMILY[2], Dash::Solid, high).labelled("C_Smax = π²/(π² − 4)"),
+        Layer::line("", FAMILY[3], Dash::Dashed, geometric).labelled("C_Gmax"),
         Layer::marks("exact orbit, least stable A₂/(1 − ε + ε²)", BLACK, Mark::Ring, marks(0)).stroke(10),
         Layer::marks("exact orbit, largest stable A₂/(1 − ε + ε²)", BLACK, Mark::Triangle, marks(1))
             .stroke(10),
-    ]
+    ];
+    if !own.is_empty() {
+        layers.push(Layer::marks(OWN, HERE, Mark::Disc, own));
+    }
+    layers
 }
 
-/// Figure 5: the region of stable periodic motions on the planes (κ, C) and (ε, C), with the limits of the exact orbit.
+/// Figure 5: the region of stable periodic motions on the planes (κ, C) and (ε, C), with the limits of the exact orbit. They
+/// hold for all forces; the motions of a force that was set are marked.
 ///
 /// # Errors
 /// What the theories refuse.
@@ -146,7 +194,7 @@ pub fn regions(set: &ParameterSet) -> Result<Study> {
             "Multiple scales to leading order: the limits do not depend on ε. The exact orbit is followed along f̂₁₀.".into(),
             set.caption(),
         ],
-        panels: regions.panels(),
+        panels: regions.panels(&Lengths::of(set)),
         columns: 2,
         panel: PANEL,
         shared_legend: true,
@@ -161,7 +209,8 @@ pub fn regions(set: &ParameterSet) -> Result<Study> {
         own.c_smax(),
         own.c_gmax()
     );
-    Ok(Study::of("stability-5", what, &regions.table(), figure)?.with_remarks(vec![remark]))
+    let remarks = std::iter::once(remark).chain(regions.motions_in_words()).collect();
+    Ok(Study::of("stability-5", what, &regions.table(), figure)?.with_remarks(remarks))
 }
 
 fn row(plane: &str, value: f64, theory: &str, numbers: &[f64]) -> Vec<String> {
@@ -173,33 +222,52 @@ fn row(plane: &str, value: f64, theory: &str, numbers: &[f64]) -> Vec<String> {
 /// A value of κ with the least and largest ξ of stable motions.
 type MasriLimits = (f64, f64, f64);
 
-/// Figure 6: Masri's plane, ξ = k1 L/F10 over κ (docs/theory.md (57)), at σ̂1 = 0, ε = 0.05, ζ = 0.01. The scale of ξ is
-/// this program's choice.
+/// The set of figure 6: ε, ζ, σ̂1 and m3 are the paper's where they were not set.
+fn masri_set(set: &ParameterSet) -> Result<ParameterSet> {
+    let paper =
+        [("epsilon", MASRI_EPSILON), ("sigma1", 0.0), ("gamma1", 2.0 * MASRI_ZETA / own_epsilon(set)?)];
+    let mut found = set.clone();
+    for (name, value) in paper {
+        let group = find_group(name)?;
+        if !set.is_set(group.into()) {
+            found = found.with(group, value)?;
+        }
+    }
+    if !set.is_set(find_group("mu13")?.into()) {
+        found = found.with(find_group("mu13")?, 1.0 / found.groups().epsilon)?;
+    }
+    Ok(found)
+}
+
+/// ε of figure 6.
+fn own_epsilon(set: &ParameterSet) -> Result<f64> {
+    Ok(if set.is_set(find_group("epsilon")?.into()) { set.groups().epsilon } else { MASRI_EPSILON })
+}
+
+/// Figure 6: Masri's plane, ξ = k1 L/F10 over κ (docs/theory.md (57)), at σ̂1 = 0, ε = 0.05, ζ = 0.01 and m3 = m2, as far as
+/// these were not set. The scale of ξ is this program's choice.
 ///
 /// # Errors
 /// What the theories refuse.
 pub fn masri(set: &ParameterSet) -> Result<Study> {
-    let masri = Groups { gamma1: 2.0 * MASRI_ZETA / MASRI_EPSILON, sigma1: 0.0, ..*set.groups() };
-    let groups = |kappa| Groups {
-        kappa,
-        epsilon: MASRI_EPSILON,
-        beta2: MASRI_EPSILON * masri.alpha23,
-        mu13: 1.0 / MASRI_EPSILON,
-        ..masri
-    };
-    let xi = |f10: f64| 1.0 / (MASRI_EPSILON * f10);
+    let given = masri_set(set)?;
+    let base = *given.groups();
+    let groups = |kappa| Groups { kappa, ..base };
+    let xi = |f10: f64| 1.0 / (base.epsilon * f10);
     let mut scales = Vec::new();
     for kappa in steps(0.0, 1.0, POINTS) {
         // κ = 1 itself is only neutrally stable: its limits are those from below.
         let system = MultipleScales::new(&groups(kappa.min(1.0 - 1e-9)))?;
         scales.extend(system.force_range()?.admissible.map(|(low, high)| (kappa, xi(high), xi(low))));
     }
-    let exact_orbit = exact_masri(set, groups, xi)?;
+    let exact_orbit = exact_masri(&given, groups, xi)?;
     let mut table = Table::new(&["kappa", "theory", "xi_from", "xi_to"]);
     for (theory, limits) in [("multiple scales", &scales), ("exact orbit", &exact_orbit)] {
         let row = |l: &MasriLimits| vec![exact(l.0), theory.into(), exact(l.1), exact(l.2)];
         table.rows.extend(limits.iter().map(row));
     }
+    let set_force = set.is_set(find_group("f10")?.into()) && base.f10 > 0.0;
+    let own = set_force.then(|| (base.kappa, xi(base.f10)));
     let figure = Figure {
         title: "Stability region on Masri's plane (cf. figure 6)".into(),
         caption: vec![
@@ -207,30 +275,45 @@ pub fn masri(set: &ParameterSet) -> Result<Study> {
                 .into(),
             format!("α̂₂₃, σ̂₃₀ and γ̂₃, which move the exact orbit's limits only: {}", set.origin()),
         ],
-        panels: vec![masri_panel(scales, &exact_orbit)],
+        panels: vec![masri_panel(&base, scales, &exact_orbit, own)],
         columns: 1,
         panel: (2000, 1300),
         shared_legend: false,
     };
     let what = "stability region on Masri's plane (κ, ξ = k₁L/F₁₀) as in figure 6; the scale of ξ is ours";
-    Study::of("stability-6", what, &table, figure)
+    let remarks = own.map(|(kappa, xi)| format!("this set: kappa = {}, xi = {xi:.5}", short(kappa)));
+    Ok(Study::of("stability-6", what, &table, figure)?.with_remarks(remarks.into_iter().collect()))
 }
 
-fn masri_panel(scales: Vec<MasriLimits>, exact_orbit: &[MasriLimits]) -> Panel {
+fn masri_panel(
+    g: &Groups,
+    scales: Vec<MasriLimits>,
+    exact_orbit: &[MasriLimits],
+    own: Option<(f64, f64)>,
+) -> Panel {
     let least = |limits: &[MasriLimits]| limits.iter().map(|l| (l.0, l.1)).collect::<Path>();
     let largest = |limits: &[MasriLimits]| limits.iter().map(|l| (l.0, l.2)).collect::<Path>();
-    let top = scales.iter().map(|l| l.2).fold(0.0, f64::max);
+    let top = scales.iter().map(|l| l.2).chain(own.map(|own| own.1)).fold(0.0, f64::max);
+    let mark = own.map(|own| Layer::marks(OWN, HERE, Mark::Disc, vec![own]));
     Panel {
-        title: format!("ε = {MASRI_EPSILON}, ζ = {MASRI_ZETA}, σ̂₁ = 0"),
+        title: format!(
+            "ε = {}, ζ = {}, σ̂₁ = {}",
+            short(g.epsilon),
+            short(0.5 * g.gamma1 * g.epsilon),
+            short(g.sigma1)
+        ),
         x: Axis::over("κ (–)", 0.0, 1.0),
         y: Axis::over("ξ = k₁L/F₁₀ (–)", 0.0, 1.15 * top),
-        layers: vec![
+        layers: [
             Layer::band("stable, multiple scales", SKY, 0.45, scales.clone()),
-            Layer::line("highest f̂₁₀", VERMILLION, Dash::Solid, least(&scales)),
-            Layer::line("lowest f̂₁₀", BLUE, Dash::Solid, largest(&scales)),
+            Layer::line("", FAMILY[2], Dash::Solid, least(&scales)).labelled("highest f̂₁₀"),
+            Layer::line("", FAMILY[0], Dash::Solid, largest(&scales)).labelled("lowest f̂₁₀"),
             Layer::marks("exact orbit, lowest f̂₁₀", BLACK, Mark::Ring, largest(exact_orbit)).stroke(10),
             Layer::marks("exact orbit, highest f̂₁₀", BLACK, Mark::Triangle, least(exact_orbit)).stroke(10),
-        ],
+        ]
+        .into_iter()
+        .chain(mark)
+        .collect(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! All steady-state values of all theories, and the motion they describe (figure 8).
 
+use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, SteadyMotion};
 use super::{PANEL, Study};
 use crate::Result;
@@ -235,17 +236,20 @@ pub(super) fn four_panels(
     first: (&[MotionSample], &str),
     second: (&[MotionSample], &str),
 ) -> Figure {
+    let lengths = Lengths::of(set);
     let panel = |title: &str, quantities: &[usize], portrait: bool| {
-        comparison_panel(title, quantities, portrait, first, second)
+        comparison_panel(title, &lengths, (quantities, portrait), first, second)
     };
+    let [x1, x2, x3] = [2, 3, 4].map(|i| lengths.displacement(CURVES[i].0));
+    let [u, w] = [0, 1].map(|i| lengths.displacement(CURVES[i].0));
     Figure {
         title: title.into(),
         caption: vec![set.caption()],
         panels: vec![
             panel("(a) Centre of mass and relative displacement", &[0, 1], false),
-            panel("(b) Phase portraits of U and W", &[0, 1], true),
+            panel(&format!("(b) Phase portraits of {u} and {w}"), &[0, 1], true),
             panel("(c) Box, block and secondary oscillator", &[2, 3, 4], false),
-            panel("(d) Phase portraits of X₁, X₂, X₃", &[2, 3, 4], true),
+            panel(&format!("(d) Phase portraits of {x1}, {x2}, {x3}"), &[2, 3, 4], true),
         ],
         columns: 2,
         panel: PANEL,
@@ -257,8 +261,8 @@ pub(super) fn four_panels(
 /// whose symbols stand beside the curves.
 pub(super) fn comparison_panel(
     title: &str,
-    quantities: &[usize],
-    portrait: bool,
+    lengths: &Lengths,
+    (quantities, portrait): (&[usize], bool),
     (first, first_name): (&[MotionSample], &str),
     (second, second_name): (&[MotionSample], &str),
 ) -> Panel {
@@ -266,7 +270,7 @@ pub(super) fn comparison_panel(
     if quantities.contains(&1) && !portrait {
         let end = first.iter().chain(second).map(|p| p.time).fold(0.0, f64::max);
         let stops = vec![vec![(0.0, 1.0), (end, 1.0)], vec![(0.0, -1.0), (end, -1.0)]];
-        layers.push(Layer::lines("stops, W = ±1", BLACK, Dash::Dotted, stops).stroke(THIN));
+        layers.push(Layer::lines("stops ±L", BLACK, Dash::Dotted, stops).stroke(THIN).labelled("stop"));
     }
     let path = |points: &[MotionSample], q: usize| {
         // A portrait closes after one period; twice would fill its dashes.
@@ -277,14 +281,14 @@ pub(super) fn comparison_panel(
         let (name, colour) = CURVES[q];
         if !first.is_empty() {
             let curve = Layer::line("", colour, Dash::Solid, path(first, q)).stroke(WIDE).pale();
-            layers.push(curve.labelled(name));
+            layers.push(curve.labelled(lengths.displacement(name)));
         }
     }
     for &q in quantities {
         let (name, colour) = CURVES[q];
         if !second.is_empty() {
             let curve = Layer::line("", colour, Dash::Dashed, path(second, q)).stroke(THIN);
-            layers.push(if first.is_empty() { curve.labelled(name) } else { curve });
+            layers.push(if first.is_empty() { curve.labelled(lengths.displacement(name)) } else { curve });
         }
     }
     // How the two motions are told apart, for the legend.
@@ -294,10 +298,10 @@ pub(super) fn comparison_panel(
     if !second.is_empty() {
         layers.push(Layer::lines(second_name, GREY, Dash::Dashed, Vec::new()).stroke(THIN));
     }
-    let symbols = quantities.iter().map(|&q| CURVES[q].0).collect::<Vec<_>>().join(", ");
-    let rates = quantities.iter().map(|&q| format!("d{}/dτ", CURVES[q].0)).collect::<Vec<_>>().join(", ");
+    let symbols: Vec<&str> = quantities.iter().map(|&q| CURVES[q].0).collect();
+    let displacements = lengths.axis(&lengths.displacements(&symbols));
     let (x, y) = if portrait {
-        (Axis::new(format!("{symbols} (units of L)")), Axis::new(format!("{rates} (units of L)")))
+        (displacements, lengths.rates(&symbols))
     } else {
         (
             Axis::over(
@@ -305,7 +309,7 @@ pub(super) fn comparison_panel(
                 0.0,
                 first.iter().chain(second).map(|p| p.time).fold(0.0, f64::max),
             ),
-            Axis::new(format!("{symbols} (units of L)")),
+            displacements,
         )
     };
     Panel { title: title.into(), x, y, layers }

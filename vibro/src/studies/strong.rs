@@ -2,10 +2,11 @@
 
 use super::Study;
 use super::compare::{SHOWN, amplitude_table, caption_lines, no_motion, not_compared, simulate};
+use super::lengths::Lengths;
 use super::steady::four_panels;
 use super::steady_motion::SteadyMotion;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, CENTRE, FAMILY, SECONDARY};
 use crate::figures::chart::{Axis, Dash, Layer, Mark, Panel, Path};
 use std::f64::consts::PI;
 use vibro_analysis::{ParameterSet, short};
@@ -32,19 +33,14 @@ pub fn strong_case(set: &ParameterSet) -> Result<Study> {
         (&history, "closed form"),
         (&found.samples, "simulation"),
     );
+    let lengths = Lengths::of(set);
     figure.caption.splice(0..0, caption_lines(reason.as_deref()));
     figure.panels.insert(0, sawtooth_panel(set.groups().beta2.sqrt()));
-    figure.panels.insert(3, amplitude_panel(theory.amplitudes(p), found.amplitudes));
-    let titles = [
-        "(a) Modified sawtooth Z*",
-        "(b) U and W",
-        "(c) U and W",
-        "(d) Amplitudes",
-        "(e) X₁, X₂, X₃",
-        "(f) X₁, X₂, X₃",
-    ];
-    for (panel, title) in figure.panels.iter_mut().zip(titles) {
-        panel.title = title.into();
+    figure.panels.insert(3, amplitude_panel(&lengths, theory.amplitudes(p), found.amplitudes));
+    let [two, three] = [&["U", "W"][..], &["X₁", "X₂", "X₃"]].map(|all| lengths.displacements(all));
+    let titles = ["Modified sawtooth Z*", &two, &two, "Amplitudes", &three, &three];
+    for ((letter, panel), title) in ('a'..).zip(&mut figure.panels).zip(titles) {
+        panel.title = format!("({letter}) {title}");
     }
     figure.shared_legend = false;
     figure.columns = 3;
@@ -62,28 +58,31 @@ fn sawtooth_panel(beta: f64) -> Panel {
     let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::Solid];
     let curve = |((&b, colour), dash): ((&f64, _), _)| {
         let path = (0..=400).map(|i| f64::from(i) / 100.0).map(|s| (s, modified_sawtooth(b, s * PI).0));
-        Layer::line(&format!("β̂ = {}", short(b)), colour, dash, path.collect())
+        Layer::line("", colour, dash, path.collect()).labelled(format!("β̂ = {}", short(b)))
     };
     Panel {
         title: String::new(),
         x: Axis::over("phase s/π (–)", 0.0, 4.0),
         y: Axis::new("Z* (–)"),
-        layers: betas.iter().zip([BLACK, BLUE, GREEN, VERMILLION]).zip(dash).map(curve).collect(),
+        layers: betas.iter().zip(FAMILY).zip(dash).map(curve).collect(),
     }
 }
 
-fn amplitude_panel(theory: [f64; 4], simulation: [f64; 4]) -> Panel {
+fn amplitude_panel(lengths: &Lengths, theory: [f64; 4], simulation: [f64; 4]) -> Panel {
     let at = |values: [f64; 4]| (1..).map(f64::from).zip(values).collect::<Path>();
     let highest = theory.into_iter().chain(simulation).fold(0.0, f64::max);
-    let layers = vec![
-        Layer::marks("closed form", BLUE, Mark::Disc, at(theory)).stroke(18),
-        Layer::marks("simulation", BLACK, Mark::Cross, at(simulation)).stroke(18),
-    ];
-    let names = ["B", "A₁", "A₂", "A₃"].map(String::from).to_vec();
+    let names = ["B", "A₁", "A₂", "A₃"].map(|s| lengths.amplitude(s)).to_vec();
+    let bodies = at(theory).into_iter().zip([CENTRE, BOX, BLOCK, SECONDARY]).zip(&names);
+    let closed = bodies.map(|((point, colour), name)| {
+        Layer::marks(&format!("{name}, closed form"), colour, Mark::Disc, vec![point]).stroke(18)
+    });
+    let mut layers: Vec<_> = closed.collect();
+    layers.push(Layer::marks("simulation", BLACK, Mark::Cross, at(simulation)).stroke(18));
+    let x = format!("amplitude of {}", lengths.displacements(&["U", "X₁", "X₂", "X₃"]));
     Panel {
         title: String::new(),
-        x: Axis { names, ..Axis::over("amplitude of U, X₁, X₂, X₃", 0.5, 4.5) },
-        y: Axis::over("amplitude (units of L)", 0.0, 1.2 * highest),
+        x: Axis { names, ..Axis::over(x, 0.5, 4.5) },
+        y: lengths.axis_over("amplitude", 0.0, 1.2 * highest),
         layers,
     }
 }

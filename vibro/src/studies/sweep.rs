@@ -1,25 +1,28 @@
 //! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
 
 use super::Study;
+use super::lengths::Lengths;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, BLOCK, FAMILY, GREY, HERE, SKY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, Shape, THIN};
 use crate::table::{CsvRows, Table, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::{Method, ParameterAxis};
-use vibro_analysis::response::response;
+use vibro_analysis::response::{ResponsePoint, response};
 use vibro_analysis::{ParameterSet, short};
 
-/// Rows of cells in a diagram.
+/// Rows of cells in a diagram, and most columns: neighbouring values share one where there are more.
 const ROWS: usize = 380;
+const COLUMNS: usize = 1300;
 /// Shades by the part of the kept periods that fall into a cell: under 0.5 %, 3 %, 20 %, more.
 const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
-const SHADES: [Colour; 4] =
-    [Colour(190, 190, 190), Colour(130, 130, 130), Colour(70, 70, 70), Colour(0, 0, 0)];
-/// Where the falling direction ends elsewhere: rare, frequent.
-const FALLING: [Colour; 2] = [Colour(236, 160, 110), VERMILLION];
+const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
+/// Where the falling direction ends elsewhere: rare, frequent; lighter than any shade, so that grey shows it too.
+const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
+/// Stroke of the curves of multiple scales and of the falling direction, over which others are drawn.
+const WIDE: u32 = 14;
 /// Nodes of the branches drawn over maxima.
 const NODES: usize = 400;
 /// Most windows listed on the screen.
@@ -33,32 +36,33 @@ const DECIMALS: usize = 4;
 /// [`Error::Output`](crate::Error::Output).
 pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let hysteresis = diagram.hysteresis();
-    let (axis, symbol) = (&sweep.axis, sweep.of.symbol());
+    let (axis, lengths) = (&sweep.axis, Lengths::of(set));
+    let (symbol, along) = (lengths.displacement(sweep.of.symbol()), set.symbol(axis.name));
     // The paper shows the block.
     let (cf, alike) =
         if sweep.of == Displacement::X2 { (" (cf. figure 14)", " as in figure 14") } else { ("", "") };
     let mut panels = vec![maxima_panel(set, sweep, diagram, &hysteresis)];
     if sweep.exponents.is_some() {
-        panels.push(exponent_panel(axis, &diagram.up));
+        panels.push(exponent_panel(set, axis, &diagram.up));
     }
-    panels.push(impact_panel(axis, diagram));
+    panels.push(impact_panel(set, axis, diagram));
     letters(&mut panels);
     let figure = Figure {
-        title: format!("Bifurcation diagram of {symbol} over {}{cf}", axis.name.symbol()),
+        title: format!("Bifurcation diagram of {symbol} over {along}{cf}"),
         caption: vec![method(sweep), format!("Elsewhere {}", set.caption_but(&[axis.name]))],
         panels,
         columns: 1,
         panel: (2900, 1150),
         shared_legend: false,
     };
-    let mut remarks = window_remarks(axis, diagram);
+    let mut remarks = window_remarks(set, axis, diagram);
     let apart = hysteresis.iter().filter(|h| **h).count();
     remarks.push(format!("{apart} of {} values end elsewhere with the value falling", hysteresis.len()));
     let refused = diagram.up.iter().chain(&diagram.down).filter(|p| p.is_none()).count();
     if refused > 0 {
         remarks.push(format!("{refused} values left out: the simulator refused them"));
     }
-    let what = format!("local maxima of {symbol} over {}{alike}, both directions", axis.name.symbol());
+    let what = format!("local maxima of {symbol} over {along}{alike}, both directions");
     Ok(Study {
         tables: vec![
             (name.into(), maxima_table(sweep, diagram)?),
@@ -87,9 +91,13 @@ fn method(sweep: &Sweep) -> String {
     text
 }
 
+/// What a maximum at a point is in units of the set's own gap.
+type Length<'a> = &'a dyn Fn(&SweepPoint, f64) -> f64;
+
 /// Range of all maxima, with some air.
-fn reach(points: &[Option<SweepPoint>]) -> (f64, f64) {
-    let all = points.iter().flatten().flat_map(|p| p.maxima.iter().map(|m| m.0));
+fn reach(diagram: &Diagram, length: Length<'_>) -> (f64, f64) {
+    let points = diagram.up.iter().chain(&diagram.down).flatten();
+    let all = points.flat_map(|p| p.maxima.iter().map(|m| length(p, m.0)));
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     if low > high {
         (0.0, 1.0)
@@ -99,53 +107,63 @@ fn reach(points: &[Option<SweepPoint>]) -> (f64, f64) {
 }
 
 /// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one where it ends elsewhere.
-fn cells(axis: &ParameterAxis, keep: u32, diagram: &Diagram, apart: &[bool], y: (f64, f64)) -> Shape {
-    let mut counts = vec![[0u32; 2]; ROWS * axis.count];
+fn cells(sweep: &Sweep, diagram: &Diagram, apart: &[bool], (y, length): ((f64, f64), Length<'_>)) -> Shape {
+    let axis = &sweep.axis;
+    let columns = axis.count.min(COLUMNS);
+    // Values in a column, whose periods are counted together.
+    let mut shares = vec![0_u32; columns];
+    let mut counts = vec![[0u32; 2]; ROWS * columns];
     let row = |x: f64| (((x - y.0) / (y.1 - y.0) * ROWS as f64) as usize).min(ROWS - 1);
+    (0..axis.count).for_each(|value| shares[value * columns / axis.count] += 1);
     for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
-        for (column, point) in points.iter().enumerate() {
-            if direction == 1 && !apart[column] {
+        for (value, point) in points.iter().enumerate() {
+            if direction == 1 && !apart[value] {
                 continue;
             }
-            for (x, count) in point.iter().flat_map(|p| &p.maxima) {
-                counts[row(*x) * axis.count + column][direction] += count;
+            let Some(p) = point else { continue };
+            for (x, count) in &p.maxima {
+                counts[row(length(p, *x)) * columns + value * columns / axis.count][direction] += count;
             }
         }
     }
-    let level = |count: u32| STEPS.iter().filter(|s| f64::from(count) > **s * f64::from(keep)).count() as u8;
-    let class = |[up, down]: [u32; 2]| match (up, down) {
-        (0, 0) => 0,
-        (0, down) => 5 + u8::from(level(down) > 1),
-        (up, _) => 1 + level(up),
+    let class = |(place, [up, down]): (usize, [u32; 2])| {
+        let kept = f64::from(sweep.keep) * f64::from(shares[place % columns]);
+        let level = |count: u32| STEPS.iter().filter(|s| f64::from(count) > **s * kept).count() as u8;
+        match (up, down) {
+            (0, 0) => 0,
+            (0, down) => 5 + u8::from(level(down) > 1),
+            (up, _) => 1 + level(up),
+        }
     };
     let mut colours = vec![None];
     colours.extend(SHADES.into_iter().chain(FALLING).map(Some));
-    let (x, cells) = (axis.edges(), counts.into_iter().map(class).collect());
-    Shape::Cells { x, y, columns: axis.count, cells, colours }
+    let (x, cells) = (axis.edges(), counts.into_iter().enumerate().map(class).collect());
+    Shape::Cells { x, y, columns, cells, colours }
 }
 
 fn maxima_panel(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, apart: &[bool]) -> Panel {
-    let (axis, symbol) = (&sweep.axis, sweep.of.symbol());
-    let both: Vec<Option<SweepPoint>> = diagram.up.iter().chain(&diagram.down).cloned().collect();
-    let (x, y) = (axis.edges(), reach(&both));
-    let mut layers = vec![Layer::new("", BLACK, cells(axis, sweep.keep, diagram, apart, y))];
+    let (axis, lengths) = (&sweep.axis, Lengths::of(set));
+    let symbol = lengths.displacement(sweep.of.symbol());
+    let length = |p: &SweepPoint, x: f64| lengths.ratio(axis.name, p.value) * x;
+    let (x, y) = (axis.edges(), reach(diagram, &length));
+    let mut layers = vec![Layer::new("", BLACK, cells(sweep, diagram, apart, (y, &length)))];
     layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
     layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
     let own = axis.name.value(set);
     if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
-        let name = format!("this set: {} = {}", axis.name.symbol(), axis.name.with_unit(own));
+        let name = format!("this set: {}", set.told(axis.name, own));
         let line = vec![(own, y.0), (own, y.1)];
-        layers.push(Layer::line(&name, BLUE, Dash::Dotted, line).stroke(THIN));
+        layers.push(Layer::line(&name, HERE, Dash::Dotted, line).stroke(THIN));
     }
     Panel {
         title: format!("Local maxima of {symbol}"),
-        x: Axis::over(axis.name.label(), x.0, x.1),
-        y: Axis::over(format!("{symbol} (units of L)"), y.0, y.1),
+        x: super::parameter_axis(set, axis.name, x),
+        y: lengths.axis_over(&symbol, y.0, y.1),
         layers,
     }
 }
 
-fn exponent_panel(axis: &ParameterAxis, points: &[Option<SweepPoint>]) -> Panel {
+fn exponent_panel(set: &ParameterSet, axis: &ParameterAxis, points: &[Option<SweepPoint>]) -> Panel {
     let x = axis.edges();
     let curve = |index: usize| -> Path {
         points
@@ -154,20 +172,20 @@ fn exponent_panel(axis: &ParameterAxis, points: &[Option<SweepPoint>]) -> Panel 
             .filter_map(|p| Some((p.value, p.spectrum.as_ref()?.exponents[index])))
             .collect()
     };
-    let colours = [VERMILLION, BLUE, GREEN];
-    let mut layers = vec![Layer::line("", BLACK, Dash::Dotted, vec![(x.0, 0.0), (x.1, 0.0)]).stroke(THIN)];
+    let colours = [FAMILY[0], FAMILY[2], FAMILY[4]];
+    let mut layers = vec![Layer::line("", GREY, Dash::Dotted, vec![(x.0, 0.0), (x.1, 0.0)]).stroke(THIN)];
     for (index, name) in ["λ₁", "λ₂", "λ₃"].into_iter().enumerate() {
-        layers.push(Layer::line(name, colours[index], Dash::Solid, curve(index)).stroke(THIN));
+        layers.push(Layer::line("", colours[index], Dash::Solid, curve(index)).stroke(THIN).labelled(name));
     }
     Panel {
         title: "The three largest Lyapunov exponents, value rising".into(),
-        x: Axis::over(axis.name.label(), x.0, x.1),
+        x: super::parameter_axis(set, axis.name, x),
         y: Axis::new("λ (per unit of τ)"),
         layers,
     }
 }
 
-fn impact_panel(axis: &ParameterAxis, diagram: &Diagram) -> Panel {
+fn impact_panel(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -> Panel {
     let x = axis.edges();
     let curve = |points: &[Option<SweepPoint>]| -> Path {
         let all = points.iter().flatten();
@@ -175,10 +193,10 @@ fn impact_panel(axis: &ParameterAxis, diagram: &Diagram) -> Panel {
     };
     Panel {
         title: "Impacts per drive period".into(),
-        x: Axis::over(axis.name.label(), x.0, x.1),
+        x: super::parameter_axis(set, axis.name, x),
         y: Axis::new("impacts (–)"),
         layers: vec![
-            Layer::line("value falling", VERMILLION, Dash::Solid, curve(&diagram.down)).stroke(THIN),
+            Layer::line("value falling", SKY, Dash::Solid, curve(&diagram.down)).stroke(WIDE),
             Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
         ],
     }
@@ -243,13 +261,14 @@ fn window_table(axis: &ParameterAxis, diagram: &Diagram) -> Table {
     table
 }
 
-fn window_remarks(axis: &ParameterAxis, diagram: &Diagram) -> Vec<String> {
+fn window_remarks(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -> Vec<String> {
     let windows = Diagram::windows(&diagram.up);
     let mut lines: Vec<String> = windows
         .iter()
         .take(TOLD)
         .map(|(from, to, class)| {
-            let (name, from, to) = (axis.name, axis.name.with_unit(*from), axis.name.with_unit(*to));
+            let (name, from, to) =
+                (axis.name, set.with_unit(axis.name, *from), set.with_unit(axis.name, *to));
             format!("{} {from} … {to}: {}", name.name(), class.name())
         })
         .collect();
@@ -296,12 +315,14 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
     let mut panel = maxima_panel(set, sweep, diagram, &apart);
     panel.title = String::new();
     let mut table = Table::new(&[axis.name.name(), "theory", "A2", "stable"]);
-    for (method, colour) in [(Method::MultipleScales, BLUE), (Method::ExactOrbit, GREEN)] {
+    let lengths = Lengths::of(set);
+    let amplitude = |p: &ResponsePoint| lengths.ratio(axis.name, p.value) * p.a[1];
+    for method in [Method::MultipleScales, Method::ExactOrbit] {
         let found = response(set, axis.name, (axis.from, axis.to), method, NODES)?;
         let (mut stable, mut unstable): (Vec<Path>, Vec<Path>) = (Vec::new(), Vec::new());
         for pair in found.curves.iter().flat_map(|c| c.windows(2)).filter(|w| w[0].clear && w[0].right) {
             let into = if pair[0].stable { &mut stable } else { &mut unstable };
-            let (a, b) = ((pair[0].value, pair[0].a[1]), (pair[1].value, pair[1].a[1]));
+            let (a, b) = ((pair[0].value, amplitude(&pair[0])), (pair[1].value, amplitude(&pair[1])));
             match into.last_mut().filter(|p| p.last() == Some(&a)) {
                 Some(path) => path.push(b),
                 None => into.push(vec![a, b]),
@@ -310,17 +331,18 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
         for p in found.curves.iter().flatten() {
             table.rows.push(vec![exact(p.value), method.name().into(), exact(p.a[1]), p.stable.to_string()]);
         }
-        panel.layers.push(Layer::lines(
-            &format!("A₂, {}, stable", method.name()),
-            colour,
-            Dash::Solid,
-            stable,
-        ));
-        let dashed = format!("A₂, {}, unstable", method.name());
-        panel.layers.push(Layer::lines(&dashed, colour, Dash::Dashed, unstable).stroke(THIN));
+        for (what, dash, pieces) in [("stable", Dash::Solid, stable), ("unstable", Dash::Dashed, unstable)] {
+            let name = format!("A₂, {}, {what}", method.name());
+            let curve = Layer::lines(&name, BLOCK, dash, pieces);
+            let wide = method == Method::MultipleScales;
+            panel.layers.push(if wide { curve.stroke(WIDE).pale() } else { curve.stroke(THIN) });
+        }
     }
     let figure = Figure {
-        title: "Force response over the simulated maxima of X₂ (cf. figure 16)".into(),
+        title: format!(
+            "Force response over the simulated maxima of {} (cf. figure 16)",
+            lengths.displacement("X₂")
+        ),
         caption: vec![method(sweep), set.caption_but(&[axis.name])],
         panels: vec![panel],
         columns: 1,

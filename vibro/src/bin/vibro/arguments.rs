@@ -277,6 +277,9 @@ pub struct Response {
     /// that was set is one of them, and the only one where none is listed
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Vec<ParameterValues>,
+    /// Coordinate whose amplitude is drawn: x1 (the box), x2, x3 or w [default: the paper's C and A3]
+    #[arg(long, value_name = "NAME")]
+    pub of: Option<Displacement>,
 }
 
 /// Kinds of response.

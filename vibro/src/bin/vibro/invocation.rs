@@ -1,8 +1,16 @@
 //! What was asked for, as manifests keep it: the command, its options with their defaults, and the command line.
 
 use crate::arguments::Arguments;
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
+use crate::run::Duration;
 use clap::{ArgMatches, CommandFactory};
+use std::fmt::Display;
+use std::str::FromStr;
+use vibro::load_file::LoadFile;
 use vibro::manifest::Invocation;
+use vibro::run_start::Start;
+use vibro_analysis::basin::InitialValueRange;
+use vibro_analysis::{Name, number};
 
 /// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results are made, and
 /// `folders` are those of `merge`; `list` only tells names.
@@ -21,13 +29,37 @@ pub fn invocation(matches: &ArgMatches) -> Invocation {
     let all = Arguments::command();
     let Some(command) = all.find_subcommand(name) else { return found };
     let ids = command.get_arguments().map(|a| a.get_id().as_str()).filter(|id| !APART.contains(id));
+    let given = |id: &str| matches.try_get_raw(id).ok().flatten().and_then(Iterator::last);
+    let range = given("range").and_then(|text| text.to_str()?.parse::<ParameterRange>().ok());
+    // The parameter of the values of `--at`.
+    let at = range.map(|range| range.name).or_else(|| Name::find("f10").ok());
     for id in ids {
         if let Ok(Some(values)) = matches.try_get_raw(id) {
-            let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
+            let values: Vec<_> = values.map(|v| canonical(id, &v.to_string_lossy(), at)).collect();
             found.options.insert(id.into(), values.join(" "));
         }
     }
     found
+}
+
+/// The value of an option in words that depend on the value alone: `2:3` and `2.0:3` are one range, and so are 5mm:30mm and
+/// 0.005:0.03. A file counts by what is in it. What is not read here stays as it was typed.
+fn canonical(id: &str, text: &str, at: Option<Name>) -> String {
+    fn read<T: FromStr + Display>(text: &str) -> Option<String> {
+        text.parse::<T>().ok().map(|value| value.to_string())
+    }
+    let found = match id {
+        "range" => read::<ParameterRange>(text),
+        "values" => read::<ParameterValues>(text),
+        "pair" => read::<ParameterPair>(text),
+        "x" | "y" => read::<InitialValueRange>(text),
+        "start" => read::<Start>(text),
+        "duration" => read::<Duration>(text),
+        "load" => text.parse().ok().and_then(|file: LoadFile| file.contents_in_words()),
+        "at" => at.and_then(|name| number(name, text).ok()).map(|value| value.to_string()),
+        _ => read::<f64>(text),
+    };
+    found.unwrap_or_else(|| text.into())
 }
 
 /// The command line of these arguments without those on which results do not depend.
@@ -75,6 +107,28 @@ mod tests {
             command_line(&["--config".into(), "my file.toml".into()]),
             "vibro --config 'my file.toml'"
         );
+    }
+
+    #[test]
+    fn options_are_compared_by_their_values() {
+        let options = |line: &str| {
+            let given = std::iter::once("vibro").chain(line.split(' '));
+            invocation(&Arguments::command().get_matches_from(given)).options
+        };
+        for (one, other) in [
+            ("bifurcation --range f10=2:3", "bifurcation --vary f10=2.0:3.00 --keep 0800"),
+            ("bifurcation --vary L=5mm:30mm:9", "bifurcation --vary stop.gap=0.005:0.03:9"),
+            ("response --values f10=1,1.5", "response --values f10=1.0,15e-1"),
+            ("plane --pair σ1,f10", "plane --pair sigma1,f10"),
+            ("basin --x x1=-1:1", "basin --x x1=-1.0:1"),
+            ("isoperiodic --start v2=1", "isoperiodic --start v2=1.0"),
+            ("run --duration 2s --start block.s=5mm", "run --duration 2000ms --start x2=0.005m"),
+            ("lyapunov --vary L=1mm:9mm --at 2mm,3mm", "lyapunov --vary L=1mm:9mm --at 0.002,0.003"),
+        ] {
+            assert_eq!(options(one), options(other), "{one}");
+        }
+        assert!(options("run --duration 2") != options("run --duration 2periods"));
+        assert!(options("bifurcation --range f10=2:3") != options("bifurcation --range f10=2:3.1"));
     }
 
     #[test]

@@ -58,6 +58,8 @@ fn run(arguments: &Arguments) -> Result<()> {
             set.not_given_values()
         );
     }
+    let mut set = set;
+    short::units(&arguments.command).into_iter().for_each(|(name, unit)| set.show_in(name, unit));
     // Refused before work begins.
     let destination = Destination::new(common, &common.invocation, &set);
     let names = short::names(&arguments.command);

@@ -1,10 +1,11 @@
 //! Ranges, lists and pairs of parameters as arguments: `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 use vibro::{Error, Result};
 use vibro_analysis::plane::ParameterAxis;
-use vibro_analysis::{Name, ParameterSet, numbers};
+use vibro_analysis::{Name, ParameterSet, Unit, numbers, typed_unit};
 
 /// A parameter of either form and a range of it, as `name=from:to` or `name=from:to:count`.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +16,8 @@ pub struct ParameterRange {
     pub ends: (f64, f64),
     /// The number of values, if it was given.
     pub count: Option<usize>,
+    /// The unit in which the ends were written.
+    pub unit: Option<&'static Unit>,
 }
 
 /// A parameter of either form and some of its values, as `name=value,value,…`.
@@ -24,6 +27,8 @@ pub struct ParameterValues {
     pub name: Name,
     /// The values in its SI unit, as given; all are allowed.
     pub values: Vec<f64>,
+    /// The unit in which they were written.
+    pub unit: Option<&'static Unit>,
 }
 
 /// Two parameters, as `name,name`.
@@ -48,9 +53,9 @@ impl FromStr for ParameterRange {
             [from, to, count] => (from, to, Some(count.trim().parse().map_err(|_| form())?)),
             _ => return Err(form()),
         };
-        let ends = numbers(name, &[from, to])?;
+        let (ends, unit) = (numbers(name, &[from, to])?, typed_unit(name, from));
         let ends = (ends[0], ends[1]);
-        if ends.0 < ends.1 { Ok(Self { name, ends, count }) } else { Err(form()) }
+        if ends.0 < ends.1 { Ok(Self { name, ends, count, unit }) } else { Err(form()) }
     }
 }
 
@@ -61,8 +66,8 @@ impl FromStr for ParameterValues {
         let form = || Error::form(text, "name=value,value,…, e.g. f10=0.6,1.2,1.5");
         let (name, list) = text.split_once('=').ok_or_else(form)?;
         let name = Name::find(name.trim())?;
-        let values = numbers(name, &list.split(',').collect::<Vec<_>>())?;
-        Ok(Self { name, values })
+        let texts: Vec<&str> = list.split(',').collect();
+        Ok(Self { name, values: numbers(name, &texts)?, unit: typed_unit(name, texts[0]) })
     }
 }
 
@@ -77,10 +82,31 @@ impl FromStr for ParameterPair {
     }
 }
 
+// In SI and by the parameter's own name, so that the same range has the same words however it was typed.
+impl fmt::Display for ParameterRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}:{}", self.name.name(), self.ends.0, self.ends.1)?;
+        self.count.map_or(Ok(()), |count| write!(f, ":{count}"))
+    }
+}
+
+impl fmt::Display for ParameterValues {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values: Vec<String> = self.values.iter().map(f64::to_string).collect();
+        write!(f, "{}={}", self.name.name(), values.join(","))
+    }
+}
+
+impl fmt::Display for ParameterPair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{},{}", self.x.name(), self.y.name())
+    }
+}
+
 /// A range that pictures show unless told otherwise, widened so that it holds the value that was set.
 pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRange {
     let own = if set.is_set(name) { name.value(set) } else { default.0 };
-    ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None }
+    ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None, unit: None }
 }
 
 impl ParameterRange {

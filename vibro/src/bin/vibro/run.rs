@@ -1,11 +1,13 @@
 //! `vibro run`: from its arguments to the library's study.
 
 use clap::{Args, ValueEnum};
+use std::fmt;
+use std::str::FromStr;
 use vibro::load_file::LoadFile;
+use vibro::run_start::Start;
 use vibro::studies::{self, RunLength, RunRequest, Study};
 use vibro::{Error, Result};
-use vibro_analysis::ParameterSet;
-use vibro_analysis::isoperiodic::StartRule;
+use vibro_analysis::{ParameterSet, quantity_in};
 use vibro_impact::load::Interpolation;
 
 /// Arguments of `run`.
@@ -14,16 +16,16 @@ pub struct Run {
     /// Drive periods recorded; 20 unless this or --duration is given, with loads up to their last sample
     #[arg(long, value_name = "N", conflicts_with = "duration", value_parser = clap::value_parser!(u32).range(1..))]
     pub periods: Option<u32>,
-    /// Time recorded, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub duration: Option<f64>,
+    /// Time recorded: in s, with a unit (2s, 500 ms), or in drive periods ("200 periods")
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub duration: Option<Duration>,
     /// Drive periods discarded before the record begins, without loads; 400 unless given, 0 with --start or --load
     #[arg(long, value_name = "N")]
     pub discard: Option<u32>,
-    /// Start (x1 x2 x3 in L, v1 v2 v3 in L omega10, what is not named zero), or "orbit": on the exact orbit where that is
-    /// stable; v2=1 unless given
+    /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v secondary.v in SI, each also
+    /// with a unit (block.s=5mm), what is not named zero; or "orbit": on the exact orbit where that is stable. v2=1 unless given
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
-    pub start: Option<StartRule>,
+    pub start: Option<Start>,
     /// Load on box, block or secondary from a CSV file of time (s) and force (N); time 0 is the beginning of the record. May
     /// be repeated; loads on one body add
     #[arg(long, value_name = "BODY=FILE")]
@@ -34,6 +36,43 @@ pub struct Run {
     /// Rows of the table in a drive period
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub samples: u16,
+}
+
+/// How long a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Duration {
+    /// In s.
+    Seconds(f64),
+    /// In drive periods, of which a part is allowed.
+    Periods(f64),
+}
+
+impl FromStr for Duration {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        const FORM: &str = "a finite time above 0, in s, with a unit of s, ms, us, min, h, or in drive periods, e.g. 2s or 200 periods";
+        let words = text.trim();
+        let periods = words.strip_suffix("periods").or_else(|| words.strip_suffix("period"));
+        let found = match periods {
+            Some(number) => number.trim().parse().ok().map(Self::Periods),
+            None => quantity_in("s", words).map(|time| Self::Seconds(time.value)),
+        };
+        let allowed = |found: &Self| {
+            let (Self::Seconds(value) | Self::Periods(value)) = *found;
+            value > 0.0 && value.is_finite()
+        };
+        found.filter(allowed).ok_or_else(|| Error::form(text, FORM))
+    }
+}
+
+impl fmt::Display for Duration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Seconds(s) => write!(f, "{s} s"),
+            Self::Periods(n) => write!(f, "{n} periods"),
+        }
+    }
 }
 
 /// Interpolations.
@@ -47,9 +86,9 @@ pub enum InterpolationName {
 
 pub fn run(set: &ParameterSet, a: &Run) -> Result<Study> {
     let length = match (a.periods, a.duration) {
-        (Some(n), _) => RunLength::Periods(n),
-        (None, Some(s)) if s > 0.0 && s.is_finite() => RunLength::Seconds(s),
-        (None, Some(s)) => return Err(Error::form(format!("--duration {s}"), "a finite time above 0, in s")),
+        (Some(n), _) => RunLength::Periods(n.into()),
+        (None, Some(Duration::Seconds(s))) => RunLength::Seconds(s),
+        (None, Some(Duration::Periods(n))) => RunLength::Periods(n),
         (None, None) => RunLength::Default,
     };
     let interpolation = match a.interpolation {
@@ -59,4 +98,27 @@ pub fn run(set: &ParameterSet, a: &Run) -> Result<Study> {
     let loads = a.load.iter().map(|file| file.read(interpolation)).collect::<Result<Vec<_>>>()?;
     let request = RunRequest { length, discard: a.discard, start: a.start, samples: a.samples.into(), loads };
     studies::run(set, &request)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_have_units() {
+        for (text, expected) in [
+            ("2", Duration::Seconds(2.0)),
+            ("2s", Duration::Seconds(2.0)),
+            ("500 ms", Duration::Seconds(0.5)),
+            ("1.5min", Duration::Seconds(90.0)),
+            ("200 periods", Duration::Periods(200.0)),
+            ("1period", Duration::Periods(1.0)),
+        ] {
+            assert_eq!(text.parse::<Duration>().unwrap(), expected, "{text}");
+            assert_eq!(expected.to_string().parse::<Duration>().unwrap(), expected);
+        }
+        for text in ["", "-1", "0", "nan", "inf s", "2 Hz", "periods", "-3 periods"] {
+            assert!(text.parse::<Duration>().unwrap_err().to_string().contains("200 periods"), "{text}");
+        }
+    }
 }

@@ -3,11 +3,12 @@
 use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
+use crate::sweep::AxisArgument;
 use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_analysis::plane::{PAIRS, ParameterAxis};
-use vibro_analysis::{Name, ParameterSet};
+use vibro_analysis::{Name, ParameterSet, Unit};
 
 /// Values on an axis of a plane.
 const PLANE: RangeInclusive<usize> = 2..=10_000;
@@ -79,16 +80,37 @@ pub fn names(command: &Command) -> Vec<String> {
         Command::Orbits(_) => vec!["orbits".into()],
         Command::Orbit(_) => vec!["orbit".into()],
         Command::Locus(_) => vec!["locus".into()],
-        Command::Response(a) => match a.kind {
-            ResponseKind::Frequency => vec!["response-frequency".into()],
-            ResponseKind::Force => vec!["response-force".into()],
-            ResponseKind::Both => vec!["response-frequency".into(), "response-force".into()],
-        },
+        Command::Response(a) => {
+            let kinds: &[&str] = match a.kind {
+                ResponseKind::Frequency => &["frequency"],
+                ResponseKind::Force => &["force"],
+                ResponseKind::Both => &["frequency", "force"],
+            };
+            let of = a.of.map_or(String::new(), |of| format!("-{of}"));
+            kinds.iter().map(|kind| format!("response-{kind}{of}")).collect()
+        }
         Command::Manifold(a) => figures("manifold", &["2", "7", "9"], &a.figure),
         Command::Stability(a) => figures("stability", &["5", "6"], &a.figure),
         Command::Compare(a) => figures("compare", &["8", "16", "17"], &a.figure),
         _ => Vec::new(),
     }
+}
+
+/// The parameters of the command's ranges and lists with the units in which these were written, for labels; where there are
+/// several of one parameter, the last holds.
+pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
+    let (ranges, values): (&[ParameterRange], &[ParameterValues]) = match command {
+        Command::Response(a) => (&a.range, &a.values),
+        Command::Manifold(a) => (&[], a.values.as_slice()),
+        Command::Plane(a) => (&a.planes.range, &[]),
+        Command::Isoperiodic(a) => (&a.planes.range, &[]),
+        Command::Compare(a) => (a.range.as_slice(), a.values.as_slice()),
+        Command::Bifurcation(a) => (a.range.as_slice(), &[]),
+        Command::Lyapunov(a) => (a.sweep.range.as_slice(), &[]),
+        Command::Sweep(a) => return a.vary.iter().chain(&a.over).map(AxisArgument::written).collect(),
+        _ => (&[], &[]),
+    };
+    values.iter().map(|v| (v.name, v.unit)).chain(ranges.iter().map(|r| (r.name, r.unit))).collect()
 }
 
 pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
@@ -114,13 +136,13 @@ pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
         let range = range_of(set, &a.range, sigma1, (-2.5, 2.5));
         let (forces, dampings) =
             (members(f10, &[1.0, 1.5, 2.0, 2.5]), members(gamma1, &[0.2, 0.5, 1.0, 1.5]));
-        found.push(studies::frequency(set, range.ends, &forces, &dampings)?);
+        found.push(studies::frequency(set, range.ends, (&forces, &dampings), a.of)?);
     }
     if force {
         let all = members(sigma1, &[0.2, 0.4, 0.8, 1.2, -0.2, -0.5, -0.8, -1.2]);
         let (above, below): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| *s >= 0.0);
         let range = range_of(set, &a.range, f10, (0.0, 4.0));
-        found.push(studies::force(set, range.ends, &above, &below)?);
+        found.push(studies::force(set, range.ends, (&above, &below), a.of)?);
     }
     Ok(found)
 }
@@ -143,7 +165,7 @@ fn along(set: &ParameterSet, range: &ParameterRange, a: &Response) -> Result<Stu
         [one] => return Err(Error::form(one.name.name(), "values of another parameter than the axis")),
         [_, other, ..] => return Err(Error::form(other.name.name(), "values of one parameter only")),
     };
-    studies::along(set, range.name, range.ends, (name, &values))
+    studies::along(set, range.name, range.ends, (name, &values), a.of)
 }
 
 pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
@@ -165,14 +187,9 @@ pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
 pub fn stability(set: &ParameterSet, a: &Stability) -> Result<Vec<Study>> {
     let mut found = Vec::new();
     if wants(&a.figure, "5") {
-        let instead = "it seeks stable motions over all forces; leave the value out";
-        check_used(set, "figure 5", &["f10"], instead)?;
         found.push(studies::regions(set)?);
     }
     if wants(&a.figure, "6") {
-        let instead = "it has epsilon = 0.05, gamma1 = 0.4, sigma1 = 0, m3 = m2 and all forces, as the paper; leave \
-                       the value out, or this figure by --figure 5";
-        check_used(set, "figure 6", &["epsilon", "gamma1", "sigma1", "f10", "mu13"], instead)?;
         found.push(studies::masri(set)?);
     }
     Ok(found)

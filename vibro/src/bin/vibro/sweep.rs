@@ -14,7 +14,7 @@ use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledA
 use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::measures::Measure;
 use vibro_analysis::sobol::DIMENSIONS;
-use vibro_analysis::{Name, ParameterSet};
+use vibro_analysis::{Name, ParameterSet, Unit};
 
 /// What is measured unless told otherwise.
 const DEFAULT: &str =
@@ -111,6 +111,14 @@ impl fmt::Display for AxisArgument {
 }
 
 impl AxisArgument {
+    /// The parameter, and the unit in which its values were written.
+    pub fn written(&self) -> (Name, Option<&'static Unit>) {
+        match self {
+            Self::Range(range) => (range.name, range.unit),
+            Self::List(list) => (list.name, list.unit),
+        }
+    }
+
     fn name(&self) -> Name {
         match self {
             Self::Range(range) => range.name,
@@ -134,7 +142,7 @@ impl AxisArgument {
     fn interval(&self) -> Result<ParameterInterval> {
         const EXPECTED: &str = "name=from:to without a count: --sobol decides on the number of points";
         match self {
-            Self::Range(ParameterRange { name, ends, count: None }) => {
+            Self::Range(ParameterRange { name, ends, count: None, .. }) => {
                 Ok(ParameterInterval { name: *name, from: ends.0, to: ends.1 })
             }
             other => Err(Error::form(other.to_string(), EXPECTED)),

@@ -2,8 +2,9 @@
 
 use crate::figures::canvas::palette::{BLACK, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
+use crate::studies::parameter_axis;
 use vibro_analysis::design_sweep::SampledAxis;
-use vibro_analysis::significant;
+use vibro_analysis::{ParameterSet, significant};
 
 /// Colours from the least to the largest value: darker and darker, so that they are told apart in grey too (viridis).
 const SCALE: [Colour; 8] = [
@@ -40,7 +41,7 @@ fn steps(least: f64, largest: f64) -> Vec<f64> {
 
 /// The axis of a map, the range of its cells, and the place of each value. Values at unequal distances have cells of equal
 /// size with their names.
-fn axis(of: &SampledAxis) -> (Axis, (f64, f64), Vec<f64>) {
+fn axis(set: &ParameterSet, of: &SampledAxis) -> (Axis, (f64, f64), Vec<f64>) {
     let (values, count) = (&of.values, of.values.len());
     let (first, last) = (values[0], values[count - 1]);
     let part = |k: usize| k as f64 / (count - 1).max(1) as f64;
@@ -49,12 +50,13 @@ fn axis(of: &SampledAxis) -> (Axis, (f64, f64), Vec<f64>) {
     if first < last && (0..count).all(even) {
         let half = 0.5 * (last - first) / (count - 1) as f64;
         let range = (first - half, last + half);
-        return (Axis::over(of.name.label(), range.0, range.1), range, values.clone());
+        return (parameter_axis(set, of.name, range), range, values.clone());
     }
     let range = (0.5, count as f64 + 0.5);
-    let names = values.iter().map(|v| significant(*v)).collect();
+    let unit = set.unit(of.name).map_or(1.0, |unit| unit.number(1.0));
+    let names = values.iter().map(|v| significant(v * unit)).collect();
     let places = (1..=count).map(|k| k as f64).collect();
-    (Axis { names, ..Axis::over(of.name.label(), range.0, range.1) }, range, places)
+    (Axis { names, ..Axis::over(set.label(of.name), range.0, range.1) }, range, places)
 }
 
 /// The range of the values that are there.
@@ -71,13 +73,14 @@ pub(super) fn limits<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> V
 
 /// A map: `values` by the second axis within the first, as designs are numbered, in steps between these limits.
 pub(super) fn map(
+    set: &ParameterSet,
     title: String,
     unit: &str,
     axes: [&SampledAxis; 2],
     values: &[Option<f64>],
     limits: &[f64],
 ) -> Panel {
-    let [(x, across, x_places), (y, up, y_places)] = axes.map(axis);
+    let [(x, across, x_places), (y, up, y_places)] = axes.map(|of| axis(set, of));
     let (columns, rows) = (x_places.len(), y_places.len());
     let least = range(values).0;
     let count = limits.len().saturating_sub(1).max(1);

@@ -6,6 +6,7 @@ use super::map::{limits, map};
 use super::{method, varied};
 use crate::figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
+use crate::studies::parameter_axis;
 use vibro_analysis::design_sweep::{Designs, Request, SampledAxis};
 use vibro_analysis::measures::{Coordinate, Measure};
 use vibro_analysis::{Name, ParameterSet};
@@ -24,13 +25,13 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
             let long: Vec<&SampledAxis> = axes.iter().filter(|a| a.values.len() > 1).collect();
             match &long[..] {
                 [] => return None,
-                [axis] => (lines(axis, request, found), 1, (2400, 900)),
-                [x, y] => (maps([x, y], request, found), 2, (1500, 1250)),
-                all => (projections(all, request, found), 3.min(all.len()), (1300, 1150)),
+                [axis] => (lines(set, axis, request, found), 1, (2400, 900)),
+                [x, y] => (maps(set, [x, y], request, found), 2, (1500, 1250)),
+                all => (projections(set, all, request, found), 3.min(all.len()), (1300, 1150)),
             }
         }
         _ if request.designs.count() < 2 => return None,
-        _ => (clouds(&names, request, found), 2.min(names.len()), (1500, 1000)),
+        _ => (clouds(set, &names, request, found), 2.min(names.len()), (1500, 1000)),
     };
     // Projections have one scale.
     let is_projection = matches!(&request.designs, Designs::Grid(axes) if axes.iter().filter(|a| a.values.len() > 1).count() > 2);
@@ -94,9 +95,14 @@ fn colour(measure: Measure) -> Colour {
     }
 }
 
+/// An axis of a parameter, in the unit in which it was written, over the range of the data.
+fn unbounded_axis(set: &ParameterSet, name: Name) -> Axis {
+    Axis { range: None, ..parameter_axis(set, name, (0.0, 1.0)) }
+}
+
 /// Over one parameter: a panel for each kind of measure. Of several motions the largest value is drawn over the pale area down
 /// to the least.
-fn lines(axis: &SampledAxis, request: &Request, found: &Collected) -> Vec<Panel> {
+fn lines(set: &ParameterSet, axis: &SampledAxis, request: &Request, found: &Collected) -> Vec<Panel> {
     let mut order: Vec<usize> = (0..axis.values.len()).collect();
     order.sort_by(|a, b| axis.values[*a].total_cmp(&axis.values[*b]));
     let mut groups: Vec<Vec<&MeasureRecord>> = Vec::new();
@@ -132,7 +138,7 @@ fn lines(axis: &SampledAxis, request: &Request, found: &Collected) -> Vec<Panel>
         } else {
             String::new()
         };
-        Panel { title: largest, x: Axis::new(axis.name.label()), y: Axis::new(label), layers }
+        Panel { title: largest, x: unbounded_axis(set, axis.name), y: Axis::new(label), layers }
     };
     let mut panels: Vec<Panel> = groups.into_iter().map(panel).collect();
     for panel in &mut panels {
@@ -177,16 +183,21 @@ fn largest(reach: &Reach) -> Option<f64> {
 }
 
 /// Over two parameters: a map of each measure.
-fn maps(axes: [&SampledAxis; 2], request: &Request, found: &Collected) -> Vec<Panel> {
+fn maps(set: &ParameterSet, axes: [&SampledAxis; 2], request: &Request, found: &Collected) -> Vec<Panel> {
     let panel = |record: &MeasureRecord| {
         let values: Vec<Option<f64>> = record.reaches.iter().map(largest).collect();
-        map(title(record.measure, request), &unit(record.measure), axes, &values, &limits(&values))
+        map(set, title(record.measure, request), &unit(record.measure), axes, &values, &limits(&values))
     };
     found.records.iter().take(PANELS).map(panel).collect()
 }
 
 /// Over more parameters: for each pair the least of the first measure over the others, all on one scale.
-fn projections(axes: &[&SampledAxis], request: &Request, found: &Collected) -> Vec<Panel> {
+fn projections(
+    set: &ParameterSet,
+    axes: &[&SampledAxis],
+    request: &Request,
+    found: &Collected,
+) -> Vec<Panel> {
     let record = &found.records[0];
     let pairs = (0..axes.len()).flat_map(|i| (i + 1..axes.len()).map(move |j| [i, j]));
     let best: Vec<_> =
@@ -196,7 +207,7 @@ fn projections(axes: &[&SampledAxis], request: &Request, found: &Collected) -> V
         let others = (0..axes.len()).filter(|k| !pair.contains(k));
         let others: Vec<_> = others.map(|k| axes[k].name.symbol()).collect();
         let words = format!("least over {} of {}", others.join(", "), title(record.measure, request));
-        map(words, &unit(record.measure), pair.map(|k| axes[k]), &values, &limits)
+        map(set, words, &unit(record.measure), pair.map(|k| axes[k]), &values, &limits)
     };
     best.into_iter().map(panel).collect()
 }
@@ -220,7 +231,7 @@ fn best_over_others(axes: &[&SampledAxis], [i, j]: [usize; 2], reaches: &[Reach]
 }
 
 /// The first measure over each parameter.
-fn clouds(names: &[Name], request: &Request, found: &Collected) -> Vec<Panel> {
+fn clouds(set: &ParameterSet, names: &[Name], request: &Request, found: &Collected) -> Vec<Panel> {
     let record = &found.records[0];
     let panel = |(index, name): (usize, &Name)| {
         let (mut points, mut bad) = (Path::new(), Path::new());
@@ -241,7 +252,7 @@ fn clouds(names: &[Name], request: &Request, found: &Collected) -> Vec<Panel> {
         } else {
             format!("{} ({})", record.measure, unit.trim())
         };
-        Panel { title: words, x: Axis::new(name.label()), y: Axis::new(label), layers }
+        Panel { title: words, x: unbounded_axis(set, *name), y: Axis::new(label), layers }
     };
     names.iter().enumerate().take(PANELS).map(panel).collect()
 }

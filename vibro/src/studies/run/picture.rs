@@ -2,9 +2,10 @@
 
 use super::history::{History, RunImpact, RunInstant};
 use super::short;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, RELATIVE, SECONDARY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::studies::PANEL;
+use crate::studies::lengths::LengthUnit;
 use vibro_analysis::ParameterSet;
 use vibro_impact::load::Load;
 
@@ -18,18 +19,12 @@ const PORTRAIT: usize = 12_000;
 const MARKS: usize = 4000;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
-/// Below this gap, in m, displacements are shown in mm.
-const SMALL_GAP: f64 = 0.1;
-const COLOURS: [Colour; 3] = [BLUE, VERMILLION, GREEN];
-
-/// A unit of length: how many are in a metre, and its symbol.
-#[derive(Clone, Copy)]
-struct Unit(f64, &'static str);
+const COLOURS: [Colour; 3] = [BOX, BLOCK, SECONDARY];
 
 /// What is shown of a run.
 struct Shown<'a> {
     history: &'a History,
-    unit: Unit,
+    unit: LengthUnit,
     gap: f64,
     from: f64,
 }
@@ -70,7 +65,7 @@ impl Shown<'_> {
 
     /// Curve of a displacement over time.
     fn curve(&self, index: usize) -> Path {
-        thinned(self.instants().map(|i| (i.time, self.unit.0 * i.x[index])).collect())
+        thinned(self.instants().map(|i| (i.time, self.unit.per_metre * i.x[index])).collect())
     }
 
     /// The last impacts as points.
@@ -80,33 +75,34 @@ impl Shown<'_> {
     }
 
     fn displacements(&self) -> Panel {
-        let curve = |(i, name)| Layer::line(name, COLOURS[i], Dash::Solid, self.curve(i)).stroke(THIN);
+        let curve =
+            |(i, name)| Layer::line("", COLOURS[i], Dash::Solid, self.curve(i)).stroke(THIN).labelled(name);
         Panel {
             title: "(a) Box, block and secondary oscillator".into(),
             x: self.time(),
-            y: Axis::new(format!("displacement ({})", self.unit.1)),
+            y: Axis::new(format!("displacement ({})", self.unit.symbol)),
             layers: ["x₁, box", "x₂, block", "x₃, secondary"].into_iter().enumerate().map(curve).collect(),
         }
     }
 
     fn relative(&self) -> Panel {
-        let stop = self.unit.0 * self.gap;
+        let stop = self.unit.per_metre * self.gap;
         let line = |y: f64| vec![(self.from, y), (self.end(), y)];
         let marks = self.impacts(|i| Some(f64::from(i.side) * stop));
         Panel {
             title: "(b) Block in the box, w = x₂ − x₁, with its impacts; dashed: stops".into(),
             x: self.time(),
-            y: Axis::over(format!("w ({})", self.unit.1), -1.15 * stop, 1.15 * stop),
+            y: Axis::over(format!("w ({})", self.unit.symbol), -1.15 * stop, 1.15 * stop),
             layers: vec![
                 Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
-                Layer::line("", BLACK, Dash::Solid, self.curve(3)).stroke(THIN),
-                Layer::marks("", VERMILLION, Mark::Disc, marks).stroke(SMALL),
+                Layer::line("w", RELATIVE, Dash::Solid, self.curve(3)).stroke(THIN),
+                Layer::marks("impact", BLACK, Mark::Disc, marks).stroke(SMALL),
             ],
         }
     }
 
     fn portrait(&self) -> Panel {
-        let (stop, scale) = (self.unit.0 * self.gap, self.unit.0);
+        let (stop, scale) = (self.unit.per_metre * self.gap, self.unit.per_metre);
         let mut count = 0;
         let mut pieces: Vec<Path> = Vec::new();
         for piece in self.history.pieces.iter().rev() {
@@ -125,17 +121,17 @@ impl Shown<'_> {
         let line = |x: f64| vec![(x, -1.1 * top), (x, 1.1 * top)];
         Panel {
             title: "(c) Phase portrait between the stops (dashed)".into(),
-            x: Axis::over(format!("w ({})", self.unit.1), -1.15 * stop, 1.15 * stop),
-            y: Axis::over(format!("dw/dt ({}/s)", self.unit.1), -1.1 * top, 1.1 * top),
+            x: Axis::over(format!("w ({})", self.unit.symbol), -1.15 * stop, 1.15 * stop),
+            y: Axis::over(format!("dw/dt ({}/s)", self.unit.symbol), -1.1 * top, 1.1 * top),
             layers: vec![
                 Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
-                Layer::lines("", BLACK, Dash::Solid, pieces).stroke(2),
+                Layer::lines("", RELATIVE, Dash::Solid, pieces).stroke(2).labelled("w"),
             ],
         }
     }
 
     fn speeds(&self) -> Panel {
-        let of = |side: i8| self.impacts(move |i| (i.side == side).then_some(self.unit.0 * i.speed));
+        let of = |side: i8| self.impacts(move |i| (i.side == side).then_some(self.unit.per_metre * i.speed));
         let (upper, lower) = (of(1), of(-1));
         let top = upper.iter().chain(&lower).map(|p| p.1).fold(0.0, f64::max);
         let top = if top > 0.0 { 1.1 * top } else { 1.0 };
@@ -143,10 +139,10 @@ impl Shown<'_> {
             title: if self.history.impacts.is_empty() { "(d) No impacts" } else { "(d) Impact speeds" }
                 .into(),
             x: self.time(),
-            y: Axis::over(format!("speed ({}/s)", self.unit.1), 0.0, top),
+            y: Axis::over(format!("speed ({}/s)", self.unit.symbol), 0.0, top),
             layers: vec![
-                Layer::marks("upper stop", VERMILLION, Mark::Triangle, upper),
-                Layer::marks("lower stop", BLACK, Mark::Ring, lower),
+                Layer::marks("upper stop", BLACK, Mark::Triangle, upper),
+                Layer::marks("lower stop", GREY, Mark::Ring, lower),
             ],
         }
     }
@@ -155,7 +151,9 @@ impl Shown<'_> {
         let curve = |load: &Load| {
             let points = self.history.instants().map(|i| (i.time, load.force(i.time))).collect();
             let name = format!("on {}", load.body().name());
-            Layer::line(&name, COLOURS[load.body() as usize], Dash::Solid, thinned(points)).stroke(THIN)
+            Layer::line("", COLOURS[load.body() as usize], Dash::Solid, thinned(points))
+                .stroke(THIN)
+                .labelled(name)
         };
         Panel {
             title: "(e) Loads".into(),
@@ -171,8 +169,7 @@ pub(super) fn figure(set: &ParameterSet, history: &History, loads: &[Load], begi
     let p = set.parameters();
     let all = !loads.is_empty() || history.duration <= SHOWN * p.period();
     let from = if all { 0.0 } else { history.duration - SHOWN * p.period() };
-    let unit = if p.stop_gap < SMALL_GAP { Unit(1e3, "mm") } else { Unit(1.0, "m") };
-    let shown = Shown { history, unit, gap: p.stop_gap, from };
+    let shown = Shown { history, unit: LengthUnit::of(set), gap: p.stop_gap, from };
     let mut panels = vec![shown.displacements(), shown.relative(), shown.portrait(), shown.speeds()];
     if !loads.is_empty() {
         panels.push(shown.loads(loads));

@@ -1,0 +1,42 @@
+//! The recipes of `docs/recipes.md` in the documentation page: what each is about, and its block for the FMU. The blocks for the command
+//! line and for Rust are left out, since who has the FMU may have neither.
+
+use pulldown_cmark::{Event, HeadingLevel, Parser, Tag, TagEnd, html};
+
+static RECIPES: &str = include_str!("../../docs/recipes.md");
+
+/// The third-level heading of what is shown.
+const SHOWN: &str = "FMU";
+
+/// The recipes as HTML, a heading of the third level each.
+pub fn recipes() -> String {
+    // The page's own introduction, before the first recipe, is about the command line.
+    let start = RECIPES.find("\n## ").map_or(0, |i| i + 1);
+    // Beside the archive, not in the folder of the build.
+    let text = RECIPES[start..].replace("\"target/", "\"");
+    let mut shown: Vec<Event<'_>> = Vec::new();
+    let mut hidden = false;
+    let mut heading = None;
+    for event in Parser::new(&text) {
+        match event {
+            Event::Start(Tag::Heading { level, .. }) => heading = Some((level, String::new())),
+            Event::End(TagEnd::Heading(_)) => {
+                let Some((level, words)) = heading.take() else { continue };
+                hidden = level == HeadingLevel::H3 && words != SHOWN;
+                if level == HeadingLevel::H2 {
+                    shown.push(Event::Html(format!("<h3>{}</h3>\n", vibro::html::escape(&words)).into()));
+                }
+            }
+            Event::Text(words) | Event::Code(words) if heading.is_some() => {
+                heading = heading.take().map(|(level, before)| (level, before + &words));
+            }
+            // Their targets are not in the archive.
+            Event::Start(Tag::Link { .. }) | Event::End(TagEnd::Link) => {}
+            event if !hidden => shown.push(event),
+            _ => {}
+        }
+    }
+    let mut page = String::new();
+    html::push_html(&mut page, shown.into_iter());
+    page
+}

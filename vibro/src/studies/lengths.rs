@@ -1,0 +1,118 @@
+//! The unit in which pictures show lengths and speeds: units of L, or SI where the machine was given in SI.
+
+use crate::figures::chart::Axis;
+use vibro_analysis::{Name, ParameterSet};
+
+/// Below this gap, in m, lengths are shown in mm unless the gap was written in another unit.
+const SMALL_GAP: f64 = 0.1;
+
+/// A unit of length: how many of it are in a metre, and its symbol.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LengthUnit {
+    pub per_metre: f64,
+    pub symbol: String,
+}
+
+impl LengthUnit {
+    /// The unit in which the gap was written; else m, or mm for a small gap.
+    pub fn of(set: &ParameterSet) -> Self {
+        let written = Name::find("stop.gap").ok().and_then(|gap| set.unit(gap));
+        let (per_metre, symbol) = match written {
+            Some(unit) => (unit.number(1.0), unit.symbol()),
+            None if set.parameters().stop_gap < SMALL_GAP => (1e3, "mm".into()),
+            None => (1.0, "m".into()),
+        };
+        Self { per_metre, symbol }
+    }
+}
+
+/// How a picture shows lengths of which the data are in units of L, and their rates in units of L ω10.
+#[derive(Clone, Debug)]
+pub(super) struct Lengths {
+    /// `None`: as the data are.
+    unit: Option<LengthUnit>,
+    /// L in m.
+    gap: f64,
+    /// L ω10 in m/s.
+    speed: f64,
+}
+
+impl Lengths {
+    /// In SI where the machine was given in SI.
+    pub fn of(set: &ParameterSet) -> Self {
+        let p = set.parameters();
+        let unit = set.is_si().then(|| LengthUnit::of(set));
+        Self { unit, gap: p.stop_gap, speed: p.stop_gap * p.box_frequency() }
+    }
+
+    /// An axis of lengths over its data, of a name as [`Self::displacements`] and [`Self::amplitude`] give.
+    pub fn axis(&self, name: &str) -> Axis {
+        match &self.unit {
+            None => Axis::new(format!("{name} (units of L)")),
+            Some(u) => Axis::new(format!("{name} ({})", u.symbol)).times(u.per_metre * self.gap),
+        }
+    }
+
+    /// The same over a range of the data.
+    pub fn axis_over(&self, name: &str, from: f64, to: f64) -> Axis {
+        Axis { range: Some((from, to)), ..self.axis(name) }
+    }
+
+    /// An axis of the rates of displacements with the symbols U, W, X₁, ….
+    pub fn rates(&self, symbols: &[&str]) -> Axis {
+        let time = if self.unit.is_some() { "t" } else { "τ" };
+        let rate = |s: &&str| format!("d{}/d{time}", self.displacement(s));
+        let name = symbols.iter().map(rate).collect::<Vec<_>>().join(", ");
+        match &self.unit {
+            None => Axis::new(format!("{name} (units of L)")),
+            Some(u) => Axis::new(format!("{name} ({}/s)", u.symbol)).times(u.per_metre * self.speed),
+        }
+    }
+
+    /// The name of a displacement with the symbol U, W, X₁, …: u, w, x₁, … in SI.
+    pub fn displacement(&self, symbol: &str) -> String {
+        if self.unit.is_some() { symbol.to_lowercase() } else { symbol.into() }
+    }
+
+    /// The names of displacements, in a row.
+    pub fn displacements(&self, symbols: &[&str]) -> String {
+        symbols.iter().map(|s| self.displacement(s)).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The name of an amplitude with the dimensionless symbol B, C, A₁, …: times L in SI.
+    pub fn amplitude(&self, symbol: &str) -> String {
+        if self.unit.is_some() { format!("{symbol}·L") } else { symbol.into() }
+    }
+
+    /// What lengths in units of L are multiplied by where a parameter has another value than the set's: in SI a length in
+    /// units of another gap is turned into one in units of the set's.
+    pub fn ratio(&self, name: Name, value: f64) -> f64 {
+        if self.unit.is_some() && name.name() == "stop.gap" { value / self.gap } else { 1.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_lengths_are_in_the_unit_of_the_gap() {
+        let mut set = ParameterSet::basic();
+        assert_eq!(Lengths::of(&set).axis("C").label, "C (units of L)");
+        set.apply(&["box.k=4 kN/m", "box.m=1000 g", "stop.gap=5000 um"]).unwrap();
+        let lengths = Lengths::of(&set);
+        let (axis, rates) = (lengths.axis(&lengths.amplitude("C")), lengths.rates(&["W", "X₁"]));
+        assert_eq!((axis.label.as_str(), rates.label.as_str()), ("C·L (µm)", "dw/dt, dx₁/dt (µm/s)"));
+        // Of L = 5000 µm, and of L ω10 = 5000 µm · sqrt(4000)/s.
+        let close = |a: Option<f64>, b: f64| (a.unwrap() / b - 1.0).abs() < 1e-12;
+        assert!(close(axis.factor, 5000.0) && close(rates.factor, 5000.0 * 4000.0_f64.sqrt()));
+        let gap = Name::find("L").unwrap();
+        assert!(close(Some(lengths.ratio(gap, 0.01)), 2.0));
+        assert_eq!(lengths.ratio(Name::find("f10").unwrap(), 0.01), 1.0);
+        set.apply(&["L=0.02"]).unwrap();
+        assert_eq!(LengthUnit::of(&set).symbol, "µm");
+        let mut plain = ParameterSet::basic();
+        plain.apply(&["L=0.02"]).unwrap();
+        assert_eq!(LengthUnit::of(&plain).symbol, "mm");
+    }
+}

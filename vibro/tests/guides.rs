@@ -1,0 +1,86 @@
+//! The commands of docs/recipes.md, as they stand there, against closed forms and the library.
+
+#[path = "common/mod.rs"]
+mod command;
+#[path = "common/guide.rs"]
+mod guide;
+
+use guide::Guide;
+use std::f64::consts::TAU;
+use vibro_impact::load::{Body, Interpolation, Load};
+use vibro_impact::simulator::{Loads, Pause};
+use vibro_impact::{Parameters, Simulator, State};
+
+/// Rounding of a linear motion over hundreds of periods, relative to its amplitude.
+const LINEAR: f64 = 1e-12;
+/// Rounding of a motion with some tens of impacts that is reached in steps of another length, m.
+const ROUNDING: f64 = 1e-12;
+
+/// The machine of the page.
+fn machine() -> Parameters {
+    Parameters {
+        box_mass: 12.0,
+        box_stiffness: 48e3,
+        box_damping: 30.0,
+        block_mass: 1.2,
+        secondary_mass: 1.2,
+        secondary_stiffness: 4800.0,
+        secondary_damping: 5.0,
+        coupling_stiffness: 0.0,
+        stop_gap: 0.015,
+        stop_restitution: 0.6,
+        drive_amplitude: 75.0,
+        drive_frequency: 10.0 * TAU,
+        drive_phase: 0.0,
+    }
+}
+
+/// Differences of the last row of a run from a simulator's displacements.
+fn differences(last: &[f64], simulator: &Simulator) -> [f64; 3] {
+    std::array::from_fn(|i| (last[1 + i] - simulator.state().x[i]).abs())
+}
+
+#[test]
+fn closed_form_of_the_recipes() {
+    let guide = Guide::read("recipes.md");
+    guide.perform("recipes", &[]);
+
+    // Without the block: the linear oscillator.
+    let p = machine();
+    let (k, c) =
+        (p.box_stiffness - p.box_mass * p.drive_frequency.powi(2), p.box_damping * p.drive_frequency);
+    let (amplitude, lag) = (p.drive_amplitude / k.hypot(c), c.atan2(k));
+    let rows = guide::rows("recipes", "without-block/run.csv");
+    assert!(rows.len() > 2000);
+    for row in &rows {
+        let closed = amplitude * (p.drive_frequency * row[0] - lag).sin();
+        assert!((row[1] - closed).abs() < LINEAR * amplitude, "{row:?} {closed}");
+    }
+
+    // The record: the library under the same interpolant.
+    let samples = [(0.0, 0.0), (0.01, 900.0), (0.02, 1200.0), (0.03, 450.0), (0.04, 0.0)];
+    let record = Load::new(Body::Box, &samples, Interpolation::Linear).unwrap();
+    let silent = Parameters { drive_amplitude: 0.0, ..p };
+    let mut simulator = Simulator::new(&silent, &State::default(), 0.0).unwrap();
+    simulator.advance_under(&[record], 1.0, Pause::Never, None).unwrap();
+    assert!(simulator.impacts().upper > 4);
+    let rows = guide::rows("recipes", "record/run.csv");
+    let last = rows.last().unwrap();
+    assert!(last[0] == 1.0 && differences(last, &simulator).iter().all(|d| *d < ROUNDING), "{last:?}");
+
+    // Tilted: springs and weights, with the rounded weights of the files.
+    let rows = guide::rows("recipes", "tilted/run.csv");
+    let last = rows.last().unwrap();
+    assert!((last[1] + (20.4417 + 2.04417) / 48e3).abs() < ROUNDING && last[4] == -0.015, "{last:?}");
+
+    // Off centre: the library under constant loads.
+    let coupled = Parameters { coupling_stiffness: 2000.0, ..p };
+    let mut loads = Loads::default();
+    (loads.derivatives[1][0], loads.derivatives[2][0]) = (-4.0, 4.0);
+    let mut simulator = Simulator::new(&coupled, &State::default(), 0.0).unwrap();
+    simulator.set_loads(&loads).unwrap();
+    simulator.advance_to(2.0).unwrap();
+    let rows = guide::rows("recipes", "off-centre/run.csv");
+    let last = rows.last().unwrap();
+    assert!(last[0] == 2.0 && differences(last, &simulator).iter().all(|d| *d < ROUNDING), "{last:?}");
+}
