@@ -1,4 +1,4 @@
-//! Functions along a branch whose zeros are bifurcations (docs/theory.md (107) to (110)).
+//! Functions along a branch whose zeros are bifurcations (docs/theory.md (107), (108)).
 
 use super::cycle::{Cycle, Functional};
 use super::orbit::{eigenvalues, is_clear};
