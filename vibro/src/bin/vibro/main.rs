@@ -5,6 +5,7 @@ mod destination;
 mod interruption;
 mod invocation;
 mod long;
+mod orbits;
 mod output;
 mod progress;
 mod ranges;
@@ -79,6 +80,9 @@ fn run(arguments: &Arguments) -> Result<()> {
             return long::isoperiodic(&set, common, a, &axes);
         }
         Command::Sweep(a) => return sweep::sweep(&set, common, a),
+        Command::Orbits(a) => vec![orbits::orbits(&set, a)?],
+        Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
+        Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
         Command::Template(_) => return Ok(()),
         Command::Reproduce(a) => {
