@@ -8,7 +8,7 @@ use super::grazing::{self, Touch};
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, eigenvalues, newton};
 use super::special;
-use super::switching::Contact;
+use super::switching::{Contact, Departure};
 use super::test_functions::{DOUBLING, PAIR, Sample, SignedLog, TESTS, UNIT, test};
 use super::word::OrbitWord;
 use nalgebra::{Complex, DVector};
@@ -43,20 +43,6 @@ impl Default for PathOptions {
     fn default() -> Self {
         Self { longest_step: 0.05, most_points: 3000 }
     }
-}
-
-/// Where a path begins.
-#[derive(Clone, Debug)]
-pub(super) struct Departure {
-    pub u: DVector<f64>,
-    /// The direction in which it leaves.
-    pub tangent: DVector<f64>,
-    /// Its first step.
-    pub step: f64,
-    /// What is special at its first point: a birth or a touch, which is not certified itself.
-    pub special: Option<Special>,
-    /// The multipliers there, where the cycle does not give them: at a touch.
-    pub multipliers: Option<[Complex<f64>; 6]>,
 }
 
 /// How a path ends.

@@ -7,10 +7,9 @@ use super::family::{Contacts, Family};
 use super::grazing::{self, Touch};
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, canonical, unfolded_phases};
-use super::path::Departure;
 use super::settled::REPETITION;
 use super::word::OrbitWord;
-use nalgebra::DVector;
+use nalgebra::{Complex, DVector};
 
 /// First step from an orbit, and from a point where branches meet.
 const FIRST_STEP: f64 = 1e-2;
@@ -18,6 +17,20 @@ const SWITCH_STEP: f64 = 1e-3;
 
 /// Step of the difference that tells on which side of a touch the block keeps clear of the stop.
 const SIDE_STEP: f64 = 1e-5;
+
+/// Where a path begins.
+#[derive(Clone, Debug)]
+pub(super) struct Departure {
+    pub u: DVector<f64>,
+    /// The direction in which it leaves.
+    pub tangent: DVector<f64>,
+    /// Its first step.
+    pub step: f64,
+    /// What is special at its first point: a birth or a touch, which is not certified itself.
+    pub special: Option<Special>,
+    /// The multipliers there, where the cycle does not give them: at a touch.
+    pub multipliers: Option<[Complex<f64>; 6]>,
+}
 
 /// A touch in the words of the orbit without it: what is common to all words that meet there.
 #[derive(Clone, Debug)]

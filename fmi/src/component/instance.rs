@@ -21,6 +21,7 @@ mod tests;
 
 use super::closed_form::ClosedForm;
 use super::continuous::Continuous;
+use super::event_state::EventState;
 use super::log::{Category, Log};
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
@@ -36,7 +37,6 @@ use vibro_impact::simulator::Simulator;
 
 pub use advance::Advance;
 pub use dependencies::Dependency;
-pub(super) use events::EventState;
 pub use pieces::{Piece, Pieces};
 pub use step::{StepOutcome, StepReason};
 

@@ -13,6 +13,7 @@
 
 mod closed_form;
 mod continuous;
+mod event_state;
 pub mod identity;
 pub mod instance;
 pub mod jets;

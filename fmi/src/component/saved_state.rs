@@ -22,8 +22,8 @@
 
 use super::closed_form;
 use super::continuous;
+use super::event_state::EventState;
 use super::identity;
-use super::instance::EventState;
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::settings::Settings;

@@ -2,7 +2,6 @@
 //! in one place, before any of these: [`guard`](Instance::guard), which the C interface calls.
 
 use super::description;
-use super::intermediate::{Required, Update};
 use super::problem::{Outcome, Problem};
 use super::states::{Function, Stage};
 use super::status::{self, Logger, Sink};
@@ -36,6 +35,23 @@ pub const FIRST: u32 = description::value_reference(0);
 /// Types of which there is no variable.
 pub const fn none(name: &'static str) -> Bases {
     Bases::new(name, &[]).of(Edition::Extended)
+}
+
+/// The inputs that a host intends to set inside a step, by body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Required {
+    pub(super) inputs: [bool; 3],
+}
+
+/// What the host may do while its callback runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Update {
+    /// `intermediateUpdateTime`, s.
+    pub time: f64,
+    /// `intermediateVariableSetRequested`; otherwise `intermediateVariableGetAllowed` and `intermediateStepFinished`.
+    pub set_requested: bool,
+    /// `canReturnEarly`.
+    pub can_return_early: bool,
 }
 
 /// One instance.

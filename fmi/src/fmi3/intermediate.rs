@@ -9,7 +9,7 @@
 //! ```
 
 use super::description::intermediate_update;
-use super::instance::Instance;
+use super::instance::{Instance, Update};
 use super::problem::{Outcome, Problem};
 use super::states::Function;
 use super::status::Sink;
@@ -17,23 +17,6 @@ use super::types::{Status, StepEnd};
 use crate::component::log::Category;
 use crate::component::variables::Edition;
 use crate::component::{self, Advance, Piece, Pieces};
-
-/// The inputs that a host intends to set inside a step, by body.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Required {
-    inputs: [bool; 3],
-}
-
-/// What the host may do while its callback runs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Update {
-    /// `intermediateUpdateTime`, s.
-    pub time: f64,
-    /// `intermediateVariableSetRequested`; otherwise `intermediateVariableGetAllowed` and `intermediateStepFinished`.
-    pub set_requested: bool,
-    /// `canReturnEarly`.
-    pub can_return_early: bool,
-}
 
 /// What comes next in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]

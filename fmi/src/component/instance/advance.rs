@@ -1,10 +1,11 @@
 //! Stepping for a host that may handle events itself or take steps that end early.
 
-use super::events::{Changes, Discrete};
+use super::events::Changes;
 use super::last_step::LastStep;
 use super::step::{describe, rounding, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
+use crate::component::event_state::Discrete;
 use crate::component::log::{Category, Log};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;

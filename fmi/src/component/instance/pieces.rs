@@ -1,10 +1,10 @@
 //! A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
 
 use super::advance::{AtEvent, advance, is_at_end, side_of};
-use super::events::Discrete;
 use super::last_step::LastStep;
 use super::step::{describe, rounding, take_back};
 use super::{Advance, Engine, Instance, Outcome, Phase, Problem, SavedState};
+use crate::component::event_state::Discrete;
 use crate::component::log::{Category, Log};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, EventObserver, Pause};

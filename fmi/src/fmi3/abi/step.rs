@@ -1,6 +1,7 @@
 //! `fmi3DoStep`, with the host's callback inside it (FMI 3.0.2, 4.2.1 and 4.2.2).
 
-use super::super::intermediate::{Progress, Turn, Update};
+use super::super::instance::Update;
+use super::super::intermediate::{Progress, Turn};
 use super::super::types::StepEnd;
 use super::*;
 use crate::ffi::Fault;

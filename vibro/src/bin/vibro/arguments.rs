@@ -1,16 +1,15 @@
 //! What can be asked for.
 
 use crate::orbits::{Loci, OneOrbit, Orbits};
-use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share};
 use crate::run::Run;
-use crate::sweep::Sweep;
+use crate::sweep_arguments::Sweep;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibro::manifest::Invocation;
 use vibro_analysis::basin::InitialValueRange;
 use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::maxima::Displacement;
-use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::Method;
 
 /// The folder of results unless another one is named.
@@ -124,7 +123,7 @@ pub enum Command {
     /// A row for each design, in SI, as CSV and Parquet. A design is judged by one motion or by many: from several starts, and
     /// over an axis such as the drive's frequency in a band, of which least, mean and largest values are told. What makes no
     /// machine or no motion is a row with its reason.
-    #[command(after_help = crate::sweep::EXAMPLES)]
+    #[command(after_help = crate::sweep_arguments::EXAMPLES)]
     Sweep(Box<Sweep>),
     /// Branches of periodic orbits over a parameter, stable or not, with folds, period doublings, touches and more
     ///
@@ -142,14 +141,6 @@ pub enum Command {
     Template(Template),
     /// All figures of the paper and a report that sets its statements beside what is found
     Reproduce(Reproduce),
-}
-
-/// A share of a long study.
-#[derive(Args, Debug)]
-pub struct Share {
-    /// Computes only share i of n, e.g. 2/4, for `vibro merge`
-    #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
 }
 
 /// Arguments of `bifurcation`.

@@ -12,6 +12,7 @@ mod ranges;
 mod run;
 mod short;
 mod sweep;
+mod sweep_arguments;
 
 use arguments::{Arguments, Command, Common};
 use clap::{CommandFactory, FromArgMatches};

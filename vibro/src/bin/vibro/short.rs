@@ -3,7 +3,7 @@
 use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
-use crate::sweep::AxisArgument;
+use crate::sweep_arguments::AxisArgument;
 use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};

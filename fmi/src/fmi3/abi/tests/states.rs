@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::component::Phase;
-use crate::fmi3::intermediate::Update;
+use crate::fmi3::instance::Update;
 use crate::fmi3::states::{FUNCTIONS, STAGES, Stage};
 
 /// Calls a function with arguments that are legal wherever the call is.
