@@ -6,12 +6,13 @@ import math
 import shutil
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence, Union
 
 import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,8 +20,15 @@ if TYPE_CHECKING:
 Value = Union[float, int, bool, str]
 PathLike = Union[str, Path]
 
-#: Where `cargo run --release -p fmu-build` puts the FMU.
+
+def fmi3_beside(fmu: PathLike) -> Path:
+    """The archive of FMI 3.0 that is made beside one of FMI 2.0."""
+    return Path(fmu).with_name("VibroImpact3DOF-FMI3.fmu")
+
+
+#: Where `cargo run --release -p fmu-build` puts the FMU, for FMI 2.0 and for FMI 3.0.
 FMU = Path(__file__).parents[1] / "target" / "VibroImpact3DOF.fmu"
+FMU3 = fmi3_beside(FMU)
 
 #: Displacements (m) and velocities (m/s) of box, block and secondary oscillator.
 STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
@@ -122,6 +130,8 @@ class Slave:
             self.set(variable, value)
         self._slave.enterInitializationMode()
         self._slave.exitInitializationMode()
+        #: How many steps it has computed.
+        self.steps = 0
 
     def __enter__(self) -> Slave:
         return self
@@ -174,8 +184,10 @@ class Slave:
     def step(self, time: float, size: float) -> float:
         """One step; returns the time reached, which is before its end where the FMU discards the rest (`stopAtImpact`).
 
-        After a discarded step FMI 2.0 (4.2.4) allows no further one: restore a state saved before it.
+        After a discarded step FMI 2.0 (4.2.4) allows no further one: restore a state saved before it. This FMU also goes on
+        from the time reached.
         """
+        self.steps += 1
         try:
             self._slave.doStep(currentCommunicationPoint=time, communicationStepSize=size)
         except FMICallException as error:
@@ -197,13 +209,116 @@ class Slave:
         self._slave.freeFMUstate(state)
 
 
+class EventSlave:
+    """A co-simulation instance of an FMI 3.0 FMU whose events the master handles: a step ends before an event, which is then
+    handled in Event Mode. Access by name; leaves nothing behind after `with`."""
+
+    def __init__(
+        self,
+        fmu: PathLike,
+        start: Mapping[str, Value] | None = None,
+        time: float = 0.0,
+        name: str = "instance",
+        driven: Sequence[str] = (),
+    ) -> None:
+        """It is then in Event Mode, as FMI 3.0 has it. `driven` inputs follow `courses` inside a step; others are held."""
+        description = fmpy.read_model_description(str(fmu))
+        self._variables = {v.name: v for v in description.modelVariables}
+        self._folder = fmpy.extract(str(fmu))
+        #: Course of each driven input in time.
+        self.courses: dict[str, Callable[[float], float]] = {}
+        #: How many steps it has computed.
+        self.steps = 0
+        self._slave: Any = FMU3Slave(
+            guid=description.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self._slave.instantiate(
+            eventModeUsed=True,
+            earlyReturnAllowed=True,
+            intermediateUpdate=self._inside_a_step if driven else None,
+            requiredIntermediateVariables=[self._reference(variable) for variable in driven],
+        )
+        for variable, value in (start or {}).items():
+            self.set(variable, value)
+        self._slave.enterInitializationMode(startTime=time)
+        self._slave.exitInitializationMode()
+
+    def __enter__(self) -> EventSlave:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._slave.freeInstance()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _reference(self, name: str) -> int:
+        if name not in self._variables:
+            raise KeyError(f"the FMU has no variable {name}")
+        return int(self._variables[name].valueReference)
+
+    def _inside_a_step(self, _environment: Any, time: float, set_requested: bool, *_: Any) -> None:
+        """The intermediate update (FMI 3.0, 4.2.2): the FMU asks for the inputs at times inside the step."""
+        if set_requested:
+            for name, course in self.courses.items():
+                self.set(name, course(time))
+
+    def set(self, name: str, value: Value) -> None:
+        """Sets a parameter, start value or input."""
+        references = [self._reference(name)]
+        kind = self._variables[name].type
+        if kind == "Float64":
+            self._slave.setFloat64(references, [float(value)])
+        elif kind == "Boolean":
+            self._slave.setBoolean(references, [bool(value)])
+        else:
+            self._slave.setInt64(references, [int(value)])
+
+    def get(self, name: str) -> float:
+        """A variable's value."""
+        references = [self._reference(name)]
+        kind = self._variables[name].type
+        if kind == "Float64":
+            return float(self._slave.getFloat64(references)[0])
+        if kind == "Boolean":
+            return float(self._slave.getBoolean(references)[0])
+        if kind == "Int32":
+            return float(self._slave.getInt32(references)[0])
+        return float(self._slave.getInt64(references)[0])
+
+    def reals(self, names: Sequence[str]) -> NDArray[np.float64]:
+        """Several Float64 variables in one call."""
+        return np.array(self._slave.getFloat64([self._reference(name) for name in names]))
+
+    def step(self, time: float, size: float) -> tuple[float, bool]:
+        """One step; returns the time reached and whether an event is to be handled there before the next step."""
+        self.steps += 1
+        event, _, early, reached = self._slave.doStep(currentCommunicationPoint=time, communicationStepSize=size)
+        return (float(reached) if early else time + size), bool(event)
+
+    def enter_event_mode(self) -> None:
+        """From now on the variables show what is after the event."""
+        self._slave.enterEventMode()
+
+    def update_discrete_states(self) -> float:
+        """Carries the event out; returns the time of the next one as far as it is known now, else infinity."""
+        *_, known, time = self._slave.updateDiscreteStates()
+        return float(time) if known else math.inf
+
+    def enter_step_mode(self) -> None:
+        """Ends Event Mode: steps can be computed again."""
+        self._slave.enterStepMode()
+
+
 def start_values(fmu: PathLike = FMU) -> dict[str, float]:
-    """Start values of the FMU's Real parameters."""
+    """Start values of the FMU's Real parameters, without the aliases that FMI 3.0 gives them."""
     description = fmpy.read_model_description(str(fmu))
+    named = {v.valueReference: v for v in reversed(description.modelVariables)}  # an alias follows its variable
     return {
         v.name: float(v.start)
-        for v in description.modelVariables
-        if v.causality == "parameter" and v.type == "Real"
+        for v in reversed(named.values())
+        if v.causality == "parameter" and v.type in ("Real", "Float64")
     }
 
 

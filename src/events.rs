@@ -24,9 +24,6 @@ const MAX_ITERATIONS: u32 = 200;
 /// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`].
 const MAX_NEWTON_FACTOR: f64 = 1e4;
 
-/// What rounding may leave of a positive p(lo), relative to the coefficients; checked in debug builds only.
-const START_ROUNDING: f64 = 1e-9;
-
 /// k and k - 1, by which a coefficient of order k is multiplied in p' and p''.
 const ORDERS: [f64; PADDED] = orders(0);
 const LOWER: [f64; PADDED] = orders(1);
@@ -308,10 +305,6 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
 /// a piece's centre, which are always formed from those given. With paths of a few gaps it is under 10⁻¹² gaps.
 #[inline(always)]
 pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
-    debug_assert!(
-        value(c, lo) <= START_ROUNDING * c.iter().map(|x| x.abs()).sum::<f64>(),
-        "p(lo) > 0: {c:?}"
-    );
     match shape(c) {
         (Shape::Unknown, _) => subdivide(c, lo, hi, 0, &mut { MAX_PIECES }, iterations),
         known => crossing_of_shape(c, known, lo, hi, iterations),

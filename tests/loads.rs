@@ -224,7 +224,7 @@ fn invariant_mirror_image_of_an_off_centre_gap() {
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         simulator.set_loads(&off_centre(&p, sign * 0.2)).unwrap();
         simulator.advance_to(60.0 * p.period()).unwrap();
-        (simulator.state(), simulator.impacts())
+        (simulator.state(), *simulator.impacts())
     };
     let ((above, one), (below, other)) = (run(1.0), run(-1.0));
     assert_eq!((one.upper, one.lower), (other.lower, other.upper));

@@ -79,7 +79,7 @@ struct SettledStart {
 
 /// A state of a machine with one gap for a machine with another: where the gap changes, displacements and velocities change
 /// in proportion, so that the block stays between the stops.
-fn within_gap(state: State, from: f64, to: f64) -> State {
+pub(crate) fn within_gap(state: State, from: f64, to: f64) -> State {
     if from == to {
         return state;
     }

@@ -65,6 +65,24 @@ pub enum Error {
         /// The most to each side of a square.
         side: usize,
     },
+    /// No periodic orbit with an impact word was found.
+    #[error("no orbit with the word {word}, closing {closing}, period {period}T: {reason}")]
+    NoOrbit {
+        /// The word in letters U and L.
+        word: String,
+        /// Its closing sign.
+        closing: char,
+        /// Its period in drive periods.
+        period: u32,
+        /// What stood in the way, and what to do.
+        reason: String,
+    },
+    /// A settled motion is no periodic orbit with impacts alone.
+    #[error("the settled motion {reason}")]
+    NoPeriodicMotion {
+        /// What it does instead, and what to do.
+        reason: String,
+    },
     /// The [store](crate::parts::PartStore) of finished parts failed.
     #[error(transparent)]
     Store(Box<dyn std::error::Error + Send + Sync>),

@@ -41,9 +41,14 @@ class Oscillator(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
         outputs = (
             ("f", "force of the spring on the flange, N", lambda: self.kc * (self.x - self.s)),
             ("df", "its rate, N/s", lambda: self.kc * (self.dx - self.v)),
+            ("ddf", "its second derivative, N/s2", lambda: self.kc * (self.acceleration() - self.a)),
         )
         for name, text, getter in outputs:
             self.register_variable(Real(name, causality=Fmi2Causality.output, description=text, getter=getter))
+
+    def acceleration(self) -> float:
+        """x'' by the equation of motion, m/s2."""
+        return (self.kc * (self.s - self.x) - self.k * self.x - self.c * self.dx) / self.m
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """The exact motion under the flange's polynomial: its particular polynomial, and free vibration about it."""

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! host ── fmi2XXX ──▶ fmi2/       who may call what when, C types, statuses, what FMI 2.0 describes
+//!      ── fmi3XXX ──▶ fmi3/       the same for FMI 3.0
 //!                      │    │
 //!                      │    └───▶ ffi/        checked pointers, panics caught
 //!                      ▼
@@ -10,9 +11,10 @@
 //!                     vibro_impact
 //! ```
 //!
-//! [`component`] knows no version of FMI; [`ffi`] knows neither it nor FMI. A door to another version stands beside
-//! [`fmi2`], and neither imports the other.
+//! [`component`] knows no version of FMI; [`ffi`] knows neither it nor FMI. The doors [`fmi2`] and
+//! [`fmi3`] stand beside each other, and neither imports the other.
 
 pub mod component;
 pub mod ffi;
 pub mod fmi2;
+pub mod fmi3;

@@ -41,8 +41,26 @@ fn unsafe_code_stands_in_the_doors_and_their_pointer_helpers() {
         "fmi2/abi/tests.rs",
         "fmi2/abi/tests/random.rs",
         "fmi2/abi/tests/states.rs",
+        "fmi3/abi.rs",
+        "fmi3/abi/instantiation.rs",
+        "fmi3/abi/step.rs",
+        "fmi3/abi/tests.rs",
+        "fmi3/abi/tests/callback.rs",
+        "fmi3/abi/tests/random.rs",
+        "fmi3/abi/tests/states.rs",
     ];
     assert_eq!(with, allowed);
+}
+
+#[test]
+fn neither_door_imports_the_other() {
+    for (door, other) in [("fmi2", "fmi3"), ("fmi3", "fmi2")] {
+        let files = sources(door);
+        assert!(files.len() > 6, "{door}: {}", files.len());
+        for (name, text) in files {
+            assert!(!text.contains(&format!("{other}::")), "{name} imports {other}");
+        }
+    }
 }
 
 #[test]

@@ -195,6 +195,7 @@ fn attributes(v: &ScalarVariable, found: &mut Vec<String>) {
         ("parameter", "fixed" | "tunable") => initial == Some("exact"),
         ("calculatedParameter", "fixed" | "tunable") => initial == Some("calculated"),
         ("input", "discrete" | "continuous") => initial.is_none(),
+        ("local", "discrete" | "continuous") => initial == Some("calculated"),
         ("output", "discrete" | "continuous") => matches!(initial, Some("exact" | "calculated")),
         ("independent", "continuous") => initial.is_none(),
         _ => false,
@@ -261,10 +262,12 @@ fn structure(model: &ModelDescription, found: &mut Vec<String>) {
             let valid = indices.is_some_and(|i| {
                 i.iter().all(|i| (1..=variables.len()).contains(i)) && i.windows(2).all(|w| w[0] < w[1])
             });
+            // Initialization knows the first two alone (FMI 2.0, 2.2.8).
             const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
+            let kinds_of = if what == "InitialUnknowns" { &KINDS[..2] } else { &KINDS[..] };
             let fits = |k: &Vec<String>| {
                 on.as_ref().map(Vec::len) == Some(k.len())
-                    && k.iter().all(|kind| KINDS.contains(&kind.as_str()))
+                    && k.iter().all(|kind| kinds_of.contains(&kind.as_str()))
             };
             if !valid || !kinds.as_ref().is_none_or(fits) {
                 found
@@ -278,6 +281,6 @@ fn structure(model: &ModelDescription, found: &mut Vec<String>) {
     check("Outputs", &lists.outputs, of(&|v| v.causality == "output"));
     check("Derivatives", &lists.derivatives, of(&|v| v.derivative().is_some()));
     let calculated =
-        |v: &ScalarVariable| v.initial.as_deref() == Some("calculated") && v.causality != "independent";
+        |v: &ScalarVariable| v.initial.as_deref() == Some("calculated") && v.causality != "local";
     check("InitialUnknowns", &lists.initial_unknowns, of(&calculated));
 }

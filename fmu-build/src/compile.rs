@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Folder of this platform's binary inside the archive (FMI 2.0, 2.3), as hosts look for it: they go by
+/// Folder of this platform's binary inside the archive of FMI 2.0 (2.3), as hosts look for it: they go by
 /// operating system and pointer width alone, whatever the processor.
 pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), usize::BITS) {
     (true, _, 64) => "win64",
@@ -12,6 +12,18 @@ pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = 
     (_, true, _) => "darwin64",
     (_, _, 64) => "linux64",
     _ => "linux32",
+};
+
+/// Folder of this platform's binary inside the archive of FMI 3.0 (2.5.1.4.1): processor and system.
+pub const PLATFORM_TUPLE: &str = match (std::env::consts::ARCH.as_bytes(), std::env::consts::OS.as_bytes()) {
+    (b"x86_64", b"windows") => "x86_64-windows",
+    (b"x86_64", b"macos") => "x86_64-darwin",
+    (b"x86_64", _) => "x86_64-linux",
+    (b"aarch64", b"windows") => "aarch64-windows",
+    (b"aarch64", b"macos") => "aarch64-darwin",
+    (b"aarch64", _) => "aarch64-linux",
+    (_, b"windows") => "x86-windows",
+    _ => "x86-linux",
 };
 
 /// Ending of a shared library's name on this platform, with its dot.
@@ -28,6 +40,28 @@ pub const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instant
     GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates \
     SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep \
     GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus";
+
+/// Every function of FMI 3.0 (headers/fmi3Functions.h), each with the prefix `fmi3`.
+pub const FUNCTIONS3: &str = "GetVersion SetDebugLogging InstantiateModelExchange InstantiateCoSimulation \
+    InstantiateScheduledExecution FreeInstance EnterInitializationMode ExitInitializationMode EnterEventMode Terminate Reset \
+    GetFloat32 GetFloat64 GetInt8 GetUInt8 GetInt16 GetUInt16 GetInt32 GetUInt32 GetInt64 GetUInt64 GetBoolean GetString \
+    GetBinary GetClock SetFloat32 SetFloat64 SetInt8 SetUInt8 SetInt16 SetUInt16 SetInt32 SetUInt32 SetInt64 SetUInt64 \
+    SetBoolean SetString SetBinary SetClock GetNumberOfVariableDependencies GetVariableDependencies \
+    GetFMUState SetFMUState FreeFMUState SerializedFMUStateSize SerializeFMUState DeserializeFMUState \
+    GetDirectionalDerivative GetAdjointDerivative EnterConfigurationMode ExitConfigurationMode \
+    GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction \
+    SetIntervalDecimal SetIntervalFraction SetShiftDecimal SetShiftFraction EvaluateDiscreteStates UpdateDiscreteStates \
+    EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates GetContinuousStateDerivatives \
+    GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates GetNumberOfEventIndicators \
+    GetNumberOfContinuousStates EnterStepMode GetOutputDerivatives DoStep ActivateModelPartition";
+
+/// Names of the functions of both versions: everything that the library exports.
+pub fn exported() -> impl Iterator<Item = String> {
+    let of = |prefix: &'static str, list: &'static str| {
+        list.split_whitespace().map(move |name| format!("{prefix}{name}"))
+    };
+    of("fmi2", FUNCTIONS).chain(of("fmi3", FUNCTIONS3))
+}
 
 /// Folder of the workspace this packager was compiled from.
 pub fn workspace() -> &'static Path {
@@ -123,8 +157,8 @@ impl Compiler {
 
     /// What a Windows library exports: cargo-zigbuild leaves out the compiler's own list, and then all would be exported.
     fn definitions(&self) -> Result<PathBuf> {
-        let file = self.target.join("fmi2.def");
-        let names = FUNCTIONS.split_whitespace().map(|name| format!("    fmi2{name}\n"));
+        let file = self.target.join("fmi.def");
+        let names = exported().map(|name| format!("    {name}\n"));
         let text = std::iter::once("EXPORTS\n".to_owned()).chain(names).collect::<String>();
         crate::archive::write_file(&file, text.as_bytes())?;
         Ok(file)

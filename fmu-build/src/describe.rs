@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::schema::*;
 use serde::Serialize;
 use vibro_fmi::component::variables::{
-    Causality, DependencyKind, Initial, Kind, VARIABLES, Variability, Variable, find,
+    Causality, DependencyKind, Edition, Initial, Kind, Variability, Variable, find,
 };
 use vibro_fmi::component::{structure, units};
 use vibro_fmi::fmi2::description;
@@ -23,6 +23,7 @@ pub fn model_description() -> ModelDescription {
         version: description::MODEL_VERSION.into(),
         license: description::LICENSE.into(),
         generation_tool: concat!("fmu-build ", env!("CARGO_PKG_VERSION")).into(),
+        generation_date_and_time: None,
         variable_naming_convention: description::NAMING_CONVENTION.into(),
         number_of_event_indicators: model_exchange.as_ref().map(|_| description::EVENT_INDICATORS),
         model_exchange,
@@ -47,20 +48,20 @@ pub fn model_description() -> ModelDescription {
             tolerance: experiment.tolerance,
             step: experiment.step_size,
         },
-        model_variables: ModelVariables { variables: (0..).zip(&VARIABLES).map(variable).collect() },
+        model_variables: ModelVariables { variables: description::variables().map(variable).collect() },
         model_structure: ModelStructure {
-            outputs: unknowns(&structure::outputs()),
-            derivatives: unknowns(&structure::derivatives()),
-            initial_unknowns: unknowns(&structure::initial_unknowns()),
+            outputs: unknowns(&structure::outputs(Edition::Every)),
+            derivatives: unknowns(&structure::derivatives(Edition::Every)),
+            initial_unknowns: unknowns(&structure::initial_unknowns(Edition::Every)),
         },
     }
 }
 
-/// `modelDescription.xml` as text.
+/// A description as text, of any version.
 ///
 /// # Errors
 /// [`Error::Xml`] when it cannot be written.
-pub fn to_xml(model: &ModelDescription) -> Result<String> {
+pub fn to_xml(model: &impl Serialize) -> Result<String> {
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let mut serializer = quick_xml::se::Serializer::new(&mut text);
     serializer.indent(' ', 2);
@@ -77,7 +78,8 @@ pub fn from_xml(text: &str) -> Result<ModelDescription> {
     quick_xml::de::from_str(text).map_err(|e| Error::Xml(e.to_string()))
 }
 
-fn unit(unit: &units::Unit) -> Unit {
+/// A unit as an element.
+pub(crate) fn unit(unit: &units::Unit) -> Unit {
     let exponent = |n: i32| (n != 0).then_some(n);
     Unit {
         name: unit.name.into(),
@@ -91,24 +93,45 @@ fn unit(unit: &units::Unit) -> Unit {
     }
 }
 
+/// Whether a declared type is that of a variable of this version.
+fn is_used(name: &str) -> bool {
+    description::variables().any(|(_, v)| v.declared_type() == Some(name))
+}
+
 fn types() -> Vec<SimpleType> {
-    let reals = units::REAL_TYPES.iter().map(|t| SimpleType {
+    let reals = units::REAL_TYPES.iter().filter(|t| is_used(t.name)).map(|t| SimpleType {
         name: t.name.into(),
         description: t.description.into(),
         kind: SimpleKind::Real(RealType {
-            quantity: t.quantity.into(),
-            unit: t.unit.into(),
+            quantity: t.quantity.unwrap_or_default().into(),
+            unit: t.unit.unwrap_or_default().into(),
             display_unit: t.display_unit.map(Into::into),
         }),
     });
-    let item =
-        |i: &units::Item| Item { name: i.name.into(), value: i.value, description: i.description.into() };
-    let enumerations = units::ENUMERATION_TYPES.iter().map(|t| SimpleType {
+    let enumerations = units::ENUMERATION_TYPES.iter().filter(|t| is_used(t.name)).map(|t| SimpleType {
         name: t.name.into(),
         description: t.description.into(),
-        kind: SimpleKind::Enumeration(EnumerationType { items: t.items.iter().map(item).collect() }),
+        kind: SimpleKind::Enumeration(EnumerationType { items: enumeration_items(t) }),
     });
     reals.chain(enumerations).collect()
+}
+
+/// The items of an enumeration as elements.
+pub(crate) fn enumeration_items(declared: &units::EnumerationType) -> Vec<Item> {
+    let item =
+        |i: &units::Item| Item { name: i.name.into(), value: i.value, description: i.description.into() };
+    declared.items.iter().map(item).collect()
+}
+
+/// `dependenciesKind` as the standard writes it.
+pub(crate) fn kind_name(kind: DependencyKind) -> &'static str {
+    match kind {
+        DependencyKind::Dependent => "dependent",
+        DependencyKind::Constant => "constant",
+        DependencyKind::Fixed => "fixed",
+        DependencyKind::Tunable => "tunable",
+        DependencyKind::Discrete => "discrete",
+    }
 }
 
 /// `causality` as the standard writes it.
@@ -118,6 +141,7 @@ pub fn causality(causality: Causality) -> &'static str {
         Causality::CalculatedParameter => "calculatedParameter",
         Causality::Input => "input",
         Causality::Output => "output",
+        Causality::Local => "local",
         Causality::Independent => "independent",
     }
 }
@@ -141,7 +165,7 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
         Kind::Real { declared, nominal, derivative_of, reinit, range: _ } => VariableKind::Real(Real {
             declared_type: declared.name.into(),
             // Repeated from the declared type: some hosts read units of variables only.
-            unit: Some(declared.unit.into()),
+            unit: declared.unit.map(Into::into),
             display_unit: declared.display_unit.map(Into::into),
             min,
             max,
@@ -155,6 +179,8 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
         Kind::Enumeration(declared) => {
             VariableKind::Enumeration(Enumeration { declared_type: declared.name.into(), start: whole })
         }
+        // FMI 2.0 has none; the rows that are clocks are of a later edition.
+        Kind::Clock => VariableKind::Boolean(Boolean { start: None }),
     };
     ScalarVariable {
         name: v.name.into(),
@@ -171,21 +197,13 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
 }
 
 fn unknowns(list: &[structure::Unknown]) -> Unknowns {
-    let kind = |kind: &DependencyKind| match kind {
-        DependencyKind::Dependent => "dependent",
-        DependencyKind::Constant => "constant",
-        DependencyKind::Fixed => "fixed",
-        DependencyKind::Tunable => "tunable",
-        DependencyKind::Discrete => "discrete",
-    };
     let joined = |words: Vec<String>| words.join(" ");
     let unknown = |u: &structure::Unknown| Unknown {
         index: description::index(u.reference),
-        dependencies: u
-            .dependencies
-            .as_ref()
-            .map(|d| joined(d.iter().map(|(known, _)| description::index(*known).to_string()).collect())),
-        kinds: u.dependencies.as_ref().map(|d| joined(d.iter().map(|(_, k)| kind(k).to_owned()).collect())),
+        dependencies: Some(joined(
+            u.dependencies.iter().map(|(known, _)| description::index(*known).to_string()).collect(),
+        )),
+        kinds: Some(joined(u.dependencies.iter().map(|(_, k)| kind_name(*k).to_owned()).collect())),
     };
     Unknowns { unknowns: list.iter().map(unknown).collect() }
 }

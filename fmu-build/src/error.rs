@@ -27,8 +27,8 @@ pub enum Error {
     /// The model description could not be written or read.
     #[error("modelDescription.xml: {0}")]
     Xml(String),
-    /// The model description contradicts itself or FMI 2.0.
-    #[error("modelDescription.xml is not valid; correct the table in src/fmi2:\n  {}", .0.join("\n  "))]
+    /// The model description contradicts itself or the standard.
+    #[error("modelDescription.xml is not valid; correct the table in fmi/src/component/variables:\n  {}", .0.join("\n  "))]
     Invalid(Vec<String>),
     /// The archive could not be written or read.
     #[error("archive {}: {source}", path.display())]
@@ -65,11 +65,24 @@ pub enum Error {
     /// The simulator refused.
     #[error("native run: {0}")]
     Native(#[from] vibro_impact::Error),
+    /// A set of parameters is not possible.
+    #[error(transparent)]
+    Set(#[from] vibro_analysis::Error),
+    /// The archives do not hold the same library.
+    #[error("{} and {} hold different libraries; build both again with `cargo run --release -p fmu-build`", first.display(), second.display())]
+    Binaries {
+        /// One archive.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
     /// The packaged binary and the native library disagree.
     #[error(
-        "{name} at t = {time} s is {packaged:e} in the packaged binary and {native:e} in the native run: they must be equal bit for bit; clean both with `cargo clean` and, if it stays, report it"
+        "{name} at t = {time} s is {packaged:e} in the packaged binary of {version} and {native:e} in the native run: they must be equal bit for bit; clean both with `cargo clean` and, if it stays, report it"
     )]
     Differs {
+        /// Archive.
+        version: &'static str,
         /// Variable.
         name: &'static str,
         /// Time in s.

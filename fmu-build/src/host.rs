@@ -1,7 +1,10 @@
-//! A small FMI 2.0 host: loads the packaged binary and calls it through its C ABI, as any importing tool does.
+//! A small host of FMI 2.0, and of FMI 3.0 in [`fmi3`]: loads the packaged binary and calls it through its C ABI, as any
+//! importing tool does.
 //!
-//! The only file of this crate with `unsafe`: a shared library's functions can be reached in no other way.
+//! The only files of this crate with `unsafe`: a shared library's functions can be reached in no other way.
 #![allow(unsafe_code)]
+
+pub mod fmi3;
 
 use crate::error::{Error, Result};
 use libloading::Library;

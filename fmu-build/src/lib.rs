@@ -1,18 +1,21 @@
-//! Packs the vibro-impact library into `VibroImpact3DOF.fmu`, runs it and draws what happened.
+//! Packs the vibro-impact library into `VibroImpact3DOF.fmu` (FMI 2.0) and `VibroImpact3DOF-FMI3.fmu`, runs them and draws what
+//! happened.
 //!
 //! ```text
-//! table (vibro_fmi::fmi2) ─▶ describe ─▶ check ─┐
-//!             page (recipes), icon, sketch ────────┼─▶ package ─▶ archive ─▶ .fmu
-//!                    platforms (compile), licences ─┘                          │
-//!                 table ◀─ run (host: the packaged binary; native library) ◀──┘
-//!               picture ◀──┘
+//! table (vibro_fmi) ─▶ describe, fmi3 ─▶ check ──┐
+//!  page (recipes), icon, terminals, reference ───┼─▶ package (version) ─▶ archive ─▶ .fmu
+//!          platforms (compile), licences, date ──┘                                     │
+//!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
+//!       picture ◀──┘
 //! ```
 
 pub mod archive;
 pub mod check;
 pub mod compile;
+pub mod date;
 pub mod describe;
 mod error;
+pub mod fmi3;
 pub mod host;
 pub mod icon;
 pub mod licences;
@@ -21,9 +24,12 @@ pub mod page;
 pub mod picture;
 pub mod platforms;
 pub mod recipes;
+pub mod reference;
 pub mod run;
 pub mod schema;
 pub mod sketch;
 pub mod table;
+pub mod terminals;
+pub mod version;
 
 pub use error::{Error, Result};

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 
 /// What is linked in besides crates.
 const RUN_TIME: &str = "
-The Rust standard library: MIT OR Apache-2.0 and what COPYRIGHT-library.html lists (licenses/rust-standard-library/).
+The Rust standard library: MIT OR Apache-2.0 and what COPYRIGHT-library.html lists (rust-standard-library/).
 Run-time code of the linker, for unwinding and start-up: LLVM's libunwind (Apache-2.0 WITH LLVM-exception) or GCC's
 libgcc (GPL-3.0-or-later WITH GCC-exception-3.1, which puts no condition on what it is linked into), and on Windows that
 of mingw-w64 (public domain and Zope Public License 2.1).
@@ -26,15 +26,19 @@ const TOOLCHAIN: [&str; 4] = [
     "licenses/GPL-3.0-or-later.txt",
 ];
 
-/// Adds `licenses/` to an archive: our own texts, those of every crate linked, and a list of them.
+/// Name of the list of what is linked.
+pub const LIST: &str = "README.txt";
+
+/// The texts of an archive by their paths in its folder of licences: our own, those of every crate linked, and a list of them.
 ///
 /// # Errors
 /// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot be read.
-pub fn add(content: &mut Content) -> Result<()> {
+pub fn texts() -> Result<Content> {
+    let mut content = Content::new();
     for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
         let path = workspace().join(name);
         let text = fs::read(&path).map_err(Error::file("reading", &path))?;
-        content.insert(format!("licenses/{name}"), text);
+        content.insert(name.to_owned(), text);
     }
     let mut list =
         String::from("Linked into the binaries of this FMU, beside its own code (MIT OR Apache-2.0):\n");
@@ -49,11 +53,12 @@ pub fn add(content: &mut Content) -> Result<()> {
         for file in files {
             let path = folder.join(&file);
             let bytes = fs::read(&path).map_err(Error::file("reading", &path))?;
-            content.insert(format!("licenses/{name}-{version}/{file}"), bytes);
+            content.insert(format!("{name}-{version}/{file}"), bytes);
         }
     }
-    content.insert("licenses/README.txt".into(), (list + "\n" + RUN_TIME).into_bytes());
-    standard_library(content)
+    content.insert(LIST.into(), (list + "\n" + RUN_TIME).into_bytes());
+    standard_library(&mut content)?;
+    Ok(content)
 }
 
 /// The texts of the standard library, where the toolchain has them (rustup's have).
@@ -66,7 +71,7 @@ fn standard_library(content: &mut Content) -> Result<()> {
         let path = folder.join(name);
         if path.is_file() {
             let text = fs::read(&path).map_err(Error::file("reading", &path))?;
-            content.insert(format!("licenses/rust-standard-library/{name}"), text);
+            content.insert(format!("rust-standard-library/{name}"), text);
         }
     }
     Ok(())

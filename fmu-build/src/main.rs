@@ -4,7 +4,8 @@ use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
 use fmu_build::picture::picture;
 use fmu_build::table::Table;
-use fmu_build::{archive, compile, package, run};
+use fmu_build::version::Version;
+use fmu_build::{archive, compile, package, platforms, reference, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibro::figures::canvas;
@@ -12,11 +13,12 @@ use vibro::studies;
 use vibro_analysis::ParameterSet;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Builds VibroImpact3DOF.fmu, runs it beside the native library and draws what happened.
+/// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both beside the native library and draws what
+/// happened.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// Where the FMU goes [default: target/VibroImpact3DOF.fmu]; the pictures go beside it
+    /// Where the FMU of FMI 2.0 goes [default: target/VibroImpact3DOF.fmu]; that of FMI 3.0 and the pictures go beside it
     #[arg(long, short)]
     output: Option<PathBuf>,
     /// Drive periods to run
@@ -25,6 +27,9 @@ struct Arguments {
     /// Pack a binary for every platform that can be built here, and say what the others need
     #[arg(long)]
     all_platforms: bool,
+    /// Make a third archive, of FMI 3.0 with a clock of impacts; several importers break on one
+    #[arg(long)]
+    clocked: bool,
     /// Build only
     #[arg(long)]
     no_run: bool,
@@ -74,11 +79,17 @@ fn main() -> ExitCode {
 
 fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     let output = arguments.output.clone().unwrap_or_else(package::default_output);
+    let mut versions = Version::USUAL.to_vec();
+    if arguments.clocked {
+        versions.push(Version::Clocked);
+    }
     let left_out = match arguments.all_platforms {
-        true => package::build_all(&output)?,
-        false => package::build(&output).map(|()| Vec::new())?,
+        true => package::build_all(&output, &versions)?,
+        false => package::write(&output, &versions, &platforms::own()?).map(|()| Vec::new())?,
     };
-    println!("{}", output.display());
+    for version in versions {
+        println!("{}", version.beside(&output).display());
+    }
     if !arguments.no_run {
         show(&output, arguments.periods)?;
     }
@@ -130,6 +141,7 @@ fn pictures(run: &run::Run, beside: &Path) -> fmu_build::Result<[PathBuf; 2]> {
 
 fn refresh() -> fmu_build::Result<()> {
     let mut files = package::committed()?;
+    files.extend(reference::results()?);
     let fmu = package::default_output();
     package::build(&fmu)?;
     let run = run::run(&fmu, 200)?;

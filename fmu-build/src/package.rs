@@ -1,11 +1,12 @@
-//! Puts the archive together: description, binary, documentation, icon, licences.
+//! Puts the archives together: description, binary, documentation, icon, licences.
 
 use crate::archive::{self, Content};
 use crate::compile;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::platforms::{self, Binaries, LeftOut};
 use crate::sketch::Sketch;
-use crate::{check, describe, icon, licences, page};
+use crate::version::Version;
+use crate::{date, icon, licences, page, reference, terminals};
 use std::path::{Path, PathBuf};
 use vibro::figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
@@ -15,20 +16,10 @@ pub fn default_output() -> PathBuf {
     compile::target().join(format!("{MODEL_IDENTIFIER}.fmu"))
 }
 
-/// `modelDescription.xml`, checked.
-///
-/// # Errors
-/// [`Error::Invalid`] with everything that is wrong.
-pub fn description() -> Result<String> {
-    let text = describe::to_xml(&describe::model_description())?;
-    let problems = check::problems(&text)?;
-    if problems.is_empty() { Ok(text) } else { Err(Error::Invalid(problems)) }
-}
-
 /// The icon as PNG.
 ///
 /// # Errors
-/// [`Error::Picture`].
+/// [`Error::Picture`](crate::Error::Picture).
 pub fn icon() -> Result<Vec<u8>> {
     Ok(canvas::png(&icon::Icon)?)
 }
@@ -36,7 +27,7 @@ pub fn icon() -> Result<Vec<u8>> {
 /// Files that are generated and committed: path in the workspace → content. A test fails when one is stale.
 ///
 /// # Errors
-/// As [`description`] and [`icon()`].
+/// As [`Version::description`] and [`icon()`].
 pub fn committed() -> Result<Content> {
     let mut files = described()?;
     files.insert("modelDescription/model.png".to_owned(), icon()?);
@@ -44,45 +35,91 @@ pub fn committed() -> Result<Content> {
     Ok(files)
 }
 
-/// Those of them that follow from the table of variables.
+/// Those of them that follow from the table of variables. They bear no date: that of the sources is put into the archive.
 ///
 /// # Errors
-/// As [`description`].
+/// As [`Version::description`].
 pub fn described() -> Result<Content> {
-    Ok(Content::from([("modelDescription/modelDescription.xml".to_owned(), description()?.into_bytes())]))
+    let files = [
+        ("modelDescription/modelDescription.xml", Version::Fmi2),
+        ("modelDescription/fmi3.xml", Version::Fmi3),
+        ("modelDescription/fmi3-clocked.xml", Version::Clocked),
+    ];
+    let text =
+        |(name, version): (&str, Version)| Ok((name.to_owned(), version.description(None)?.into_bytes()));
+    files.into_iter().map(text).collect()
 }
 
-/// Everything the archive holds, around binaries compiled before.
+/// Everything the archive of a version holds, around binaries compiled before.
 ///
 /// # Errors
-/// [`Error::File`] when a licence cannot be read, and as [`description`] and [`icon()`].
-pub fn content(binaries: Binaries) -> Result<Content> {
+/// [`Error::File`](crate::Error::File) when a licence cannot be read, and as [`Version::description`] and [`icon()`].
+pub fn content(version: Version, binaries: &Binaries) -> Result<Content> {
     let mut content = Content::from([
-        ("modelDescription.xml".to_owned(), description()?.into_bytes()),
-        ("model.png".to_owned(), icon()?),
+        ("modelDescription.xml".to_owned(), version.description(date::of_sources())?.into_bytes()),
         ("documentation/index.html".to_owned(), page::page().into_bytes()),
         // Nothing is read from it; hosts hand over its place all the same.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
     ]);
-    licences::add(&mut content)?;
-    content.extend(binaries);
+    content.insert("documentation/fmi-ls-ref.txt".to_owned(), reference::EXPLANATION.as_bytes().to_vec());
+    for (folder, files) in
+        [("terminalsAndIcons", terminals::files()?), (reference::FOLDER, reference::files()?)]
+    {
+        content.extend(files.into_iter().map(|(name, bytes)| (format!("{folder}/{name}"), bytes)));
+    }
+    match version {
+        Version::Fmi2 => {
+            content.insert("model.png".to_owned(), icon()?);
+            content.extend(
+                licences::texts()?.into_iter().map(|(name, text)| (format!("licenses/{name}"), text)),
+            );
+        }
+        // FMI 3.0.2, 2.5.1: the files of these names have these meanings.
+        Version::Fmi3 | Version::Clocked => {
+            content.insert("documentation/diagram.png".to_owned(), canvas::png(&Sketch)?);
+            content.insert("documentation/diagram.svg".to_owned(), canvas::svg(&Sketch)?.into_bytes());
+            content.insert("documentation/externalDependencies.txt".to_owned(), NEEDS.as_bytes().to_vec());
+            let place =
+                |name: &str| if name == licences::LIST { "license.txt".to_owned() } else { name.to_owned() };
+            let texts = licences::texts()?.into_iter();
+            content
+                .extend(texts.map(|(name, text)| (format!("documentation/licenses/{}", place(&name)), text)));
+        }
+    }
+    content.extend(binaries.of(version));
     Ok(content)
 }
 
-/// Compiles the library for this machine and writes the archive.
+/// What a machine must have for the library to be loaded.
+const NEEDS: &str = "The library needs the C library of the system and its mathematics alone: on Linux glibc 2.17 or later where \
+it was built for all platforms, else that of the machine that built it; on Windows the universal C run time (part of Windows 10 \
+and later); on macOS libSystem.\n";
+
+/// Compiles the library for this machine and writes the usual archives, that of FMI 2.0 to `output` and the other beside it.
 ///
 /// # Errors
 /// Everything that can go wrong on the way.
 pub fn build(output: &Path) -> Result<()> {
-    archive::write(&content(platforms::own()?)?, output)
+    write(output, &Version::USUAL, &platforms::own()?)
 }
 
-/// Compiles the library for every platform that can be built here and writes the archive; returns the others.
+/// Writes archives around binaries compiled before.
+///
+/// # Errors
+/// As [`content`], and [`Error::File`](crate::Error::File) where a file cannot be written.
+pub fn write(output: &Path, versions: &[Version], binaries: &Binaries) -> Result<()> {
+    for version in versions {
+        archive::write(&content(*version, binaries)?, &version.beside(output))?;
+    }
+    Ok(())
+}
+
+/// Compiles the library for every platform that can be built here and writes the archives; returns the others.
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_all(output: &Path) -> Result<Vec<LeftOut>> {
+pub fn build_all(output: &Path, versions: &[Version]) -> Result<Vec<LeftOut>> {
     let (binaries, left_out) = platforms::all()?;
-    archive::write(&content(binaries)?, output)?;
+    write(output, versions, &binaries)?;
     Ok(left_out)
 }

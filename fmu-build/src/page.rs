@@ -5,7 +5,7 @@ use crate::recipes::recipes;
 use std::fmt::Write;
 use vibro::html::escape;
 use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
-use vibro_fmi::component::variables::{Kind, SECTIONS, VARIABLES, Variable};
+use vibro_fmi::component::variables::{Edition, Kind, SECTIONS, VARIABLES, Variable};
 use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
 
 static TEMPLATE: &str = include_str!("../../modelDescription/documentation/index.html");
@@ -52,6 +52,7 @@ fn row(v: &Variable) -> String {
         Kind::Integer { .. } => "Integer",
         Kind::Boolean => "Boolean",
         Kind::Enumeration(declared) => declared.name,
+        Kind::Clock => "Clock",
     };
     let start = match (v.start(), v.kind) {
         (None, _) => String::new(),
@@ -62,12 +63,29 @@ fn row(v: &Variable) -> String {
     let cells = [
         format!("<code>{}</code>", escape(v.name)),
         escape(v.description),
-        escape(kind),
+        escape(kind) + &lengths(v),
         escape(&start),
         range(v),
-        format!("{}, {}", causality(v.causality), variability(v.variability)),
+        format!("{}, {}{}", causality(v.causality), variability(v.variability), edition(v.edition)),
     ];
     format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"))
+}
+
+/// Lengths of an array.
+fn lengths(v: &Variable) -> String {
+    match v.dimensions {
+        [] => String::new(),
+        lengths => format!(" {lengths:?}"),
+    }
+}
+
+/// Which descriptions have a variable, where not all do.
+fn edition(edition: Edition) -> &'static str {
+    match edition {
+        Edition::Every => "",
+        Edition::Extended => "; FMI 3.0 only",
+        Edition::Clocked => "; FMI 3.0 with a clock only",
+    }
 }
 
 /// What may be set; of what is only read, its bounds or items.
@@ -78,7 +96,7 @@ fn range(v: &Variable) -> String {
     match v.kind {
         Kind::Real { .. } => "any number".into(),
         Kind::Integer { min } => format!("at least {min}"),
-        Kind::Boolean => "false or true".into(),
+        Kind::Boolean | Kind::Clock => "false or true".into(),
         Kind::Enumeration(declared) => {
             declared.items.iter().map(|item| item.name).collect::<Vec<_>>().join(", ")
         }

@@ -1,7 +1,8 @@
 //! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
 
-use crate::compile::{Compiler, PLATFORM, SHARED_LIBRARY};
+use crate::compile::{Compiler, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 use crate::error::{Error, Result};
+use crate::version::Version;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 use std::fs;
@@ -15,6 +16,8 @@ pub struct Platform {
     /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI 2.0.4 (2.3) has it,
     /// the platform tuples of FMI 3.0.
     pub folder: &'static str,
+    /// The same in FMI 3.0 (2.5.1.4.1): the platform tuple.
+    pub tuple: &'static str,
     /// Targets of the Rust compiler; several are joined into one universal file.
     pub targets: &'static [&'static str],
     /// glibc to link against, the oldest the Rust standard library runs with.
@@ -24,30 +27,53 @@ pub struct Platform {
 }
 
 const fn platform(
-    folder: &'static str,
+    (folder, tuple): (&'static str, &'static str),
     targets: &'static [&'static str],
     glibc: Option<&'static str>,
     ending: &'static str,
 ) -> Platform {
-    Platform { folder, targets, glibc, ending }
+    Platform { folder, tuple, targets, glibc, ending }
 }
 
 const GLIBC: Option<&str> = Some("2.17");
 
 /// Every platform that is packed, where it can be built.
 pub const PLATFORMS: [Platform; 7] = [
-    platform("linux64", &["x86_64-unknown-linux-gnu"], GLIBC, ".so"),
-    platform("win64", &["x86_64-pc-windows-gnu"], None, ".dll"),
+    platform(("linux64", "x86_64-linux"), &["x86_64-unknown-linux-gnu"], GLIBC, ".so"),
+    platform(("win64", "x86_64-windows"), &["x86_64-pc-windows-gnu"], None, ".dll"),
     // Hosts on Apple's own processors look here too.
-    platform("darwin64", &["x86_64-apple-darwin", "aarch64-apple-darwin"], None, ".dylib"),
-    platform("aarch64-darwin", &["aarch64-apple-darwin"], None, ".dylib"),
-    platform("aarch64-linux", &["aarch64-unknown-linux-gnu"], GLIBC, ".so"),
-    platform("linux32", &["i686-unknown-linux-gnu"], GLIBC, ".so"),
-    platform("win32", &["i686-pc-windows-gnu"], None, ".dll"),
+    platform(("darwin64", "x86_64-darwin"), &["x86_64-apple-darwin", "aarch64-apple-darwin"], None, ".dylib"),
+    platform(("aarch64-darwin", "aarch64-darwin"), &["aarch64-apple-darwin"], None, ".dylib"),
+    platform(("aarch64-linux", "aarch64-linux"), &["aarch64-unknown-linux-gnu"], GLIBC, ".so"),
+    platform(("linux32", "x86-linux"), &["i686-unknown-linux-gnu"], GLIBC, ".so"),
+    platform(("win32", "x86-windows"), &["i686-pc-windows-gnu"], None, ".dll"),
 ];
 
-/// Binaries of an archive: path inside it → bytes.
-pub type Binaries = BTreeMap<String, Vec<u8>>;
+/// A compiled library and the folders in which it lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Binary {
+    folder: &'static str,
+    tuple: &'static str,
+    ending: &'static str,
+    bytes: Vec<u8>,
+}
+
+/// The compiled libraries of all archives: the same in each, in other folders.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Binaries(Vec<Binary>);
+
+impl Binaries {
+    /// One library for this machine.
+    pub fn own(bytes: Vec<u8>) -> Self {
+        Self(vec![Binary { folder: PLATFORM, tuple: PLATFORM_TUPLE, ending: SHARED_LIBRARY, bytes }])
+    }
+
+    /// Path inside the archive of a version → bytes.
+    pub fn of(&self, version: Version) -> BTreeMap<String, Vec<u8>> {
+        let folder = |b: &Binary| if version == Version::Fmi2 { b.folder } else { b.tuple };
+        self.0.iter().map(|b| (path(folder(b), b.ending), b.bytes.clone())).collect()
+    }
+}
 
 /// A platform that could not be built as it should, and why.
 #[derive(Debug)]
@@ -76,6 +102,7 @@ impl Display for LeftOut {
 pub const TOOLS: &str = "install cargo-zigbuild and zig (`pip install -r fmu-build/requirements.txt` in a virtual environment) \
      and put them on the PATH";
 
+/// Path of the library inside an archive.
 fn path(folder: &str, ending: &str) -> String {
     format!("binaries/{folder}/{MODEL_IDENTIFIER}{ending}")
 }
@@ -89,8 +116,7 @@ fn read(library: &PathBuf) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
 pub fn own() -> Result<Binaries> {
-    let library = Compiler::default().library()?;
-    Ok(Binaries::from([(path(PLATFORM, SHARED_LIBRARY), read(&library)?)]))
+    Ok(Binaries::own(read(&Compiler::default().library()?)?))
 }
 
 /// The binaries of all platforms that can be built here, and a list of those that cannot.
@@ -98,27 +124,28 @@ pub fn own() -> Result<Binaries> {
 /// # Errors
 /// Where not even this machine's own can be built.
 pub fn all() -> Result<(Binaries, Vec<LeftOut>)> {
-    let mut binaries = Binaries::new();
+    let mut binaries = Vec::new();
     let mut left_out = Vec::new();
     for platform in PLATFORMS {
+        let Platform { folder, tuple, ending, .. } = platform;
         match platform.build() {
-            Ok(bytes) => drop(binaries.insert(platform.path(), bytes)),
+            Ok(bytes) => binaries.push(Binary { folder, tuple, ending, bytes }),
             Err(reason) => {
                 let replaced = platform.folder == PLATFORM;
                 left_out.push(LeftOut { folder: platform.folder, reason, replaced });
             }
         }
     }
-    if !binaries.contains_key(&path(PLATFORM, SHARED_LIBRARY)) {
-        binaries.extend(own()?);
+    if !binaries.iter().any(|binary| binary.folder == PLATFORM) {
+        binaries.extend(own()?.0);
     }
-    Ok((binaries, left_out))
+    Ok((Binaries(binaries), left_out))
 }
 
 impl Platform {
-    /// Where its binary is in the archive.
-    pub fn path(&self) -> String {
-        path(self.folder, self.ending)
+    /// Where its binary is in the archive of a version.
+    pub fn path(&self, version: Version) -> String {
+        path(if version == Version::Fmi2 { self.folder } else { self.tuple }, self.ending)
     }
 
     /// Compiles its binary; the error says what to install.

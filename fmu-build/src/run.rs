@@ -1,15 +1,16 @@
-//! Runs the packaged binary, out of its archive, beside the native library and compares them bit for bit.
+//! Runs the packaged binaries, out of their archives, beside the native library and compares them bit for bit.
 
 use crate::archive;
-use crate::compile::{PLATFORM, SHARED_LIBRARY};
-use crate::describe::from_xml;
+use crate::compile::SHARED_LIBRARY;
 use crate::error::{Error, Result};
-use crate::host::Binary;
+use crate::host;
+use crate::version::Version;
+use crate::{describe, fmi3};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_fmi::component::variables;
-use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
+use vibro_fmi::fmi3::description::{MODEL_IDENTIFIER, value_reference};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
@@ -56,23 +57,30 @@ pub struct Run {
     pub samples: Vec<Sample>,
     /// Every impact, from a native run that pauses before each.
     pub impacts: Vec<ImpactSample>,
-    /// Wall time of all `fmi2DoStep` together.
-    pub stepping: Duration,
-    /// Wall time of the whole run of the FMU: instantiate, initialize, step, read.
+    /// Wall time of all steps together, of FMI 2.0 and 3.0.
+    pub stepping: [Duration; 2],
+    /// Wall time of the whole run of the FMU of FMI 2.0: instantiate, initialize, step, read.
     pub whole: Duration,
 }
 
-/// Runs an archive for that many drive periods from its start values, the native library beside it.
+/// Runs an archive of FMI 2.0, and that of FMI 3.0 beside it, for that many drive periods from the start values, the native
+/// library beside both.
 ///
 /// # Errors
-/// [`Error::Differs`] when the two are not equal bit for bit; everything else that can go wrong on the way.
+/// [`Error::Differs`] when they are not equal bit for bit; [`Error::Binaries`] when the archives hold different libraries;
+/// everything else that can go wrong on the way.
 pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     let folder = tempfile::tempdir().map_err(Error::file("making a folder in", &std::env::temp_dir()))?;
-    let name = format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}");
-    let file = folder.path().join(&name);
-    archive::write_file(&file, &archive::read(archive, &format!("binaries/{PLATFORM}/{name}"))?)?;
-    let text = archive::read(archive, "modelDescription.xml")?;
-    let model = from_xml(&String::from_utf8_lossy(&text))?;
+    let beside = Version::Fmi3.beside(archive);
+    let library = archive::read(archive, &Version::Fmi2.own_binary())?;
+    if archive::read(&beside, &Version::Fmi3.own_binary())? != library {
+        return Err(Error::Binaries { first: archive.to_owned(), second: beside });
+    }
+    let file = folder.path().join(format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}"));
+    archive::write_file(&file, &library)?;
+    let text = |archive: &Path| archive::read(archive, "modelDescription.xml");
+    let guid = describe::from_xml(&String::from_utf8_lossy(&text(archive)?))?.guid;
+    let token = fmi3::from_xml(&String::from_utf8_lossy(&text(&beside)?))?.instantiation_token;
 
     let parameters = Parameters::default();
     let step = parameters.period() / f64::from(STEPS_PER_PERIOD);
@@ -80,40 +88,52 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     let mut native = Simulator::new(&parameters, &State::default(), 0.0)?;
 
     let begin = Instant::now();
-    let binary = Binary::load(&file)?;
-    let mut instance = binary.instantiate(&model.guid)?;
+    let binary = host::Binary::load(&file)?;
+    let mut instance = binary.instantiate(&guid)?;
     instance.initialize(0.0)?;
-    let reals = references(NAMES)?;
-    let counts = references(COUNTS)?;
-    let mut stepping = Duration::ZERO;
     let mut whole = begin.elapsed();
+    let binary3 = host::fmi3::Binary::load(&file)?;
+    let mut instance3 = binary3.instantiate(&token)?;
+    instance3.initialize(0.0)?;
+    let (reals, counts) = (references(NAMES)?, references(COUNTS)?);
+    let (reals3, counts3) = (reals.map(value_reference), counts.map(value_reference));
+    let mut stepping = [Duration::ZERO; 2];
     let mut samples = vec![Sample { time: 0.0, state: State::default(), impacts: [0; 2] }];
     let bar = Bar::new(u64::from(steps));
     for i in 0..steps {
         let from = f64::from(i) * step;
         let begin = Instant::now();
         instance.step(from, step)?;
-        stepping += begin.elapsed();
-        let values = instance.real(&reals)?;
-        let impacts = instance.integer(&counts)?;
+        stepping[0] += begin.elapsed();
+        let (values, impacts) = (instance.real(&reals)?, instance.integer(&counts)?);
         whole += begin.elapsed();
+        let begin = Instant::now();
+        instance3.step(from, step)?;
+        stepping[1] += begin.elapsed();
 
         native.advance_until(DoubleDouble::sum(from, step), Pause::Never, None)?;
-        let (state, time) = (native.state(), native.time());
-        let record = native.impacts();
-        let expected = [state.x, state.v].concat();
-        for ((name, packaged), native) in NAMES.into_iter().zip(values).zip(expected) {
-            same(name, time, packaged, native)?;
-        }
-        for ((name, packaged), native) in COUNTS.into_iter().zip(impacts).zip([record.upper, record.lower]) {
-            same(name, time, f64::from(packaged), native as f64)?;
-        }
-        samples.push(Sample { time, state, impacts });
+        let sample = Sample { time: native.time(), state: native.state(), impacts };
+        same_sample(Version::Fmi2, &native, values, impacts)?;
+        same_sample(Version::Fmi3, &native, instance3.real(&reals3)?, instance3.integer(&counts3)?)?;
+        samples.push(sample);
         bar.at(u64::from(i));
     }
     instance.terminate()?;
+    instance3.terminate()?;
     let impacts = impacts(&parameters, native.time())?;
     Ok(Run { parameters, periods, samples, impacts, stepping, whole })
+}
+
+/// Whether the outputs of a packaged binary are those of the native run, bit for bit.
+fn same_sample(version: Version, native: &Simulator, values: [f64; 6], impacts: [i32; 2]) -> Result<()> {
+    let (State { x, v }, record, time) = (native.state(), native.impacts(), native.time());
+    for ((name, packaged), native) in NAMES.into_iter().zip(values).zip([x, v].concat()) {
+        same(version, name, time, packaged, native)?;
+    }
+    for ((name, packaged), native) in COUNTS.into_iter().zip(impacts).zip([record.upper, record.lower]) {
+        same(version, name, time, f64::from(packaged), native as f64)?;
+    }
+    Ok(())
 }
 
 /// The motion at every impact up to `end`, from a native run that pauses before each event.
@@ -138,11 +158,11 @@ fn references<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
     Ok(references)
 }
 
-fn same(name: &'static str, time: f64, packaged: f64, native: f64) -> Result<()> {
+fn same(version: Version, name: &'static str, time: f64, packaged: f64, native: f64) -> Result<()> {
     if packaged.to_bits() == native.to_bits() {
         return Ok(());
     }
-    Err(Error::Differs { name, time, packaged, native })
+    Err(Error::Differs { version: version.name(), name, time, packaged, native })
 }
 
 /// A progress bar that shows itself only when the work takes long.
@@ -228,9 +248,10 @@ mod tests {
 
     #[test]
     fn one_bit_is_a_difference() {
-        assert!(same("box.s", 1.0, 0.1, 0.1).is_ok());
+        let same = |packaged, native| same(Version::Fmi3, "box.s", 1.0, packaged, native);
+        assert!(same(0.1, 0.1).is_ok());
         for (packaged, native) in [(0.1, 0.1_f64.next_up()), (0.0, -0.0)] {
-            let error = same("box.s", 1.0, packaged, native).unwrap_err();
+            let error = same(packaged, native).unwrap_err();
             assert!(matches!(error, Error::Differs { name: "box.s", .. }), "{error}");
         }
     }
@@ -255,7 +276,7 @@ mod tests {
             periods: 1,
             samples,
             impacts: impacts[..2].to_vec(),
-            stepping: Duration::ZERO,
+            stepping: [Duration::ZERO; 2],
             whole: Duration::ZERO,
         };
         let lengths: Vec<_> = run.path(0.0, end).iter().map(Vec::len).collect();

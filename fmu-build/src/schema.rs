@@ -22,6 +22,8 @@ pub struct ModelDescription {
     pub license: String,
     #[serde(rename = "@generationTool")]
     pub generation_tool: String,
+    #[serde(rename = "@generationDateAndTime", default, skip_serializing_if = "Option::is_none")]
+    pub generation_date_and_time: Option<String>,
     #[serde(rename = "@variableNamingConvention")]
     pub variable_naming_convention: String,
     #[serde(rename = "@numberOfEventIndicators", default, skip_serializing_if = "Option::is_none")]

@@ -2,6 +2,7 @@
 
 use fmu_build::archive::{self, Content};
 use fmu_build::platforms::Binaries;
+use fmu_build::version::Version;
 use fmu_build::{Error, compile, package};
 
 fn content() -> Content {
@@ -53,9 +54,11 @@ fn entries_carry_nothing_of_the_moment() {
 /// Everything but the binary, whose sameness has its own test.
 #[test]
 fn packing_twice_gives_the_same_bytes() {
-    let binaries = || Binaries::from([("binaries/linux64/x.so".to_owned(), vec![7; 10_000])]);
-    let pack = || archive::to_bytes(&package::content(binaries()).unwrap()).unwrap();
-    assert!(pack() == pack());
+    let binaries = || Binaries::own(vec![7; 10_000]);
+    for version in [Version::Fmi2, Version::Fmi3, Version::Clocked] {
+        let pack = || archive::to_bytes(&package::content(version, &binaries()).unwrap()).unwrap();
+        assert!(pack() == pack(), "{version:?}");
+    }
 }
 
 #[test]

@@ -1,11 +1,11 @@
-//! The packaged binary exports the functions of FMI 2.0 and nothing else, and needs the C library and nothing else.
+//! The packaged binary exports the functions of FMI 2.0 and 3.0 and nothing else, and needs the C library and nothing else.
 
 mod common;
 
 use fmu_build::compile;
 
 #[test]
-fn exports_are_the_functions_of_fmi2() {
+fn exports_are_the_functions_of_both_versions() {
     let bytes = std::fs::read(compile::library().unwrap()).unwrap();
     assert_eq!(common::exports(&bytes), common::functions());
 }

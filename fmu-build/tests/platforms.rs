@@ -5,6 +5,7 @@ mod common;
 
 use fmu_build::compile::PLATFORM;
 use fmu_build::platforms::{self, PLATFORMS, Platform};
+use fmu_build::version::Version;
 use fmu_build::{archive, package};
 use object::{Architecture, BinaryFormat, Object};
 use std::path::Path;
@@ -29,7 +30,7 @@ const PER_PERIOD: u32 = 20;
 fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
     let folder = tempfile::tempdir().unwrap();
     let fmu = folder.path().join("x.fmu");
-    let left_out = package::build_all(&fmu).unwrap();
+    let left_out = package::build_all(&fmu, &Version::USUAL).unwrap();
     for platform in &left_out {
         println!("{platform}");
     }
@@ -39,7 +40,9 @@ fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
         if missing {
             continue;
         }
-        let bytes = archive::read(&fmu, &platform.path()).unwrap();
+        let bytes = archive::read(&fmu, &platform.path(Version::Fmi2)).unwrap();
+        let same = archive::read(&Version::Fmi3.beside(&fmu), &platform.path(Version::Fmi3)).unwrap();
+        assert!(same == bytes, "{}: the archives hold different libraries", platform.folder);
         check_binary(&platform, &bytes);
         let library = folder.path().join(platform.folder).join(format!("x{}", platform.ending));
         archive::write_file(&library, &bytes).unwrap();
@@ -211,7 +214,7 @@ fn a_missing_tool_is_named_with_what_to_install() {
     for platform in PLATFORMS {
         let line = printed.lines().find(|line| line.starts_with(platform.folder)).unwrap();
         assert!(line.contains(platforms::TOOLS), "{line}");
-        let packed = archive::read(&fmu, &platform.path()).is_ok();
+        let packed = archive::read(&fmu, &platform.path(Version::Fmi2)).is_ok();
         assert_eq!(packed, platform.folder == PLATFORM, "{line}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod common;
 
+use fmu_build::version::Version;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -46,7 +47,10 @@ fn every_code_block_works() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
     fs::create_dir_all(folder.join("target")).expect("target can be written");
     let fmu = common::python::fmu();
-    fs::copy(&fmu, folder.join("target/VibroImpact3DOF.fmu")).expect("target can be written");
+    for version in Version::USUAL {
+        let copy = version.beside(&folder.join("target/VibroImpact3DOF.fmu"));
+        fs::copy(version.beside(&fmu), copy).expect("target can be written");
+    }
     let requirements = fs::read_to_string(common::python::root().join("tests/fmpy/requirements.txt"))
         .expect("requirements.txt can be read");
     let example_tests: String = ["test_scripts.py", "test_dask_sweep.py"]

@@ -7,7 +7,12 @@ use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
 use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
+use crate::numerics::simd::value;
 use std::sync::Arc;
+
+/// What rounding may leave of a gap that is closed beyond zero at a search's start, in parts of the path and the gap; checked in
+/// debug builds only.
+const START_ROUNDING: f64 = 1e-9;
 
 /// A point on a series at which an event or the step's end lies.
 pub(super) struct SeriesPoint<'a, const N: usize> {
@@ -262,6 +267,12 @@ impl Simulator {
             if near {
                 let mut p = functional.map(|w| side * w);
                 p[0] -= self.model.gap;
+                // In rest there is no such check: forces may cancel, and what is left of them has no scale of its own.
+                debug_assert!(
+                    value(&p, lo)
+                        <= START_ROUNDING * (self.model.gap + p.iter().map(|x| x.abs()).sum::<f64>()),
+                    "the block is beyond a stop where a search begins: {p:?}"
+                );
                 let hi = found.map_or(hi, |(u, _)| u);
                 if let Some(u) = first_crossing(&p, lo, hi, iterations) {
                     found = Some((u, side));

@@ -85,9 +85,16 @@ def test_step_to_impacts(fmu):
     assert len(lines) > 5 and {line.split()[1] for line in lines[1:]} == {"upper", "lower"}
 
 
+def test_events_fmi3(fmu):
+    *lines, sum_up = run("events_fmi3.py", "--fmu", vibro.fmi3_beside(fmu), "--periods", 6).splitlines()
+    assert len(lines) > 8 and all("impact, " in line and " yes " in line for line in lines[1:]), lines
+    assert sum_up.endswith("the laws hold") and " 0 of them not announced" in sum_up
+
+
 def test_partitioned(fmu, tmp_path):
     picture = tmp_path / "coupling.png"
-    assert "iterated, steps to the impacts" in run("coupling/partitioned.py", "--fmu", fmu, "--output", picture)
+    out = run("coupling/partitioned.py", "--fmu", fmu, "--output", picture)
+    assert "iterated, steps to the impacts" in out and "steps to the events (FMI 3.0)" in out
     assert drawn(picture)
 
 

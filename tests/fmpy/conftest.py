@@ -21,6 +21,17 @@ def fmu() -> str:
 
 
 @pytest.fixture(scope="session")
+def fmu3(fmu) -> str:
+    """Path of the packaged FMU of FMI 3.0, which lies beside."""
+    return fmu.replace(".fmu", "-FMI3.fmu")
+
+
+@pytest.fixture(scope="session")
+def description3(fmu3):
+    return fmpy.read_model_description(fmu3)
+
+
+@pytest.fixture(scope="session")
 def native():
     """Native states by name of the communication step (written by tests/fmpy.rs)."""
     folder = os.environ.get("VIBRO_IMPACT_NATIVE")

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 EXAMPLES = Path(__file__).parents[2] / "examples"
 sys.path[:0] = [str(EXAMPLES), str(EXAMPLES / "coupling")]
 
+import events_fmi3  # noqa: E402
 import partitioned  # noqa: E402
 import ssp  # noqa: E402
 import step_to_impacts  # noqa: E402
@@ -73,16 +74,27 @@ def test_oscillator_does_not_depend_on_the_step(oscillator):
 
 @pythonfmu_runs
 def test_coupling_errors_fall_with_the_order_of_each_master(fmu, oscillator):
-    """First, second, second (impacts inside steps) and third order; the last reaches the whole machine's motion."""
+    """First, second, second (impacts inside steps), third and third order; the last two reach the whole machine's motion."""
     steps = (80, 160, 320, 640)
-    table = partitioned.errors(fmu, oscillator, steps)
-    orders = {name: slope(steps, errors) for name, errors in table.items()}
-    for (name, order), expected in zip(orders.items(), (1.0, 1.7, 1.7, 2.9)):
+    table = partitioned.curves(fmu, oscillator, steps)
+    orders = {name: slope(steps, curve.errors) for name, curve in table.items()}
+    assert len(orders) == 5
+    for (name, order), expected in zip(orders.items(), (1.0, 1.7, 1.7, 2.9, 2.9)):
         assert expected - 0.3 < order < expected + 0.6, (name, order, table[name])
-    last = [errors[-1] for errors in table.values()]
+    *last, events = [curve.errors[-1] for curve in table.values()]
     assert last == sorted(last, reverse=True), table
     assert last[0] > 1e-3, "the plain coupling shows its error"
-    assert last[-1] < 1e-7, table
+    assert last[-1] < 1e-7 and events < 2e-7, table
+
+
+@pythonfmu_runs
+def test_steps_to_the_announced_events_cost_one_step_each(fmu, oscillator):
+    """No step is taken back: beside the steps to the grid there are those that end at events, some of them in two parts."""
+    run = partitioned.cut_by_events(vibro.fmi3_beside(fmu), oscillator, 40, 10)
+    met = 15  # at most two a period, and the start
+    assert run.computed == run.steps == run.iterations <= 40 * partitioned.PERIODS + 2 * met
+    same = partitioned.cut_by_events(vibro.fmi3_beside(fmu), oscillator, 40, 10)
+    assert np.array_equal(run.states, same.states)
 
 
 @pythonfmu_runs
@@ -108,6 +120,34 @@ def test_steps_to_the_impacts_of_dop853(fmu, period):
     for impact in found:
         assert impact.impulse == pytest.approx((1 + p["stop.restitution"]) * reduced * impact.speed, rel=1e-12)
     assert {impact.stop for impact in found} == {"upper", "lower"}
+
+
+def test_events_of_fmi3_are_those_of_dop853(fmu, period):
+    """Both limits of each impact by another solver, and every one announced for its time."""
+    stop = 10 * period
+    start = {"block.s": 0.9, "block.v": 0.5}
+    found = list(events_fmi3.events(vibro.fmi3_beside(fmu), start, stop, period / 10))
+    p = vibro.start_values(fmu)
+    _, expected = oracle.simulate(p, [0.0, 0.9, 0.0, 0.0, 0.5, 0.0], np.linspace(0.0, stop, 201))
+    assert len(found) == len(expected) > 10
+    np.testing.assert_allclose([event.time for event in found], expected, rtol=0, atol=ORACLE)
+    for event, following in zip(found, found[1:]):
+        assert max(event.errors(p)) < events_fmi3.ROUNDING, event
+        assert event.kind.startswith("impact") and event.announced, event
+        assert event.before.relative * event.after.relative < 0 and event.next_event == pytest.approx(following.time)
+        assert sum(event.after.counts) == sum(event.before.counts) + 1
+
+
+def test_events_of_fmi3_with_rest_and_release(fmu, period):
+    """A chatter run closes in rest, a release follows; no law is broken at any of them."""
+    start = {"stop.restitution": 0.3, "drive.amplitude": 0.4, "block.v": 0.3, "block.f": 0.02}
+    fmu3 = vibro.fmi3_beside(fmu)
+    found = list(events_fmi3.events(fmu3, start, 40 * period, period / 10))
+    kinds = {event.kind for event in found}
+    assert "release" in kinds and any("rest" in kind for kind in kinds), kinds
+    parameters = {**vibro.start_values(fmu3), **start}
+    for event in found:
+        assert max(event.errors(parameters)) < events_fmi3.ROUNDING, event
 
 
 @pytest.fixture(scope="module")

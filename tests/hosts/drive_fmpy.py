@@ -1,6 +1,7 @@
 """Runs the FMU in fmpy: drive_fmpy.py FMU STEP STEPS OUTPUT WAY [NAME=VALUE ...]; writes a CSV of the states.
 
-WAY is CoSimulation, CVode or Euler; for Euler, STEP is also the solver's step.
+WAY is CoSimulation, CVode or Euler; for Euler, STEP is also the solver's step. With FMI 3.0, CoSimulation may be followed by
++event (Event Mode) and +early (early return).
 """
 
 import sys
@@ -11,7 +12,8 @@ NAMES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 
 fmu, step, steps, output, way, *starts = sys.argv[1:]
 interval = float(step)
-options = {"fmi_type": "CoSimulation"}
+way, *flags = way.split("+")
+options = {"fmi_type": "CoSimulation", "use_event_mode": "event" in flags, "early_return_allowed": "early" in flags}
 if way != "CoSimulation":
     options = {"fmi_type": "ModelExchange", "solver": way, "relative_tolerance": 1e-10}
 if way == "Euler":

@@ -1,4 +1,4 @@
-"""Runs the packaged FMU in hosts that nobody here wrote, and writes what came out into the README's table.
+"""Runs the packaged FMUs in hosts that nobody here wrote, and writes what came out into the README's table.
 
     python3 tests/hosts/run.py [--allow-missing] [--no-readme]
 
@@ -42,6 +42,20 @@ EULER_STEPS = (1 / 2000, 1 / 4000)
 EULER_RATIO = (1.6, 2.5)
 EULER = 0.005
 
+# What a host of FMI 3.0 can do about events: name, flags of fmpy, flags of fmi-sim.
+EVENTS = (
+    ("", "", ()),
+    (", Event Mode", "+event", ("--event-mode-used",)),
+    (", early return", "+early", ("--early-return-allowed",)),
+    (", Event Mode and early return", "+event+early", ("--event-mode-used", "--early-return-allowed")),
+)
+
+# Steps of the container, longer than most flights: what is announced lies inside the next one.
+CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
+
+# casadi's differences are one-sided, with steps of 1e-6: the kinetic energy leaves half of that.
+DIFFERENCES = 1e-6
+
 
 class Missing(Exception):
     """A host that cannot be installed here."""
@@ -77,7 +91,7 @@ def fmi_sim():
     program = root / "bin" / ("fmi-sim.exe" if os.name == "nt" else "fmi-sim")
     if not program.exists():
         try:
-            run(["cargo", "install", "fmi-sim", "--version", "0.7.0", "--locked", "--root", root,
+            run(["cargo", "install", "fmi-sim", "--version", "0.7.0", "--locked", "--debug", "--root", root,
                  "--target-dir", TARGET / "fmi-sim-build"])
         except (RuntimeError, OSError) as error:
             raise Missing(f"{error}\nfmi-sim needs libclang (Debian: apt install libclang-dev)") from error
@@ -113,12 +127,12 @@ class Case:
         self.what, self.value, self.good, self.note = what, value, good, note
 
 
-def co_simulation(drive):
+def co_simulation(drive, how="FMI 2.0 Co-Simulation"):
     value = difference(drive(STEP, STEPS, ()), native(STEP, STEPS))
-    return Case(f"Co-Simulation, {STEPS} steps", value, value <= SAME, f"at most {SAME:g}")
+    return Case(f"{how}, {STEPS} steps", value, value <= SAME, f"at most {SAME:g}")
 
 
-def euler(drive):
+def euler(drive, version="2.0"):
     errors = []
     for step in EULER_STEPS:
         steps = round(ME_END / step)
@@ -126,16 +140,16 @@ def euler(drive):
         errors.append(difference(drive(step, steps, ME_START), native(step, steps, ME_START), slice(1, 4)))
     ratio = errors[0] / errors[1]
     good = errors[1] <= EULER and EULER_RATIO[0] <= ratio <= EULER_RATIO[1]
-    return Case(f"Model Exchange, Euler, {ME_END / EULER_STEPS[1]:.0f} steps", errors[1], good,
+    return Case(f"FMI {version} Model Exchange, Euler, {ME_END / EULER_STEPS[1]:.0f} steps", errors[1], good,
                 f"displacements at most {EULER:g}, of first order (half the step leaves 1/{ratio:.2f} of it)")
 
 
-def run_libcosimpy(fmu):
+def run_libcosimpy(fmu, _fmu3):
     python = environment("libcosimpy", "libcosimpy==0.0.6")
     return [co_simulation(by_script(python, "drive_libcosimpy.py", fmu))]
 
 
-def run_ecospy(fmu):
+def run_ecospy(fmu, fmu3):
     python = environment("ecospy", "ecospy==0.7.2")
     for program in TARGET.glob("ecospy/lib/python*/site-packages/ecospy/binaries/*"):
         program.chmod(program.stat().st_mode | stat.S_IXUSR)
@@ -143,35 +157,71 @@ def run_ecospy(fmu):
         run([python, "-c", "import ecospy"])
     except RuntimeError as error:
         raise Missing(f"{error}\necos needs TBB (Debian: apt install libtbb12)") from error
-    return [co_simulation(by_script(python, "drive_ecospy.py", fmu))]
+    return [co_simulation(by_script(python, "drive_ecospy.py", fmu)),
+            co_simulation(by_script(python, "drive_ecospy.py", fmu3), "FMI 3.0 Co-Simulation")]
 
 
-def run_fmpy(fmu):
+def run_casadi(_fmu, fmu3):
+    python = environment("casadi", "casadi==3.8.2", "numpy==2.4.6")
+    adjoint, differences = map(float, run([python, HERE / "drive_casadi.py", fmu3]).split()[-2:])
+    what = "FMI 3.0 Model Exchange, Jacobian in flight"
+    return [Case(f"{what}: adjoint against directional derivatives", adjoint, adjoint == 0.0, "the same numbers"),
+            Case(f"{what}: casadi's differences against them", differences, differences <= DIFFERENCES,
+                 f"at most {DIFFERENCES:g}")]
+
+
+def run_container(fmu, fmu3):
+    python = environment("fmu-manipulation-toolbox", "fmu-manipulation-toolbox==2.0", "pythonfmu==0.7.0", *requirements())
+    output = TARGET / "container.csv"
+    printed = run([python, HERE / "drive_container.py", fmu, fmu3, CONTAINER_STEP, CONTAINER_STEPS, output])
+    steps, met, impacts = map(int, printed.split()[-3:])
+    expected = native(CONTAINER_STEP, CONTAINER_STEPS)
+    lines = output.read_text().splitlines()
+    cases = []
+    for machine, version in (("two", "2.0"), ("three", "3.0")):
+        rows = [line.split(",", 1)[1] for line in lines if line.startswith(("machine,", f"{machine},"))]
+        value = difference(table("\n".join(rows)), expected)
+        cases.append(Case(f"FMI {version} Co-Simulation in a container of both", value, value <= SAME, f"at most {SAME:g}"))
+    honoured = steps - CONTAINER_STEPS == met > 0
+    cases.append(Case(f"the container's steps: {steps}, of which {met} end at an impact (of {impacts})",
+                      abs(steps - CONTAINER_STEPS - met), honoured, "each step beside the grid ends at an announced impact"))
+    return cases
+
+
+def run_fmpy(fmu, fmu3):
     python = environment("fmpy", *requirements())
     interval, steps = 0.5, round(ME_END / 0.5)
     cvode = by_script(python, "drive_fmpy.py", fmu, "CVode")(interval, steps, ME_START)
     value = difference(cvode, native(interval, steps, ME_START))
     return [
         co_simulation(by_script(python, "drive_fmpy.py", fmu, "CoSimulation")),
-        Case("Model Exchange, CVode 1e-10", value, value <= CVODE, f"at most {CVODE:g}"),
+        Case("FMI 2.0 Model Exchange, CVode 1e-10", value, value <= CVODE, f"at most {CVODE:g}"),
         euler(by_script(python, "drive_fmpy.py", fmu, "Euler")),
+        *(co_simulation(by_script(python, "drive_fmpy.py", fmu3, f"CoSimulation{flags}"), f"FMI 3.0 Co-Simulation{name}")
+          for name, flags, _ in EVENTS),
+        euler(by_script(python, "drive_fmpy.py", fmu3, "Euler"), "3.0"),
     ]
 
 
-def run_fmi_sim(fmu):
+def run_fmi_sim(fmu, fmu3):
     program = fmi_sim()
 
-    def drive(way):
+    def drive(fmu, way, *flags):
         def one(step, steps, start):
             output = TARGET / "fmi-sim.csv"
             output.unlink(missing_ok=True)
             values = [word for item in start for word in ("--init-values", item)]
             run([program, "--model", fmu, "-o", output, way, "--output-interval", repr(step), "-s", "0",
-                 "-f", repr(step * steps), *values])
+                 "-f", repr(step * steps), *values, *flags])
             return table(output.read_text())
         return one
 
-    return [co_simulation(drive("co-simulation")), euler(drive("model-exchange"))]
+    return [
+        co_simulation(drive(fmu, "co-simulation")),
+        euler(drive(fmu, "model-exchange")),
+        *(co_simulation(drive(fmu3, "co-simulation", *flags), f"FMI 3.0 Co-Simulation{name}") for name, _, flags in EVENTS),
+        euler(drive(fmu3, "model-exchange"), "3.0"),
+    ]
 
 
 def by_script(python, script, fmu, *way):
@@ -194,6 +244,8 @@ HOSTS = (
     ("fmi-sim 0.7.0", run_fmi_sim),
     ("libcosimpy 0.0.6 (libcosim, FMI Library)", run_libcosimpy),
     ("ecospy 0.7.2 (ecos; ignores statuses)", run_ecospy),
+    ("casadi 3.8.2", run_casadi),
+    ("fmu-manipulation-toolbox 2.0", run_container),
 )
 
 
@@ -208,7 +260,7 @@ def main():
     lines, missing, failed = [], [], []
     for name, host in HOSTS:
         try:
-            cases = host(fmu)
+            cases = host(fmu, fmu.with_name("VibroImpact3DOF-FMI3.fmu"))
         except Missing as error:
             missing.append(name)
             print(f"MISSING {name}: cannot be installed here\n{error}", file=sys.stderr)

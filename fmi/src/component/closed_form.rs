@@ -3,7 +3,7 @@
 use super::problem::Problem;
 use super::settings::SolutionMode;
 use super::steady::{ORDERS, Solution};
-use super::values::{OutputValues, coupling_force};
+use super::values::{OutputValues, coupling_force, indicators_of};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
@@ -19,6 +19,9 @@ use vibro_impact::simulator::{
 const PIECE: f64 = 0.5;
 /// Most pieces in half a period; only modes thousands of times faster than the drive would need more.
 const MAX_PIECES: f64 = 4096.0;
+
+/// Most impacts that one step reports: a closed form goes over any number of them at once, and a log has an end.
+pub(crate) const MOST_REPORTED: f64 = 1000.0;
 
 /// Rounding of a drive phase, relative to itself: a few units in the last place from time, frequency and offset.
 const PHASE_ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -36,6 +39,19 @@ pub(crate) struct Data {
     input: f64,
     damped: f64,
     impact: f64,
+    limit: Limit,
+}
+
+/// Which limit is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Limit {
+    /// Whichever rounding makes of the time: it is not known to be that of an impact.
+    #[default]
+    Any,
+    /// The one before the impact that happens now; it is not counted yet.
+    Before,
+    /// The one after it.
+    After,
 }
 
 /// A steady state that is played.
@@ -70,6 +86,7 @@ impl ClosedForm {
             input: 0.0,
             damped: 0.0,
             impact: 0.0,
+            limit: Limit::Any,
         })
     }
 
@@ -153,6 +170,7 @@ impl ClosedForm {
             input: now.input,
             damped: now.damped,
             impact: now.impact_loss,
+            limit: Limit::Any,
         })?;
         // The jump to another steady state is work from outside.
         next.data.input += next.values().mechanical - now.mechanical;
@@ -160,7 +178,8 @@ impl ClosedForm {
         Ok(())
     }
 
-    /// To `begin + step`, reporting each impact; optionally only to the first.
+    /// To `begin + step`, reporting the impacts up to [`MOST_REPORTED`]; optionally only to the first. Returns also how many
+    /// were not reported.
     ///
     /// # Errors
     /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time that a double no longer tells from a moment later.
@@ -170,30 +189,87 @@ impl ClosedForm {
         step: f64,
         stop_at_impact: bool,
         observer: EventObserver<'_, '_>,
-    ) -> Result<AdvanceOutcome, Problem> {
+    ) -> Result<(AdvanceOutcome, f64), Problem> {
         let end = DoubleDouble::sum(begin, step);
         check_time(self.data.parameters.drive_frequency, end.value())?;
         if end.minus(self.data.time).value() <= 0.0 {
-            return Ok(AdvanceOutcome::End);
+            return Ok((AdvanceOutcome::End, 0.0));
         }
         let before = self.halves(self.data.time).0;
         let after = self.halves(end).0;
+        self.data.limit = Limit::Any;
         if stop_at_impact && after > before {
             self.data.time = self.impact_time(before + 1.0);
             if let Some(report) = observer {
                 report(&self.event(before + 1.0));
             }
-            return Ok(AdvanceOutcome::Impact);
+            return Ok((AdvanceOutcome::Impact, 0.0));
         }
         self.data.time = end;
         if let Some(report) = observer {
+            let last = after.min(before + MOST_REPORTED);
             let mut n = before + 1.0;
-            while n <= after {
+            while n <= last {
                 report(&self.event(n));
                 n += 1.0;
             }
+            return Ok((AdvanceOutcome::End, after - last.max(before)));
         }
-        Ok(AdvanceOutcome::End)
+        Ok((AdvanceOutcome::End, 0.0))
+    }
+
+    /// To `begin + step` or to the first impact, which is then due: shown is the limit before it. An impact later than the
+    /// end by no more than `late` (s) is taken as well. Returns whether one is due.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub(crate) fn advance_before_event(&mut self, begin: f64, step: f64, late: f64) -> Result<bool, Problem> {
+        let end = DoubleDouble::sum(begin, step);
+        check_time(self.data.parameters.drive_frequency, end.value())?;
+        if end.minus(self.data.time).value() <= 0.0 {
+            return Ok(false);
+        }
+        let next = self.halves(self.data.time).0 + 1.0;
+        let due = self.halves(end.plus(late)).0 >= next;
+        (self.data.time, self.data.limit) =
+            if due { (self.impact_time(next), Limit::Before) } else { (end, Limit::Any) };
+        Ok(due)
+    }
+
+    /// Whether it stands before an impact.
+    pub(crate) fn is_due(&self) -> bool {
+        self.data.limit == Limit::Before
+    }
+
+    /// Takes the impact before which it stands; without one nothing happens.
+    pub(crate) fn apply_due_event(&mut self, observer: EventObserver<'_, '_>) {
+        if self.is_due() {
+            self.data.limit = Limit::After;
+            if let Some(report) = observer {
+                report(&self.event(self.halves(self.data.time).0));
+            }
+        }
+    }
+
+    /// Time of the next impact (s), by formula: it may round to the present. One that is due is the next.
+    pub(crate) fn next_impact(&self) -> f64 {
+        let now = self.halves(self.data.time).0;
+        self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())
+    }
+
+    /// Displacements and velocities, at an impact those of the limit that is shown.
+    fn state(&self) -> State {
+        let mut state = self.solution.state(self.theta());
+        let side = if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let before = side * (state.v[1] - state.v[0]) > 0.0;
+        let push = match (self.data.limit, before) {
+            (Limit::Before, false) => -side * self.impulse,
+            (Limit::After, true) => side * self.impulse,
+            _ => return state,
+        };
+        state.v[0] += push / self.data.parameters.box_mass;
+        state.v[1] -= push / self.data.parameters.block_mass;
+        state
     }
 
     /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive
@@ -215,13 +291,14 @@ impl ClosedForm {
         Event::Impact { time: self.impact_time(n).value(), side, speed: self.speed, impulse: self.impulse }
     }
 
-    fn theta(&self) -> f64 {
+    /// Phase of the drive, rad.
+    pub(crate) fn theta(&self) -> f64 {
         self.data.phase.angle(self.data.parameters.drive_frequency, self.data.time)
     }
 
     /// Time derivatives of the displacements now.
     pub(crate) fn derivatives(&self) -> [[f64; ORDERS]; 3] {
-        self.solution.derivatives(self.theta())
+        self.solution.derivatives(self.theta(), &self.state())
     }
 
     /// What the outputs read now.
@@ -230,8 +307,11 @@ impl ClosedForm {
         let d = self.derivatives();
         let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
         let y = state.to_relative();
-        let first = (self.offset / PI).floor();
-        let (now, since) = self.halves(data.time);
+        // By the same rounding, so that nothing has happened at the start, however near to an impact it is.
+        let ((first, before), (mut now, mut since)) = (self.halves(data.from), self.halves(data.time));
+        if self.is_due() {
+            (now, since) = (now - 1.0, PI);
+        }
         let count = (now - first).max(0.0);
         let mut impacts = data.record;
         if count > 0.0 {
@@ -243,7 +323,7 @@ impl ClosedForm {
             impacts.total_impulse += count * self.impulse;
         }
         let half = self.knots.last().copied().unwrap_or_default();
-        let (begun, reached) = (self.energies(self.offset - first * PI), self.energies(since));
+        let (begun, reached) = (self.energies(before), self.energies(since));
         let total = |i: usize| count * half[i] + (reached[i] - begun[i]);
         OutputValues {
             time: self.time(),
@@ -253,6 +333,7 @@ impl ClosedForm {
             gap: (y[1], y[4]),
             contact_force: 0.0,
             coupling_force: coupling_force(p, &state.x),
+            indicators: indicators_of(p, Contact::Flight, y[1], 0.0),
             mechanical: energy::mechanical(p, &y),
             input: data.input + total(0),
             damped: data.damped + total(1),

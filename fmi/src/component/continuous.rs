@@ -1,8 +1,10 @@
 //! The model for a host's own solver: states, derivatives, event indicators, and what happens at events.
 
+mod varied;
+
 use super::problem::Problem;
-use super::values::{OutputValues, coupling_force};
-use super::variation::{Velocities, quadrature, variation, velocities};
+use super::values::{OutputValues, coupling_force, indicators};
+use super::variation::{Velocities, quadrature, velocities};
 use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
 use vibro_impact::error::Error;
@@ -20,8 +22,6 @@ const CONTACT: f64 = 1e-9;
 /// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
 /// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of the displacements.
 const SHIFT: f64 = 1e-12;
-/// Indicator of what cannot happen in the present contact.
-const IDLE: f64 = 1.0;
 
 /// Everything that changes, as plain data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -133,8 +133,12 @@ impl Continuous {
         self.data
     }
 
-    pub(crate) fn parameters(&self) -> &Parameters {
-        &self.data.parameters
+    pub(crate) fn contact(&self) -> Contact {
+        self.data.contact
+    }
+
+    pub(crate) fn impacts(&self) -> &ImpactRecord {
+        &self.data.record
     }
 
     pub(crate) fn time(&self) -> f64 {
@@ -215,19 +219,9 @@ impl Continuous {
     /// Distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration that presses the
     /// block on, in units of the largest that springs and drive make at one gap's displacement.
     pub(crate) fn indicators(&self) -> [f64; 3] {
-        let gap = self.model.gap;
-        match self.data.contact {
-            Contact::Flight => {
-                let w = self.data.state.x[1] - self.data.state.x[0];
-                [(gap - w) / gap, (gap + w) / gap, IDLE]
-            }
-            contact => {
-                let m = &self.model;
-                let scale = (m.k1 + m.k2) * gap + m.drive.abs();
-                let pressing = contact.side() * self.accelerations().1;
-                [IDLE, IDLE, if scale > 0.0 { pressing / scale } else { pressing }]
-            }
-        }
+        let (m, State { x, .. }) = (&self.model, &self.data.state);
+        let pressing = self.data.contact.side() * self.accelerations().1;
+        indicators(self.data.contact, (m.gap, x[1] - x[0]), pressing, (m.k1 + m.k2, m.drive))
     }
 
     /// Whether an accepted point is past an event that the host has missed: the block in a stop and moving on, or pulled on in
@@ -370,6 +364,7 @@ impl Continuous {
             gap,
             contact_force,
             coupling_force: coupling_force(&data.parameters, &data.state.x),
+            indicators: self.indicators(),
             mechanical,
             // What the balance leaves: the work of inputs between steps is the host's to know.
             input: mechanical - data.initial + damped + data.lost,
@@ -378,27 +373,6 @@ impl Continuous {
             contact: data.contact,
             impacts: data.record,
         }
-    }
-
-    /// How the outputs vary with states and forces, all else held.
-    pub(crate) fn variation(&self, dx: &State, df: [f64; 3]) -> OutputValues {
-        let p = &self.data.parameters;
-        let mut rates = variation(&self.model, p, self.data.contact, &self.data.state, dx, df);
-        // The open interval's energy varies with its end, and with the slope of the forces at both ends.
-        let (from, now) = (self.data.accepted, self.now());
-        let h = now.time - from.time;
-        if h != 0.0 {
-            let slope = std::array::from_fn(|i| (now.forces[i] - from.forces[i]) / h);
-            let (a, b) = (self.velocities(&from, slope), self.velocities(&now, slope));
-            let (mode, turn) = (self.mode(), df.map(|df| df / h));
-            let mut z = [0.0; LANES];
-            let da = velocities(&self.model, mode, &z, [0.0; 3], turn);
-            z[..6].copy_from_slice(&dx.to_relative());
-            let db = velocities(&self.model, mode, &z, df, turn);
-            rates.damped = 2.0 * quadrature(h, &self.power(&a, &da), &self.power(&b, &db));
-        }
-        rates.input = rates.mechanical + rates.damped;
-        rates
     }
 }
 

@@ -4,9 +4,55 @@ use super::structure;
 use super::units::{ENUMERATION_TYPES, REAL_TYPES, UNITS};
 use super::variables::{VARIABLES, Variable};
 use std::fmt::Write;
+use vibro_impact::parameters::Parameters;
 
 /// Version of the component.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Name of the model, and of the library's file.
+pub const MODEL_IDENTIFIER: &str = "VibroImpact3DOF";
+
+/// What the model is.
+pub const MODEL_DESCRIPTION: &str = "Three-degree-of-freedom vibro-impact system: a driven box, a block free between two stops inside it, \
+     and a secondary oscillator coupled to the block; exact event-driven simulation and closed-form steady states";
+
+/// Licence of the component.
+pub const LICENSE: &str = env!("CARGO_PKG_LICENSE");
+
+/// How the names of the variables are made: dots between the levels.
+pub const NAMING_CONVENTION: &str = "structured";
+
+/// The experiment that a host takes where nobody says otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Experiment {
+    /// Start, s.
+    pub start_time: f64,
+    /// Stop, s: 100 periods of the default drive.
+    pub stop_time: f64,
+    /// Relative tolerance for solvers of Model Exchange.
+    pub tolerance: f64,
+    /// Reporting interval, s: 50 a period. The quotient of duration and interval is a whole number, as some hosts demand.
+    pub step_size: f64,
+}
+
+/// The default experiment.
+pub fn default_experiment() -> Experiment {
+    let period = Parameters::default().period();
+    Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 50.0 }
+}
+
+/// A hash in the form of a globally unique identifier.
+pub fn identifier(text: &str) -> String {
+    let hash = fnv1a(text.as_bytes());
+    format!(
+        "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
+        (hash >> 96) as u32,
+        (hash >> 80) as u16,
+        (hash >> 64) as u16,
+        (hash >> 48) as u16,
+        hash & 0xffff_ffff_ffff
+    )
+}
 
 /// The number of this build. Computed anew on each call, so that the library keeps nothing between loads.
 pub fn number() -> u128 {
@@ -27,13 +73,18 @@ pub fn text() -> String {
             initial,
             kind,
             dependencies,
-            path,
+            further,
+            initially,
             body,
+            edition,
+            dimensions,
+            symbol,
             section: _,
             access: _,
         } = v;
         let attributes = format!("{causality:?}|{variability:?}|{initial:?}|{kind:?}|{:?}", v.start());
-        let columns = format!("{dependencies:?}|{path:?}|{body:?}");
+        let known = format!("{dependencies:?}|{further:?}|{initially:?}");
+        let columns = format!("{known}|{body:?}|{edition:?}|{dimensions:?}|{symbol:?}");
         let _ = writeln!(text, "{name}|{description}|{attributes}|{columns}");
     }
     text
@@ -49,6 +100,12 @@ pub fn fnv1a(bytes: &[u8]) -> u128 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_default_experiment_has_a_whole_number_of_intervals() {
+        let Experiment { start_time, stop_time, step_size, .. } = default_experiment();
+        assert_eq!((stop_time - start_time) / step_size, 5000.0);
+    }
 
     /// Test vectors of the hash's authors.
     #[test]

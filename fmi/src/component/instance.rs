@@ -5,9 +5,15 @@
 //! decide on what may be set.
 
 mod access;
+mod advance;
+mod dependencies;
 mod derivative;
+mod events;
 mod exchange;
 mod initial;
+mod last_step;
+mod pieces;
+mod prediction;
 mod step;
 
 #[cfg(test)]
@@ -15,15 +21,23 @@ mod tests;
 
 use super::closed_form::ClosedForm;
 use super::continuous::Continuous;
+use super::event_state::EventState;
 use super::log::{Category, Log};
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
+use super::protocol::{EventHandling, Protocol};
 use super::saved_state::{EngineState, SavedState};
-use super::settings::{Derived, Settings};
+use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
-use super::values::OutputValues;
+use super::values::{OutputValues, Prediction, StepMatrices, Tick};
+use super::variables::{Access, Edition, VARIABLES};
+use events::Present;
+use last_step::LastStep;
 use vibro_impact::simulator::Simulator;
 
+pub use advance::Advance;
+pub use dependencies::Dependency;
+pub use pieces::{Piece, Pieces};
 pub use step::{StepOutcome, StepReason};
 
 /// What moves.
@@ -43,6 +57,11 @@ enum Engine {
 #[derive(Debug)]
 pub struct Instance {
     interface: Interface,
+    first_reference: u32,
+    handling: EventHandling,
+    edition: Edition,
+    /// What settings start from.
+    initial: Settings,
     phase: Phase,
     settings: Settings,
     experiment: Option<Experiment>,
@@ -52,35 +71,63 @@ pub struct Instance {
     /// Whether parameters or loads were set since the last step.
     parameters_set: bool,
     loads_set: bool,
+    events: EventState,
     /// What the outputs read; not up to date while stale.
     values: OutputValues,
     values_stale: bool,
     derived: Derived,
     derived_stale: bool,
+    /// The event that is to come, once it was asked for.
+    prediction: Option<Prediction>,
+    /// The last step, to be looked at again, and its derivatives once they were asked for.
+    last_step: Option<LastStep>,
+    step_matrices: Option<StepMatrices>,
+    /// What the clock of impacts shows.
+    tick: Tick,
 }
 
 impl Instance {
     /// A component with all variables at their start values.
     pub fn new(interface: Interface) -> Self {
+        Self::of_protocol(interface, Protocol::default())
+    }
+
+    /// The same in a protocol's own terms.
+    pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
+        let Protocol { first_reference, handling, start, edition } = protocol;
         Self {
             interface,
+            first_reference,
+            handling,
+            edition,
+            initial: start,
             phase: Phase::Instantiated,
-            settings: Settings::default(),
+            settings: start,
             experiment: None,
             engine: Engine::None,
             slopes_set: [false; 3],
             parameters_set: false,
             loads_set: false,
+            events: EventState::default(),
             values: OutputValues::default(),
             values_stale: true,
             derived: Derived::default(),
             derived_stale: true,
+            prediction: None,
+            last_step: None,
+            step_matrices: None,
+            tick: Tick::default(),
         }
     }
 
     /// How it is used.
     pub fn interface(&self) -> Interface {
         self.interface
+    }
+
+    /// What is set.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// Present phase.
@@ -132,7 +179,7 @@ impl Instance {
     /// From now on outputs show the start that the settings describe.
     pub fn enter_initialization(&mut self) {
         self.phase = Phase::Initialization;
-        self.values_stale = true;
+        self.invalidate();
     }
 
     /// Ends initialization: builds what moves.
@@ -141,6 +188,12 @@ impl Instance {
     /// When the start values or the parameters are not possible; the component stays in initialization.
     pub fn exit_initialization(&mut self, log: &mut dyn Log) -> Outcome {
         let (engine, objections) = self.initial_engine()?;
+        match &engine {
+            Engine::Simulation(simulator) => drop(finite(OutputValues::of(simulator))?),
+            Engine::Closed(form) => drop(finite(form.values())?),
+            Engine::Continuous(continuous) => drop(finite(continuous.values())?),
+            Engine::None => {}
+        }
         if let Some(objections) = objections
             && log.wants(Category::Warnings)
         {
@@ -149,11 +202,12 @@ impl Instance {
         self.engine = engine;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
-        self.values_stale = true;
-        self.phase = match self.interface {
-            Interface::CoSimulation => Phase::Step,
-            Interface::ModelExchange => Phase::Event,
-        };
+        self.invalidate();
+        if self.interface == Interface::ModelExchange || self.handling.event_mode {
+            self.begin_event();
+        } else {
+            self.phase = Phase::Step;
+        }
         Ok(())
     }
 
@@ -165,12 +219,16 @@ impl Instance {
     /// As just made.
     pub fn reset(&mut self) {
         self.phase = Phase::Instantiated;
-        self.settings = Settings::default();
+        self.settings = self.initial;
         self.experiment = None;
+        self.events = EventState::default();
         self.engine = Engine::None;
         self.slopes_set = [false; 3];
         (self.parameters_set, self.loads_set) = (false, false);
-        (self.values_stale, self.derived_stale) = (true, true);
+        self.derived_stale = true;
+        self.last_step = None;
+        self.tick = Tick::default();
+        self.invalidate();
     }
 
     /// Present time, s; before initialization ends, the start.
@@ -193,6 +251,9 @@ impl Instance {
             slopes_set: self.slopes_set,
             parameters_set: self.parameters_set,
             loads_set: self.loads_set,
+            events: self.events,
+            tick: self.tick,
+            stop_by_default: self.initial.stop_at_impact,
             engine: match &self.engine {
                 Engine::None => EngineState::None,
                 Engine::Simulation(simulator) => EngineState::Simulation(simulator.snapshot()),
@@ -237,12 +298,38 @@ impl Instance {
         self.phase = saved.phase;
         self.derived_stale |= self.settings.parameters != saved.settings.parameters;
         self.settings = saved.settings;
+        if saved.settings.stop_at_impact == saved.stop_by_default {
+            self.settings.stop_at_impact = self.initial.stop_at_impact;
+        }
         self.experiment = saved.experiment;
         self.slopes_set = saved.slopes_set;
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
-        self.values_stale = true;
+        self.last_step = None;
+        self.events = saved.events;
+        self.tick = saved.tick;
+        self.invalidate();
+        self.meet_own_protocol();
         Ok(())
+    }
+
+    /// Of a state that a host with another handling of events has saved: where this one has no such phase, the motion goes on
+    /// from there, an event that is due with its next step.
+    fn meet_own_protocol(&mut self) {
+        if self.interface == Interface::CoSimulation && !self.handling.event_mode {
+            self.events = EventState::default();
+            self.tick.active = false;
+            if self.phase == Phase::Event {
+                self.phase = Phase::Step;
+            }
+        }
+    }
+
+    /// What was computed of the motion no longer holds.
+    fn invalidate(&mut self) {
+        self.values_stale = true;
+        self.prediction = None;
+        self.step_matrices = None;
     }
 
     /// Brings the values up to date. In initialization that evaluates the start.
@@ -255,13 +342,21 @@ impl Instance {
         Ok(())
     }
 
+    /// What the outputs read now; of nothing that moves yet, the start.
+    ///
+    /// # Errors
+    /// [`Problem::Overflow`] when one is not finite: no output ever is.
     fn present_values(&self) -> Outcome<OutputValues> {
-        Ok(match &self.engine {
-            Engine::Simulation(simulator) => OutputValues::of(simulator),
-            Engine::Closed(form) => form.values(),
-            Engine::Continuous(continuous) => continuous.values(),
-            Engine::None => self.initial_values(&self.settings)?,
-        })
+        let mut values = match self.present()? {
+            Present::Simulation(simulator) => OutputValues::of(&simulator),
+            Present::Closed(form) => form.values(),
+            Present::Continuous(continuous) => continuous.values(),
+            Present::None => self.initial_values(&self.settings)?,
+        };
+        if let Some(shown) = &self.events.latched {
+            shown.put(&mut values);
+        }
+        finite(values)
     }
 
     /// Brings what follows from the parameters up to date; only after parameters were set, since steady states take a while
@@ -272,4 +367,23 @@ impl Instance {
             self.derived_stale = false;
         }
     }
+}
+
+/// The values, each of them finite.
+fn finite(values: OutputValues) -> Outcome<OutputValues> {
+    if values.is_finite() { Ok(values) } else { Err(overflow(&values)) }
+}
+
+/// Names the first output that is not finite.
+#[cold]
+fn overflow(values: &OutputValues) -> Problem {
+    let readings = VARIABLES.iter().filter_map(|variable| match variable.access {
+        Access::Output(reading) | Access::Start { now: reading, .. } => {
+            Some((variable.name, (reading.value)(values)))
+        }
+        _ => None,
+    });
+    let found = readings.into_iter().find(|(_, value)| !value.is_finite());
+    let (name, value) = found.unwrap_or(("the motion", f64::INFINITY));
+    Problem::Overflow { name, value, time: values.time }
 }

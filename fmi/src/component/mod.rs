@@ -13,12 +13,16 @@
 
 mod closed_form;
 mod continuous;
+mod event_state;
 pub mod identity;
 pub mod instance;
+pub mod jets;
 pub mod log;
 pub mod phase;
 pub mod problem;
+pub mod protocol;
 pub mod saved_state;
+mod sensitivity;
 pub mod settings;
 mod steady;
 pub mod structure;
@@ -27,6 +31,7 @@ pub mod values;
 pub mod variables;
 mod variation;
 
-pub use instance::{Instance, StepOutcome, StepReason};
+pub use instance::{Advance, Dependency, Instance, Piece, Pieces, StepOutcome, StepReason};
 pub use phase::{Interface, Phase};
 pub use problem::{Outcome, Problem};
+pub use protocol::{EventHandling, Protocol};

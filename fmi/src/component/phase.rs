@@ -34,7 +34,7 @@ pub enum Phase {
     Continuous,
     /// At a communication point.
     Step,
-    /// At the impact at which a step ended early: the state saved before the step may be put back.
+    /// At the impact at which a step ended early: the next step may begin here, or the state saved before be put back.
     StoppedEarly,
     /// The simulation is over; outputs can still be read.
     Terminated,

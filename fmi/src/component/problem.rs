@@ -55,6 +55,30 @@ pub enum Problem {
         /// The component's time.
         own: f64,
     },
+    /// A step that begins neither where the last one stopped at an impact nor, after a restore, where that one began.
+    #[error(
+        "currentCommunicationPoint = {given} s, but the last step ended at the impact at t = {own} s: restore the state saved \
+         before the impact, or go on from lastSuccessfulTime"
+    )]
+    Stopped {
+        /// The host's time.
+        given: f64,
+        /// The time of the impact.
+        own: f64,
+    },
+    /// A number that the motion has made is no finite double.
+    #[error(
+        "{name} = {value} at t = {time} s: allowed is what a double can hold; parameters, start values, states or loads are too \
+         large together"
+    )]
+    Overflow {
+        /// What it is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// When, s.
+        time: f64,
+    },
     /// A step beyond the stop time.
     #[error(
         "step to t = {end} s: allowed is up to the stop time {stop} s, which was given before initialization"

@@ -17,22 +17,24 @@
 //! `DoubleDouble`, …): **whoever changes one of their fields, or their order, changes the layout and must raise
 //! [`VERSION`]**; the test `golden_file_of_the_layout` notices it.
 //!
-//! Nothing in the payload belongs to a protocol, so a state that one door has written can be read by another of the same
-//! build. The checksum notices accidents; it is no signature.
+//! Nothing in the payload belongs to one protocol alone, so a state that one door has written can be read by another of the same
+//! build: what a protocol has no place for (an event that its host still has to handle) is settled when the state is restored. The checksum notices accidents; it is no signature.
 
 use super::closed_form;
 use super::continuous;
+use super::event_state::EventState;
 use super::identity;
 use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::settings::Settings;
+use super::values::Tick;
 use serde::{Deserialize, Serialize};
 use vibro_impact::simulator::Snapshot;
 
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROFMU";
 /// Version of the layout of the bytes that follow.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// Everything a component needs to continue: its phase, what was set, and what moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +46,10 @@ pub struct SavedState {
     pub(super) slopes_set: [bool; 3],
     pub(super) parameters_set: bool,
     pub(super) loads_set: bool,
+    pub(super) events: EventState,
+    pub(super) tick: Tick,
+    /// What `stop_at_impact` starts from where this was saved: a host that has never set it means its own protocol's.
+    pub(super) stop_by_default: bool,
     pub(super) engine: EngineState,
 }
 

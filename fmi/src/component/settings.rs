@@ -49,17 +49,35 @@ pub struct Settings {
     pub stop_at_impact: bool,
 }
 
-/// What follows from the parameters alone.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What follows from the parameters alone. `Default` is all zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Derived {
-    /// The dimensionless groups, where defined.
-    pub groups: Option<Groups>,
+    /// The dimensionless groups, every one finite.
+    pub groups: Groups,
     /// The steady state.
     pub steady: Steady,
 }
 
-/// The steady state in numbers; NaN where there is none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+impl Default for Derived {
+    fn default() -> Self {
+        let groups = Groups {
+            epsilon: 0.0,
+            kappa: 0.0,
+            f10: 0.0,
+            sigma1: 0.0,
+            gamma1: 0.0,
+            alpha23: 0.0,
+            beta2: 0.0,
+            sigma30: 0.0,
+            gamma3: 0.0,
+            mu13: 0.0,
+        };
+        Self { groups, steady: Steady::default() }
+    }
+}
+
+/// The steady state in numbers; 0 where there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Steady {
     /// A real solution exists.
     pub exists: bool,
@@ -97,30 +115,4 @@ pub struct Steady {
     pub impulse: f64,
     /// Spectral radius of the exact orbit's half-cycle map.
     pub spectral_radius: f64,
-}
-
-impl Default for Steady {
-    fn default() -> Self {
-        let none = f64::NAN;
-        Self {
-            exists: false,
-            geometric: false,
-            fixed_point_stable: false,
-            motion_stable: false,
-            stable: false,
-            b: none,
-            c: none,
-            a3: none,
-            rho: none,
-            c_min: none,
-            cs_min: none,
-            cs_max: none,
-            cg_max: none,
-            phase: none,
-            a1: none,
-            a2: none,
-            impulse: none,
-            spectral_radius: none,
-        }
-    }
 }

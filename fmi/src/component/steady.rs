@@ -5,51 +5,75 @@ use super::settings::{Derived, SolutionMode, Steady};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use vibro_impact::flow::Series;
 use vibro_impact::model::{self, DRIVE_COS, DRIVE_SIN, LANES, Model};
-use vibro_impact::parameters::Parameters;
+use vibro_impact::parameters::{GROUPS, Groups, Parameters};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
-use vibro_impact::steady::multiple_scales::{FixedPoint, MultipleScales};
+use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales};
 use vibro_impact::steady::{Roots, Sheet};
 
 /// Orders of the displacements' derivatives, 0 to 5.
 pub(crate) const ORDERS: usize = 6;
 
-/// What follows from the parameters alone.
+/// What follows from the parameters alone; every number is finite.
 pub(crate) fn derived(parameters: &Parameters) -> Derived {
-    Derived { groups: parameters.groups().ok(), steady: values(parameters) }
+    Derived { groups: groups(parameters), steady: values(parameters) }
+}
+
+/// The dimensionless groups. Without `box.k` those that it scales are 0; one beyond the range of a double is its end.
+fn groups(parameters: &Parameters) -> Groups {
+    let unscaled = Groups {
+        epsilon: parameters.block_mass / parameters.box_mass,
+        kappa: parameters.stop_restitution,
+        mu13: parameters.box_mass / parameters.secondary_mass,
+        ..Derived::default().groups
+    };
+    let mut groups = parameters.groups().unwrap_or(unscaled);
+    for group in &GROUPS {
+        let value = (group.get)(&groups);
+        // 0/0 is left where two quantities are both beyond the range.
+        (group.set)(&mut groups, if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) });
+    }
+    groups
 }
 
 /// The `steady.*` variables: multiple scales, with impulse and spectral radius of the exact orbit.
 fn values(parameters: &Parameters) -> Steady {
     let mut steady = Steady::default();
-    if let Ok(scales) = parameters.groups().and_then(|groups| MultipleScales::new(&groups)) {
-        let manifold = scales.manifold();
+    if let Ok(manifold) = Manifold::new(parameters.stop_restitution) {
         steady.rho = manifold.rho();
         steady.c_min = manifold.c_min();
         steady.cs_min = manifold.c_smin();
         steady.cs_max = manifold.c_smax();
         steady.cg_max = manifold.c_gmax();
-        if let Some(point) = upper(&scales) {
-            steady.exists = true;
-            steady.geometric = point.admissibility.geometric;
-            steady.fixed_point_stable = point.admissibility.fixed_point;
-            steady.motion_stable = point.admissibility.periodic_motion;
-            steady.stable = point.admissibility.all();
-            (steady.b, steady.c, steady.a3) = (point.b, point.c, point.a3);
-            steady.phase = point.drive_phase;
-            (steady.a1, steady.a2) = (point.a1(), point.a2());
-        }
     }
-    if let Ok(Some(orbit)) = OrbitFamily::new(parameters).and_then(|family| family.orbit(Sheet::Upper)) {
-        steady.impulse = orbit.impulse();
-        steady.spectral_radius = orbit.spectral_radius();
+    let scales = parameters.groups().and_then(|groups| MultipleScales::new(&groups));
+    if let Some(point) = scales.ok().and_then(|scales| upper(&scales)) {
+        steady.exists = true;
+        steady.geometric = point.admissibility.geometric;
+        steady.fixed_point_stable = point.admissibility.fixed_point;
+        steady.motion_stable = point.admissibility.periodic_motion;
+        steady.stable = point.admissibility.all();
+        (steady.b, steady.c, steady.a3) = (point.b, point.c, point.a3);
+        steady.phase = point.drive_phase;
+        (steady.a1, steady.a2) = (point.a1(), point.a2());
+    }
+    let orbit = OrbitFamily::new(parameters).and_then(|family| family.orbit(Sheet::Upper));
+    if let Ok(Some(orbit)) = orbit {
+        let numbers = (orbit.impulse(), orbit.spectral_radius());
+        if numbers.0.is_finite() && numbers.1.is_finite() {
+            (steady.impulse, steady.spectral_radius) = numbers;
+        }
     }
     steady
 }
 
-/// The upper fixed point, where the block really moves.
+/// The upper fixed point, where the block really moves and no amplitude is beyond the range of a double.
 fn upper(scales: &MultipleScales) -> Option<FixedPoint> {
-    scales.fixed_points().map(|Roots { upper, .. }| upper).filter(|point| point.c > 0.0)
+    let finite = |point: &FixedPoint| {
+        let numbers = [point.b, point.c, point.a3, point.drive_phase, point.a1(), point.a2()];
+        numbers.iter().all(|number| number.is_finite())
+    };
+    scales.fixed_points().map(|Roots { upper, .. }| upper).filter(|point| point.c > 0.0 && finite(point))
 }
 
 /// A steady state to play.
@@ -162,9 +186,8 @@ impl Solution {
         }
     }
 
-    /// Time derivatives of the displacements at drive phase `theta`, `[body][order]`.
-    pub(crate) fn derivatives(&self, theta: f64) -> [[f64; ORDERS]; 3] {
-        let state = self.state(theta);
+    /// Time derivatives of the displacements at drive phase `theta`, where the motion is in `state`; `[body][order]`.
+    pub(crate) fn derivatives(&self, theta: f64, state: &State) -> [[f64; ORDERS]; 3] {
         let mut d: [[f64; ORDERS]; 3] =
             std::array::from_fn(|body| [state.x[body], state.v[body], 0.0, 0.0, 0.0, 0.0]);
         match self {

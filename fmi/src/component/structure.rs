@@ -1,16 +1,19 @@
 //! Which unknown depends on which known, and how: lists made from the table's columns.
 
 use super::variables::{
-    Access, Causality, Dependencies, DependencyKind, Initial, Knowns, VARIABLES, Variable, find, reference,
+    Causality, Dependencies, DependencyKind, Edition, Initial, Initially, Knowns, START, VARIABLES, Variable,
+    find, of_edition, reference,
 };
+use std::collections::BTreeMap;
 
-/// An unknown and what it depends on.
+/// An unknown and what it depends on. The lists hold in every mode: where a closed form and a simulation differ, they name
+/// what either depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// Dependencies as (value reference, kind), ordered by reference; `None` means on all knowns, empty means on none.
-    pub dependencies: Option<Vec<(u32, DependencyKind)>>,
+    /// Dependencies as (value reference, kind), ordered by reference.
+    pub dependencies: Vec<(u32, DependencyKind)>,
 }
 
 /// Names of the continuous states, in the order in which a solver takes them.
@@ -19,8 +22,24 @@ pub const STATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "bloc
 /// Names of their derivatives, in the same order.
 pub const DERIVATIVES: [&str; 6] = ["box.v", "block.v", "secondary.v", "box.a", "block.a", "secondary.a"];
 
-/// Number of event indicators: both gaps and the contact force in rest.
+/// The same where each derivative is a variable that is no state.
+pub const EXTENDED_DERIVATIVES: [&str; 6] =
+    ["der(box.s)", "der(block.s)", "der(secondary.s)", "box.a", "block.a", "secondary.a"];
+
+/// Names of the event indicators: both gaps and the contact force in rest.
+pub const INDICATORS: [&str; EVENT_INDICATORS] =
+    ["stop.indicator.upper", "stop.indicator.lower", "stop.indicator.rest"];
+
+/// Number of event indicators.
 pub const EVENT_INDICATORS: usize = 3;
+
+const fn check_names(names: &[&str]) {
+    let mut i = 0;
+    while i < names.len() {
+        reference(names[i]);
+        i += 1;
+    }
+}
 
 // A name that is not in the table does not compile.
 const _: () = {
@@ -33,14 +52,17 @@ const _: () = {
                 k += 1;
             }
         }
+        check_names(VARIABLES[i].further);
+        if let Initially::On(names) | Initially::OnStartAnd(names) = VARIABLES[i].initially {
+            check_names(names);
+        }
         i += 1;
     }
-    let mut i = 0;
-    while i < STATES.len() {
-        reference(STATES[i]);
-        reference(DERIVATIVES[i]);
-        i += 1;
-    }
+    check_names(START);
+    check_names(&STATES);
+    check_names(&DERIVATIVES);
+    check_names(&EXTENDED_DERIVATIVES);
+    check_names(&INDICATORS);
 };
 
 /// The input that acts on a body.
@@ -48,44 +70,78 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-fn known(knowns: Knowns) -> Vec<(u32, DependencyKind)> {
-    let mut dependencies: Vec<_> =
-        knowns.iter().filter_map(|(name, kind)| Some((find(name)?.0, *kind))).collect();
-    dependencies.sort_by_key(|(reference, _)| *reference);
-    dependencies
+/// Knowns by reference, in its order; of those that are only named it is not said how they enter.
+fn ordered<'a>(
+    knowns: Knowns,
+    names: impl IntoIterator<Item = &'a &'static str>,
+) -> Vec<(u32, DependencyKind)> {
+    let named = names.into_iter().map(|name| (*name, DependencyKind::Dependent));
+    // Where a name stands in both lists, the second says less.
+    let all = knowns.iter().copied().chain(named).filter_map(|(name, kind)| Some((find(name)?.0, kind)));
+    let ordered: BTreeMap<_, _> = all.collect();
+    ordered.into_iter().collect()
 }
 
-fn unknown((reference, variable): (u32, &Variable)) -> Unknown {
-    let dependencies = match variable.dependencies {
-        Dependencies::On(knowns) => Some(known(knowns)),
-        Dependencies::All | Dependencies::NotUnknown => None,
+fn listed(variable: &Variable) -> Knowns {
+    match variable.dependencies {
+        Dependencies::On(knowns) => knowns,
+        Dependencies::NotUnknown => &[],
+    }
+}
+
+/// What a variable that is no unknown of the model's structure depends on, an array as a whole.
+pub fn declared(variable: &Variable) -> Vec<(u32, DependencyKind)> {
+    ordered(listed(variable), variable.further)
+}
+
+/// Outside initialization. Descriptions with more than the variables of all have further knowns.
+fn unknown((reference, variable): (u32, &Variable), edition: Edition) -> Unknown {
+    let further = if edition > Edition::Every { variable.further } else { &[] };
+    Unknown { reference, dependencies: ordered(listed(variable), further) }
+}
+
+/// In initialization, where a factor is either constant or has no particular structure.
+fn initially((reference, variable): (u32, &Variable)) -> Unknown {
+    let knowns = listed(variable);
+    let dependencies = match variable.initially {
+        Initially::AsLater => ordered(knowns, []),
+        Initially::OnStartAnd(names) => {
+            ordered(&[], START.iter().chain(names).chain(knowns.iter().map(|(name, _)| name)))
+        }
+        Initially::On(names) => ordered(&[], names),
     };
     Unknown { reference, dependencies }
 }
 
-/// Every output, in the order of the table, with what it depends on outside initialization.
-pub fn outputs() -> Vec<Unknown> {
-    let outputs = (0..).zip(&VARIABLES).filter(|(_, variable)| variable.causality == Causality::Output);
-    outputs.map(unknown).collect()
+/// Every output of an edition, in the order of the table, with what it depends on outside initialization.
+pub fn outputs(edition: Edition) -> Vec<Unknown> {
+    let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
+    outputs.map(|row| unknown(row, edition)).collect()
+}
+
+fn named(names: &[&str], edition: Edition) -> Vec<Unknown> {
+    names.iter().filter_map(|name| find(name)).map(|row| unknown(row, edition)).collect()
 }
 
 /// The derivatives of the states, in the order of the states.
-pub fn derivatives() -> Vec<Unknown> {
-    DERIVATIVES.iter().filter_map(|name| find(name)).map(unknown).collect()
+pub fn derivatives(edition: Edition) -> Vec<Unknown> {
+    named(if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &DERIVATIVES }, edition)
 }
 
-/// What is unknown in initialization: calculated outputs and calculated parameters, in the order of the table. A group
-/// lists the parameters it is made of; everything else may depend on everything, since `mode` and `startOnOrbit` choose
-/// what the start is made of.
-pub fn initial_unknowns() -> Vec<Unknown> {
-    let unknowns =
-        (0..).zip(&VARIABLES).filter(|(_, variable)| variable.initial == Some(Initial::Calculated));
-    unknowns
-        .map(|(reference, variable)| match variable.access {
-            Access::Derived(_) => unknown((reference, variable)),
-            _ => Unknown { reference, dependencies: None },
-        })
-        .collect()
+/// The event indicators, in their order.
+pub fn event_indicators() -> Vec<Unknown> {
+    named(&INDICATORS, Edition::Extended)
+}
+
+/// What is unknown in initialization: calculated outputs and calculated parameters in the order of the table, and with them
+/// the derivatives that are variables of their own.
+pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
+    let derivatives: &[_] = if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &[] };
+    let unknowns = of_edition(edition).filter(|(_, variable)| {
+        let exposed = variable.causality != Causality::Local || derivatives.contains(&variable.name);
+        variable.initial == Some(Initial::Calculated) && exposed
+    });
+    unknowns.map(initially).collect()
 }
 
 #[cfg(test)]
@@ -95,19 +151,22 @@ mod tests {
 
     #[test]
     fn invariant_dependencies_are_listed_once_and_in_order() {
-        for list in [outputs(), derivatives(), initial_unknowns()] {
+        let every = Edition::Clocked;
+        for list in [outputs(every), derivatives(every), event_indicators(), initial_unknowns(every)] {
             for unknown in list {
-                for pair in unknown.dependencies.iter().flat_map(|d| d.windows(2)) {
+                for pair in unknown.dependencies.windows(2) {
                     assert!(pair[0].0 < pair[1].0, "{unknown:?}");
                 }
             }
         }
-        assert_eq!(derivatives().len(), STATES.len());
+        assert_eq!(derivatives(every).len(), STATES.len());
+        assert_eq!(event_indicators().len(), EVENT_INDICATORS);
     }
 
     #[test]
     fn invariant_derivatives_belong_to_the_states() {
-        for (state, derivative) in STATES.iter().zip(&DERIVATIVES) {
+        let pairs = STATES.iter().zip(&DERIVATIVES).chain(STATES.iter().zip(&EXTENDED_DERIVATIVES));
+        for (state, derivative) in pairs {
             let (_, variable) = find(derivative).unwrap();
             assert!(
                 matches!(variable.kind, Kind::Real { derivative_of: Some(of), .. } if of == *state),

@@ -67,10 +67,10 @@ pub const UNITS: &[Unit] = &[
 pub struct RealType {
     /// Its name.
     pub name: &'static str,
-    /// Physical quantity.
-    pub quantity: &'static str,
-    /// Name of its [`Unit`].
-    pub unit: &'static str,
+    /// Physical quantity, where all elements share one.
+    pub quantity: Option<&'static str>,
+    /// Name of its [`Unit`], where all elements share one.
+    pub unit: Option<&'static str>,
     /// Display unit to show it in by default.
     pub display_unit: Option<&'static str>,
     /// What it is.
@@ -108,7 +108,7 @@ const fn real(
     display_unit: Option<&'static str>,
     description: &'static str,
 ) -> RealType {
-    RealType { name, quantity, unit, display_unit, description }
+    RealType { name, quantity: Some(quantity), unit: Some(unit), display_unit, description }
 }
 
 /// Time.
@@ -142,6 +142,15 @@ pub const ANGULAR_FREQUENCY: RealType =
 /// Dimensionless number.
 pub const NUMBER: RealType = real("Number", "DimensionlessRatio", "1", None, "Dimensionless number");
 
+/// Derivatives of states with respect to states or loads, whose units differ from element to element.
+pub const SENSITIVITY: RealType = RealType {
+    name: "Sensitivity",
+    quantity: None,
+    unit: None,
+    display_unit: None,
+    description: "Derivatives with respect to states or loads; each element has the SI unit of its row over that of its column",
+};
+
 /// Every declared Real type.
 pub const REAL_TYPES: &[RealType] = &[
     TIME,
@@ -157,6 +166,7 @@ pub const REAL_TYPES: &[RealType] = &[
     ANGLE,
     ANGULAR_FREQUENCY,
     NUMBER,
+    SENSITIVITY,
 ];
 
 /// How the motion is obtained (variable `mode`).
@@ -195,8 +205,20 @@ pub const CONTACT: EnumerationType = EnumerationType {
     ],
 };
 
+/// Stop of an impact (variable `impacts.clocked.side`).
+pub const SIDE: EnumerationType = EnumerationType {
+    name: "Side",
+    description: "Stop of an impact",
+    allowed: "1 (Lower), 2 (None) or 3 (Upper)",
+    items: &[
+        Item { name: "Lower", value: 1, description: "The lower stop" },
+        Item { name: "None", value: 2, description: "There was no impact" },
+        Item { name: "Upper", value: 3, description: "The upper stop" },
+    ],
+};
+
 /// Every declared enumeration.
-pub const ENUMERATION_TYPES: &[EnumerationType] = &[MODE, CONTACT];
+pub const ENUMERATION_TYPES: &[EnumerationType] = &[MODE, CONTACT, SIDE];
 
 /// The unit of that name.
 pub fn find(name: &str) -> Option<&'static Unit> {

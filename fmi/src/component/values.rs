@@ -1,5 +1,6 @@
 //! What the outputs read: the motion at the present time, in plain numbers or with a variation of each.
 
+use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul, Neg, Sub};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, EnergyAccounts, ImpactRecord, Simulator, State};
@@ -61,6 +62,8 @@ pub struct OutputValues<T = f64> {
     pub contact_force: T,
     /// Force in the coupling spring, N.
     pub coupling_force: T,
+    /// Event indicators: distances to the upper and the lower stop, and what presses the block on in rest, without dimension.
+    pub indicators: [T; 3],
     /// Kinetic and elastic energy, J.
     pub mechanical: T,
     /// Work of drive and loads since the start, J.
@@ -75,6 +78,78 @@ pub struct OutputValues<T = f64> {
     pub impacts: ImpactRecord,
 }
 
+/// The next event up to a horizon.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prediction {
+    /// Its time, or the horizon where there is none, s.
+    pub time: f64,
+    /// Whether there is one.
+    pub known: bool,
+}
+
+/// Derivatives of the state at the end of a step, in the order of [`STATES`](super::structure::STATES). The default is that of a
+/// step without length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepMatrices {
+    /// With respect to the state at its begin.
+    pub transition: [[f64; 6]; 6],
+    /// With respect to value and derivatives 1 to 3 of the load on each body at its begin.
+    pub response: [[f64; 12]; 6],
+}
+
+impl Default for StepMatrices {
+    fn default() -> Self {
+        let mut transition = [[0.0; 6]; 6];
+        for (i, row) in transition.iter_mut().enumerate() {
+            row[i] = 1.0;
+        }
+        Self { transition, response: [[0.0; 12]; 6] }
+    }
+}
+
+/// The clock of impacts, and the impact at its last tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tick {
+    /// Whether it ticks now.
+    pub active: bool,
+    /// Time of the impact, s.
+    pub time: f64,
+    /// Its impulse, N·s.
+    pub impulse: f64,
+    /// Relative speed of approach, m/s.
+    pub speed: f64,
+    /// Its stop: +1 the upper, -1 the lower, 0 before the first impact.
+    pub side: i8,
+}
+
+/// Indicator of what cannot happen in the present contact.
+const IDLE: f64 = 1.0;
+
+/// The event indicators: distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration
+/// that presses the block on (m/s²), in units of the largest that springs and drive make at one gap's displacement. `w` is the
+/// relative displacement (m), `spring` is k1/m1 + k23/m2 (1/s²), `drive` F10/m1 (m/s²).
+pub(crate) fn indicators(
+    contact: Contact,
+    (gap, w): (f64, f64),
+    pressing: f64,
+    (spring, drive): (f64, f64),
+) -> [f64; 3] {
+    match contact {
+        Contact::Flight => [(gap - w) / gap, (gap + w) / gap, IDLE],
+        Contact::RestUpper | Contact::RestLower => {
+            let scale = spring * gap + drive.abs();
+            [IDLE, IDLE, if scale > 0.0 { pressing / scale } else { pressing }]
+        }
+    }
+}
+
+/// The same from the parameters, where the block presses with a contact force (N).
+pub(crate) fn indicators_of(p: &Parameters, contact: Contact, w: f64, contact_force: f64) -> [f64; 3] {
+    let pressing = contact_force * (1.0 / p.box_mass + 1.0 / p.block_mass);
+    let spring = p.box_stiffness / p.box_mass + p.coupling_stiffness / p.block_mass;
+    indicators(contact, (p.stop_gap, w), pressing, (spring, p.drive_amplitude / p.box_mass))
+}
+
 /// Force in the coupling spring, k23 (x2 - x3), N.
 pub(crate) fn coupling_force(p: &Parameters, x: &[f64; 3]) -> f64 {
     p.coupling_stiffness * (x[1] - x[2])
@@ -85,21 +160,35 @@ impl OutputValues {
     pub fn of(simulator: &Simulator) -> Self {
         let State { x, v } = simulator.state();
         let EnergyAccounts { mechanical, input, damped, impact } = simulator.energy_accounts();
+        let (contact, gap) = (simulator.contact(), simulator.relative_motion());
+        let contact_force = simulator.contact_force();
         Self {
             time: simulator.time(),
             x,
             v,
             acceleration: simulator.acceleration(),
-            gap: simulator.relative_motion(),
-            contact_force: simulator.contact_force(),
+            gap,
+            contact_force,
             coupling_force: coupling_force(simulator.parameters(), &x),
+            indicators: indicators_of(simulator.parameters(), contact, gap.0, contact_force),
             mechanical,
             input,
             damped,
             impact_loss: impact,
-            contact: simulator.contact(),
+            contact,
             impacts: *simulator.impacts(),
         }
+    }
+
+    /// Whether every number is finite, without a branch for each: 0 times what is not finite is not 0.
+    pub(crate) fn is_finite(&self) -> bool {
+        let impacts = &self.impacts;
+        let lists = [self.x, self.v, self.acceleration, self.indicators];
+        let impact = [impacts.last_time, impacts.last_impulse, impacts.last_speed, impacts.total_impulse];
+        let forces = [self.time, self.gap.0, self.gap.1, self.contact_force, self.coupling_force];
+        let energies = [self.mechanical, self.input, self.damped, self.impact_loss];
+        let numbers = lists.iter().flatten().chain(&impact).chain(&forces).chain(&energies);
+        numbers.map(|number| number * 0.0).sum::<f64>() == 0.0
     }
 
     /// Displacements and velocities.
@@ -119,6 +208,7 @@ impl OutputValues {
             gap: (pair(self.gap.0, rate.gap.0), pair(self.gap.1, rate.gap.1)),
             contact_force: pair(self.contact_force, rate.contact_force),
             coupling_force: pair(self.coupling_force, rate.coupling_force),
+            indicators: three(self.indicators, rate.indicators),
             mechanical: pair(self.mechanical, rate.mechanical),
             input: pair(self.input, rate.input),
             damped: pair(self.damped, rate.damped),

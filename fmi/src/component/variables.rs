@@ -1,24 +1,37 @@
 //! The one table of variables: the model description, start values, range checks, getters, setters, derivatives, reset and
 //! the documentation all come from it.
 //!
-//! A value reference is a variable's place in [`VARIABLES`], for all types alike; new variables are appended, so references
-//! stay. How a variable is added: `fmi/README.md`.
+//! A reference is a variable's place in [`VARIABLES`], for all types alike; new variables are appended, so references stay. A
+//! description leaves out the variables of later [`Edition`]s, and a door makes its value references from the places. How a
+//! variable is added: `fmi/README.md`.
 
+mod bases;
 mod columns;
+mod later;
 mod packed;
 mod rows;
+mod sections;
 mod table;
 
+pub(crate) use bases::Class;
+pub use bases::{Base, Bases, Edition};
 pub use columns::*;
 pub(crate) use packed::{Get, READERS, Reader, Set, WRITERS, Writer};
+pub use rows::START;
+pub use sections::{SECTIONS, Section};
 pub use table::{COUNT, VARIABLES};
 
-/// The variable of that name and its value reference.
+/// The variables of a description, each with its place.
+pub fn of_edition(edition: Edition) -> impl Iterator<Item = (u32, &'static Variable)> {
+    (0..).zip(VARIABLES.iter()).filter(move |(_, variable)| variable.edition <= edition)
+}
+
+/// The variable of that name and its place.
 pub fn find(name: &str) -> Option<(u32, &'static Variable)> {
     (0..).zip(VARIABLES.iter()).find(|(_, variable)| variable.name == name)
 }
 
-/// Value reference of the variable of that name, at compile time.
+/// Place of the variable of that name, at compile time.
 ///
 /// # Panics
 /// When there is none: a misspelt constant does not compile.

@@ -35,16 +35,45 @@ pub(crate) fn quadrature(h: f64, a: &[f64; 4], b: &[f64; 4]) -> f64 {
         + h2 * h / 1680.0 * (a[3] - b[3]))
 }
 
-/// How the outputs vary with states and forces in a given contact: everything is linear but the mechanical energy, whose
-/// gradient is taken. Energies that have been summed up do not vary.
+/// A direction in the space of what a host can vary: states, loads, parameters, time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Direction {
+    pub(crate) state: State,
+    pub(crate) forces: [f64; 3],
+    pub(crate) parameters: Parameters,
+    pub(crate) time: f64,
+}
+
+impl Direction {
+    /// How the forces on the bodies vary at a state and a drive with these sin θ and cos θ, beside what the state's own variation
+    /// does. A change of the drive's frequency keeps the phase continuous, so it changes nothing now.
+    fn push(&self, p: &Parameters, State { x, v }: &State, (sin, cos): (f64, f64)) -> [f64; 3] {
+        let (d, stretch) = (&self.parameters, x[1] - x[2]);
+        let turn = d.drive_phase + p.drive_frequency * self.time;
+        let drive = d.drive_amplitude * sin + p.drive_amplitude * cos * turn;
+        [
+            self.forces[0] + drive - d.box_stiffness * x[0] - d.box_damping * v[0],
+            self.forces[1] - d.coupling_stiffness * stretch,
+            self.forces[2] + d.coupling_stiffness * stretch
+                - d.secondary_stiffness * x[2]
+                - d.secondary_damping * v[2],
+        ]
+    }
+}
+
+/// How the outputs vary with states, loads, tunable parameters and time in a given contact: everything is linear in states and
+/// forces but the mechanical energy, whose gradient is taken. Energies that have been summed up do not vary, but for what a
+/// change of springs adds at once, which counts as input.
 pub(crate) fn variation(
     model: &Model,
     p: &Parameters,
     contact: Contact,
     state: &State,
-    dx: &State,
-    df: [f64; 3],
+    drive: (f64, f64),
+    along: &Direction,
 ) -> OutputValues {
+    let (dx, d) = (&along.state, &along.parameters);
+    let df = along.push(p, state, drive);
     let mut z = [0.0; LANES];
     z[..6].copy_from_slice(&dx.to_relative());
     let mode = contact.mode();
@@ -60,16 +89,31 @@ pub(crate) fn variation(
         + p.box_stiffness * x[0] * dx.x[0]
         + p.secondary_stiffness * x[2] * dx.x[2]
         + p.coupling_stiffness * (x[1] - x[2]) * (dx.x[1] - dx.x[2]);
+    let stretch = x[1] - x[2];
+    let springs = 0.5
+        * (d.box_stiffness * x[0] * x[0]
+            + d.secondary_stiffness * x[2] * x[2]
+            + d.coupling_stiffness * stretch * stretch);
+    // The indicators are linear, but for the idle ones, which do not vary.
+    let indicators = match contact {
+        Contact::Flight => [-z[RELATIVE] / model.gap, z[RELATIVE] / model.gap, 0.0],
+        contact => {
+            let scale = (model.k1 + model.k2) * model.gap + model.drive.abs();
+            let pressing = contact.side() * free;
+            [0.0, 0.0, if scale > 0.0 { pressing / scale } else { pressing }]
+        }
+    };
     OutputValues {
-        time: 0.0,
+        time: along.time,
         x: dx.x,
         v: dx.v,
         acceleration: [a[0], a[0] + a[1], a[2]],
         gap,
         contact_force,
-        coupling_force: coupling_force(p, &dx.x),
-        mechanical,
-        input: 0.0,
+        coupling_force: coupling_force(p, &dx.x) + d.coupling_stiffness * stretch,
+        indicators,
+        mechanical: mechanical + springs,
+        input: springs,
         damped: 0.0,
         // What changes at events only has no rate.
         impact_loss: 0.0,

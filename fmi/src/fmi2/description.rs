@@ -2,25 +2,14 @@
 //! default experiment.
 
 use crate::component::identity;
-use vibro_impact::parameters::Parameters;
-
+pub use crate::component::identity::{
+    LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, default_experiment,
+};
 pub use crate::component::structure::EVENT_INDICATORS;
-
-/// `modelName` and `modelIdentifier`.
-pub const MODEL_IDENTIFIER: &str = "VibroImpact3DOF";
-
-/// `description` of the model.
-pub const MODEL_DESCRIPTION: &str = "Three-degree-of-freedom vibro-impact system: a driven box, a block free between two stops inside it, \
-     and a secondary oscillator coupled to the block; exact event-driven simulation and closed-form steady states";
+use crate::component::variables::{Edition, Variable, of_edition};
 
 /// `version` of the model.
 pub const MODEL_VERSION: &str = identity::VERSION;
-
-/// `license` of the model.
-pub const LICENSE: &str = env!("CARGO_PKG_LICENSE");
-
-/// `variableNamingConvention`.
-pub const NAMING_CONVENTION: &str = "structured";
 
 /// Capability flags of `CoSimulation` and, where they exist there, of `ModelExchange` (FMI 2.0, 4.3.1 and 3.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,43 +79,22 @@ pub const LOG_CATEGORIES: [Category; 6] = [
     Category { name: "logAll", description: "All of the above" },
 ];
 
-/// `DefaultExperiment` (FMI 2.0, 2.2.5).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Experiment {
-    /// Start, s.
-    pub start_time: f64,
-    /// Stop, s: 100 periods of the default drive.
-    pub stop_time: f64,
-    /// Relative tolerance for solvers of Model Exchange.
-    pub tolerance: f64,
-    /// Reporting interval, s: 50 a period.
-    pub step_size: f64,
+/// Every variable of this version with its value reference, which is its place in the table.
+pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {
+    of_edition(Edition::Every)
 }
 
-/// The default experiment.
-pub fn default_experiment() -> Experiment {
-    let period = Parameters::default().period();
-    Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 50.0 }
-}
-
-/// `ScalarVariable` index of a variable (FMI 2.0, 2.2.8): they count from 1.
-pub const fn index(reference: u32) -> u32 {
-    reference + 1
+/// `ScalarVariable` index of a variable (FMI 2.0, 2.2.8): they count from 1, without those of other versions.
+pub fn index(reference: u32) -> u32 {
+    let before = variables().take_while(|(place, _)| *place < reference);
+    1 + before.count() as u32
 }
 
 /// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0, 2.2.1).
 /// Computed anew on each call, so that the library keeps nothing between loads.
 pub fn guid() -> String {
     let own = format!("{MODEL_IDENTIFIER} {CAPABILITIES:?} {MODEL_EXCHANGE} {LOG_CATEGORIES:?}\n");
-    let hash = identity::fnv1a((own + &identity::text()).as_bytes());
-    format!(
-        "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
-        (hash >> 96) as u32,
-        (hash >> 80) as u16,
-        (hash >> 64) as u16,
-        (hash >> 48) as u16,
-        hash & 0xffff_ffff_ffff
-    )
+    identity::identifier(&(own + &identity::text()))
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ pub enum Problem {
 /// How a host gets on from a state in which little is allowed.
 fn way_on(stage: Stage) -> &'static str {
     match stage {
-        Stage::StepFailed => ": restore the state saved before the impact",
+        Stage::StepFailed => ": restore the state saved before the impact, or go on from lastSuccessfulTime",
         _ => "",
     }
 }

@@ -21,7 +21,7 @@ pub fn blocks(markdown: &str) -> Vec<(String, String)> {
 }
 
 pub fn functions() -> BTreeSet<String> {
-    fmu_build::compile::FUNCTIONS.split_whitespace().map(|name| format!("fmi2{name}")).collect()
+    fmu_build::compile::exported().collect()
 }
 
 /// Names exported.

@@ -1,5 +1,7 @@
 //! What the tests that need Python share: the virtual environment and the packaged FMU.
 
+use fmu_build::version::Version;
+use fmu_build::{package, platforms};
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -17,10 +19,12 @@ pub fn root() -> &'static Path {
     fmu_build::compile::workspace()
 }
 
-/// The packaged FMU, built on first use in this process.
+/// The packaged FMU, built on first use in this process; those of FMI 3.0 lie beside it.
 pub fn fmu() -> PathBuf {
     let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
-    fmu_build::package::build(&path).unwrap_or_else(|error| panic!("{error}"));
+    let versions = [Version::Fmi2, Version::Fmi3, Version::Clocked];
+    let built = platforms::own().and_then(|binaries| package::write(&path, &versions, &binaries));
+    built.unwrap_or_else(|error| panic!("{error}"));
     path
 }
 

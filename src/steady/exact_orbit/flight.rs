@@ -30,17 +30,20 @@ const INVERSE: [f64; DEGREE + 1] = {
 };
 
 /// Coefficients of the flight, docs/theory.md (69): x1'' = -k1 x1 - c1 x1' + F sin θ, x2'' = -k2 (x2-x3),
-/// x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), where a prime is a derivative with respect to the drive's phase θ.
+/// x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), where a prime is a derivative with respect to the drive's phase θ and lengths are in L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
-    /// κ₁ and d₁ of docs/theory.md (69).
+    /// κ₁ of docs/theory.md (69).
     pub k1: f64,
+    /// d₁.
     pub c1: f64,
     /// κ₂.
     pub k2: f64,
-    /// κ₃, d₃ and κ₃₂.
+    /// κ₃.
     pub k3: f64,
+    /// d₃.
     pub c3: f64,
+    /// κ₃₂.
     pub k32: f64,
     /// F.
     pub force: f64,
@@ -48,13 +51,45 @@ pub struct Flight {
     pub epsilon: f64,
     /// Restitution coefficient.
     pub kappa: f64,
+    /// A bound on the rates of the modes and of the drive, in units of ω1.
+    pub rate: f64,
     /// Taylor pieces in half a period, a power of two.
     pub pieces: u32,
 }
 
+/// The free flight's map exp(A Δ) over a span Δ of the phase, in its two blocks: in flight the box and the other two bodies do
+/// not act on each other.
+///
+/// ```
+/// use vibro_impact::{Parameters, steady::exact_orbit::{Flight, Vector6}};
+///
+/// let flight = Flight::new(&Parameters::default())?;
+/// let state = Vector6::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6);
+/// let twice = flight.transition(0.7).apply(&flight.transition(0.7).apply(&state));
+/// assert!((flight.transition(1.4).apply(&state) - twice).norm() < 1e-14);
+/// # Ok::<(), vibro_impact::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Transition {
+    /// The block of the box, on (x1, v1).
+    pub one: Matrix2<f64>,
+    /// The block of block and secondary oscillator, on (x2, x3, v2, v3).
+    pub pair: Matrix4<f64>,
+}
+
+impl Transition {
+    /// The state a span later, without the drive.
+    #[inline]
+    pub fn apply(&self, s: &Vector6) -> Vector6 {
+        let one = self.one * Vector2::new(s[0], s[3]);
+        let pair = self.pair * Vector4::new(s[1], s[2], s[4], s[5]);
+        Vector6::new(one[0], pair[0], pair[1], one[1], pair[2], pair[3])
+    }
+}
+
 /// The flight over half a period and its periodic answer to alternating unit impulses, docs/theory.md (72).
 #[derive(Clone, Copy, Debug)]
-pub struct HalfPeriod {
+pub(super) struct HalfPeriod {
     /// M = exp(πA) of the box (x1, v1).
     pub one: Matrix2<f64>,
     /// M of block and secondary oscillator (x2, x3, v2, v3).
@@ -91,6 +126,7 @@ impl Flight {
             force: p.drive_amplitude / m1 / p.stop_gap / w / w,
             epsilon: m2 / m1,
             kappa: p.stop_restitution,
+            rate: 1.0,
             pieces: 1,
         };
         // Bounds on the norm of A with velocities scaled by the root of the stiffness; the drive itself has the rate 1.
@@ -106,19 +142,53 @@ impl Flight {
                 limit,
             });
         }
-        while PI * rate > RATE_STEP * f64::from(flight.pieces) {
-            flight.pieces *= 2;
-        }
+        flight.rate = rate;
+        flight.pieces = flight.doubled_pieces(PI);
         Ok(flight)
     }
 
-    /// Length of one Taylor piece.
+    /// The least power of two of Taylor pieces into which a span of the phase must be divided.
+    fn doubled_pieces(&self, span: f64) -> u32 {
+        let mut pieces = 1;
+        while span * self.rate > RATE_STEP * f64::from(pieces) && pieces < 1 << 31 {
+            pieces *= 2;
+        }
+        pieces
+    }
+
+    /// The number of equal Taylor pieces into which a span of the phase must at least be divided so that each is exact to round-off.
+    pub fn least_pieces(&self, span: f64) -> u32 {
+        (span * self.rate / RATE_STEP).ceil().max(1.0) as u32
+    }
+
+    /// exp(A Δ) over a span Δ ≥ 0 of the phase, exact to round-off: a Taylor piece, squared as often as it takes.
+    pub fn transition(&self, span: f64) -> Transition {
+        let pieces = self.doubled_pieces(span);
+        let h = span / f64::from(pieces);
+        let free = |i: usize, j: Option<usize>| {
+            let mut s = Vector6::zeros();
+            s[i] = 1.0;
+            j.into_iter().for_each(|j| s[j] = 1.0);
+            Self::state(&self.piece(&s, 0.0, h, 0.0), 1.0, h)
+        };
+        // In flight the box and the other two do not act on each other, so two columns come from one piece.
+        let columns = [free(0, Some(1)), free(2, None), free(3, Some(4)), free(5, None)];
+        let mut one = Matrix2::new(columns[0][0], columns[2][0], columns[0][3], columns[2][3]);
+        let mut pair = Matrix4::from_fn(|row, column| columns[column][[1, 2, 4, 5][row]]);
+        for _ in 0..pieces.trailing_zeros() {
+            one *= one;
+            pair *= pair;
+        }
+        Transition { one, pair }
+    }
+
+    /// Length of one Taylor piece of half a period.
     pub fn step(&self) -> f64 {
         PI / f64::from(self.pieces)
     }
 
     /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state `s` at `phase`, with the
-    /// force `force` sin θ. The coefficients follow order by order from the equations of motion, as in docs/theory.md (8).
+    /// force `force` sin θ; [`least_pieces`](Self::least_pieces) says how large h may be. The coefficients follow order by order from the equations of motion, as in docs/theory.md (8).
     pub fn piece(&self, s: &Vector6, phase: f64, h: f64, force: f64) -> [Polynomial; 3] {
         let (sin, cos) = if force == 0.0 { (0.0, 0.0) } else { phase.sin_cos() };
         let h2 = h * h;
@@ -151,22 +221,8 @@ impl Flight {
     ///
     /// # Errors
     /// [`Error::Undefined`] when an undamped mode oscillates an odd number of times per drive period.
-    pub fn half_period(&self, p: &Parameters) -> Result<HalfPeriod> {
-        let h = self.step();
-        let free = |i: usize, j: Option<usize>| {
-            let mut s = Vector6::zeros();
-            s[i] = 1.0;
-            j.into_iter().for_each(|j| s[j] = 1.0);
-            Self::state(&self.piece(&s, 0.0, h, 0.0), 1.0, h)
-        };
-        // In flight the box and the other two do not act on each other, so two columns come from one piece.
-        let columns = [free(0, Some(1)), free(2, None), free(3, Some(4)), free(5, None)];
-        let mut one = Matrix2::new(columns[0][0], columns[2][0], columns[0][3], columns[2][3]);
-        let mut pair = Matrix4::from_fn(|row, column| columns[column][[1, 2, 4, 5][row]]);
-        for _ in 0..self.pieces.trailing_zeros() {
-            one *= one;
-            pair *= pair;
-        }
+    pub(super) fn half_period(&self, p: &Parameters) -> Result<HalfPeriod> {
+        let Transition { one, pair } = self.transition(PI);
         let first = (Matrix2::identity() + one).lu().solve(&Vector2::new(0.0, self.epsilon));
         let rest = (Matrix4::identity() + pair).lu().solve(&Vector4::new(0.0, 0.0, -1.0, 0.0));
         let bounded = |x: &f64| x.abs() < LARGEST_RESPONSE;
@@ -202,7 +258,7 @@ impl Flight {
     }
 
     /// Accelerations of the free bodies at a state where the drive's force has the value `force`.
-    fn accelerations(&self, s: &Vector6, force: f64) -> [f64; 3] {
+    pub fn accelerations(&self, s: &Vector6, force: f64) -> [f64; 3] {
         let stretch = s[1] - s[2];
         [
             force - self.k1 * s[0] - self.c1 * s[3],
@@ -214,7 +270,7 @@ impl Flight {
     /// The half-cycle map D_h = -S M of deviations from just after one impact to just after the next, docs/theory.md (79), with
     /// the saltation matrix S of an impact at the upper stop, (78). `before` and `after` are the states at the impact and
     /// `force` is the value of the drive's force there.
-    pub fn half_map(
+    pub(super) fn half_map(
         &self,
         half: &HalfPeriod,
         before: &Vector6,

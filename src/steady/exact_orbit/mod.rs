@@ -8,12 +8,13 @@
 mod flight;
 mod orbit;
 
+pub use flight::{Flight, Transition, Vector6};
 pub use orbit::{ExactOrbit, OrbitWalk};
 
 use super::{Quadratic, Roots, Sheet};
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
-use flight::{Flight, HalfPeriod};
+use flight::HalfPeriod;
 use nalgebra::Complex;
 
 /// The quadratic of one parameter set, with everything that does not depend on the root prepared.

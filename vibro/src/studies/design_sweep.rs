@@ -12,7 +12,7 @@ use crate::Result;
 use collected::Collected;
 use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, each_row};
 use vibro_analysis::parts::Task;
-use vibro_analysis::{Name, ParameterSet, significant};
+use vibro_analysis::{Name, ParameterSet};
 
 /// The study of a sweep whose parts are all in the task's store. Its tables are written apart, by [`write_tables`].
 ///
@@ -52,7 +52,7 @@ fn designs_in_words(request: &Request) -> String {
 }
 
 /// How the numbers came about, for captions.
-fn method(request: &Request) -> String {
+fn method(set: &ParameterSet, request: &Request) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",
         Designs::Rows { .. } => "as listed",
@@ -66,7 +66,7 @@ fn method(request: &Request) -> String {
         all => words.push_str(&format!(", {} starts ({}{more})", all.len(), starts.join("; "))),
     }
     for axis in &request.over {
-        words.push_str(&format!(", over {}", axis_in_words(axis)));
+        words.push_str(&format!(", over {}", axis_in_words(set, axis)));
     }
     words.push_str(&format!(
         "; {} drive periods discarded and {} measured of each motion.",
@@ -76,14 +76,15 @@ fn method(request: &Request) -> String {
 }
 
 /// An axis over which the motions of a design are taken together, in words.
-fn axis_in_words(axis: &SampledAxis) -> String {
+fn axis_in_words(set: &ParameterSet, axis: &SampledAxis) -> String {
     let ends = (axis.values.iter().copied().reduce(f64::min), axis.values.iter().copied().reduce(f64::max));
     match ends {
         (Some(a), Some(b)) if a < b => {
-            let (symbol, count) = (axis.name.symbol(), axis.values.len());
-            format!("{symbol} from {} to {} in {count} values", significant(a), axis.name.with_unit(b))
+            let (symbol, count) = (set.symbol(axis.name), axis.values.len());
+            let [from, to] = [a, b].map(|value| set.with_unit(axis.name, value));
+            format!("{symbol} from {from} to {to} in {count} values")
         }
-        (Some(a), _) => format!("{} = {}", axis.name.symbol(), axis.name.with_unit(a)),
+        (Some(a), _) => set.told(axis.name, a),
         _ => String::new(),
     }
 }

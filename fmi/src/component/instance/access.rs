@@ -1,52 +1,73 @@
 //! Getting and setting values, and the time derivatives of inputs and outputs.
 
+use super::events::Present;
 use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
+use crate::component::jets::{Course, Jet, jets};
 use crate::component::settings::Settings;
-use crate::component::values::coupling_force;
+use crate::component::values::OutputValues;
 use crate::component::variables::{
-    Bases, Causality, Get, Path, READERS, Reader, Set, VARIABLES, Variable, WRITERS, Writer,
+    Access, Bases, Causality, Class, Edition, Get, READERS, Reader, Set, VARIABLES, Variable, WRITERS,
+    Writer, of_edition,
 };
-use vibro_impact::parameters::Parameters;
 
 /// What loads may be while a closed form is played.
 pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
 /// Highest order of input derivatives.
 const INPUT_ORDER: i32 = 3;
-/// Highest order of output derivatives: the displacements' fifth is known, so velocities and accelerations have three.
+/// Highest order of output derivatives: the displacements' fifth is known, so accelerations have three.
 const OUTPUT_ORDER: i32 = 3;
 
-/// The variable of that reference, which must have one of the types.
+/// Place in the table of a reference, where references begin with `first`; no place for one below it.
 #[inline]
-pub(super) fn look_up(reference: u32, bases: Bases) -> Outcome<&'static Variable> {
-    match VARIABLES.get(reference as usize) {
-        Some(variable) if bases.contains(variable.base()) => Ok(variable),
-        found => Err(no_such(reference, bases, found)),
-    }
+fn place(reference: u32, first: u32) -> usize {
+    reference.wrapping_sub(first) as usize
 }
 
 #[cold]
-fn no_such(reference: u32, bases: Bases, found: Option<&Variable>) -> Problem {
+fn no_such(reference: u32, first: u32, bases: Bases) -> Problem {
+    let found = VARIABLES.get(place(reference, first)).filter(|variable| variable.edition <= bases.edition);
     let found = match found {
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
-        None => format!("allowed is 0 to {}", VARIABLES.len() - 1),
+        None => {
+            let highest = of_edition(bases.edition).map(|(place, _)| place).max();
+            format!("allowed is {first} to {}", highest.unwrap_or_default() + first)
+        }
     };
     Problem::Reference { reference, wanted: bases.name, found }
 }
 
 impl Instance {
-    /// Hands the value of variable `i` to `write`.
+    /// The variable of that reference, which must have one of the types.
+    #[inline]
+    pub(super) fn look_up(&self, reference: u32, bases: Bases) -> Outcome<&'static Variable> {
+        match VARIABLES.get(place(reference, self.first_reference)) {
+            Some(variable) if bases.contains(Class::new(variable.base(), variable.edition)) => Ok(variable),
+            _ => Err(no_such(reference, self.first_reference, bases)),
+        }
+    }
+
+    /// The variable of that reference in an edition.
+    ///
+    /// # Errors
+    /// [`Problem::Reference`] when there is none.
+    pub fn variable(&self, reference: u32, edition: Edition) -> Outcome<&'static Variable> {
+        self.look_up(reference, Bases::ANY.of(edition))
+    }
+
+    /// Hands value `i` to `write`: those of the variables in their order, of an array in row-major order.
     ///
     /// # Errors
     /// Before anything is written: a reference that is not of these types, or, in initialization, a start that is not
     /// possible.
     #[inline]
     pub fn get(&mut self, bases: Bases, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
+        let first = self.first_reference;
         let initialized = !matches!(self.engine, Engine::None);
         let mut needs = 0;
         for &reference in references {
-            match READERS.get(reference as usize) {
-                Some(reader) if bases.contains(reader.base) => needs |= reader.needs,
-                _ => return Err(no_such(reference, bases, VARIABLES.get(reference as usize))),
+            match READERS.get(place(reference, first)) {
+                Some(reader) if bases.contains(reader.class) => needs |= reader.needs,
+                _ => return Err(no_such(reference, first, bases)),
             }
         }
         let moves = needs & Reader::MOTION != 0 || initialized && needs & Reader::START != 0;
@@ -56,14 +77,34 @@ impl Instance {
         if needs & Reader::DERIVED != 0 && self.derived_stale {
             self.refresh_derived();
         }
-        for (i, &reference) in references.iter().enumerate() {
-            let value = match READERS[reference as usize].get {
+        if needs & Reader::PREDICTION != 0 {
+            self.refresh_prediction();
+        }
+        if needs & Reader::STEP != 0 {
+            self.refresh_step_matrices();
+        }
+        let mut i = 0;
+        for &reference in references {
+            let value = match READERS[place(reference, first)].get {
                 Get::Output(get) => get(&self.values),
                 Get::Start(_, now) if initialized => now(&self.values),
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
                 Get::Derived(get) => get(&self.derived),
+                Get::Prediction(get) => get(&self.prediction.unwrap_or_default()),
+                Get::Tick(get) => get(&self.present_tick()),
+                Get::Elements(size, get) => {
+                    (0..size).for_each(|k| write(i + k, get(&self.values, k)));
+                    i += size;
+                    continue;
+                }
+                Get::Step(size, get) => {
+                    (0..size).for_each(|k| write(i + k, get(&self.step_matrices.unwrap_or_default(), k)));
+                    i += size;
+                    continue;
+                }
             };
             write(i, value);
+            i += 1;
         }
         Ok(())
     }
@@ -74,20 +115,22 @@ impl Instance {
     /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has changed then.
     #[inline]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
+        let first = self.first_reference;
         let when = self.when();
         let closed = matches!(self.engine, Engine::Closed(_));
         for (i, &reference) in references.iter().enumerate() {
             let value = read(i);
             let plain = |writer: &Writer| writer.takes(bases, when, value) && !(closed && writer.input);
-            if !WRITERS.get(reference as usize).is_some_and(plain) {
+            if !WRITERS.get(place(reference, first)).is_some_and(plain) {
                 self.check_set(reference, bases, value)?;
             }
         }
+        self.events.carried_out &= references.is_empty();
         // A host's solver sees a set at once, not with the next step.
         let before =
             (self.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
-            self.assign(&WRITERS[reference as usize], read(i));
+            self.assign(&WRITERS[place(reference, first)], read(i));
         }
         if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
         {
@@ -99,7 +142,7 @@ impl Instance {
             }
             self.parameters_set = false;
             continuous.set_forces(self.settings.loads.derivatives.map(|load| load[0]));
-            self.values_stale = true;
+            self.invalidate();
         }
         Ok(())
     }
@@ -107,8 +150,8 @@ impl Instance {
     /// A closer look at one set.
     #[cold]
     fn check_set(&self, reference: u32, bases: Bases, value: f64) -> Outcome {
-        let variable = look_up(reference, bases)?;
-        self.check_settable(reference, variable)?;
+        let variable = self.look_up(reference, bases)?;
+        self.check_settable(&WRITERS[place(reference, self.first_reference)], variable)?;
         if !variable.accepts(value) {
             return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed() });
         }
@@ -153,8 +196,9 @@ impl Instance {
             self.parameters_set = true;
             self.derived_stale = true;
         }
-        if matches!(self.engine, Engine::None) {
-            self.values_stale = true;
+        self.prediction = None;
+        if matches!(self.engine, Engine::None) || self.phase == Phase::Event {
+            self.invalidate();
         }
     }
 
@@ -163,13 +207,16 @@ impl Instance {
         match self.phase {
             Phase::Instantiated | Phase::Initialization => Writer::INITIAL,
             Phase::Continuous => Writer::CONTINUOUS,
+            Phase::Event if self.interface == Interface::ModelExchange && self.handling.event_mode => {
+                Writer::EVENT | Writer::UNCHANGED_STATES
+            }
             _ => Writer::EVENT,
         }
     }
 
-    fn check_settable(&self, reference: u32, variable: &Variable) -> Outcome {
+    fn check_settable(&self, writer: &Writer, variable: &Variable) -> Outcome {
         let when = self.when();
-        if WRITERS[reference as usize].settable(when) {
+        if writer.settable(when) {
             return Ok(());
         }
         let allowed = match when {
@@ -186,7 +233,7 @@ impl Instance {
     /// A reference that is no input, an order outside 1…3, a value that is not finite; nothing has changed then.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             if variable.body.is_none() {
                 return Err(Problem::NoDerivative { name: variable.name, allowed: "those of inputs" });
             }
@@ -197,7 +244,7 @@ impl Instance {
             self.check_load(variable, value)?;
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            if let Some(body) = VARIABLES[reference as usize].body {
+            if let Some(body) = VARIABLES[place(reference, self.first_reference)].body {
                 let load = &mut self.settings.loads.derivatives[body];
                 if !self.slopes_set[body] {
                     self.slopes_set[body] = true;
@@ -207,17 +254,19 @@ impl Instance {
                 self.loads_set = true;
             }
         }
+        self.prediction = None;
         if matches!(self.engine, Engine::None) {
-            self.values_stale = true;
+            self.invalidate();
         }
         Ok(())
     }
 
-    /// Time derivatives of outputs, orders 1 to 3, at the present time: exact for those that the table gives a
-    /// [`Path`]; others are refused.
+    /// Time derivatives of continuous outputs, orders 1 to 3, at the present time, exact inside a smooth piece of the motion: at an
+    /// event those before it, or those after it where that is what is read.
     ///
     /// # Errors
-    /// A reference that is no output of the motion, an order outside 1…3; nothing is written then.
+    /// A reference that is no continuous output, an order outside 1…3, [`Problem::Overflow`] for a derivative that is not finite;
+    /// nothing is written then.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -225,44 +274,56 @@ impl Instance {
         mut write: impl FnMut(usize, f64),
     ) -> Outcome {
         for (&reference, &order) in references.iter().zip(orders) {
-            let variable = look_up(reference, Bases::REAL)?;
-            if variable.path.is_none() {
-                return Err(Problem::NoDerivative {
-                    name: variable.name,
-                    allowed: "those of displacements, velocities, accelerations, stop.s, stop.v and coupling.f",
-                });
-            }
+            jet_of(self.look_up(reference, Bases::REAL)?)?;
             check_order(order, OUTPUT_ORDER, "1, 2 or 3")?;
         }
-        let derivatives = self.path_derivatives()?;
-        let parameters = self.motion_parameters();
-        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
-            if let Some(path) = VARIABLES[reference as usize].path {
-                write(i, path.derivative(&derivatives, &parameters, order as usize));
+        let jets = self.jets()?;
+        let derivative = |instance: &Self, reference: u32, order: i32| -> Outcome<f64> {
+            let variable = instance.look_up(reference, Bases::REAL)?;
+            let value = jet_of(variable)?(&jets).0[order as usize];
+            if value.is_finite() {
+                return Ok(value);
             }
+            Err(Problem::Overflow { name: variable.name, value, time: instance.time() })
+        };
+        for (&reference, &order) in references.iter().zip(orders) {
+            derivative(self, reference, order)?;
+        }
+        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
+            write(i, derivative(self, reference, order)?);
         }
         Ok(())
     }
 
-    fn path_derivatives(&mut self) -> Outcome<[[f64; 6]; 3]> {
-        match &self.engine {
-            Engine::Simulation(simulator) => Ok(simulator.derivatives()),
-            Engine::Closed(form) => Ok(form.derivatives()),
-            Engine::None | Engine::Continuous(_) => {
-                Err(Problem::Sequence { what: "the instance is not initialized" })
+    /// The time derivatives of all that the outputs read.
+    pub(super) fn jets(&self) -> Outcome<OutputValues<Jet>> {
+        let (motion, parameters, loads, theta, values) = match self.present()? {
+            Present::Simulation(s) => {
+                let loads = s.loads().derivatives;
+                (s.derivatives(), *s.parameters(), loads, s.drive_phase(), OutputValues::of(&s))
             }
-        }
+            Present::Closed(form) => {
+                (form.derivatives(), *form.parameters(), [[0.0; 4]; 3], form.theta(), form.values())
+            }
+            Present::None | Present::Continuous(_) => {
+                return Err(Problem::Sequence { what: "the instance is not initialized" });
+            }
+        };
+        Ok(jets(&Course { values: &values, motion: &motion, parameters: &parameters, loads: &loads, theta }))
     }
+}
 
-    /// The parameters the motion at the present time was made with.
-    pub(super) fn motion_parameters(&self) -> Parameters {
-        match &self.engine {
-            Engine::Simulation(simulator) => *simulator.parameters(),
-            Engine::Closed(form) => *form.parameters(),
-            Engine::Continuous(continuous) => *continuous.parameters(),
-            Engine::None => self.settings.parameters,
+/// How the time derivatives of a variable are read.
+fn jet_of(variable: &Variable) -> Outcome<fn(&OutputValues<Jet>) -> Jet> {
+    let reading = match variable.access {
+        Access::Output(reading) | Access::Start { now: reading, .. }
+            if variable.causality == Causality::Output =>
+        {
+            reading.jet
         }
-    }
+        _ => None,
+    };
+    reading.ok_or(Problem::NoDerivative { name: variable.name, allowed: "those of continuous outputs" })
 }
 
 fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
@@ -270,14 +331,4 @@ fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
         return Ok(());
     }
     Err(Problem::Value { name: "order", value: f64::from(order), allowed })
-}
-
-impl Path {
-    fn derivative(self, d: &[[f64; 6]; 3], parameters: &Parameters, order: usize) -> f64 {
-        match self {
-            Self::Body { body, order: base } => d[body][base + order],
-            Self::Gap { order: base } => d[1][base + order] - d[0][base + order],
-            Self::Coupling => coupling_force(parameters, &[d[0][order], d[1][order], d[2][order]]),
-        }
-    }
 }

@@ -1,15 +1,17 @@
 //! Directional derivatives.
 
-use super::access::look_up;
+use super::events::Present;
 use super::initial::forces;
 use super::{Engine, Instance, Outcome, Problem};
 use crate::component::continuous::Continuous;
 use crate::component::settings::{Derived, Settings, SolutionMode};
 use crate::component::steady;
+use crate::component::structure::EXTENDED_DERIVATIVES;
 use crate::component::values::{OutputValues, Varied};
-use crate::component::variables::{Access, Bases, Causality, Initial, Variable};
-use crate::component::variation::variation;
+use crate::component::variables::{Access, Bases, Causality, Edition, Initial, Variability, Variable};
+use crate::component::variation::{Direction, variation};
 use vibro_impact::model::Model;
+use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{self, Contact};
 
 /// Step of the differences in initialization, relative to the known value: the fourth-order formula leaves about its
@@ -21,8 +23,9 @@ type Sample = (OutputValues, Derived);
 
 impl Instance {
     /// The derivative of unknowns along `seed` in the space of knowns. Once there is a motion: of Real outputs and state
-    /// derivatives with respect to inputs and continuous states, exactly. Before: of calculated outputs and parameters with
-    /// respect to inputs and Reals whose initial value is exact, by differences of fourth order.
+    /// derivatives with respect to inputs and continuous states, and in an extended description to tunable parameters and time,
+    /// exactly (of a closed form with respect to parameters by differences of fourth order). Before: of calculated outputs and
+    /// parameters with respect to inputs and Reals whose initial value is exact, by such differences.
     ///
     /// # Errors
     /// A reference that is no unknown or known here, a seed that is not finite; nothing is written then.
@@ -35,18 +38,24 @@ impl Instance {
     ) -> Outcome {
         let initial = matches!(self.engine, Engine::None);
         for &reference in unknowns {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, self.reals())?;
             let derived = initial && variable.causality == Causality::CalculatedParameter;
-            if !(variable.causality == Causality::Output || derived) {
-                return Err(no(variable, "outputs as unknowns"));
+            if !(variable.causality == Causality::Output || derived || is_derivative(variable)) {
+                return Err(no(variable, "outputs and derivatives of states as unknowns"));
             }
         }
         for (&reference, &value) in knowns.iter().zip(seed) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             let start = matches!(variable.access, Access::Start { .. });
             let exact = initial && variable.initial == Some(Initial::Exact);
-            if !(variable.causality == Causality::Input || start || exact) {
-                return Err(no(variable, "inputs and continuous states as knowns"));
+            let further = !initial && self.edition > Edition::Every && is_further_known(variable);
+            if !(variable.causality == Causality::Input || start || exact || further) {
+                let allowed = match (initial, self.edition) {
+                    (true, _) => "inputs and what has a start value as knowns",
+                    (false, Edition::Every) => "inputs and continuous states as knowns",
+                    (false, _) => "inputs, continuous states, tunable parameters and time as knowns",
+                };
+                return Err(no(variable, allowed));
             }
             if !value.is_finite() {
                 return Err(Problem::Value { name: variable.name, value, allowed: "a finite seed" });
@@ -55,12 +64,14 @@ impl Instance {
         if initial {
             let samples = self.differences(knowns, seed)?;
             for (i, &reference) in unknowns.iter().enumerate() {
-                write(i, difference(look_up(reference, Bases::REAL)?, &samples));
+                write(i, difference(self.look_up(reference, self.reals())?, &samples));
             }
         } else {
             let values = self.varied(knowns, seed)?;
+            let samples = self.samples_of_form(knowns, seed)?;
             for (i, &reference) in unknowns.iter().enumerate() {
-                write(i, rate(look_up(reference, Bases::REAL)?, &values));
+                let variable = self.look_up(reference, self.reals())?;
+                write(i, rate(variable, &values) + difference(variable, &samples));
             }
         }
         Ok(())
@@ -68,23 +79,48 @@ impl Instance {
 
     /// What the outputs read at the present point, and how it varies along the seed.
     fn varied(&self, knowns: &[u32], seed: &[f64]) -> Outcome<OutputValues<Varied>> {
-        // Settings serve as the vector of states and loads.
+        // Settings serve as the vector of states, loads and parameters.
         let mut direction = Settings { start: simulator::State::default(), ..Settings::default() };
-        for (&reference, &value) in knowns.iter().zip(seed) {
-            let variable = look_up(reference, Bases::REAL)?;
-            add(&mut direction, variable, value);
+        for field in &FIELDS {
+            (field.set)(&mut direction.parameters, 0.0);
         }
-        let (dx, df) = (&direction.start, forces(&direction));
-        let rates = match &self.engine {
-            Engine::Simulation(simulator) => {
-                let model = Model::new(simulator.parameters())?;
-                variation(&model, simulator.parameters(), simulator.contact(), &simulator.state(), dx, df)
+        let mut time = 0.0;
+        for (&reference, &value) in knowns.iter().zip(seed) {
+            let variable = self.look_up(reference, Bases::REAL)?;
+            match variable.causality {
+                Causality::Independent => time += value,
+                _ => add(&mut direction, variable, value),
             }
-            Engine::Continuous(continuous) => continuous.variation(dx, df),
-            // A closed form follows time alone.
-            Engine::Closed(_) | Engine::None => OutputValues::default(),
+        }
+        let forces = forces(&direction);
+        let along = Direction { state: direction.start, forces, parameters: direction.parameters, time };
+        let rates = match self.present()? {
+            Present::Simulation(simulator) => {
+                let (p, model) = (simulator.parameters(), Model::new(simulator.parameters())?);
+                let drive = simulator.drive_phase().sin_cos();
+                variation(&model, p, simulator.contact(), &simulator.state(), drive, &along)
+            }
+            Present::Continuous(continuous) => continuous.variation(&along),
+            // A closed form follows time, and parameters by `samples_of_form`.
+            Present::Closed(_) if time != 0.0 => self.jets()?.rates(time),
+            Present::Closed(_) | Present::None => OutputValues::default(),
         };
         Ok(self.present_values()?.varied(&rates))
+    }
+
+    /// Of a closed form that parameters of the seed change, weighted samples; else none.
+    fn samples_of_form(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
+        if !matches!(self.engine, Engine::Closed(_)) {
+            return Ok(Vec::new());
+        }
+        let (mut parameters, mut along) = (Vec::new(), Vec::new());
+        for (&reference, &value) in knowns.iter().zip(seed) {
+            if self.look_up(reference, Bases::REAL)?.causality == Causality::Parameter {
+                parameters.push(reference);
+                along.push(value);
+            }
+        }
+        self.differences(&parameters, &along)
     }
 
     /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends.
@@ -95,12 +131,13 @@ impl Instance {
             &[(0.0, 25.0 / 12.0), (-1.0, -4.0), (-2.0, 3.0), (-3.0, -4.0 / 3.0), (-4.0, 0.25)],
         ];
         let contact = match self.settings.mode {
+            _ if knowns.is_empty() => Contact::Flight,
             SolutionMode::EventDriven => self.initial_simulator(&self.settings)?.0.contact(),
             _ => Contact::Flight,
         };
         let mut step = f64::INFINITY;
         for (&reference, &value) in knowns.iter().zip(seed).filter(|(_, value)| **value != 0.0) {
-            let variable = look_up(reference, Bases::REAL)?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             let size = read(&self.settings, variable).abs();
             step = step.min(STEP * if size > 0.0 { size } else { 1.0 } / value.abs());
         }
@@ -114,7 +151,7 @@ impl Instance {
                 .map(|&(place, weight)| {
                     let mut settings = self.settings;
                     for (&reference, &value) in knowns.iter().zip(seed) {
-                        add(&mut settings, look_up(reference, Bases::REAL)?, place * step * value);
+                        add(&mut settings, self.look_up(reference, Bases::REAL)?, place * step * value);
                     }
                     settings.parameters.validate()?;
                     Ok((weight / step, self.sample(&settings, contact)?))
@@ -128,6 +165,11 @@ impl Instance {
     }
 
     fn sample(&self, settings: &Settings, contact: Contact) -> Outcome<Sample> {
+        if let Present::Closed(form) = self.present()? {
+            let mut form = form.into_owned();
+            form.set_parameters(&settings.parameters)?;
+            return Ok((form.values(), Derived::default()));
+        }
         let values = if settings.mode == SolutionMode::EventDriven && !settings.start_on_orbit {
             // The contact is held: a start at a stop must not change sides.
             let (p, time) = (&settings.parameters, self.start_time());
@@ -139,6 +181,17 @@ impl Instance {
     }
 }
 
+/// Whether a variable is the derivative of a state and nothing else.
+fn is_derivative(variable: &Variable) -> bool {
+    EXTENDED_DERIVATIVES.contains(&variable.name)
+}
+
+/// Whether a variable is a known beside inputs and states: time and what may be tuned.
+fn is_further_known(variable: &Variable) -> bool {
+    let tunable = variable.causality == Causality::Parameter && variable.variability == Variability::Tunable;
+    tunable || variable.causality == Causality::Independent
+}
+
 fn no(variable: &Variable, allowed: &'static str) -> Problem {
     Problem::NoDerivative { name: variable.name, allowed }
 }
@@ -146,7 +199,7 @@ fn no(variable: &Variable, allowed: &'static str) -> Problem {
 fn read(settings: &Settings, variable: &Variable) -> f64 {
     match variable.access {
         Access::Setting { get, .. } | Access::Start { get, .. } => get(settings),
-        Access::Output(_) | Access::Derived(_) => 0.0,
+        _ => 0.0,
     }
 }
 
@@ -163,7 +216,7 @@ fn rate(variable: &Variable, values: &OutputValues<Varied>) -> f64 {
         Access::Output(reading) | Access::Start { now: reading, .. } => {
             reading.varied.map_or(0.0, |varied| varied(values).rate)
         }
-        Access::Setting { .. } | Access::Derived(_) => 0.0,
+        _ => 0.0,
     }
 }
 
@@ -174,7 +227,7 @@ fn difference(variable: &Variable, samples: &[(f64, Sample)]) -> f64 {
             * match variable.access {
                 Access::Output(reading) | Access::Start { now: reading, .. } => (reading.value)(values),
                 Access::Derived(get) => get(derived),
-                Access::Setting { .. } => 0.0,
+                _ => 0.0,
             }
     });
     values.sum()

@@ -1,40 +1,13 @@
-//! Integration by a host's own solver: events and continuous states.
+//! Integration by a host's own solver: time and continuous states.
 
+use super::events::Present;
 use super::initial::forces;
-use super::step::describe;
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::continuous::{Continuous, check_states};
-use crate::component::log::{Category, Log};
-use crate::component::structure::EVENT_INDICATORS;
-use vibro_impact::simulator::{self, Event};
+use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
+use vibro_impact::simulator;
 
 impl Instance {
-    /// Accepts the present point, where an event is to be handled.
-    ///
-    /// # Errors
-    /// [`Problem::Sequence`] before initialization.
-    pub fn enter_event(&mut self) -> Outcome {
-        self.continuous_mut()?.accept();
-        self.phase = Phase::Event;
-        Ok(())
-    }
-
-    /// The impact law, rest or release where the present point calls for it; returns whether states have changed. One call
-    /// does all that happens at an instant; there are no time events.
-    ///
-    /// # Errors
-    /// [`Problem::Sequence`] before initialization.
-    pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<bool> {
-        let wanted = log.wants(Category::Events);
-        let changed = self.continuous_mut()?.handle_event(&mut |event: &Event| {
-            if wanted {
-                log.log(Category::Events, &describe(event));
-            }
-        });
-        self.values_stale = true;
-        Ok(changed)
-    }
-
     /// The host's solver goes on from here.
     pub fn enter_continuous(&mut self) {
         self.phase = Phase::Continuous;
@@ -49,7 +22,7 @@ impl Instance {
         let continuous = self.continuous_mut()?;
         continuous.accept();
         let missed = continuous.missed_event();
-        self.values_stale = true;
+        self.invalidate();
         Ok(missed)
     }
 
@@ -66,18 +39,18 @@ impl Instance {
             return refuse("the present time in Event Mode");
         }
         self.continuous_mut()?.set_time(time)?;
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
     }
 
-    /// Sets the continuous states, in the order of [`STATES`](crate::component::structure::STATES).
+    /// Sets the continuous states, in the order of [`STATES`].
     ///
     /// # Errors
     /// [`Problem::Value`] for one that is not finite; nothing has changed then.
     pub fn set_continuous_states(&mut self, states: &[f64; 6]) -> Outcome {
         let state = check_states(states)?;
         self.continuous_mut()?.set_state(state);
-        self.values_stale = true;
+        self.invalidate();
         Ok(())
     }
 
@@ -86,7 +59,7 @@ impl Instance {
     /// # Errors
     /// In initialization when the start is not possible.
     pub fn continuous_states(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(|continuous| {
+        self.with_continuous(STATES, |continuous| {
             let simulator::State { x, v } = continuous.state();
             [x[0], x[1], x[2], v[0], v[1], v[2]]
         })
@@ -95,17 +68,17 @@ impl Instance {
     /// Their time derivatives.
     ///
     /// # Errors
-    /// In initialization when the start is not possible.
+    /// In initialization when the start is not possible; [`Problem::Overflow`].
     pub fn state_derivatives(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(Continuous::derivatives)
+        self.with_continuous(DERIVATIVES, Continuous::derivatives)
     }
 
     /// Distances to both stops in flight, pressing acceleration in rest: an event is where one becomes negative.
     ///
     /// # Errors
-    /// In initialization when the start is not possible.
+    /// In initialization when the start is not possible; [`Problem::Overflow`].
     pub fn event_indicators(&self) -> Outcome<[f64; EVENT_INDICATORS]> {
-        self.with_continuous(Continuous::indicators)
+        self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
     }
 
     /// Nominal values of the continuous states, all 1, as `rows::state` declares them.
@@ -120,14 +93,22 @@ impl Instance {
         }
     }
 
-    /// Evaluates the model; in initialization at the start.
-    fn with_continuous<T>(&self, evaluate: impl FnOnce(&Continuous) -> T) -> Outcome<T> {
-        match &self.engine {
-            Engine::Continuous(continuous) => Ok(evaluate(continuous)),
+    /// Evaluates numbers of the model; in initialization at the start. None of them is ever not finite.
+    fn with_continuous<const N: usize>(
+        &self,
+        names: [&'static str; N],
+        evaluate: impl FnOnce(&Continuous) -> [f64; N],
+    ) -> Outcome<[f64; N]> {
+        let values = match self.present()? {
+            Present::Continuous(continuous) => evaluate(&continuous),
             _ => {
                 let (simulator, _) = self.initial_simulator(&self.settings)?;
-                Ok(evaluate(&Continuous::start(&simulator, forces(&self.settings))?))
+                evaluate(&Continuous::start(&simulator, forces(&self.settings))?)
             }
+        };
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(values),
+            Some(i) => Err(Problem::Overflow { name: names[i], value: values[i], time: self.time() }),
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::component::log::{Category, Log};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Loads, Pause, Simulator};
+use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Loads, Pause, Simulator, Snapshot};
 
 /// How far a master's time may be off ours, relative to max(1, |t|): masters add step sizes up and drift by about 1e-14 a
 /// step, which stays below this for 1e5 steps; anything larger is a mistake.
@@ -31,22 +31,14 @@ pub enum StepReason {
 
 impl Instance {
     /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off by rounding. Where the
-    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`].
+    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`], and the next step may begin there.
     ///
     /// # Errors
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
     pub fn step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome<StepOutcome> {
-        if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
-            return Err(Problem::Sequence { what: "the instance is not initialized" });
-        }
-        check_step(point, size, self.time())?;
+        self.check_step(point, size)?;
         let end = point + size;
-        if let Some(stop) = self.experiment.and_then(|experiment| experiment.stop)
-            && end > stop + TIME_TOLERANCE * stop.abs().max(1.0)
-        {
-            return Err(Problem::StopTime { end, stop });
-        }
-        let wanted = log.wants(Category::Events);
+        let (wanted, mut left_out) = (log.wants(Category::Events), 0.0);
         let mut report = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut report) } else { None };
         let reason = match &mut self.engine {
@@ -59,18 +51,44 @@ impl Instance {
                 if self.parameters_set {
                     form.set_parameters(&self.settings.parameters)?;
                 }
-                form.advance(point, size, self.settings.stop_at_impact, report)?
+                let (reason, unreported) = form.advance(point, size, self.settings.stop_at_impact, report)?;
+                left_out = unreported;
+                reason
             }
             Engine::None | Engine::Continuous(_) => AdvanceOutcome::End,
         };
+        if left_out > 0.0 {
+            let message = format!("{left_out} more impacts up to t = {end} s are not listed one by one");
+            log.log(Category::Events, &message);
+        }
         Ok(self.finish_step(reason, end))
+    }
+
+    /// Whether a step can be made at all.
+    pub(super) fn check_step(&self, point: f64, size: f64) -> Outcome {
+        if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
+            return Err(Problem::Sequence { what: "the instance is not initialized" });
+        }
+        check_times(point, size, self.time()).map_err(|problem| match problem {
+            Problem::Time { given, own } if self.phase == Phase::StoppedEarly => {
+                Problem::Stopped { given, own }
+            }
+            problem => problem,
+        })?;
+        let end = point + size;
+        match self.experiment.and_then(|experiment| experiment.stop) {
+            Some(stop) if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) => {
+                Err(Problem::StopTime { end, stop })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// What a step leaves behind: nothing pending, and the loads as they have become.
     fn finish_step(&mut self, reason: AdvanceOutcome, end: f64) -> StepOutcome {
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
-        self.values_stale = true;
+        self.invalidate();
         if let Engine::Simulation(simulator) = &self.engine {
             let slopes = self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]);
             if slopes.into_iter().any(|slope| *slope != 0.0) {
@@ -79,9 +97,7 @@ impl Instance {
         }
         let time = self.time();
         let early = reason == AdvanceOutcome::Impact && time < end;
-        if early {
-            self.phase = Phase::StoppedEarly;
-        }
+        self.phase = if early { Phase::StoppedEarly } else { Phase::Step };
         StepOutcome { time, reason: if early { StepReason::Impact } else { StepReason::EndReached } }
     }
 }
@@ -119,20 +135,23 @@ fn simulate(
             reason => reason,
         }
     };
-    advance().map_err(|error| {
-        // Cannot fail: it is this simulator's own.
-        let _ = simulator.restore(&before);
-        match error {
-            Error::WorkLimit { time, events, restitution, path, .. } => {
-                Problem::WorkLimit { own: simulator.time(), time, events, restitution, path }
-            }
-            error => error.into(),
+    advance().map_err(|error| take_back(simulator, &before, error))
+}
+
+/// Takes back a step that failed, and says why it did.
+pub(super) fn take_back(simulator: &mut Simulator, before: &Snapshot, error: Error) -> Problem {
+    // Cannot fail: it is this simulator's own.
+    let _ = simulator.restore(before);
+    match error {
+        Error::WorkLimit { time, events, restitution, path, .. } => {
+            Problem::WorkLimit { own: simulator.time(), time, events, restitution, path }
         }
-    })
+        error => error.into(),
+    }
 }
 
 /// How far off a step's end an impact still is at its end, s: a master's sum of time and step size may be off by this.
-fn rounding(end: f64) -> f64 {
+pub(super) fn rounding(end: f64) -> f64 {
     const UNITS: f64 = 4.0; // of the last place
     UNITS * f64::EPSILON * end.abs()
 }
@@ -147,7 +166,7 @@ fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>)
     }
 }
 
-fn check_step(point: f64, size: f64, own: f64) -> Outcome {
+fn check_times(point: f64, size: f64, own: f64) -> Outcome {
     let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
     if !point.is_finite() {
         return refuse("currentCommunicationPoint", point, "a finite number");

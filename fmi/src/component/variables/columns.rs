@@ -1,8 +1,11 @@
 //! A row of the table and its columns: what can be said of a variable.
 
+use super::bases::{Base, Edition};
+use super::sections::Section;
+use crate::component::jets::Jet;
 use crate::component::settings::{Derived, Settings};
 use crate::component::units::{EnumerationType, RealType};
-use crate::component::values::{OutputValues, Varied};
+use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick, Varied};
 use vibro_impact::parameters::Range;
 
 /// Who sets a variable, and what it is for.
@@ -16,6 +19,8 @@ pub enum Causality {
     Input,
     /// Read by the environment.
     Output,
+    /// Read by the environment, but not meant to be connected.
+    Local,
     /// Time.
     Independent,
 }
@@ -67,60 +72,8 @@ pub enum Kind {
     Boolean,
     /// An Enumeration.
     Enumeration(EnumerationType),
-}
-
-/// Type of a variable's values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Base {
-    /// A floating-point number.
-    Real,
-    /// A whole number.
-    Integer,
-    /// True or false.
-    Boolean,
-    /// One of named items.
-    Enumeration,
-}
-
-impl Base {
-    /// Its name in messages.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Real => "Real",
-            Self::Integer => "Integer",
-            Self::Boolean => "Boolean",
-            Self::Enumeration => "Enumeration",
-        }
-    }
-}
-
-/// The types that one kind of getter and setter serves; which these are is the matter of an interface standard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bases {
-    /// Their name in messages.
-    pub name: &'static str,
-    bits: u8,
-}
-
-impl Bases {
-    /// The Reals.
-    pub const REAL: Self = Self::new("Real", &[Base::Real]);
-
-    /// These types under one name.
-    pub const fn new(name: &'static str, bases: &[Base]) -> Self {
-        let (mut bits, mut i) = (0, 0);
-        while i < bases.len() {
-            bits |= 1 << bases[i] as u8;
-            i += 1;
-        }
-        Self { name, bits }
-    }
-
-    /// Whether a type is one of them.
-    #[inline]
-    pub const fn contains(self, base: Base) -> bool {
-        self.bits & (1 << base as u8) != 0
-    }
+    /// A Clock that ticks at events of the component.
+    Clock,
 }
 
 /// How an output is read.
@@ -130,6 +83,8 @@ pub struct Reading {
     pub value: fn(&OutputValues) -> f64,
     /// The same expression on numbers that vary; none for what changes at events only.
     pub varied: Option<fn(&OutputValues<Varied>) -> Varied>,
+    /// The same expression on numbers with their time derivatives; none for what changes at events only.
+    pub jet: Option<fn(&OutputValues<Jet>) -> Jet>,
 }
 
 /// Where a variable's value lives. All values travel as `f64`: Integers and enumerations are exact in it, Booleans
@@ -154,8 +109,16 @@ pub enum Access {
     },
     /// An output of the motion.
     Output(Reading),
+    /// An array of the motion, element by element in row-major order.
+    Elements(fn(&OutputValues, usize) -> f64),
     /// Follows from the parameters.
     Derived(fn(&Derived) -> f64),
+    /// The event that is to come.
+    Prediction(fn(&Prediction) -> f64),
+    /// An array of derivatives over the last step, element by element in row-major order.
+    Step(fn(&StepMatrices, usize) -> f64),
+    /// What the clock of impacts shows.
+    Tick(fn(&Tick) -> f64),
 }
 
 /// How an unknown depends on a known.
@@ -176,87 +139,26 @@ pub enum DependencyKind {
 /// Knowns by name, and how an unknown depends on each.
 pub type Knowns = &'static [(&'static str, DependencyKind)];
 
-/// What a variable depends on: an output on inputs, continuous states and time; a calculated parameter on parameters.
+/// What a variable depends on: an output at any one moment on inputs, continuous states and time; a calculated parameter on
+/// parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dependencies {
-    /// It is no unknown: it is set, or it is time.
+    /// It is no unknown of the model's structure: it is set, it is time, or it tells of the last step or of what is to come.
     NotUnknown,
     /// On these and no others.
     On(Knowns),
-    /// On everything, or nobody knows.
-    All,
 }
 
-/// An output as a combination of displacements or their derivatives: its own time derivatives are then known exactly.
+/// What an unknown depends on in initialization, where inputs, start values, parameters and time are the knowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
-    /// Derivative `order` of a body's displacement.
-    Body {
-        /// 0 is the box, 1 the block, 2 the secondary oscillator.
-        body: usize,
-        /// Order of the derivative.
-        order: usize,
-    },
-    /// Derivative `order` of w = x2 - x1.
-    Gap {
-        /// Order of the derivative.
-        order: usize,
-    },
-    /// k23 (x2 - x3).
-    Coupling,
-}
-
-/// Section of the documentation's table under which a variable stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Section {
-    /// Time.
-    Time,
-    /// Physical parameters.
-    Parameters,
-    /// How the motion is obtained.
-    Solution,
-    /// Loads.
-    Loads,
-    /// The bodies' motion.
-    Motion,
-    /// Stops and coupling.
-    Contact,
-    /// Energy accounts.
-    Energy,
-    /// Dimensionless groups.
-    Groups,
-    /// Steady state.
-    Steady,
-}
-
-/// All sections, in the order of the documentation.
-pub const SECTIONS: &[Section] = &[
-    Section::Time,
-    Section::Parameters,
-    Section::Solution,
-    Section::Loads,
-    Section::Motion,
-    Section::Contact,
-    Section::Energy,
-    Section::Groups,
-    Section::Steady,
-];
-
-impl Section {
-    /// Heading in the documentation.
-    pub const fn heading(self) -> &'static str {
-        match self {
-            Self::Time => "Time",
-            Self::Parameters => "Physical parameters",
-            Self::Solution => "How the motion is obtained",
-            Self::Loads => "Loads",
-            Self::Motion => "Motion",
-            Self::Contact => "Contact",
-            Self::Energy => "Energy",
-            Self::Groups => "Dimensionless groups",
-            Self::Steady => "Steady state",
-        }
-    }
+pub enum Initially {
+    /// On what it depends on at any other time.
+    AsLater,
+    /// Beside that on all that a closed form follows, [`START`](super::START), since the start may be taken from one, and on
+    /// these.
+    OnStartAnd(&'static [&'static str]),
+    /// On these alone.
+    On(&'static [&'static str]),
 }
 
 /// One variable: every column of its row. Who needs to know something of a variable reads a column; nothing is told from
@@ -269,6 +171,12 @@ pub struct Variable {
     pub description: &'static str,
     /// Section of the documentation.
     pub section: Section,
+    /// The descriptions that have it.
+    pub edition: Edition,
+    /// Lengths of an array, the slowest index first; none of a scalar.
+    pub dimensions: &'static [usize],
+    /// Symbol of the theory for it, if any.
+    pub symbol: Option<&'static str>,
     /// Causality.
     pub causality: Causality,
     /// Variability.
@@ -281,8 +189,10 @@ pub struct Variable {
     pub access: Access,
     /// What it depends on.
     pub dependencies: Dependencies,
-    /// The time derivatives it has beside its value, if any.
-    pub path: Option<Path>,
+    /// Names of further knowns, in descriptions that count parameters, and what decides on contact at an event, among them.
+    pub further: &'static [&'static str],
+    /// What it depends on in initialization.
+    pub initially: Initially,
     /// Of an input, the body it acts on: 0 the box, 1 the block, 2 the secondary oscillator.
     pub body: Option<usize>,
 }
@@ -295,14 +205,30 @@ impl Variable {
             Kind::Integer { .. } => Base::Integer,
             Kind::Boolean => Base::Boolean,
             Kind::Enumeration(_) => Base::Enumeration,
+            Kind::Clock => Base::Clock,
         }
+    }
+
+    /// Number of its values: 1, or the product of the dimensions.
+    pub const fn size(&self) -> usize {
+        let (mut size, mut i) = (1, 0);
+        while i < self.dimensions.len() {
+            size *= self.dimensions[i];
+            i += 1;
+        }
+        size
     }
 
     /// Start value, for every variable that has one: parameters, inputs and those whose initial value is exact.
     pub fn start(&self) -> Option<f64> {
+        self.start_in(&Settings::default())
+    }
+
+    /// The same where a description starts from other settings.
+    pub fn start_in(&self, settings: &Settings) -> Option<f64> {
         match self.access {
-            Access::Setting { get, .. } | Access::Start { get, .. } => Some(get(&Settings::default())),
-            Access::Output(_) | Access::Derived(_) => None,
+            Access::Setting { get, .. } | Access::Start { get, .. } => Some(get(settings)),
+            _ => None,
         }
     }
 
@@ -319,6 +245,7 @@ impl Variable {
             Kind::Integer { .. } => "a whole number",
             Kind::Boolean => "0 (false) or 1 (true)",
             Kind::Enumeration(declared) => declared.allowed,
+            Kind::Clock => "false (inactive) or true (active)",
         }
     }
 
@@ -341,7 +268,7 @@ impl Variable {
 
     /// Unit of a Real.
     pub fn unit(&self) -> Option<&'static str> {
-        self.real_type().map(|declared| declared.unit)
+        self.real_type().and_then(|declared| declared.unit)
     }
 
     /// Whether `value` may be set: finite, inside the range, an item of the enumeration.
@@ -349,7 +276,7 @@ impl Variable {
         match self.kind {
             Kind::Real { range, .. } => range.contains(value),
             Kind::Integer { min } => value >= f64::from(min),
-            Kind::Boolean => value == 0.0 || value == 1.0,
+            Kind::Boolean | Kind::Clock => value == 0.0 || value == 1.0,
             Kind::Enumeration(declared) => declared.items.iter().any(|item| f64::from(item.value) == value),
         }
     }

@@ -1,9 +1,10 @@
 //! The table of variables as getters and setters need it: packed, made at compile time.
 
-use super::columns::{Access, Base, Bases, Causality, Initial, Kind, Variability, Variable};
+use super::bases::{Bases, Class};
+use super::columns::{Access, Causality, Initial, Kind, Variability, Variable};
 use super::table::{COUNT, VARIABLES};
 use crate::component::settings::{Derived, Settings};
-use crate::component::values::OutputValues;
+use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick};
 
 /// How to read a variable.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,14 @@ pub(crate) enum Get {
     Output(fn(&OutputValues) -> f64),
     /// From what follows from the parameters.
     Derived(fn(&Derived) -> f64),
+    /// From the event that is to come.
+    Prediction(fn(&Prediction) -> f64),
+    /// What the clock of impacts shows.
+    Tick(fn(&Tick) -> f64),
+    /// From the motion, so many elements.
+    Elements(usize, fn(&OutputValues, usize) -> f64),
+    /// From the derivatives over the last step, so many elements.
+    Step(usize, fn(&StepMatrices, usize) -> f64),
 }
 
 /// How to write a variable.
@@ -32,8 +41,8 @@ pub(crate) enum Set {
 /// What a getter needs of a variable, packed: ten of them fit into a few cache lines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reader {
-    /// Base type.
-    pub(crate) base: Base,
+    /// Base type and edition.
+    pub(crate) class: Class,
     /// What must be up to date to read it: one of the bits below, or none.
     pub(crate) needs: u8,
     /// How to read it.
@@ -47,6 +56,10 @@ impl Reader {
     pub(crate) const START: u8 = 2;
     /// Needs what follows from the parameters.
     pub(crate) const DERIVED: u8 = 4;
+    /// Needs the event that is to come.
+    pub(crate) const PREDICTION: u8 = 8;
+    /// Needs the derivatives over the last step.
+    pub(crate) const STEP: u8 = 16;
 
     const fn of(variable: &Variable) -> Self {
         let (needs, get) = match variable.access {
@@ -54,8 +67,12 @@ impl Reader {
             Access::Start { get, now, .. } => (Self::START, Get::Start(get, now.value)),
             Access::Derived(get) => (Self::DERIVED, Get::Derived(get)),
             Access::Setting { get, .. } => (0, Get::Setting(get)),
+            Access::Prediction(get) => (Self::PREDICTION, Get::Prediction(get)),
+            Access::Tick(get) => (Self::MOTION, Get::Tick(get)),
+            Access::Elements(get) => (Self::MOTION, Get::Elements(variable.size(), get)),
+            Access::Step(get) => (Self::STEP, Get::Step(variable.size(), get)),
         };
-        Self { base: variable.base(), needs, get }
+        Self { class: Class::new(variable.base(), variable.edition), needs, get }
     }
 }
 
@@ -73,8 +90,8 @@ pub(crate) static READERS: [Reader; COUNT] = {
 /// What a setter needs of a variable, packed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Writer {
-    /// Base type.
-    base: Base,
+    /// Base type and edition.
+    class: Class,
     /// When it may be set: the bits below.
     when: u8,
     /// Whether it is an input.
@@ -92,6 +109,8 @@ impl Writer {
     pub(crate) const CONTINUOUS: u8 = 2;
     /// At communication points and events.
     pub(crate) const EVENT: u8 = 4;
+    /// At events of a host's solver, in protocols that let it set the states there that events do not change.
+    pub(crate) const UNCHANGED_STATES: u8 = 8;
 
     /// What may be set when. Inputs are also taken before initialization, where the standards have their start values stand:
     /// several hosts set them there.
@@ -109,6 +128,9 @@ impl Writer {
         if input || tunable {
             when |= Self::EVENT;
         }
+        if let (Access::Start { .. }, Kind::Real { reinit: false, .. }) = (variable.access, variable.kind) {
+            when |= Self::UNCHANGED_STATES;
+        }
         let range = match variable.kind {
             Kind::Real { range, .. } => (
                 if range.open_min { range.min.next_up() } else { range.min.max(f64::MIN) },
@@ -119,9 +141,9 @@ impl Writer {
         let set = match variable.access {
             Access::Setting { set, .. } => Set::Setting(set),
             Access::Start { set, .. } => Set::Start(set),
-            Access::Output(_) | Access::Derived(_) => Set::Never,
+            _ => Set::Never,
         };
-        Self { base: variable.base(), when, input, range, set }
+        Self { class: Class::new(variable.base(), variable.edition), when, input, range, set }
     }
 
     /// Whether it may be set now, by the bit.
@@ -132,7 +154,7 @@ impl Writer {
     /// Whether a value may be set now without a closer look.
     #[inline]
     pub(crate) fn takes(&self, bases: Bases, when: u8, value: f64) -> bool {
-        bases.contains(self.base) && self.settable(when) && self.range.0 <= value && value <= self.range.1
+        bases.contains(self.class) && self.settable(when) && self.range.0 <= value && value <= self.range.1
     }
 }
 

@@ -1,10 +1,12 @@
 //! Constructors of the table's rows. Each asks for every column that its kind of variable must have, so that a row that
 //! leaves one out does not compile.
 
+use super::bases::Edition;
 use super::columns::DependencyKind::Dependent;
 use super::columns::{
-    Access, Causality, Dependencies, Initial, Kind, Knowns, Path, Reading, Section, Variability, Variable,
+    Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Reading, Variability, Variable,
 };
+use super::sections::Section;
 use crate::component::settings::{Derived, Settings};
 use crate::component::units::{self, RealType};
 use crate::component::values::OutputValues;
@@ -18,17 +20,24 @@ macro_rules! reading {
             varied: Some(
                 |$m: &$crate::component::values::OutputValues<$crate::component::values::Varied>| $value,
             ),
+            jet: Some(|$m: &$crate::component::values::OutputValues<$crate::component::jets::Jet>| $value),
         }
     };
 }
 pub(super) use reading;
+
+/// Parameters, by name, that a group is made of.
+macro_rules! of {
+    ($($name:literal),*) => { &[$(($name, $crate::component::variables::columns::DependencyKind::Dependent)),*] };
+}
+pub(super) use of;
 
 /// A Real of any finite value.
 pub(super) const fn real(declared: RealType) -> Kind {
     Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: None, reinit: false }
 }
 
-const fn derivative_of(declared: RealType, of: &'static str) -> Kind {
+pub(super) const fn derivative_of(declared: RealType, of: &'static str) -> Kind {
     Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: Some(of), reinit: false }
 }
 
@@ -42,19 +51,27 @@ pub(super) const TIME: Variable = Variable {
     name: "time",
     description: "Time",
     section: Section::Time,
+    edition: Edition::Every,
+    dimensions: &[],
+    symbol: Some("t"),
     causality: Causality::Independent,
     variability: Variability::Continuous,
     initial: None,
     kind: real(units::TIME),
     access: Access::Output(reading!(|m| m.time)),
     dependencies: Dependencies::NotUnknown,
-    path: None,
+    further: &[],
+    initially: Initially::AsLater,
     body: None,
 };
 
 fn get_field<const I: usize>(settings: &Settings) -> f64 {
     (FIELDS[I].get)(&settings.parameters)
 }
+
+/// Symbols of the physical parameters in docs/theory.md, in the order of [`FIELDS`].
+const SYMBOLS: [&str; 13] =
+    ["m1", "k1", "c1", "m2", "m3", "k3", "c3", "k23", "L", "kappa", "F10", "omega1", "phi"];
 
 /// A physical parameter; name, meaning and range are those of [`FIELDS`].
 pub(super) const fn parameter<const I: usize>(variability: Variability, declared: RealType) -> Variable {
@@ -64,7 +81,7 @@ pub(super) const fn parameter<const I: usize>(variability: Variability, declared
     let option = option(field.name, field.description, kind, get, |s, value| {
         (FIELDS[I].set)(&mut s.parameters, value);
     });
-    Variable { section: Section::Parameters, variability, ..option }
+    Variable { section: Section::Parameters, variability, symbol: Some(SYMBOLS[I]), ..option }
 }
 
 /// A choice that is fixed after initialization.
@@ -79,13 +96,17 @@ pub(super) const fn option(
         name,
         description,
         section: Section::Solution,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: None,
         causality: Causality::Parameter,
         variability: Variability::Fixed,
         initial: Some(Initial::Exact),
         kind,
         access: Access::Setting { get, set },
         dependencies: Dependencies::NotUnknown,
-        path: None,
+        further: &[],
+        initially: Initially::AsLater,
         body: None,
     }
 }
@@ -96,6 +117,9 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
         name,
         description,
         section: Section::Loads,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: Some(["f1", "f2", "f3"][BODY]),
         causality: Causality::Input,
         variability: Variability::Continuous,
         initial: None,
@@ -106,7 +130,8 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
             set: |s, value| s.loads.derivatives[BODY] = [value, 0.0, 0.0, 0.0],
         },
         dependencies: Dependencies::NotUnknown,
-        path: None,
+        further: &[],
+        initially: Initially::AsLater,
         body: Some(BODY),
     }
 }
@@ -122,8 +147,8 @@ pub(super) const fn position<const BODY: usize>(
     let now = reading!(|m| m.x[BODY]);
     let access = Access::Start { get: |s| s.start.x[BODY], set: |s, value| s.start.x[BODY] = value, now };
     let kind = state(units::POSITION, None, reinit);
-    let output = moving::<BODY>(name, description, kind, now, itself, 0);
-    Variable { initial: Some(Initial::Exact), access, ..output }
+    let output = moving(name, description, kind, now, itself);
+    Variable { initial: Some(Initial::Exact), access, symbol: Some(["x1", "x2", "x3"][BODY]), ..output }
 }
 
 /// Velocity of a body.
@@ -137,7 +162,7 @@ pub(super) const fn velocity<const BODY: usize>(
     let now = reading!(|m| m.v[BODY]);
     let access = Access::Start { get: |s| s.start.v[BODY], set: |s, value| s.start.v[BODY] = value, now };
     let kind = state(units::VELOCITY, Some(of), reinit);
-    let output = moving::<BODY>(name, description, kind, now, itself, 1);
+    let output = moving(name, description, kind, now, itself);
     Variable { initial: Some(Initial::Exact), access, ..output }
 }
 
@@ -149,24 +174,22 @@ pub(super) const fn acceleration<const BODY: usize>(
     knowns: Knowns,
 ) -> Variable {
     let kind = derivative_of(units::ACCELERATION, of);
-    moving::<BODY>(name, description, kind, reading!(|m| m.acceleration[BODY]), knowns, 2)
+    moving(name, description, kind, reading!(|m| m.acceleration[BODY]), knowns)
 }
 
-/// Derivative `order` of a body's displacement.
-const fn moving<const BODY: usize>(
+/// An output of the motion.
+const fn moving(
     name: &'static str,
     description: &'static str,
     kind: Kind,
     reading: Reading,
     knowns: Knowns,
-    order: usize,
 ) -> Variable {
-    let path = Some(Path::Body { body: BODY, order });
-    output(Section::Motion, name, description, kind, reading, knowns, path)
+    output(Section::Motion, name, description, kind, reading, knowns)
 }
 
-/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends on; `path` says what its
-/// time derivatives are, where they are known.
+/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends on; its
+/// derivatives follow from its reading.
 pub(super) const fn output(
     section: Section,
     name: &'static str,
@@ -174,19 +197,22 @@ pub(super) const fn output(
     kind: Kind,
     reading: Reading,
     knowns: Knowns,
-    path: Option<Path>,
 ) -> Variable {
     Variable {
         name,
         description,
         section,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: None,
         causality: Causality::Output,
         variability: Variability::Continuous,
         initial: Some(Initial::Calculated),
         kind,
         access: Access::Output(reading),
         dependencies: Dependencies::On(knowns),
-        path,
+        further: &[],
+        initially: Initially::OnStartAnd(&[]),
         body: None,
     }
 }
@@ -199,9 +225,9 @@ pub(super) const fn event_output(
     kind: Kind,
     value: fn(&OutputValues) -> f64,
 ) -> Variable {
-    let reading = Reading { value, varied: None };
-    let output = output(section, name, description, kind, reading, &[], None);
-    Variable { variability: Variability::Discrete, ..output }
+    let reading = Reading { value, varied: None, jet: None };
+    let output = output(section, name, description, kind, reading, &[]);
+    Variable { variability: Variability::Discrete, initially: Initially::On(&[]), ..output }
 }
 
 /// What follows from the parameters.
@@ -211,25 +237,28 @@ const fn derived(
     description: &'static str,
     kind: Kind,
     get: fn(&Derived) -> f64,
-    dependencies: Dependencies,
+    knowns: Knowns,
 ) -> Variable {
     Variable {
         name,
         description,
         section,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: None,
         causality: Causality::CalculatedParameter,
         variability: Variability::Tunable,
         initial: Some(Initial::Calculated),
         kind,
         access: Access::Derived(get),
-        dependencies,
-        path: None,
+        dependencies: Dependencies::On(knowns),
+        further: &[],
+        initially: Initially::AsLater,
         body: None,
     }
 }
 
-/// A dimensionless group, made of the parameters in `knowns`; NaN when `box.k` = 0, where the dimensionless form is
-/// undefined.
+/// A dimensionless group, made of the parameters in `knowns`.
 pub(super) const fn group(
     name: &'static str,
     description: &'static str,
@@ -237,7 +266,7 @@ pub(super) const fn group(
     knowns: Knowns,
 ) -> Variable {
     let number = real(units::NUMBER);
-    derived(Section::Groups, name, description, number, get, Dependencies::On(knowns))
+    derived(Section::Groups, name, description, number, get, knowns)
 }
 
 /// The same of fixed parameters.
@@ -250,14 +279,14 @@ pub(super) const fn fixed_group(
     Variable { variability: Variability::Fixed, ..group(name, description, get, knowns) }
 }
 
-/// A number of the steady state; it may depend on every parameter.
+/// A number of the steady state, 0 where there is none; it depends on [`DECIDING`] parameters.
 pub(super) const fn steady(
     name: &'static str,
     description: &'static str,
     declared: RealType,
     get: fn(&Derived) -> f64,
 ) -> Variable {
-    derived(Section::Steady, name, description, real(declared), get, Dependencies::All)
+    derived(Section::Steady, name, description, real(declared), get, DECIDING)
 }
 
 /// A test of the steady state.
@@ -266,14 +295,64 @@ pub(super) const fn flag(
     description: &'static str,
     get: fn(&Derived) -> f64,
 ) -> Variable {
-    derived(Section::Steady, name, description, Kind::Boolean, get, Dependencies::All)
+    derived(Section::Steady, name, description, Kind::Boolean, get, DECIDING)
 }
 
-/// Parameters, by name, that a group is made of.
-macro_rules! of {
-    ($($name:literal),*) => { &[$(($name, $crate::component::variables::columns::DependencyKind::Dependent)),*] };
+/// A number of the slow invariant manifold, which at most the restitution coefficient decides.
+pub(super) const fn manifold(
+    name: &'static str,
+    description: &'static str,
+    get: fn(&Derived) -> f64,
+    knowns: Knowns,
+) -> Variable {
+    derived(Section::Steady, name, description, real(units::NUMBER), get, knowns)
 }
-pub(super) use of;
+
+/// A row with further knowns.
+pub(super) const fn by(further: &'static [&'static str], row: Variable) -> Variable {
+    Variable { further, ..row }
+}
+
+/// A row that depends in initialization on what [`Initially`] says.
+pub(super) const fn at_start(initially: Initially, row: Variable) -> Variable {
+    Variable { initially, ..row }
+}
+
+/// The parameters that decide on a steady state: all but the drive's phase, which only says when it passes where.
+const DECIDING: Knowns = of!(
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "secondary.m",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency"
+);
+
+/// What a closed form follows: in its modes, and with `startOnOrbit`, these decide on the start, and not the start values.
+pub const START: &[&str] = &[
+    "time",
+    "box.m",
+    "box.k",
+    "box.c",
+    "block.m",
+    "secondary.m",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "stop.gap",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+    "mode",
+    "startOnOrbit",
+];
 
 /// Everything: accumulated work and energies.
 pub(super) const ALL: Knowns = &[

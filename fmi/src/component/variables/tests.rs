@@ -39,6 +39,9 @@ fn invariant_continuous_outputs_vary() {
             let continuous = v.variability == Variability::Continuous;
             assert_eq!(reading.varied.is_some(), continuous, "{}", v.name);
         }
+        if let Access::Tick(_) = v.access {
+            assert_eq!(v.variability, Variability::Discrete, "{}", v.name);
+        }
         assert!(matches!(v.dependencies, Dependencies::On(_)), "{}", v.name);
     }
 }
@@ -53,4 +56,41 @@ fn invariant_every_section_is_listed_and_used() {
 fn references_are_known_at_compile_time() {
     const TIME: u32 = reference("time");
     assert_eq!(TIME, 0);
+}
+
+/// An array has as many elements as its dimensions say, and only what reads elements has dimensions.
+#[test]
+fn invariant_arrays_have_dimensions_and_scalars_have_none() {
+    for v in &VARIABLES {
+        let array = matches!(v.access, Access::Elements(_) | Access::Step(_));
+        assert_eq!(!v.dimensions.is_empty(), array, "{}", v.name);
+        assert_eq!(v.size(), v.dimensions.iter().product::<usize>(), "{}", v.name);
+    }
+}
+
+/// Some hosts take value references for places in an extended description, so there must be no gap: what the clock needs
+/// stands last. The description with the fewest variables may have gaps: a row that it has may stand behind rows it has not.
+#[test]
+fn invariant_extended_descriptions_have_no_gap() {
+    for edition in [Edition::Extended, Edition::Clocked] {
+        let places: Vec<u32> = of_edition(edition).map(|(place, _)| place).collect();
+        assert!(places.iter().zip(0..).all(|(place, i)| *place == i), "{edition:?}");
+    }
+}
+
+/// A getter reaches the variables of its edition and those before it, of its types.
+#[test]
+fn second_method_of_the_bits_of_classes() {
+    let types = [Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock];
+    for (reached, wanted) in Edition::ALL.into_iter().flat_map(|e| types.map(|t| (e, t))) {
+        let bases = Bases::new("some", &[wanted]).of(reached);
+        for (edition, base) in Edition::ALL.into_iter().flat_map(|e| types.map(|t| (e, t))) {
+            let expected = edition <= reached && base == wanted;
+            assert_eq!(
+                bases.contains(Class::new(base, edition)),
+                expected,
+                "{reached:?} {edition:?} {base:?}"
+            );
+        }
+    }
 }

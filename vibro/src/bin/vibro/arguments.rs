@@ -1,15 +1,15 @@
 //! What can be asked for.
 
-use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
+use crate::orbits::{Loci, OneOrbit, Orbits};
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share};
 use crate::run::Run;
-use crate::sweep::Sweep;
+use crate::sweep_arguments::Sweep;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use vibro::manifest::Invocation;
 use vibro_analysis::basin::InitialValueRange;
 use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::maxima::Displacement;
-use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::Method;
 
 /// The folder of results unless another one is named.
@@ -42,6 +42,9 @@ EXAMPLES
   vibro bifurcation --config machine.toml --vary drive.frequency=9Hz:11Hz:200
   vibro plane --config machine.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
   vibro sweep --config machine.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
+  vibro orbits --tree --vary f10=0.5:5
+  vibro orbit --word UUL --set f10=2.7
+  vibro locus --from vibro-out/special-points.csv:3 --vary f10=0.5:3 --vary kappa=0.5:0.9
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
@@ -120,22 +123,24 @@ pub enum Command {
     /// A row for each design, in SI, as CSV and Parquet. A design is judged by one motion or by many: from several starts, and
     /// over an axis such as the drive's frequency in a band, of which least, mean and largest values are told. What makes no
     /// machine or no motion is a row with its reason.
-    #[command(after_help = crate::sweep::EXAMPLES)]
+    #[command(after_help = crate::sweep_arguments::EXAMPLES)]
     Sweep(Box<Sweep>),
+    /// Branches of periodic orbits over a parameter, stable or not, with folds, period doublings, touches and more
+    ///
+    /// Without --tree one branch: of the settled motion, or of the orbits with a word. `special-points.csv` lists what lies on the
+    /// branches: LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, EP end of the range, CH chatter, MX not
+    /// followed on.
+    Orbits(Box<Orbits>),
+    /// One periodic orbit: impacts, multipliers, history, portrait, start values
+    Orbit(OneOrbit),
+    /// Curves of special points of `vibro orbits` over two parameters
+    Locus(Loci),
     /// Draws a study whose shards were computed apart
     Merge(Merge),
     /// Writes a parameter file with every parameter, its unit, range and default, to standard output
     Template(Template),
     /// All figures of the paper and a report that sets its statements beside what is found
     Reproduce(Reproduce),
-}
-
-/// A share of a long study.
-#[derive(Args, Debug)]
-pub struct Share {
-    /// Computes only share i of n, e.g. 2/4, for `vibro merge`
-    #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
 }
 
 /// Arguments of `bifurcation`.

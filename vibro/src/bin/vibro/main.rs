@@ -5,12 +5,14 @@ mod destination;
 mod interruption;
 mod invocation;
 mod long;
+mod orbits;
 mod output;
 mod progress;
 mod ranges;
 mod run;
 mod short;
 mod sweep;
+mod sweep_arguments;
 
 use arguments::{Arguments, Command, Common};
 use clap::{CommandFactory, FromArgMatches};
@@ -79,6 +81,9 @@ fn run(arguments: &Arguments) -> Result<()> {
             return long::isoperiodic(&set, common, a, &axes);
         }
         Command::Sweep(a) => return sweep::sweep(&set, common, a),
+        Command::Orbits(a) => vec![orbits::orbits(&set, a)?],
+        Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
+        Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
         Command::Template(_) => return Ok(()),
         Command::Reproduce(a) => {

@@ -1,11 +1,21 @@
-//! Ranges, lists and pairs of parameters as arguments: `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
+//! Ranges, lists and pairs of parameters, and shares of a study, as arguments: `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
 
+use clap::Args;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 use vibro::{Error, Result};
+use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{Name, ParameterSet, Unit, numbers, typed_unit};
+
+/// A share of a long study.
+#[derive(Args, Debug)]
+pub struct Share {
+    /// Computes only share i of n, e.g. 2/4, for `vibro merge`
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+}
 
 /// A parameter of either form and a range of it, as `name=from:to` or `name=from:to:count`.
 #[derive(Clone, Copy, Debug)]

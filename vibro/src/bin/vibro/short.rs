@@ -3,7 +3,7 @@
 use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
-use crate::sweep::AxisArgument;
+use crate::sweep_arguments::AxisArgument;
 use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
@@ -77,6 +77,9 @@ pub fn names(command: &Command) -> Vec<String> {
         Command::Steady => vec!["steady".into()],
         Command::Run(_) => vec!["run".into()],
         Command::Plane(_) => vec!["plane".into()],
+        Command::Orbits(_) => vec!["orbits".into()],
+        Command::Orbit(_) => vec!["orbit".into()],
+        Command::Locus(_) => vec!["locus".into()],
         Command::Response(a) => {
             let kinds: &[&str] = match a.kind {
                 ResponseKind::Frequency => &["frequency"],

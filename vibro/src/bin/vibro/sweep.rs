@@ -1,154 +1,16 @@
 //! `vibro sweep`: from its arguments to the library's study.
 
-use crate::arguments::{Common, Share};
+use crate::arguments::Common;
 use crate::long::perform_as;
-use crate::ranges::{ParameterRange, ParameterValues};
-use clap::Args;
-use std::fmt;
-use std::path::PathBuf;
-use std::str::FromStr;
+use crate::sweep_arguments::{AxisArgument, Sweep};
 use vibro::design_file;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
-use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledAxis, spread_starts};
+use vibro_analysis::ParameterSet;
+use vibro_analysis::design_sweep::{Designs, Request, spread_starts};
 use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::measures::Measure;
 use vibro_analysis::sobol::DIMENSIONS;
-use vibro_analysis::{Name, ParameterSet, Unit};
-
-/// What is measured unless told otherwise.
-const DEFAULT: &str =
-    "amplitude.x1,amplitude.without_block,amplitude.w,impacts,impact.speed,power.impact,class";
-
-pub const EXAMPLES: &str = "\
-EXAMPLES
-  vibro sweep --list
-  vibro sweep --config machine.toml --vary stop.gap=2mm:24mm:100 --output amplitude.x1,impacts
-  1188 designs, each by its largest amplitude over a band of drive frequencies and two starts:
-    vibro sweep --config machine.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 \\
-      --vary stop.restitution=0.5:0.9:9 --over drive.frequency=9Hz:11Hz:21 --start v2=1 --start x1=1,v2=-1 \\
-      --output amplitude.x1,impact.impulse
-  vibro sweep --vary m2=0.8kg,1.2kg,1.6kg --vary L=5mm:10mm:6 --config machine.toml
-  vibro sweep --vary block.m=0.4kg:1.6kg --vary stop.gap=2mm:24mm --sobol 256 --config machine.toml
-  vibro sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)
-
-THE TABLE (sweep.csv, sweep.parquet) is in SI, a row for each design: the parameters, the outputs, the reason why values are
-missing. Of one motion an output has its name; of several it has NAME.min, NAME.mean, NAME.max, and where the largest is:
-NAME.max.drive.frequency, NAME.max.start.";
-
-/// Arguments of `sweep`.
-#[derive(Args, Debug)]
-pub struct Sweep {
-    /// A parameter and its values: a range, or a list. May be repeated: all combinations, the last parameter fastest
-    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
-    pub vary: Vec<AxisArgument>,
-    /// Values of a range without a count
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
-    pub resolution: u32,
-    /// Takes the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub sobol: Option<u32>,
-    /// Designs from a CSV file: a header with names of parameters, a row for each design
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["vary", "sobol"])]
-    pub design: Option<PathBuf>,
-    /// A parameter over which the motions of a design are taken together, e.g. the drive's frequency in a band. May be repeated
-    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
-    pub over: Vec<AxisArgument>,
-    /// What is measured: names with commas between, from `vibro sweep --list`. May be repeated
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = DEFAULT)]
-    pub output: Vec<Measure>,
-    /// Where motions start (x1 x2 x3 in L, v1 v2 v3 in L omega10, what is not named zero), or "orbit": on the exact orbit
-    /// where it is stable. May be repeated: every design is tried from each; v2=1 unless given
-    #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
-    pub start: Vec<StartRule>,
-    /// So many more starts, spread evenly over displacements up to 2 L and velocities up to 2 L omega10
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=10_000))]
-    pub starts: u32,
-    /// Drive periods discarded before a motion is measured
-    #[arg(long, value_name = "N", default_value_t = 400)]
-    pub discard: u32,
-    /// Drive periods over which it is measured; 60 holds whole periods of 1T to 6T, 10T and 12T motions
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub periods: u32,
-    /// Tells the names of all outputs, with unit and meaning
-    #[arg(long)]
-    pub list: bool,
-    /// For many machines.
-    #[command(flatten)]
-    pub share: Share,
-}
-
-/// A parameter with a range or a list of values.
-#[derive(Clone, Debug)]
-pub enum AxisArgument {
-    Range(ParameterRange),
-    List(ParameterValues),
-}
-
-impl FromStr for AxisArgument {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        if text.contains(':') { Ok(Self::Range(text.parse()?)) } else { Ok(Self::List(text.parse()?)) }
-    }
-}
-
-impl fmt::Display for AxisArgument {
-    /// In words that depend on the values alone, for manifests.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Range(range) => {
-                let (name, (from, to)) = (range.name.name(), range.ends);
-                write!(f, "{name}={from}:{to}")?;
-                range.count.map_or(Ok(()), |count| write!(f, ":{count}"))
-            }
-            Self::List(list) => {
-                let values: Vec<String> = list.values.iter().map(f64::to_string).collect();
-                write!(f, "{}={}", list.name.name(), values.join(","))
-            }
-        }
-    }
-}
-
-impl AxisArgument {
-    /// The parameter, and the unit in which its values were written.
-    pub fn written(&self) -> (Name, Option<&'static Unit>) {
-        match self {
-            Self::Range(range) => (range.name, range.unit),
-            Self::List(list) => (list.name, list.unit),
-        }
-    }
-
-    fn name(&self) -> Name {
-        match self {
-            Self::Range(range) => range.name,
-            Self::List(list) => list.name,
-        }
-    }
-
-    /// Its values.
-    fn sampled(&self, resolution: u32) -> Result<SampledAxis> {
-        let values = match self {
-            Self::Range(range) => {
-                let axis = range.axis(resolution as usize, 2..=1_000_000)?;
-                (0..axis.count).map(|i| axis.value(i)).collect()
-            }
-            Self::List(list) => list.values.clone(),
-        };
-        Ok(SampledAxis { name: self.name(), values })
-    }
-
-    /// Its ends, for a Sobol sequence.
-    fn interval(&self) -> Result<ParameterInterval> {
-        const EXPECTED: &str = "name=from:to without a count: --sobol decides on the number of points";
-        match self {
-            Self::Range(ParameterRange { name, ends, count: None, .. }) => {
-                Ok(ParameterInterval { name: *name, from: ends.0, to: ends.1 })
-            }
-            other => Err(Error::form(other.to_string(), EXPECTED)),
-        }
-    }
-}
 
 /// The designs that were asked for.
 fn designs(a: &Sweep) -> Result<Designs> {

@@ -43,7 +43,7 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
     };
     Some(Figure {
         title: format!("Designs over {}", symbols.join(", ")),
-        caption: vec![method(request), format!("Elsewhere {}", set.caption_but(&varied(request)))],
+        caption: vec![method(set, request), format!("Elsewhere {}", set.caption_but(&varied(request)))],
         columns: columns.min(panels.len()),
         panels: ('a'..).zip(panels).map(lettered).collect(),
         panel,

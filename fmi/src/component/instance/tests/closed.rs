@@ -213,7 +213,7 @@ fn played_impacts_stop_a_step_and_are_logged() {
     let mut times = Vec::new();
     while times.len() < 20 {
         let now = form.time();
-        assert!(matches!(form.advance(now, 100.0, true, None), Ok(AdvanceOutcome::Impact)));
+        assert!(matches!(form.advance(now, 100.0, true, None), Ok((AdvanceOutcome::Impact, _))));
         times.push(form.time());
         assert_eq!(form.values().impacts.last_time, form.time());
     }
@@ -227,4 +227,42 @@ fn played_impacts_stop_a_step_and_are_logged() {
     let mut messages = Messages::default();
     fmu.step(0.0, times[19] + 1e-9, &mut messages).unwrap();
     assert_eq!(messages.0.len(), 20);
+}
+
+/// However near to an impact a closed form starts, nothing has happened then.
+#[test]
+fn a_played_motion_has_no_impacts_at_its_start() {
+    for mode in [2.0, 3.0] {
+        let mut fmu = instance();
+        let exact = exact_orbit::solve(&vibro_impact::Parameters::default()).unwrap().upper.unwrap();
+        let phase = if mode == 3.0 { exact.drive_phase() } else { get(&mut fmu, "steady.phase") };
+        for side in [0.0, std::f64::consts::PI] {
+            for off in -12..12 {
+                let mut fmu = instance();
+                set(&mut fmu, "mode", mode).unwrap();
+                set(&mut fmu, "drive.phase", phase + side + f64::from(off) * 2.0 * f64::EPSILON).unwrap();
+                let mut fmu = initialize(fmu);
+                for name in
+                    ["impacts.upper", "impacts.lower", "impacts.impulse", "energy.impact", "energy.input"]
+                {
+                    assert_eq!(get(&mut fmu, name), 0.0, "{name} in mode {mode} at {off}");
+                }
+                step(&mut fmu, 0.0, std::f64::consts::PI / 1.04).unwrap();
+                assert_eq!(get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower"), 1.0, "at {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_others() {
+    let mut fmu = closed(3.0);
+    let mut messages = Messages::default();
+    fmu.step(0.0, 1e9, &mut messages).unwrap();
+    let impacts = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
+    assert!(impacts > 3e8, "{impacts}");
+    assert_eq!(messages.0.len(), 1001);
+    assert!(messages.0[999].1.starts_with("impact on the"), "{}", messages.0[999].1);
+    let rest = format!("{} more impacts up to t = 1000000000 s are not listed one by one", impacts - 1000.0);
+    assert_eq!(messages.0[1000].1, rest);
 }

@@ -2,17 +2,23 @@
 
 use super::*;
 use crate::component::structure;
-use crate::component::variables::{Base, Bases, COUNT, Causality, VARIABLES, Variability, find, reference};
+use crate::component::variables::{Base, Bases, Causality, Edition, VARIABLES, Variability, find, reference};
 
 mod closed;
+mod dependencies;
 mod derivative;
 mod exchange;
+mod finite;
 mod memory;
+mod prediction;
+mod sensitivity;
 mod step;
 mod values;
 
-/// Every type.
-const ANY: Bases = Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration]);
+/// Every type and edition.
+const ANY: Bases =
+    Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock])
+        .of(Edition::Clocked);
 
 /// Keeps what is logged.
 #[derive(Default)]

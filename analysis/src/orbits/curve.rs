@@ -1,0 +1,150 @@
+//! Curves of solutions of n equations in n + 1 unknowns: corrector and tangent of pseudo-arclength continuation (E. L. Allgower
+//! and K. Georg, Introduction to Numerical Continuation Methods, 2003), and Newton's method with one more condition.
+
+use super::obstacle::Obstacle;
+use super::orbit::STEP_ROUNDING;
+use nalgebra::{DMatrix, DVector};
+
+/// Most Newton steps of a correction.
+const STEPS: usize = 8;
+
+/// Most Newton steps towards a point that a further condition determines, which starts farther away.
+const CONDITION_STEPS: usize = 20;
+
+/// A step of the latter that is longer than this is shortened.
+const LONGEST_STEP: f64 = 0.1;
+
+/// The value of n equations and their derivatives with respect to n + 1 unknowns.
+pub(super) struct Linearization {
+    pub value: DVector<f64>,
+    pub matrix: DMatrix<f64>,
+}
+
+/// n equations in n + 1 unknowns.
+pub(super) trait Equations {
+    /// Value and derivatives; columns that hardly change may be taken from `known`, the derivatives at a neighbouring point.
+    ///
+    /// # Errors
+    /// Where the equations are not defined.
+    fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle>;
+}
+
+/// A point on a curve with its tangent of length one.
+#[derive(Clone, Debug)]
+pub(super) struct CurvePoint {
+    pub u: DVector<f64>,
+    pub tangent: DVector<f64>,
+    /// Newton steps it took.
+    pub steps: usize,
+}
+
+/// A matrix with one more row.
+fn bordered(matrix: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
+    let mut whole = matrix.clone().insert_row(matrix.nrows(), 0.0);
+    whole.set_row(matrix.nrows(), &row.transpose());
+    whole
+}
+
+/// The point of the curve in the plane through `predicted` across `direction`, with the tangent on the side of `direction`.
+pub(super) fn correct(
+    equations: &impl Equations,
+    predicted: &DVector<f64>,
+    direction: &DVector<f64>,
+) -> Result<CurvePoint, Obstacle> {
+    let mut u = predicted.clone();
+    let mut known: Option<DMatrix<f64>> = None;
+    for steps in 1..=STEPS {
+        let Linearization { value, matrix } = equations.linearize(&u, known.as_ref())?;
+        let n = value.len();
+        let mut right = DMatrix::zeros(n + 1, 2);
+        right.view_mut((0, 0), (n, 1)).copy_from(&-value);
+        right[(n, 0)] = direction.dot(&(predicted - &u));
+        right[(n, 1)] = 1.0;
+        let lu = bordered(&matrix, direction).lu();
+        if !lu.solve_mut(&mut right) {
+            return Err(Obstacle::NoConvergence);
+        }
+        known = Some(matrix);
+        let step = right.column(0);
+        u += step;
+        let size = step.norm();
+        if !size.is_finite() {
+            return Err(Obstacle::NoConvergence);
+        }
+        if size < STEP_ROUNDING * (1.0 + u.norm()) {
+            let tangent = right.column(1).normalize();
+            return Ok(CurvePoint { u, tangent, steps });
+        }
+    }
+    Err(Obstacle::NoConvergence)
+}
+
+/// The tangent at a point of the curve, on the side of `towards`: the null vector of the derivatives. Where `towards` is at a right
+/// angle to it, any side.
+pub(super) fn tangent(
+    equations: &impl Equations,
+    u: &DVector<f64>,
+    towards: &DVector<f64>,
+) -> Result<DVector<f64>, Obstacle> {
+    let matrix = equations.linearize(u, None)?.matrix;
+    let square = matrix.clone().insert_row(matrix.nrows(), 0.0);
+    let svd = square.svd(false, true);
+    let null = svd.v_t.and_then(|v| {
+        let least = svd.singular_values.imin();
+        v.row_iter().nth(least).map(|row| row.transpose())
+    });
+    let null = null.filter(|v| v.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)?;
+    Ok(if null.dot(towards) < 0.0 { -null } else { null })
+}
+
+/// The point at which one more condition holds, by Newton's method from a guess. `condition` gives its value and its gradient.
+pub(super) fn meet(
+    equations: &impl Equations,
+    guess: &DVector<f64>,
+    condition: impl Fn(&DVector<f64>) -> Result<(f64, DVector<f64>), Obstacle>,
+) -> Result<DVector<f64>, Obstacle> {
+    let mut u = guess.clone();
+    for _ in 0..CONDITION_STEPS {
+        let Linearization { value, matrix } = equations.linearize(&u, None)?;
+        let (last, gradient) = condition(&u)?;
+        let scale = gradient.norm();
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Obstacle::NoConvergence);
+        }
+        let right = -value.push(last / scale);
+        let step =
+            bordered(&matrix, &(gradient / scale)).lu().solve(&right).ok_or(Obstacle::NoConvergence)?;
+        let size = step.norm();
+        if !size.is_finite() {
+            return Err(Obstacle::NoConvergence);
+        }
+        u += step * (LONGEST_STEP / size).min(1.0);
+        if size < STEP_ROUNDING * (1.0 + u.norm()) {
+            return Ok(u);
+        }
+    }
+    Err(Obstacle::NoConvergence)
+}
+
+/// The unit vector along one unknown.
+pub(super) fn axis(length: usize, index: usize) -> DVector<f64> {
+    DVector::from_fn(length, |i, _| if i == index { 1.0 } else { 0.0 })
+}
+
+/// The gradient of a function of a point by central differences, where the function is defined on both sides.
+pub(super) fn gradient(
+    u: &DVector<f64>,
+    step: f64,
+    function: impl Fn(&DVector<f64>) -> Result<f64, Obstacle>,
+) -> Result<DVector<f64>, Obstacle> {
+    let component = |k: usize| {
+        let at = |by: f64| {
+            let mut moved = u.clone();
+            moved[k] += by;
+            function(&moved)
+        };
+        Ok((at(step)? - at(-step)?) / (2.0 * step))
+    };
+    let components: Result<Vec<f64>, Obstacle> = (0..u.len()).map(component).collect();
+    Ok(DVector::from_vec(components?))
+}

@@ -1,0 +1,272 @@
+//! The linear part of an orbit: for given impact phases the state follows from one system of six equations, and the conditions of
+//! contact are left as residual (docs/theory.md (101) to (105)).
+
+use super::obstacle::Obstacle;
+use super::system::System;
+use super::word::OrbitWord;
+use nalgebra::{Complex, DMatrix, DVector, Matrix6, SMatrix};
+use vibro_impact::steady::exact_orbit::{Transition, Vector6};
+
+/// Least ratio of the diagonal entries of an LU decomposition of σI - M that still counts as regular: beyond it the state keeps
+/// fewer than six digits.
+const REGULAR: f64 = 1e-10;
+
+/// Which quantity at the ends of the flights is differentiated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Functional {
+    /// w.
+    Gap = 0,
+    /// w'.
+    Rate = 1,
+}
+
+impl Functional {
+    /// Its value for a state that carries no drive.
+    fn of(self, z: &Vector6) -> f64 {
+        match self {
+            Self::Gap => z[1] - z[0],
+            Self::Rate => z[4] - z[3],
+        }
+    }
+}
+
+/// A word passed once at given impact phases, closed by docs/theory.md (103). Flight i leads from impact i to impact i + 1.
+pub(super) struct Cycle<'a> {
+    pub system: &'a System,
+    pub word: &'a OrbitWord,
+    pub phases: &'a [f64],
+    transitions: Vec<Transition>,
+    /// M of docs/theory.md (102).
+    map: Matrix6<f64>,
+    /// The derivatives of w and of w' at the end of each flight with respect to the state at the start.
+    rows: Vec<[Vector6; 2]>,
+    /// z: the state less the motion without impacts, just after the first impact, and before and after the impact at the end of
+    /// each flight.
+    pub start: Vector6,
+    pub before: Vec<Vector6>,
+    pub after: Vec<Vector6>,
+    /// w - s at the end of each flight.
+    pub residual: Vec<f64>,
+    /// w'⁻ at the end of each flight.
+    pub rates: Vec<f64>,
+}
+
+/// Phases of the impacts at the ends of the flights, each the next one's start.
+fn arrival(word: &OrbitWord, phases: &[f64], flight: usize) -> f64 {
+    phases.get(flight + 1).copied().unwrap_or(phases[0] + word.span())
+}
+
+/// The maps of all flights; `None` unless the phases are in order.
+pub(super) fn transitions(system: &System, word: &OrbitWord, phases: &[f64]) -> Option<Vec<Transition>> {
+    let spans = (0..phases.len()).map(|i| arrival(word, phases, i) - phases[i]);
+    spans.map(|span| (span > 0.0).then(|| system.flight.transition(span))).collect()
+}
+
+impl<'a> Cycle<'a> {
+    /// Closes a word at given phases.
+    pub fn new(system: &'a System, word: &'a OrbitWord, phases: &'a [f64]) -> Result<Self, Obstacle> {
+        let transitions = transitions(system, word, phases).ok_or(Obstacle::Order)?;
+        Self::with_transitions(system, word, phases, transitions)
+    }
+
+    /// The same with the maps of the flights, which do not depend on the drive's amplitude nor on loads.
+    pub fn with_transitions(
+        system: &'a System,
+        word: &'a OrbitWord,
+        phases: &'a [f64],
+        transitions: Vec<Transition>,
+    ) -> Result<Self, Obstacle> {
+        let n = phases.len();
+        let forced = |i: usize| system.forced_gap(arrival(word, phases, i));
+        let (mut map, mut constant) = (Matrix6::identity(), Vector6::zeros());
+        let mut rows = Vec::with_capacity(n);
+        for (i, transition) in transitions.iter().enumerate() {
+            map = mapped(&map, |z| transition.apply(z));
+            rows.push([1, 4].map(|i| (map.row(i) - map.row(i - 1)).transpose()));
+            map = mapped(&map, |z| system.strike(z, 0.0));
+            constant = system.strike(&transition.apply(&constant), forced(i)[1]);
+        }
+        let closed = Matrix6::identity() * f64::from(word.closing()) - map;
+        let start = solve(&closed, &constant).ok_or(Obstacle::Singular)?;
+        let (mut before, mut after) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let (mut residual, mut rates) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let mut z = start;
+        for (i, transition) in transitions.iter().enumerate() {
+            let [gap, rate, _] = forced(i);
+            let arrived = transition.apply(&z);
+            residual.push(Functional::Gap.of(&arrived) + gap - word.side(i + 1));
+            rates.push(Functional::Rate.of(&arrived) + rate);
+            z = system.strike(&arrived, rate);
+            before.push(arrived);
+            after.push(z);
+        }
+        if residual.iter().chain(&rates).any(|x| !x.is_finite()) {
+            return Err(Obstacle::Singular);
+        }
+        Ok(Self { system, word, phases, transitions, map, rows, start, before, after, residual, rates })
+    }
+
+    /// Another cycle of the same phases in a system that may differ.
+    pub fn in_system<'b>(&self, system: &'b System) -> Result<Cycle<'b>, Obstacle>
+    where
+        'a: 'b,
+    {
+        let (own, other) = (&self.system.flight, &system.flight);
+        // All that the maps of the flights depend on.
+        let rates =
+            |f: &vibro_impact::steady::exact_orbit::Flight| [f.k1, f.c1, f.k2, f.k3, f.c3, f.k32, f.rate];
+        if rates(own) == rates(other) {
+            Cycle::with_transitions(system, self.word, self.phases, self.transitions.clone())
+        } else {
+            Cycle::new(system, self.word, self.phases)
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.phases.len()
+    }
+
+    /// The phase of the impact at the end of a flight.
+    pub fn arrival(&self, flight: usize) -> f64 {
+        arrival(self.word, self.phases, flight)
+    }
+
+    /// The flight that ends at impact `index`.
+    pub fn flight_to(&self, index: usize) -> usize {
+        (index + self.len() - 1) % self.len()
+    }
+
+    /// The state after an impact, without the motion without impacts.
+    pub fn departure(&self, flight: usize) -> &Vector6 {
+        if flight == 0 { &self.start } else { &self.after[flight - 1] }
+    }
+
+    /// s w'⁻, the approach speed of impact `index`.
+    pub fn speed(&self, index: usize) -> f64 {
+        let flight = self.flight_to(index);
+        self.word.side(flight + 1) * self.rates[flight]
+    }
+
+    /// w'' just before the impact at the end of a flight.
+    pub fn approach_acceleration(&self, flight: usize) -> f64 {
+        let free = Functional::Rate.of(&self.system.rate(&self.before[flight]));
+        free + self.system.forced_gap(self.arrival(flight))[2]
+    }
+
+    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ (docs/theory.md (104)).
+    fn delay(&self, flight: usize) -> Vector6 {
+        let forced = self.system.forced_gap(self.arrival(flight))[2];
+        let approach = self.system.rate(&self.before[flight]);
+        self.system.strike(&approach, forced) - self.system.rate(&self.after[flight])
+    }
+
+    /// The derivative of a functional at the ends of the flights with respect to the phases, docs/theory.md (105), for variations
+    /// that close with `factor` times the word's sign: 1 for those of the orbit itself, -1 for those that double the period or
+    /// break the symmetry.
+    pub fn derivative(&self, functional: Functional, factor: f64) -> Option<DMatrix<f64>> {
+        let n = self.len();
+        let (direct, ends) = self.delays(functional);
+        let closed = Matrix6::identity() * (factor * f64::from(self.word.closing())) - self.map;
+        let lu = closed.lu();
+        let mut matrix = direct;
+        for k in 0..n {
+            // The first impact is varied at the end alone, where variations have the factor.
+            let factor = if k == 0 { factor } else { 1.0 };
+            let start = lu.solve(&(ends[k] * factor))?;
+            for i in 0..n {
+                matrix[(i, k)] += self.rows[i][functional as usize].dot(&start);
+            }
+        }
+        for i in 0..n {
+            let own = match functional {
+                Functional::Gap => self.rates[i],
+                Functional::Rate => self.approach_acceleration(i),
+            };
+            matrix[(i, (i + 1) % n)] += if i + 1 == n { factor * own } else { own };
+        }
+        Some(matrix)
+    }
+
+    /// [`derivative`](Self::derivative) of the gap for variations that close with a complex factor.
+    pub fn complex_derivative(&self, factor: Complex<f64>) -> Option<DMatrix<Complex<f64>>> {
+        let n = self.len();
+        let complex = |x: f64| Complex::new(x, 0.0);
+        let (direct, ends) = self.delays(Functional::Gap);
+        let closed: SMatrix<Complex<f64>, 6, 6> =
+            SMatrix::identity() * (factor * f64::from(self.word.closing())) - self.map.map(complex);
+        let lu = closed.lu();
+        let mut matrix = direct.map(complex);
+        for k in 0..n {
+            let factor = if k == 0 { factor } else { complex(1.0) };
+            let start = lu.solve(&(ends[k].map(complex) * factor))?;
+            for i in 0..n {
+                let row = self.rows[i][Functional::Gap as usize].iter();
+                matrix[(i, k)] += row.zip(start.iter()).map(|(a, b)| b * *a).sum::<Complex<f64>>();
+            }
+        }
+        for i in 0..n {
+            let own = complex(self.rates[i]);
+            matrix[(i, (i + 1) % n)] += if i + 1 == n { factor * own } else { own };
+        }
+        Some(matrix)
+    }
+
+    /// For each impact what its delay changes directly: a functional at the ends of the later flights, and the state at the end of
+    /// the word.
+    fn delays(&self, functional: Functional) -> (DMatrix<f64>, Vec<Vector6>) {
+        let n = self.len();
+        let mut direct = DMatrix::zeros(n, n);
+        let mut ends = vec![self.delay(n - 1)];
+        for k in 1..n {
+            let mut variation = self.delay(k - 1);
+            for i in k..n {
+                variation = self.transitions[i].apply(&variation);
+                direct[(i, k)] = functional.of(&variation);
+                variation = self.system.strike(&variation, 0.0);
+            }
+            ends.push(variation);
+        }
+        (direct, ends)
+    }
+
+    /// The map of variations from just after the first impact to just after the one that closes the word, with the closing sign:
+    /// docs/theory.md (106). Its eigenvalues are the multipliers. Each impact must have a speed.
+    pub fn monodromy(&self) -> Matrix6<f64> {
+        let mut map = Matrix6::identity();
+        for (i, transition) in self.transitions.iter().enumerate() {
+            let delay = self.delay(i) / self.rates[i];
+            map = mapped(&map, |z| {
+                let arrived = transition.apply(z);
+                // The neighbour meets the stop later by -δw/w'.
+                self.system.strike(&arrived, 0.0) - delay * Functional::Gap.of(&arrived)
+            });
+        }
+        map * f64::from(self.word.closing())
+    }
+
+    /// M, the map of the free part of the state at fixed phases, docs/theory.md (102).
+    #[cfg(test)]
+    pub fn map(&self) -> &Matrix6<f64> {
+        &self.map
+    }
+
+    /// The residual as a vector.
+    pub fn residual_vector(&self) -> DVector<f64> {
+        DVector::from_column_slice(&self.residual)
+    }
+}
+
+/// A matrix whose columns are those of another one after a linear map.
+fn mapped(matrix: &Matrix6<f64>, map: impl Fn(&Vector6) -> Vector6) -> Matrix6<f64> {
+    Matrix6::from_columns(&[0, 1, 2, 3, 4, 5].map(|i| map(&matrix.column(i).into())))
+}
+
+/// The solution of a system of six equations; `None` where it is singular but for rounding.
+fn solve(matrix: &Matrix6<f64>, right: &Vector6) -> Option<Vector6> {
+    let lu = matrix.lu();
+    let diagonal = lu.lu_internal().diagonal();
+    let (least, most) =
+        diagonal.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x.abs()), b.max(x.abs())));
+    // False for NaN too.
+    if least > REGULAR * most { lu.solve(right) } else { None }
+}

@@ -1,0 +1,87 @@
+//! The flights between impacts as Taylor pieces: the proof that no stop is touched in between, and the extrema.
+
+use super::system::System;
+use vibro_impact::numerics::bernstein::{Polynomial, add_sine, evaluate, stays_within};
+use vibro_impact::numerics::roots::brent;
+use vibro_impact::steady::exact_orbit::{Flight, Vector6};
+
+/// Penetration of a stop, units of L, that counts as rounding, as for the exact orbit.
+pub(super) const PENETRATION_ROUNDING: f64 = 1e-12;
+
+/// Parts of a piece at whose ends the slope is looked at. Over a piece the fastest mode turns by 0.75 rad, so that the slope
+/// changes its sign at most once in a part but next to an inflection.
+const PARTS: usize = 8;
+
+/// Accuracy of an extremum's place in a piece, whose value then is exact to round-off.
+const PLACE: f64 = 1e-12;
+
+/// One Taylor piece of a flight: x1, x2, x3 in units of L over `[phase, phase + length]`.
+pub(super) struct TaylorPiece {
+    pub phase: f64,
+    pub length: f64,
+    pub x: [Polynomial; 3],
+}
+
+impl TaylorPiece {
+    /// The polynomial of a sum of displacements.
+    pub fn sum(&self, weights: [f64; 3]) -> Polynomial {
+        std::array::from_fn(|k| (0..3).map(|i| weights[i] * self.x[i][k]).sum())
+    }
+}
+
+/// The pieces of a flight that starts at a phase with the free part z of the state.
+pub(super) fn pieces(
+    system: &System,
+    z: &Vector6,
+    phase: f64,
+    span: f64,
+) -> impl Iterator<Item = TaylorPiece> {
+    let count = system.flight.least_pieces(span);
+    let length = span / f64::from(count);
+    let (amplitude, angle) = system.wave();
+    let rest = system.rest_positions();
+    let mut z = *z;
+    (0..count).map(move |i| {
+        let phase = phase + f64::from(i) * length;
+        let mut x = system.flight.piece(&z, 0.0, length, 0.0);
+        z = Flight::state(&x, 1.0, length);
+        // The box swings against the gap.
+        add_sine(&mut x[0], -amplitude, length, phase + angle);
+        x.iter_mut().zip(rest).for_each(|(x, rest)| x[0] += rest);
+        TaylorPiece { phase, length, x }
+    })
+}
+
+/// Whether it is proved that the block keeps within the stops during a flight, to [`PENETRATION_ROUNDING`].
+pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64) -> bool {
+    let limit = 1.0 + PENETRATION_ROUNDING;
+    pieces(system, z, phase, span).all(|piece| stays_within(&piece.sum([-1.0, 1.0, 0.0]), -limit, limit))
+}
+
+/// Places t in [0, 1] at which a polynomial has a local maximum, with its values.
+fn maxima_of(polynomial: &Polynomial) -> impl Iterator<Item = (f64, f64)> {
+    let slope = |t: f64| evaluate(polynomial, t).1;
+    let t = |i: usize| i as f64 / PARTS as f64;
+    (0..PARTS).filter_map(move |i| {
+        let falls = slope(t(i)) > 0.0 && slope(t(i + 1)) <= 0.0;
+        let place = falls.then(|| brent(slope, t(i), t(i + 1), PLACE)).flatten()?;
+        Some((place, evaluate(polynomial, place).0))
+    })
+}
+
+/// The local maxima of a sum of displacements during a flight: phases and values.
+pub(super) fn maxima(
+    system: &System,
+    z: &Vector6,
+    phase: f64,
+    span: f64,
+    weights: [f64; 3],
+) -> Vec<(f64, f64)> {
+    let in_piece = |piece: TaylorPiece| {
+        let sum = piece.sum(weights);
+        let found: Vec<_> =
+            maxima_of(&sum).map(|(t, value)| (piece.phase + t * piece.length, value)).collect();
+        found
+    };
+    pieces(system, z, phase, span).flat_map(in_piece).collect()
+}

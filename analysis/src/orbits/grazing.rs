@@ -1,0 +1,116 @@
+//! Grazing: an orbit that touches a stop with speed zero belongs to two words, with and without that impact (docs/theory.md,
+//! section 14).
+
+use super::curve::meet;
+use super::cycle::{Cycle, Functional};
+use super::family::{Contacts, Family};
+use super::flights::{self, PENETRATION_ROUNDING};
+use super::obstacle::Obstacle;
+use super::word::OrbitWord;
+use nalgebra::DVector;
+
+/// An orbit that touches a stop, in the word that lists the touch.
+#[derive(Clone, Debug)]
+pub(super) struct Touch {
+    /// The word with the touch.
+    pub longer: OrbitWord,
+    /// Its place in the word.
+    pub index: usize,
+    /// Phases and parameters as a point of a curve of the longer word.
+    pub u: DVector<f64>,
+    /// Other impacts of the word that have no speed there: where a repeated orbit touches a stop in each round.
+    pub also: Vec<usize>,
+    /// Whether the branch that was followed lists it.
+    pub from_longer: bool,
+}
+
+impl Touch {
+    /// The same point without the touch.
+    pub fn without(&self) -> DVector<f64> {
+        self.u.clone().remove_row(self.index)
+    }
+
+    /// The same point as one of the branch that was followed.
+    pub fn on_branch(&self) -> DVector<f64> {
+        if self.from_longer { self.u.clone() } else { self.without() }
+    }
+
+    /// The word without the touch.
+    pub fn shorter(&self) -> OrbitWord {
+        self.longer.removed(self.index)
+    }
+}
+
+/// The touches that a cycle that is no orbit of the machine announces, at the phases of that cycle: impacts that have lost their
+/// approach speed, and extrema past a stop.
+pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
+    let mut found = Vec::new();
+    let word = cycle.word;
+    for index in (0..word.len()).filter(|i| cycle.speed(*i) <= 0.0) {
+        found.push(Touch { longer: word.clone(), index, u: u.clone(), also: Vec::new(), from_longer: true });
+    }
+    for flight in 0..word.len() {
+        let (z, phase) = (cycle.departure(flight), cycle.phases[flight]);
+        let span = cycle.arrival(flight) - phase;
+        for side in [1i8, -1] {
+            let s = f64::from(side);
+            let maxima = flights::maxima(cycle.system, z, phase, span, [-s, s, 0.0]);
+            for (phase, _) in maxima.into_iter().filter(|m| m.1 > 1.0 + PENETRATION_ROUNDING) {
+                let index = flight + 1;
+                let u = u.clone().insert_row(index, phase);
+                found.push(Touch {
+                    longer: word.inserted(index, side),
+                    index,
+                    u,
+                    also: Vec::new(),
+                    from_longer: false,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// The approach speed of an impact of a word at a point of a curve, with its gradient.
+pub(super) fn approach(
+    contacts: &Contacts,
+    index: usize,
+    u: &DVector<f64>,
+) -> Result<(f64, DVector<f64>), Obstacle> {
+    let n = contacts.word.len();
+    let system = contacts.family.system_at(u)?;
+    let cycle = Cycle::new(&system, contacts.word, &u.as_slice()[..n])?;
+    let flight = cycle.flight_to(index);
+    let side = contacts.word.side(flight + 1);
+    let by_phases = cycle.derivative(Functional::Rate, 1.0).ok_or(Obstacle::Singular)?;
+    let by_parameters = contacts.family.by_parameters(u, &cycle, |c| vec![c.rates[flight]])?;
+    let row: Vec<f64> =
+        by_phases.row(flight).iter().copied().chain(by_parameters.iter().map(|c| c[0])).collect();
+    let gradient = DVector::from_vec(row) * side;
+    Ok((cycle.speed(index), gradient))
+}
+
+/// The point at which the touch has no speed: regular equations on the longer word, whichever branch led there.
+pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
+    let contacts = Contacts { family, word: &touch.longer };
+    let u = meet(&contacts, &touch.u, |u| approach(&contacts, touch.index, u))?;
+    Ok(Touch { u, ..touch.clone() })
+}
+
+/// Approach speeds under this, units of ω1 L, are none next to another touch: its own is zero but for rounding.
+const NO_SPEED: f64 = 1e-6;
+
+/// What a cycle of the longer word at a touch says: the touch with the others at the same point, whether it is an orbit of the
+/// machine but for these, and whether the touch is pressed into the stop, so that there would be chatter.
+pub(super) fn examine(family: &Family, touch: Touch) -> Result<(Touch, bool, bool), Obstacle> {
+    let system = family.system_at(&touch.u)?;
+    let n = touch.longer.len();
+    let cycle = Cycle::new(&system, &touch.longer, &touch.u.as_slice()[..n])?;
+    let others = || (0..n).filter(|i| *i != touch.index);
+    let also = others().filter(|i| cycle.speed(*i).abs() < NO_SPEED).collect();
+    let approach = others().all(|i| cycle.speed(i) > -NO_SPEED);
+    let flight = cycle.flight_to(touch.index);
+    let pressed = touch.longer.side(flight + 1) * cycle.approach_acceleration(flight) >= 0.0;
+    let is_orbit = approach && super::orbit::is_clear(&cycle);
+    Ok((Touch { also, ..touch }, is_orbit, pressed))
+}

@@ -1,0 +1,420 @@
+//! Curves of bifurcations and of touches in two parameters (docs/theory.md, section 14).
+
+use super::branch::Label;
+use super::curve::{CurvePoint, Equations, Linearization, axis, correct, meet, tangent};
+use super::cycle::{Cycle, Functional};
+use super::family::{Contacts, Family};
+use super::grazing;
+use super::obstacle::Obstacle;
+use super::orbit::is_clear;
+use super::word::OrbitWord;
+use crate::error::{Error, Result as Outcome};
+use nalgebra::{Complex, ComplexField, DMatrix, DVector};
+use std::f64::consts::PI;
+
+/// First, least and longest step, in rad and fifths of the parameters' ranges.
+const STEPS: [f64; 3] = [5e-3, 1e-5, 0.05];
+/// Most points in one direction.
+const MOST_POINTS: usize = 600;
+/// A step's correction is at most this part of it, and the cosine of its turn at least this.
+const CORRECTION: f64 = 0.3;
+const COSINE: f64 = 0.9;
+/// Step of the differences of the condition that defines the curve: it sets the speed of convergence and never the result.
+const DIFFERENCE: f64 = 1e-6;
+/// Points after which a curve can have closed, and the distance from its first point, in steps, at which it has.
+const SHORTEST_LOOP: usize = 10;
+const CLOSED: f64 = 0.1;
+
+/// A point from which a curve in two parameters is followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusStart {
+    /// What holds along the curve: LP, BP, PD, NS or GR.
+    pub label: Label,
+    /// The word; at a touch the longer one, which lists it.
+    pub word: OrbitWord,
+    /// Phases of the impacts near the point.
+    pub phases: Vec<f64>,
+    /// The two parameters.
+    pub values: [f64; 2],
+}
+
+/// A point of a curve in two parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusPoint {
+    /// The two parameters.
+    pub values: [f64; 2],
+    /// Phases of the drive at the impacts, rad.
+    pub phases: Vec<f64>,
+    /// For Neimark-Sacker points the angle of the multipliers, rad.
+    pub angle: Option<f64>,
+    /// What is special here.
+    pub end: Option<LocusEnd>,
+}
+
+/// What is special at a point of a curve in two parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LocusEnd {
+    /// EP: the end of the range of a parameter.
+    Range,
+    /// GR: beyond it the block would pass a stop, or an impact has no speed.
+    Touch,
+    /// CP: a cusp, both parameters turn round.
+    Cusp,
+    /// R1 or R2: the multipliers of a Neimark-Sacker point meet at 1 or -1.
+    Resonance(i8),
+    /// MX: it could not be followed on.
+    NoConvergence,
+    /// The curve is closed.
+    Closed,
+}
+
+impl LocusEnd {
+    /// Its two letters.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Range => "EP",
+            Self::Touch => "GR",
+            Self::Cusp => "CP",
+            Self::Resonance(1) => "R1",
+            Self::Resonance(_) => "R2",
+            Self::NoConvergence => "MX",
+            Self::Closed => "closed",
+        }
+    }
+}
+
+/// A matrix's smallness in one direction, bordered by two vectors: zero where it is singular, and of the size of the least singular
+/// value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, 2000).
+fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Border<T>) -> Option<T> {
+    let n = matrix.nrows();
+    let mut whole = matrix.clone().resize(n + 1, n + 1, T::zero());
+    whole.view_mut((0, n), (n, 1)).copy_from(&border.left);
+    whole.view_mut((n, 0), (1, n)).copy_from(&border.right.adjoint());
+    let mut right = DVector::from_element(n + 1, T::zero());
+    right[n] = T::one();
+    Some(whole.lu().solve(&right)?[n].clone())
+}
+
+/// The singular vectors of the least singular value.
+#[derive(Clone, Debug)]
+struct Border<T: ComplexField> {
+    left: DVector<T>,
+    right: DVector<T>,
+}
+
+impl<T: ComplexField<RealField = f64>> Border<T> {
+    fn of(matrix: DMatrix<T>) -> Option<Self> {
+        let svd = matrix.svd(true, true);
+        let least = svd.singular_values.imin();
+        let (u, v) = (svd.u?, svd.v_t?);
+        Some(Self { left: u.column(least).into_owned(), right: v.row(least).adjoint() })
+    }
+}
+
+/// What holds along a curve.
+#[derive(Clone, Debug)]
+enum Condition {
+    /// A multiplier ±1: the factor with which variations close, and the borders.
+    Real(f64, Border<f64>),
+    /// A pair of multipliers on the unit circle, whose angle is one of the unknowns.
+    Complex(Border<Complex<f64>>),
+    /// An impact without speed.
+    Touch(usize),
+}
+
+/// The equations of a curve. A point holds the phases, the angle of the multipliers where it is an unknown, and the two
+/// parameters.
+struct Locus<'a> {
+    family: &'a Family,
+    word: &'a OrbitWord,
+    condition: Condition,
+}
+
+impl Locus<'_> {
+    fn n(&self) -> usize {
+        self.word.len()
+    }
+
+    /// The values of a bifurcation's condition at a point.
+    fn tests(&self, u: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
+        let found = match &self.condition {
+            Condition::Real(factor, border) => {
+                let matrix = cycle.derivative(Functional::Gap, *factor).ok_or(Obstacle::Singular)?;
+                smallness(&matrix, border).map(|g| vec![g])
+            }
+            Condition::Complex(border) => {
+                let matrix = cycle.complex_derivative(Complex::cis(u[self.n()])).ok_or(Obstacle::Singular)?;
+                smallness(&matrix, border).map(|g| vec![g.re, g.im])
+            }
+            Condition::Touch(_) => Some(Vec::new()),
+        };
+        found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
+    }
+
+    /// The borders adapted to a point, where the condition has some.
+    fn adapted(&self, u: &DVector<f64>) -> Result<Condition, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
+        let adapted = match &self.condition {
+            Condition::Real(factor, _) => {
+                let matrix = cycle.derivative(Functional::Gap, *factor);
+                matrix.and_then(Border::of).map(|border| Condition::Real(*factor, border))
+            }
+            Condition::Complex(_) => {
+                let matrix = cycle.complex_derivative(Complex::cis(u[self.n()]));
+                matrix.and_then(Border::of).map(Condition::Complex)
+            }
+            Condition::Touch(index) => Some(Condition::Touch(*index)),
+        };
+        adapted.ok_or(Obstacle::NoConvergence)
+    }
+
+    /// Whether a point is an orbit of the machine, but for the touch that defines the curve.
+    fn is_orbit(&self, u: &DVector<f64>) -> Result<bool, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
+        let exempt = |i: usize| matches!(self.condition, Condition::Touch(index) if index == i);
+        Ok((0..self.n()).all(|i| exempt(i) || cycle.speed(i) > 0.0) && is_clear(&cycle))
+    }
+
+    fn point(&self, u: &DVector<f64>, end: Option<LocusEnd>) -> LocusPoint {
+        let values = self.family.values(u);
+        let angle = matches!(self.condition, Condition::Complex(_)).then(|| u[self.n()]);
+        LocusPoint { values: [values[0], values[1]], phases: u.as_slice()[..self.n()].to_vec(), angle, end }
+    }
+}
+
+impl Equations for Locus<'_> {
+    fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
+        let (n, columns) = (self.n(), u.len());
+        let contacts = Contacts { family: self.family, word: self.word };
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..n])?;
+        let mut matrix = DMatrix::zeros(columns - 1, columns);
+        let mut value = DVector::zeros(columns - 1);
+        value.rows_mut(0, n).copy_from(&cycle.residual_vector());
+        let by_phases = cycle.derivative(Functional::Gap, 1.0).ok_or(Obstacle::Singular)?;
+        matrix.view_mut((0, 0), (n, n)).copy_from(&by_phases);
+        let by_parameters = self.family.by_parameters(u, &cycle, |c| c.residual.clone())?;
+        for (k, column) in by_parameters.iter().enumerate() {
+            matrix.view_mut((0, columns - 2 + k), (n, 1)).copy_from(column);
+        }
+        if let Condition::Touch(index) = self.condition {
+            let (speed, gradient) = grazing::approach(&contacts, index, u)?;
+            value[n] = speed;
+            matrix.set_row(n, &gradient.transpose());
+            return Ok(Linearization { value, matrix });
+        }
+        let tests = self.tests(u)?;
+        tests.iter().enumerate().for_each(|(i, test)| value[n + i] = *test);
+        if let Some(known) = known {
+            let rows = columns - 1 - n;
+            matrix.rows_mut(n, rows).copy_from(&known.rows(n, rows));
+            return Ok(Linearization { value, matrix });
+        }
+        for k in 0..columns {
+            let at = |by: f64| {
+                let mut moved = u.clone();
+                moved[k] += by;
+                self.tests(&moved)
+            };
+            let (below, above) = (at(-DIFFERENCE)?, at(DIFFERENCE)?);
+            for (i, (a, b)) in below.iter().zip(&above).enumerate() {
+                matrix[(n + i, k)] = (b - a) / (2.0 * DIFFERENCE);
+            }
+        }
+        Ok(Linearization { value, matrix })
+    }
+}
+
+/// The curve in the two parameters of a family on which the orbit has the bifurcation of a start, in both directions from it.
+///
+/// ```
+/// use vibro_analysis::orbits::{ConstantLoads, Family, Label, LocusStart, OrbitWord, Span, locus};
+/// use vibro_analysis::{ParameterSet, find_group};
+///
+/// // Where the symmetric motion breaks its symmetry, over the force and the restitution coefficient.
+/// let (force, kappa) = (find_group("f10")?, find_group("kappa")?);
+/// let spans = (Span::new(force, 1.9, 2.2)?, Span::new(kappa, 0.7, 0.8)?);
+/// let family = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, spans.0, spans.1)?;
+/// let word = OrbitWord::new("U", -1, 1)?;
+/// let start = LocusStart { label: Label::BranchPoint, word, phases: vec![5.54], values: [2.04, 0.75] };
+/// let curve = locus(&family, &start)?;
+/// assert!(curve.iter().any(|p| (p.values[1] - 0.75).abs() < 1e-2 && (p.values[0] - 2.04).abs() < 2e-2));
+/// # Ok::<(), vibro_analysis::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Form`] for a label that defines no curve and for a start outside the ranges; [`Error::NoOrbit`] when no such point is
+/// near the start.
+pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
+    let [first, second] = family.spans() else {
+        let text = format!("{} parameters", family.spans().len());
+        return Err(Error::Form { text, expected: "a family over two parameters" });
+    };
+    if !(first.contains(start.values[0]) && second.contains(start.values[1])) {
+        let text =
+            format!("{}={},{}={}", first.name.name(), start.values[0], second.name.name(), start.values[1]);
+        return Err(Error::Form { text, expected: "a start within the ranges of both parameters" });
+    }
+    let system = family.system(&start.values)?;
+    let failed = |obstacle: Obstacle| obstacle.error(&system, &start.word);
+    let (locus, u) = first_point(family, start)?.map_err(failed)?;
+    let both = axis(u.len(), u.len() - 1) + axis(u.len(), u.len() - 2);
+    let along = tangent(&locus, &u, &both).map_err(failed)?;
+    let forward = follow(&locus, &u, along.clone());
+    let closed = forward.last().is_some_and(|p| p.end == Some(LocusEnd::Closed));
+    let backward = if closed { Vec::new() } else { follow(&locus, &u, -along) };
+    let mut points: Vec<LocusPoint> = backward.into_iter().rev().collect();
+    points.push(locus.point(&u, None));
+    points.extend(forward);
+    Ok(points)
+}
+
+/// The point of the curve next to a start: the second parameter is held.
+fn first_point<'a>(
+    family: &'a Family,
+    start: &'a LocusStart,
+) -> Outcome<Result<(Locus<'a>, DVector<f64>), Obstacle>> {
+    let word = &start.word;
+    let symmetric = word.closing() < 0;
+    let form = || {
+        let text = format!("{} of the word {word}", start.label);
+        Error::Form {
+            text,
+            expected: "one of LP, BP, PD, NS, GR, with the word's closing sign and at GR the longer word",
+        }
+    };
+    let factor = match start.label {
+        Label::Fold => 1.0,
+        Label::BranchPoint if symmetric => -1.0,
+        Label::PeriodDoubling if !symmetric => -1.0,
+        Label::NeimarkSacker | Label::Grazing => 0.0,
+        _ => return Err(form()),
+    };
+    if start.phases.len() != word.len() || word.is_empty() {
+        return Err(form());
+    }
+    let found = || {
+        let system = family.system(&start.values)?;
+        let phases = if start.label == Label::Grazing {
+            start.phases.clone()
+        } else {
+            super::orbit::newton(&system, word, &start.phases)?
+        };
+        let cycle = Cycle::new(&system, word, &phases)?;
+        let mut u = family.point(&phases, &start.values);
+        let condition = match start.label {
+            Label::Grazing => {
+                let slowest = |a: &usize, b: &usize| cycle.speed(*a).abs().total_cmp(&cycle.speed(*b).abs());
+                Condition::Touch((0..word.len()).min_by(slowest).ok_or(Obstacle::Order)?)
+            }
+            Label::NeimarkSacker => {
+                let multipliers =
+                    super::orbit::eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
+                let near = multipliers.into_iter().filter(|m| m.im > 0.0);
+                let nearest = near.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()));
+                let angle = nearest.ok_or(Obstacle::NoConvergence)?.arg();
+                u = u.insert_row(word.len(), angle);
+                let matrix = cycle.complex_derivative(Complex::cis(angle)).ok_or(Obstacle::Singular)?;
+                Condition::Complex(Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
+            }
+            _ => {
+                let matrix = cycle.derivative(Functional::Gap, factor).ok_or(Obstacle::Singular)?;
+                Condition::Real(factor, Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
+            }
+        };
+        let mut locus = Locus { family, word, condition };
+        let last = u.len() - 1;
+        let held = u[last];
+        let hold = |u: &DVector<f64>| Ok((u[last] - held, axis(u.len(), last)));
+        let u = meet(&locus, &u, hold)?;
+        locus.condition = locus.adapted(&u)?;
+        Ok((locus, u))
+    };
+    Ok(found())
+}
+
+/// Follows a curve in one direction; the first point is left out.
+fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> Vec<LocusPoint> {
+    let [mut step, least, longest] = STEPS;
+    let mut points = Vec::new();
+    let mut last = CurvePoint { u: start.clone(), tangent: along.clone(), steps: 0 };
+    let mut locus = Locus { family: locus.family, word: locus.word, condition: locus.condition.clone() };
+    while points.len() < MOST_POINTS {
+        match advance(&locus, &last, step) {
+            Ok((next, end)) => {
+                let way = &next.u - &last.u;
+                let from = start - &last.u;
+                let part = from.dot(&way) / way.norm_squared();
+                let closes = points.len() > SHORTEST_LOOP
+                    && (0.0..=1.0).contains(&part)
+                    && (from - &way * part).norm() < CLOSED * way.norm()
+                    && next.tangent.dot(&along) > COSINE;
+                let end = if closes { Some(LocusEnd::Closed) } else { end };
+                points.push(locus.point(&next.u, end));
+                if end.is_some_and(|e| e != LocusEnd::Cusp) {
+                    return points;
+                }
+                step = if next.steps <= 4 { (1.4 * step).min(longest) } else { step };
+                if let Ok(condition) = locus.adapted(&next.u) {
+                    locus.condition = condition;
+                }
+                last = next;
+            }
+            Err(_) if step > least => step *= 0.5,
+            Err(obstacle) => {
+                let end = if matches!(obstacle, Obstacle::Order) {
+                    LocusEnd::Touch
+                } else {
+                    LocusEnd::NoConvergence
+                };
+                if let Some(last) = points.last_mut() {
+                    last.end = Some(end);
+                }
+                return points;
+            }
+        }
+    }
+    points
+}
+
+/// One step; the loss of certification counts as a loss of the impacts' order.
+fn advance(locus: &Locus, last: &CurvePoint, step: f64) -> Result<(CurvePoint, Option<LocusEnd>), Obstacle> {
+    let predicted = &last.u + &last.tangent * step;
+    let columns = predicted.len();
+    for (k, span) in locus.family.spans().iter().enumerate() {
+        let index = columns - 2 + k;
+        let value = predicted[index] * span.unit();
+        if span.contains(value) {
+            continue;
+        }
+        let bound = (if value < span.from { span.from } else { span.to }) / span.unit();
+        let part = ((bound - last.u[index]) / (predicted[index] - last.u[index])).clamp(0.0, 1.0);
+        let guess = &last.u + &last.tangent * (step * part);
+        let hold = |u: &DVector<f64>| Ok((u[index] - bound, axis(columns, index)));
+        let u = meet(locus, &guess, hold)?;
+        if (&u - &guess).norm() > CORRECTION * step || !locus.is_orbit(&u)? {
+            return Err(Obstacle::NoConvergence);
+        }
+        return Ok((CurvePoint { u, tangent: last.tangent.clone(), steps: 3 }, Some(LocusEnd::Range)));
+    }
+    let next = correct(locus, &predicted, &last.tangent)?;
+    let turned = next.tangent.dot(&last.tangent) < COSINE;
+    if turned || (&next.u - &predicted).norm() > CORRECTION * step {
+        return Err(Obstacle::NoConvergence);
+    }
+    if !locus.is_orbit(&next.u)? {
+        return Err(Obstacle::Order);
+    }
+    let n = locus.n();
+    if matches!(locus.condition, Condition::Complex(_)) && !(0.0..PI).contains(&next.u[n]) {
+        let end = LocusEnd::Resonance(if next.u[n] < 0.0 { 1 } else { -1 });
+        return Ok((next, Some(end)));
+    }
+    let turns = |k: usize| next.tangent[columns - k] * last.tangent[columns - k] < 0.0;
+    let end = (turns(1) && turns(2)).then_some(LocusEnd::Cusp);
+    Ok((next, end))
+}

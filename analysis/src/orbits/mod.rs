@@ -1,0 +1,38 @@
+//! Periodic orbits with any impact word, stable or not, followed along a parameter with their bifurcations
+//! (docs/theory.md, section 14).
+//!
+//! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns, whatever it does in between.
+
+mod branch;
+mod curve;
+mod cycle;
+mod family;
+mod flights;
+mod free;
+mod grazing;
+mod locus;
+mod obstacle;
+mod orbit;
+mod path;
+mod search;
+mod settled;
+mod special;
+mod switching;
+mod system;
+mod test_functions;
+mod tree;
+mod word;
+
+#[cfg(test)]
+mod tests;
+
+pub use branch::{Branch, Label, Point, Special};
+pub use family::{Family, Span};
+pub use locus::{LocusEnd, LocusPoint, LocusStart, locus};
+pub use orbit::Orbit;
+pub use path::PathOptions;
+pub use search::search;
+pub use settled::{orbit_of, settle};
+pub use system::{ConstantLoads, System};
+pub use tree::{Tree, TreeOptions, branch, tree};
+pub use word::OrbitWord;

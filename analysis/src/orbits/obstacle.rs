@@ -1,0 +1,48 @@
+//! Why a step of an iteration failed.
+
+use super::system::System;
+use super::word::OrbitWord;
+use crate::error::Error;
+
+/// What stands in the way of an orbit at some phases and some value of the parameter.
+#[derive(Debug)]
+pub(super) enum Obstacle {
+    /// The impacts are not in the order of the word.
+    Order,
+    /// The motion without impacts has a neutral direction: σI - M is singular.
+    Singular,
+    /// Newton's method did not converge.
+    NoConvergence,
+    /// The parameters make no machine.
+    Refused(Error),
+}
+
+impl From<Error> for Obstacle {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl Obstacle {
+    /// The error that it means for a search of an orbit.
+    pub fn error(self, system: &System, word: &OrbitWord) -> Error {
+        let no_orbit = |reason: &str| Error::NoOrbit {
+            word: word.to_string(),
+            closing: if word.closing() > 0 { '+' } else { '-' },
+            period: word.period(),
+            reason: reason.into(),
+        };
+        match self {
+            Self::Order => no_orbit("the impacts lose their order; another guess of their phases may help"),
+            Self::NoConvergence => {
+                no_orbit("Newton's method does not converge; a nearer guess of the phases may help")
+            }
+            Self::Singular => {
+                let (name, value, allowed) = system.neutral_parameter();
+                let needed_by = "impact phases of a periodic orbit as unknowns";
+                vibro_impact::Error::Undefined { name, value, needed_by, allowed }.into()
+            }
+            Self::Refused(error) => error,
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The location of special points, and what is known of them.
+
+use super::curve::{gradient, meet};
+use super::cycle::Cycle;
+use super::family::{Contacts, Family};
+use super::obstacle::Obstacle;
+use super::orbit::eigenvalues;
+use super::test_functions::{DOUBLING, SignedLog, is_on_circle, test};
+use super::word::OrbitWord;
+use nalgebra::DVector;
+use std::cell::Cell;
+use vibro_impact::numerics::roots::brent;
+
+/// The difference of the halves of an orbit (rad) that counts as rounding.
+const BIRTH: f64 = 1e-9;
+
+/// Accuracy in the arc to which a zero is enclosed: rounding of the points themselves is of this size.
+const LOCATION: f64 = 1e-14;
+
+/// Step of the differences of a test function, whose gradient sets the speed of convergence and never the result.
+const DIFFERENCE: f64 = 1e-6;
+
+/// The arc in (0, length) at which a test function is zero; its values at the ends are known.
+pub(super) fn zero(
+    value: impl Fn(f64) -> Result<f64, Obstacle>,
+    length: f64,
+    ends: (f64, f64),
+) -> Option<f64> {
+    let failed = Cell::new(false);
+    let of = |arc: f64| {
+        if arc == 0.0 {
+            return ends.0;
+        }
+        if arc == length {
+            return ends.1;
+        }
+        value(arc).unwrap_or_else(|_| {
+            failed.set(true);
+            f64::NAN
+        })
+    };
+    brent(of, 0.0, length, LOCATION).filter(|_| !failed.get())
+}
+
+/// Whether a complex pair of multipliers is on the unit circle.
+pub(super) fn is_torus(family: &Family, word: &OrbitWord, u: &DVector<f64>) -> Result<bool, Obstacle> {
+    let system = family.system_at(u)?;
+    let cycle = Cycle::new(&system, word, &u.as_slice()[..word.len()])?;
+    Ok(eigenvalues(cycle.monodromy()).is_some_and(|m| is_on_circle(&m)))
+}
+
+/// A test function at a point of a curve in units of `unit`.
+pub(super) fn scaled_test(
+    family: &Family,
+    word: &OrbitWord,
+    index: usize,
+    unit: SignedLog,
+    u: &DVector<f64>,
+) -> Result<f64, Obstacle> {
+    let system = family.system_at(u)?;
+    let cycle = Cycle::new(&system, word, &u.as_slice()[..word.len()])?;
+    Ok(test(&cycle, index).ok_or(Obstacle::NoConvergence)?.relative_to(unit))
+}
+
+/// The difference of the two halves of a doubled orbit, half a span apart.
+fn halves(word: &OrbitWord, u: &DVector<f64>) -> DVector<f64> {
+    let h = word.len() / 2;
+    DVector::from_fn(h, |i, _| u[h + i] - u[i] - 0.5 * word.span())
+}
+
+/// The branch from which a branch of a doubled word is born, where a step passes it: there both halves of the orbit are the same,
+/// and past it the path would go back along its own mirror image.
+pub(super) fn primary(
+    family: &Family,
+    word: &OrbitWord,
+    last: &DVector<f64>,
+    next: &DVector<f64>,
+) -> Result<Option<(OrbitWord, DVector<f64>)>, Obstacle> {
+    let Some(folded) = word.folded().filter(|f| f.closing() > 0 || family.is_symmetric()) else {
+        return Ok(None);
+    };
+    let [a, b] = [last, next].map(|u| halves(word, u));
+    // The first point of a branch born here has halves that are the same but for rounding.
+    if a.dot(&b) >= 0.0 || a.norm() < BIRTH {
+        return Ok(None);
+    }
+    let part = a.norm() / (a.norm() + b.norm());
+    let at = last + (next - last) * part;
+    let (h, n) = (folded.len(), word.len());
+    let guess =
+        DVector::from_fn(h + 1, |i, _| if i < h { 0.5 * (at[i] + at[h + i] - folded.span()) } else { at[n] });
+    let unit = {
+        let system = family.system_at(&guess)?;
+        let cycle = Cycle::new(&system, &folded, &guess.as_slice()[..h])?;
+        // Its size some way off, since here it is nearly zero.
+        let log = test(&cycle, super::test_functions::UNIT).ok_or(Obstacle::NoConvergence)?.log;
+        SignedLog { sign: 1.0, log }
+    };
+    let function = |u: &DVector<f64>| scaled_test(family, &folded, DOUBLING, unit, u);
+    let condition = |u: &DVector<f64>| Ok((function(u)?, gradient(u, DIFFERENCE, function)?));
+    let u = meet(&Contacts { family, word: &folded }, &guess, condition)?;
+    if (&u - &guess).norm() > (next - last).norm() {
+        return Err(Obstacle::NoConvergence);
+    }
+    Ok(Some((folded, u)))
+}

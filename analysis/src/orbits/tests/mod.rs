@@ -1,0 +1,5 @@
+//! Tests of the orbits, by what they are held against.
+
+mod branches;
+mod golden;
+mod single;

@@ -1,0 +1,97 @@
+//! Periodic orbits: an accepted point of a branch with n impacts, beside what simulation and differences of the reference method cost
+//! for the same, and the tree of all branches. Targets: 30, 60, 160 µs a point at n = 1, 2, 6; the tree under 5 s on two cores.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+use vibro_analysis::orbits::{
+    ConstantLoads, Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree,
+};
+use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::{ParameterSet, find_group};
+use vibro_impact::reference::{Reference, Tolerance};
+use vibro_impact::{Simulator, State};
+
+/// Rounds of which the least time counts.
+const ROUNDS: u32 = 5;
+/// Drive periods in which a transient dies out, as for a point of a simulated diagram.
+const SETTLE: u32 = 600;
+/// Newton steps of a corrector by differences of the period map.
+const CORRECTIONS: u32 = 3;
+
+fn least(mut work: impl FnMut()) -> Duration {
+    let once = |_| {
+        let begin = Instant::now();
+        work();
+        begin.elapsed()
+    };
+    (0..ROUNDS).map(once).min().unwrap_or_default()
+}
+
+fn family(from: f64, to: f64) -> Family {
+    let span = Span::new(find_group("f10").expect("a group"), from, to).expect("a range");
+    Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).expect("machines")
+}
+
+/// A stable orbit of the default set at f10.
+fn settled(family: &Family, f10: f64) -> Orbit {
+    let system = family.system(&[f10]).expect("a machine");
+    let state = settle(&system, &moving_block(system.parameters()), 4000).expect("a motion");
+    orbit_of(&system, &state).expect("an orbit")
+}
+
+fn micros(time: Duration, count: usize) -> f64 {
+    1e6 * time.as_secs_f64() / count as f64
+}
+
+/// One period of the reference method from a state.
+fn reference(system: &System, state: &State, periods: f64) {
+    let p = system.parameters();
+    let mut reference = Reference::new(p, state, 0.0, Tolerance::new(1e-12)).expect("a start");
+    reference.advance_to(periods * p.period()).expect("a motion");
+    black_box(reference.state());
+}
+
+fn main() {
+    println!(
+        "| impacts | word | µs per accepted point | by simulation | by differences of the reference method |"
+    );
+    println!("|---|---|---|---|---|");
+    let narrow = PathOptions::default();
+    for (f10, word) in [(1.5, "U"), (2.2, "UL"), (3.1, "")] {
+        let family = family(f10 - 0.2, f10 + 0.15);
+        let orbit = settled(&family, f10);
+        assert!(word.is_empty() || orbit.word().canonical().to_string() == word, "{}", orbit.word());
+        let follow = || branch(&family, orbit.word(), orbit.phases(), f10, &narrow, &[]).expect("a branch");
+        let points = follow().points.len();
+        let time = least(|| {
+            black_box(follow());
+        });
+        let (system, start) = (*orbit.system(), orbit.start_state());
+        let simulated = least(|| {
+            let mut simulator =
+                Simulator::new(system.parameters(), &start, 0.0).expect("a start").without_energy_accounts();
+            simulator.advance_to(f64::from(SETTLE) * system.parameters().period()).expect("a motion");
+            black_box(simulator.state());
+        });
+        // Seven motions over a period for a step of Newton's method.
+        let periods = f64::from(orbit.word().period());
+        let differences = least(|| (0..7 * CORRECTIONS).for_each(|_| reference(&system, &start, periods)));
+        println!(
+            "| {} | {} | {:.0} | {:.0} | {:.0} |",
+            orbit.word().len(),
+            orbit.word(),
+            micros(time, points),
+            micros(simulated, 1),
+            micros(differences, 1)
+        );
+    }
+    let begin = Instant::now();
+    let found = tree(&family(0.5, 5.0), &TreeOptions::default(), &|_, _| ()).expect("a tree");
+    let points: usize = found.branches.iter().map(|b| b.points.len()).sum();
+    println!(
+        "\nThe tree over f10 from 0.5 to 5: {} branches, {points} points, {:.2} s on {} threads.",
+        found.branches.len(),
+        begin.elapsed().as_secs_f64(),
+        rayon::current_num_threads()
+    );
+}

@@ -1,0 +1,45 @@
+//! What is kept of events between the calls of a host that handles them itself.
+
+use super::values::OutputValues;
+use serde::{Deserialize, Serialize};
+use vibro_impact::simulator::{Contact, ImpactRecord, Simulator};
+
+/// Where the host stands in the handling of events, as plain data.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct EventState {
+    /// What is shown of the discrete outputs until the host handles events that a step has passed over.
+    pub(crate) latched: Option<Discrete>,
+    /// Whether the host was told of an event and must handle it before the next step.
+    pub(crate) pending: bool,
+    /// The stop of the last impact that a step has passed over: +1 the upper, -1 the lower.
+    pub(crate) side: i8,
+    /// Whether the event has been carried out since the host came to it, and nothing was set since.
+    pub(crate) carried_out: bool,
+}
+
+/// What changes at events only.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Discrete {
+    contact: Contact,
+    pub(crate) impacts: ImpactRecord,
+    impact_loss: f64,
+}
+
+impl Discrete {
+    pub(crate) fn of(values: &OutputValues) -> Self {
+        Self { contact: values.contact, impacts: values.impacts, impact_loss: values.impact_loss }
+    }
+
+    pub(crate) fn of_simulator(simulator: &Simulator) -> Self {
+        Self {
+            contact: simulator.contact(),
+            impacts: *simulator.impacts(),
+            impact_loss: simulator.energy_accounts().impact,
+        }
+    }
+
+    pub(crate) fn put(&self, values: &mut OutputValues) {
+        (values.contact, values.impacts) = (self.contact, self.impacts);
+        values.impact_loss = self.impact_loss;
+    }
+}

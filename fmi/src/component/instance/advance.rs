@@ -1,0 +1,263 @@
+//! Stepping for a host that may handle events itself or take steps that end early.
+
+use super::events::Changes;
+use super::last_step::LastStep;
+use super::step::{describe, rounding, take_back};
+use super::{Engine, Instance, Outcome, Phase, Problem};
+use crate::component::closed_form::ClosedForm;
+use crate::component::event_state::Discrete;
+use crate::component::log::{Category, Log};
+use vibro_impact::error::Error;
+use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_impact::simulator::{AdvanceOutcome, Contact, Event, EventObserver, Pause, Simulator, Snapshot};
+
+/// How an advance ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Advance {
+    /// The time reached, s.
+    pub time: f64,
+    /// Whether the host must handle an event there.
+    pub event: bool,
+    /// Whether it is before the end asked for.
+    pub early: bool,
+}
+
+/// What a step does at an event inside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AtEvent {
+    /// Applies its law and goes on.
+    Pass,
+    /// Applies its law and goes on; what changes at events only is shown when the host handles events.
+    Latch,
+    /// Applies its law and ends.
+    EndAfter,
+    /// Ends before its law.
+    EndBefore,
+}
+
+/// Where the motion stands after a run.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stand {
+    /// Before the end asked for.
+    early: bool,
+    /// An event was met whose handling is the host's.
+    event: bool,
+    /// The stop of the last impact that was passed over, or 0.
+    side: i8,
+}
+
+/// The stop of an event that is an impact; else what it was before.
+pub(super) fn side_of(event: &Event, before: i8) -> i8 {
+    match event {
+        Event::Impact { side, .. } => *side,
+        _ => before,
+    }
+}
+
+impl Instance {
+    /// From the present time towards `point + size`. Own time is the truth; `point` may be off by rounding. What a step does
+    /// at an event is decided by the [`EventHandling`](crate::component::EventHandling) and the setting `stop_at_impact`:
+    ///
+    /// | event mode | early return, stop | at an event |
+    /// |---|---|---|
+    /// | no | no | its law is applied and the step goes on |
+    /// | no | yes | its law is applied and the step ends |
+    /// | yes | yes | the step ends before its law |
+    /// | yes | no | its law is applied and the step goes on; discrete outputs change when the host handles events |
+    ///
+    /// An event at the step's end but for rounding ends it there: with event mode before the law, else after it.
+    ///
+    /// # Errors
+    /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
+    pub fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome<Advance> {
+        self.check_advance(point, size)?;
+        let at_event = self.at_event();
+        let wanted = log.wants(Category::Events);
+        let mut show = |event: &Event| log.log(Category::Events, &describe(event));
+        let report: EventObserver = if wanted { Some(&mut show) } else { None };
+        let changes = Changes {
+            parameters: self.parameters_set.then_some(&self.settings.parameters),
+            loads: self.loads_set.then_some(&self.settings.loads),
+        };
+        let (shown, stand) = match &mut self.engine {
+            Engine::Simulation(simulator) => {
+                let shown = Discrete::of_simulator(simulator);
+                let (parameters, loads) = (changes.parameters.copied(), changes.loads.copied());
+                let step =
+                    self.last_step.insert(LastStep { before: simulator.snapshot(), parameters, loads });
+                (shown, simulate(simulator, &step.before, changes, (point, size), at_event, report)?)
+            }
+            Engine::Closed(form) => {
+                if let Some(parameters) = changes.parameters {
+                    form.set_parameters(parameters)?;
+                }
+                let shown = Discrete::of(&form.values());
+                (shown, play(form, (point, size), at_event, report)?)
+            }
+            Engine::None | Engine::Continuous(_) => unreachable_step()?,
+        };
+        self.phase = Phase::Step;
+        self.events.pending = stand.event;
+        self.events.latched = stand.event.then_some(shown);
+        self.events.side = stand.side;
+        (self.parameters_set, self.loads_set) = (false, false);
+        self.slopes_set = [false; 3];
+        self.invalidate();
+        Ok(Advance { time: self.time(), event: stand.event, early: stand.early })
+    }
+
+    /// Whether an advance can be made at all.
+    pub(super) fn check_advance(&self, point: f64, size: f64) -> Outcome {
+        self.check_step(point, size)?;
+        if self.events.pending {
+            return Err(Problem::Sequence {
+                what: "the event of the last step must be handled in Event Mode first",
+            });
+        }
+        Ok(())
+    }
+
+    pub(super) fn at_event(&self) -> AtEvent {
+        let stop = self.handling.early_return && self.settings.stop_at_impact;
+        match (self.handling.event_mode, stop) {
+            (false, false) => AtEvent::Pass,
+            (false, true) => AtEvent::EndAfter,
+            (true, true) => AtEvent::EndBefore,
+            (true, false) => AtEvent::Latch,
+        }
+    }
+}
+
+/// `check_step` has refused these engines.
+fn unreachable_step<T>() -> Outcome<T> {
+    Err(Problem::Sequence { what: "the instance is not initialized" })
+}
+
+/// One step of the simulator, all or nothing.
+fn simulate(
+    simulator: &mut Simulator,
+    before: &Snapshot,
+    changes: Changes<'_>,
+    (point, size): (f64, f64),
+    at_event: AtEvent,
+    report: EventObserver<'_, '_>,
+) -> Outcome<Stand> {
+    let outcome = run(simulator, changes, (point, size), at_event, report);
+    outcome.map_err(|error| take_back(simulator, before, error))
+}
+
+fn run(
+    simulator: &mut Simulator,
+    changes: Changes<'_>,
+    (point, size): (f64, f64),
+    at_event: AtEvent,
+    mut report: EventObserver<'_, '_>,
+) -> Result<Stand, Error> {
+    let end = DoubleDouble::sum(point, size);
+    let contact = simulator.contact();
+    changes.put(simulator)?;
+    if at_event == AtEvent::Pass {
+        return match simulator.advance_until(end, Pause::Never, report) {
+            // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
+            Err(Error::Step { .. }) | Ok(_) => Ok(Stand::default()),
+            Err(error) => Err(error),
+        };
+    }
+    // A block that an input has let go of, or pressed on, at the step's start.
+    let moved = simulator.contact() != contact;
+    if at_event == AtEvent::EndBefore && moved {
+        return Ok(Stand { early: true, event: true, side: 0 });
+    }
+    let (mut events, mut side) = (usize::from(moved), 0);
+    if at_event == AtEvent::Latch {
+        let mut count = |event: &Event| {
+            events += 1;
+            side = side_of(event, side);
+            if let Some(report) = &mut report {
+                report(event);
+            }
+        };
+        advance(simulator, end, Pause::Never, Some(&mut count))?;
+        let due = is_at_end(simulator, point + size)?;
+        let side = if due { 0 } else { side }; // one that is due comes last
+        return Ok(Stand { early: false, event: due || events > 0, side });
+    }
+    let paused = advance(simulator, end, Pause::BeforeEvent, report.as_deref_mut())?;
+    let early = paused && point + size - simulator.time() > rounding(point + size);
+    let due = paused || is_at_end(simulator, point + size)?;
+    if at_event == AtEvent::EndBefore {
+        return Ok(Stand { early, event: due, side: 0 });
+    }
+    if due {
+        simulator.apply_due_event(report.as_deref_mut());
+        if !early {
+            advance(simulator, end, Pause::Never, report)?;
+        }
+    }
+    Ok(Stand { early, event: false, side: 0 })
+}
+
+/// Advances; true where it has paused before an event.
+pub(super) fn advance(
+    simulator: &mut Simulator,
+    end: DoubleDouble,
+    pause: Pause,
+    report: EventObserver<'_, '_>,
+) -> Result<bool, Error> {
+    match simulator.advance_until(end, pause, report) {
+        // As above.
+        Err(Error::Step { .. }) => Ok(false),
+        outcome => Ok(outcome? == AdvanceOutcome::EventDue),
+    }
+}
+
+/// Goes on to an event that lies past a step's end by rounding alone and stands before it; without one nothing happens. A
+/// host that comes to the time of an event it was told must find it there.
+pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
+    let late = rounding(end);
+    if is_clear(simulator, late) {
+        return Ok(false);
+    }
+    let before = simulator.snapshot();
+    if advance(simulator, DoubleDouble::sum(end, late), Pause::BeforeEvent, None)? {
+        return Ok(true);
+    }
+    simulator.restore(&before)?;
+    Ok(false)
+}
+
+/// Whether the block in flight is so far from the stops that it cannot meet one within the rounding of a time: its acceleration
+/// moves it by far less than the margin in that.
+fn is_clear(simulator: &Simulator, late: f64) -> bool {
+    const MARGIN: f64 = 1e-6; // gaps
+    let ((w, rate), gap) = (simulator.relative_motion(), simulator.parameters().stop_gap);
+    simulator.contact() == Contact::Flight && gap - w.abs() > MARGIN * gap + 4.0 * late * rate.abs()
+}
+
+/// One step of a steady state.
+fn play(
+    form: &mut ClosedForm,
+    (point, size): (f64, f64),
+    at_event: AtEvent,
+    mut report: EventObserver<'_, '_>,
+) -> Outcome<Stand> {
+    if let AtEvent::Pass | AtEvent::Latch = at_event {
+        let (mut events, mut side) = (0, 0);
+        let mut count = |event: &Event| {
+            events += 1;
+            side = side_of(event, side);
+            if let Some(report) = &mut report {
+                report(event);
+            }
+        };
+        form.advance(point, size, false, Some(&mut count))?;
+        return Ok(Stand { early: false, event: at_event == AtEvent::Latch && events > 0, side });
+    }
+    let due = form.advance_before_event(point, size, rounding(point + size))?;
+    let early = due && point + size - form.time() > rounding(point + size);
+    if at_event == AtEvent::EndBefore {
+        return Ok(Stand { early, event: due, side: 0 });
+    }
+    form.apply_due_event(report);
+    Ok(Stand { early, event: false, side: 0 })
+}

@@ -1,0 +1,116 @@
+//! What depends on what in the present contact.
+
+use super::{Engine, Instance, Outcome};
+use crate::component::continuous::Continuous;
+use crate::component::settings::Settings;
+use crate::component::structure::{self, Unknown};
+use crate::component::values::OutputValues;
+use crate::component::variables::{Access, Bases, Causality, DependencyKind, VARIABLES, Variable};
+use vibro_impact::parameters::FIELDS;
+use vibro_impact::simulator::{Contact, State};
+
+/// An entry of the dependencies of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dependency {
+    /// The element that depends, counted from 1; 0 means the whole variable.
+    pub element: usize,
+    /// Value reference of what it depends on.
+    pub reference: u32,
+    /// How.
+    pub kind: DependencyKind,
+}
+
+/// Contacts, flight first.
+const CONTACTS: [Contact; 3] = [Contact::Flight, Contact::RestUpper, Contact::RestLower];
+
+impl Instance {
+    /// What a variable depends on: before the end of initialization that of its initial value; later what it depends on in the
+    /// present contact, which is less than what is declared: at rest box and block feel each other's loads, in flight not.
+    ///
+    /// # Errors
+    /// [`Problem::Reference`](crate::component::Problem::Reference) when there is no such variable.
+    pub fn dependencies(&self, reference: u32) -> Outcome<Vec<Dependency>> {
+        let variable = self.variable(reference, self.edition)?;
+        let (first, place) = (self.first_reference, reference - self.first_reference);
+        let initial = matches!(self.engine, Engine::None);
+        let declared = if initial {
+            structure::initial_unknowns(self.edition)
+        } else {
+            let derivatives = structure::derivatives(self.edition);
+            let further = derivatives.into_iter().chain(structure::event_indicators());
+            structure::outputs(self.edition).into_iter().chain(further).collect()
+        };
+        let list = match declared.into_iter().find(|unknown| unknown.reference == place) {
+            Some(Unknown { dependencies, .. }) => dependencies,
+            None if variable.dimensions.is_empty() => Vec::new(),
+            None => structure::declared(variable),
+        };
+        let contact = match (&self.engine, initial) {
+            (Engine::Simulation(simulator), false) => Some(simulator.contact()),
+            (Engine::Continuous(continuous), false) => Some(continuous.contact()),
+            _ => None,
+        };
+        let mut found = Vec::new();
+        for (known, kind) in list {
+            let entry = |element| Dependency { element, reference: known + first, kind };
+            match (variable.access, contact) {
+                (Access::Elements(get), _) => {
+                    let contact = contact.unwrap_or_default();
+                    let depends = |i| matters(&|values| get(values, i), &VARIABLES[known as usize], contact);
+                    found.extend((0..variable.size()).filter(|i| depends(*i)).map(|i| entry(i + 1)));
+                }
+                (Access::Output(reading), Some(contact)) => {
+                    let depends = |contact| matters(&reading.value, &VARIABLES[known as usize], contact);
+                    // What has no such dependence in any contact has grown up in time.
+                    if depends(contact) || !CONTACTS.into_iter().any(depends) {
+                        found.push(entry(0));
+                    }
+                }
+                _ => found.push(entry(0)),
+            }
+        }
+        Ok(found)
+    }
+
+    /// The Reals of this instance's description.
+    pub(super) fn reals(&self) -> Bases {
+        Bases::REAL.of(self.edition)
+    }
+}
+
+/// Whether a value changes with a known in a contact, at a point where nothing cancels.
+fn matters(value: &dyn Fn(&OutputValues) -> f64, known: &Variable, contact: Contact) -> bool {
+    const NUDGE: f64 = 0.01;
+    const ROUNDING: f64 = 1e-10; // all factors at that point are above 0.01
+    let (mut settings, mut time) = (generic(contact), 0.37);
+    let before = evaluate(&settings, time, contact);
+    if known.causality == Causality::Independent {
+        time += NUDGE;
+    } else if let Access::Setting { get, set } | Access::Start { get, set, .. } = known.access {
+        let nudged = get(&settings) + NUDGE;
+        set(&mut settings, nudged);
+    }
+    match (before, evaluate(&settings, time, contact)) {
+        (Some(before), Some(after)) => (value(&before) - value(&after)).abs() > ROUNDING,
+        _ => true,
+    }
+}
+
+/// Parameters, states and loads without zeros or equal numbers; in rest the block presses on the stop.
+fn generic(contact: Contact) -> Settings {
+    let mut settings = Settings::default();
+    for (i, field) in FIELDS.iter().enumerate() {
+        (field.set)(&mut settings.parameters, 0.61 + 0.023 * i as f64);
+    }
+    settings.start = State { x: [0.11, 0.23, -0.31], v: [0.43, -0.53, 0.67] };
+    let press = 20.0 * contact.side();
+    for (load, value) in settings.loads.derivatives.iter_mut().zip([0.071, 0.083 + press, -0.097]) {
+        load[0] = value;
+    }
+    settings
+}
+
+fn evaluate(settings: &Settings, time: f64, contact: Contact) -> Option<OutputValues> {
+    let forces = settings.loads.derivatives.map(|load| load[0]);
+    Some(Continuous::frozen(&settings.parameters, settings.start, time, contact, forces).ok()?.values())
+}

@@ -1,0 +1,263 @@
+//! Events of co-simulation as a host sees them that handles them itself: the component pauses before an event, shows both of
+//! its limits, and applies its law when it is told to. A solver's events (Model Exchange) are handled in the same two calls.
+
+use super::step::describe;
+use super::{Engine, EventHandling, Instance, Outcome, Phase, Problem};
+use crate::component::closed_form::ClosedForm;
+use crate::component::continuous::Continuous;
+use crate::component::event_state::EventState;
+use crate::component::log::{Category, Log};
+use crate::component::values::Tick;
+use crate::component::variables::Edition;
+use std::borrow::Cow;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Contact, DueEvent, Event, EventObserver, ImpactRecord, Loads, Simulator};
+
+/// What moves, as it is to be read now: at an event the host handles, a copy after the event.
+pub(super) enum Present<'a> {
+    None,
+    Simulation(Cow<'a, Simulator>),
+    Closed(Cow<'a, ClosedForm>),
+    Continuous(Cow<'a, Continuous>),
+}
+
+/// What a step or an event is to take over from the settings.
+#[derive(Clone, Copy)]
+pub(super) struct Changes<'a> {
+    pub(super) parameters: Option<&'a Parameters>,
+    pub(super) loads: Option<&'a Loads>,
+}
+
+impl Changes<'_> {
+    fn any(&self) -> bool {
+        self.parameters.is_some() || self.loads.is_some()
+    }
+
+    /// # Errors
+    /// As the simulator's; the first may have been taken over then.
+    pub(super) fn put(&self, simulator: &mut Simulator) -> Result<(), vibro_impact::Error> {
+        if let Some(parameters) = self.parameters {
+            simulator.set_parameters(parameters)?;
+        }
+        if let Some(loads) = self.loads {
+            simulator.set_loads(loads)?;
+        }
+        Ok(())
+    }
+}
+
+/// All impacts of a record.
+fn impacts(record: &ImpactRecord) -> u64 {
+    record.upper + record.lower
+}
+
+impl Instance {
+    /// What the host does about events.
+    pub fn event_handling(&self) -> EventHandling {
+        self.handling
+    }
+
+    /// What was set and not yet taken over.
+    pub(super) fn changes(&self) -> Changes<'_> {
+        Changes {
+            parameters: self.parameters_set.then_some(&self.settings.parameters),
+            loads: self.loads_set.then_some(&self.settings.loads),
+        }
+    }
+
+    /// Whether what is read now is what comes after the event at which the host stands.
+    fn looks_past_the_event(&self) -> bool {
+        self.phase == Phase::Event && self.handling.event_mode && !self.events.carried_out
+    }
+
+    /// What is to be read now.
+    ///
+    /// # Errors
+    /// When what was set is not possible.
+    pub(super) fn present(&self) -> Outcome<Present<'_>> {
+        let past = self.looks_past_the_event();
+        Ok(match &self.engine {
+            Engine::None => Present::None,
+            Engine::Simulation(simulator) => {
+                let changes = self.changes();
+                if past && (simulator.due_event().is_some() || changes.any()) {
+                    let mut ahead = Simulator::clone(simulator);
+                    changes.put(&mut ahead)?;
+                    ahead.apply_due_event(None);
+                    Present::Simulation(Cow::Owned(ahead))
+                } else {
+                    Present::Simulation(Cow::Borrowed(simulator))
+                }
+            }
+            Engine::Closed(form) => {
+                if past && (form.is_due() || self.parameters_set) {
+                    Present::Closed(Cow::Owned(self.form_after_event(form, None)?))
+                } else {
+                    Present::Closed(Cow::Borrowed(form))
+                }
+            }
+            Engine::Continuous(continuous) => {
+                if past {
+                    let mut ahead = Continuous::clone(continuous);
+                    ahead.handle_event(&mut |_| {});
+                    Present::Continuous(Cow::Owned(ahead))
+                } else {
+                    Present::Continuous(Cow::Borrowed(continuous))
+                }
+            }
+        })
+    }
+
+    /// The steady state after the impact at which it stands, with the parameters that were set since.
+    fn form_after_event(&self, form: &ClosedForm, report: EventObserver<'_, '_>) -> Outcome<ClosedForm> {
+        let mut ahead = form.clone();
+        ahead.apply_due_event(report);
+        if self.parameters_set {
+            ahead.set_parameters(&self.settings.parameters)?;
+        }
+        Ok(ahead)
+    }
+
+    /// The host comes to handle an event: what changes at events only is shown from now on. There need not be one.
+    ///
+    /// # Errors
+    /// [`Problem::Sequence`] before initialization.
+    pub fn enter_event(&mut self) -> Outcome {
+        match &mut self.engine {
+            Engine::None => return Err(Problem::Sequence { what: "the instance is not initialized" }),
+            Engine::Continuous(continuous) => continuous.accept(),
+            Engine::Simulation(_) | Engine::Closed(_) => {}
+        }
+        self.begin_event();
+        Ok(())
+    }
+
+    /// The phase of an event, with nothing done about it yet.
+    pub(super) fn begin_event(&mut self) {
+        let (shown, side) =
+            ((self.edition == Edition::Clocked).then(|| self.impacts_shown()), self.events.side);
+        self.phase = Phase::Event;
+        self.events = EventState::default();
+        if self.handling.event_mode {
+            self.invalidate();
+        }
+        // Where the values cannot be had, getters will say why.
+        if let (Some(shown), Ok(())) = (shown, self.refresh_values()) {
+            self.tick.active = impacts(&self.values.impacts) > shown;
+            if self.tick.active {
+                let w = self.values.gap.0;
+                self.tick.side = if side != 0 { side } else { w.signum() as i8 };
+            }
+        }
+    }
+
+    /// Impacts that are counted so far, as it is shown.
+    fn impacts_shown(&self) -> u64 {
+        match (&self.events.latched, &self.engine) {
+            (Some(shown), _) => impacts(&shown.impacts),
+            (None, Engine::Simulation(simulator)) => impacts(simulator.impacts()),
+            (None, Engine::Closed(form)) => impacts(&form.values().impacts),
+            (None, Engine::Continuous(continuous)) => impacts(continuous.impacts()),
+            (None, Engine::None) => 0,
+        }
+    }
+
+    /// What the clock of impacts shows, the values being up to date: while it ticks, the impact after the event; else that of the
+    /// last tick.
+    pub(super) fn present_tick(&self) -> Tick {
+        if !self.tick.active {
+            return self.tick;
+        }
+        let ImpactRecord { last_time: time, last_impulse: impulse, last_speed: speed, .. } =
+            self.values.impacts;
+        Tick { time, impulse, speed, ..self.tick }
+    }
+
+    /// Ends the tick; what it has shown stays.
+    fn end_tick(&mut self) -> Outcome {
+        if self.tick.active {
+            self.refresh_values()?;
+            self.tick = Tick { active: false, ..self.present_tick() };
+        }
+        Ok(())
+    }
+
+    /// The impact law, rest or release where the present point calls for it, with inputs and parameters as set now; returns
+    /// whether states have changed. One call does all that happens at an instant; a further one does nothing.
+    ///
+    /// # Errors
+    /// [`Problem::Sequence`] before initialization; what was set and is not possible. Nothing has changed then.
+    pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<bool> {
+        self.end_tick()?;
+        let wanted = log.wants(Category::Events);
+        let mut show = |event: &Event| log.log(Category::Events, &describe(event));
+        let mut report: EventObserver = if wanted { Some(&mut show) } else { None };
+        let changed = match &mut self.engine {
+            Engine::None => return Err(Problem::Sequence { what: "the instance is not initialized" }),
+            Engine::Continuous(continuous) => continuous.handle_event(&mut |event| {
+                if let Some(report) = &mut report {
+                    report(event);
+                }
+            }),
+            Engine::Simulation(_) => self.carry_out(report)?,
+            Engine::Closed(_) => self.carry_out_form(report)?,
+        };
+        if !matches!(self.engine, Engine::Continuous(_)) {
+            (self.parameters_set, self.loads_set) = (false, false);
+        }
+        self.events.carried_out = true;
+        self.invalidate();
+        Ok(changed)
+    }
+
+    /// The same for the simulator; true where an impact has made the states jump.
+    fn carry_out(&mut self, mut report: EventObserver<'_, '_>) -> Outcome<bool> {
+        let changes = Changes {
+            parameters: self.parameters_set.then_some(&self.settings.parameters),
+            loads: self.loads_set.then_some(&self.settings.loads),
+        };
+        let Engine::Simulation(simulator) = &mut self.engine else { return Ok(false) };
+        let before = simulator.snapshot();
+        let contact = simulator.contact();
+        if let Err(error) = changes.put(simulator) {
+            // Cannot fail: it is this simulator's own.
+            let _ = simulator.restore(&before);
+            return Err(error.into());
+        }
+        let released = contact != Contact::Flight && simulator.contact() == Contact::Flight;
+        let due = simulator.apply_due_event(report.as_deref_mut());
+        if let (true, None, Some(report)) = (released, due, report) {
+            // An input has let go of the block, with no law to apply.
+            report(&Event::Release { time: simulator.time(), side: contact.side() as i8 });
+        }
+        Ok(matches!(due, Some(DueEvent::Impact { .. })))
+    }
+
+    /// The same for a steady state.
+    fn carry_out_form(&mut self, report: EventObserver<'_, '_>) -> Outcome<bool> {
+        let Engine::Closed(form) = &self.engine else { return Ok(false) };
+        let (due, next) = (form.is_due(), self.form_after_event(form, report)?);
+        self.engine = Engine::Closed(Box::new(next));
+        Ok(due)
+    }
+
+    /// The component steps on from here; an event the host has not carried out is, with a warning.
+    ///
+    /// # Errors
+    /// As [`handle_events`](Self::handle_events).
+    pub fn leave_event(&mut self, log: &mut dyn Log) -> Outcome {
+        if !self.events.carried_out {
+            self.handle_events(log)?;
+            if log.wants(Category::Warnings) {
+                let what =
+                    "the discrete states were not updated since the event, or the last set value: done now";
+                log.log(Category::Warnings, what);
+            }
+        }
+        self.phase = match self.interface {
+            super::Interface::CoSimulation => Phase::Step,
+            super::Interface::ModelExchange => Phase::Continuous,
+        };
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! The last step, kept so that its derivatives can be had when they are asked for.
+
+use super::events::Present;
+use super::{Engine, Instance};
+use crate::component::sensitivity;
+use crate::component::values::StepMatrices;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Loads, Simulator, Snapshot};
+
+/// Where the last step began, and what it took over there.
+#[derive(Clone, Debug)]
+pub(super) struct LastStep {
+    pub(super) before: Snapshot,
+    pub(super) parameters: Option<Parameters>,
+    pub(super) loads: Option<Loads>,
+}
+
+impl Instance {
+    /// Brings the derivatives over the last step up to date, with the law of an impact at its end once that is shown. Without
+    /// such a step, of a closed form, and where the motion cannot be replayed, they are those of a step without length.
+    pub(super) fn refresh_step_matrices(&mut self) {
+        if self.step_matrices.is_none() {
+            self.step_matrices = Some(self.last_step_matrices().unwrap_or_default());
+        }
+    }
+
+    fn last_step_matrices(&self) -> Option<StepMatrices> {
+        let (Some(step), Engine::Simulation(simulator)) = (&self.last_step, &self.engine) else {
+            return None;
+        };
+        let Ok(Present::Simulation(reached)) = self.present() else { return None };
+        let mut replay = Simulator::clone(simulator).without_energy_accounts();
+        replay.restore(&step.before).ok()?;
+        if let Some(parameters) = &step.parameters {
+            replay.set_parameters(parameters).ok()?;
+        }
+        if let Some(loads) = &step.loads {
+            replay.set_loads(loads).ok()?;
+        }
+        sensitivity::matrices(replay, &reached).ok()
+    }
+}

@@ -1,0 +1,86 @@
+//! What is known of the event that is to come.
+
+use super::{Engine, Instance, Interface, Outcome, SolutionMode};
+use crate::component::closed_form::ClosedForm;
+use crate::component::values::Prediction;
+use vibro_impact::model::Model;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Event, Simulator};
+
+/// How far a prediction looks, in drive periods: motions near the two-impact orbit have four impacts in it.
+const PERIODS: f64 = 2.0;
+/// The same in the fastest time constant of the system, for a drive that is very slow or stands still: what has not
+/// happened by then is not worth the time of looking for it.
+const TIME_CONSTANTS: f64 = 1e4;
+
+impl Instance {
+    /// The next event with the inputs and parameters as they are set.
+    pub fn prediction(&mut self) -> Prediction {
+        self.refresh_prediction();
+        self.prediction.unwrap_or_default()
+    }
+
+    /// Brings the prediction up to date.
+    pub(super) fn refresh_prediction(&mut self) {
+        if self.prediction.is_none() {
+            self.prediction = Some(self.predict());
+        }
+    }
+
+    /// The next impact, rest or release with the inputs and parameters as they are set. A host's solver makes its own motion,
+    /// so in Model Exchange nothing is predicted; nor is it where the motion ahead cannot be computed.
+    fn predict(&self) -> Prediction {
+        let now = self.time();
+        let horizon = now + span(&self.settings.parameters);
+        match self.next_event(horizon) {
+            Ok(Some(time)) if time <= horizon => Prediction { time: time.max(now), known: true },
+            _ => Prediction { time: horizon, known: false },
+        }
+    }
+
+    fn next_event(&self, horizon: f64) -> Outcome<Option<f64>> {
+        if self.interface == Interface::ModelExchange {
+            return Ok(None);
+        }
+        match &self.engine {
+            Engine::Simulation(simulator) if self.parameters_set || self.loads_set => {
+                let mut ahead = (**simulator).clone();
+                if self.parameters_set {
+                    ahead.set_parameters(&self.settings.parameters)?;
+                }
+                if self.loads_set {
+                    ahead.set_loads(&self.settings.loads)?;
+                }
+                time_of_next(&ahead, horizon)
+            }
+            Engine::Simulation(simulator) => time_of_next(simulator, horizon),
+            Engine::Closed(form) => time_of_impact((**form).clone(), &self.settings.parameters),
+            Engine::None if self.settings.mode == SolutionMode::EventDriven => {
+                time_of_next(&self.initial_simulator(&self.settings)?.0, horizon)
+            }
+            Engine::None => {
+                let form = ClosedForm::new(self.settings.mode, &self.settings.parameters, self.time())?;
+                Ok(Some(form.next_impact()))
+            }
+            Engine::Continuous(_) => Ok(None),
+        }
+    }
+}
+
+fn time_of_next(simulator: &Simulator, horizon: f64) -> Outcome<Option<f64>> {
+    Ok(simulator.next_event(horizon)?.map(|event| match event {
+        Event::Impact { time, .. } | Event::Rest { time, .. } | Event::Release { time, .. } => time,
+    }))
+}
+
+fn time_of_impact(mut form: ClosedForm, parameters: &Parameters) -> Outcome<Option<f64>> {
+    form.set_parameters(parameters)?;
+    Ok(Some(form.next_impact()))
+}
+
+/// How far to look, s: a finite number > 0.
+fn span(parameters: &Parameters) -> f64 {
+    let fastest = Model::new(parameters).map_or(1.0, |model| model.rate);
+    // A frequency may be -0, which is none.
+    (PERIODS * parameters.period().abs()).min(TIME_CONSTANTS / fastest)
+}

@@ -1,0 +1,166 @@
+//! How the state at the end of a step varies with that at its begin and with the loads in it: the variational equations of each
+//! smooth piece, which are its own equations without the drive, and a jump at each impact (the saltation matrix,
+//! docs/theory.md (78)).
+//!
+//! Found by replaying the step when it is asked for, so that a step itself costs nothing more. In resting contact box and block
+//! are one body: variations of their relative motion are projected out, as an impact without rebound would do it, with the
+//! momentum kept. A release changes nothing to first order, since the accelerations on both sides of it are equal.
+
+use super::values::StepMatrices;
+use vibro_impact::Error;
+use vibro_impact::flow::{Series, WHOLE, shifted};
+use vibro_impact::model::{
+    Augmented, BOX, BOX_RATE, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
+    SmoothMode,
+};
+use vibro_impact::simulator::{DueEvent, Pause, Simulator};
+
+/// Columns: six states, then value and derivatives 1 to 3 of three loads.
+const COLUMNS: usize = 6 + 12;
+/// Longest part of a piece that one series covers, times the model's rate: the remainder of 30 terms is under 1/30!.
+const REACH: f64 = 1.0;
+
+/// A variation of the state, and of the loads as polynomials from the step's begin.
+#[derive(Clone, Copy)]
+struct Column {
+    z: Augmented,
+    loads: Forces,
+}
+
+/// The derivatives over the step that `replay` begins, through as many impacts as `reached` has counted, to `reached`'s time.
+///
+/// # Errors
+/// As the replay's.
+pub(crate) fn matrices(mut replay: Simulator, reached: &Simulator) -> Result<StepMatrices, Error> {
+    let model = Model::new(replay.parameters())?;
+    let begin = replay.time();
+    let end = reached.time();
+    // An event may lie at the end but for rounding.
+    let limit = end + 4.0 * f64::EPSILON * end.abs();
+    let counted = |s: &Simulator| s.impacts().upper + s.impacts().lower;
+    let mut columns: [Column; COLUMNS] = std::array::from_fn(unit);
+    loop {
+        let (from, mode) = (replay.time(), replay.contact().mode());
+        if mode == SmoothMode::Rest {
+            columns.iter_mut().for_each(|column| merge(&mut column.z, model.block_share));
+        }
+        replay.advance_until(limit.max(from), Pause::BeforeEvent, None)?;
+        let to = replay.time().min(end.max(from));
+        propagate(&mut columns, &model, mode, (from - begin, to - begin));
+        match replay.due_event() {
+            Some(DueEvent::Impact { .. }) if counted(&replay) < counted(reached) => {
+                // The law is that of the parameters with which it was applied.
+                let law = Model::new(reached.parameters())?;
+                if replay.parameters() != reached.parameters() {
+                    replay.set_parameters(reached.parameters())?;
+                }
+                jump(&mut columns, &law, &mut replay);
+            }
+            Some(DueEvent::Release { .. }) => {
+                replay.apply_due_event(None);
+            }
+            _ => break,
+        }
+    }
+    if replay.contact().mode() == SmoothMode::Rest {
+        columns.iter_mut().for_each(|column| merge(&mut column.z, model.block_share));
+    }
+    Ok(collected(&columns))
+}
+
+/// The variation that one state or one coefficient of a load is varied by.
+fn unit(i: usize) -> Column {
+    let mut column = Column { z: [0.0; LANES], loads: [[0.0; 4]; 3] };
+    match i {
+        // x2 = x1 + w: the box alone moves against the block.
+        0 => (column.z[BOX], column.z[RELATIVE]) = (1.0, -1.0),
+        1 => column.z[RELATIVE] = 1.0,
+        2 => column.z[SECONDARY] = 1.0,
+        3 => (column.z[BOX_RATE], column.z[RELATIVE_RATE]) = (1.0, -1.0),
+        4 => column.z[RELATIVE_RATE] = 1.0,
+        5 => column.z[SECONDARY_RATE] = 1.0,
+        load => column.loads[(load - 6) / 4][(load - 6) % 4] = 1.0,
+    }
+    column
+}
+
+/// Relative motion goes over into motion of both.
+fn merge(z: &mut Augmented, block_share: f64) {
+    for (both, relative) in [(BOX, RELATIVE), (BOX_RATE, RELATIVE_RATE)] {
+        z[both] += block_share * z[relative];
+        z[relative] = 0.0;
+    }
+}
+
+/// Carries variations over a piece, its times counted from the step's begin.
+fn propagate(columns: &mut [Column; COLUMNS], model: &Model, mode: SmoothMode, (from, to): (f64, f64)) {
+    let parts = ((to - from) * model.rate / REACH).ceil().max(1.0);
+    let part = (to - from) / parts;
+    if part == 0.0 {
+        return;
+    }
+    for column in columns {
+        for i in 0..parts as usize {
+            let loads = shifted(&column.loads, from + i as f64 * part);
+            column.z = Series::<WHOLE>::expand(model, mode, &column.z, Some(&loads), part).at(1.0);
+        }
+    }
+}
+
+/// Applies the law of the impact that is due to the motion and to its variations: each comes to the stop at another time, and
+/// moves by the difference of the rates on both sides until then.
+fn jump(columns: &mut [Column; COLUMNS], model: &Model, replay: &mut Simulator) {
+    let rates = |s: &Simulator| {
+        let (z, a) = (s.augmented(), s.acceleration());
+        [z[BOX_RATE], z[RELATIVE_RATE], z[SECONDARY_RATE], a[0], a[1] - a[0], a[2]]
+    };
+    let (before, due) = (rates(replay), replay.due_event());
+    replay.apply_due_event(None);
+    let after = rates(replay);
+    let rests = replay.contact().mode() == SmoothMode::Rest;
+    let side = due.map_or(0.0, |due| f64::from(due.side()));
+    let law = |z: &mut Augmented| {
+        model.impact(z, side);
+        if rests {
+            model.merge(z);
+        }
+    };
+    // The law is linear in the rates.
+    let mut mapped = [0.0; LANES];
+    mapped[..6].copy_from_slice(&before);
+    let mut velocity = [0.0; LANES];
+    velocity[3..6].copy_from_slice(&before[3..6]);
+    law(&mut velocity);
+    mapped[3..6].copy_from_slice(&velocity[3..6]);
+    for column in columns {
+        // A touch without speed moves nothing.
+        let earlier = if before[1] == 0.0 { 0.0 } else { column.z[RELATIVE] / before[1] };
+        law(&mut column.z);
+        for (lane, (after, mapped)) in column.z.iter_mut().zip(after.iter().zip(mapped)) {
+            *lane += (after - mapped) * earlier;
+        }
+    }
+}
+
+fn collected(columns: &[Column; COLUMNS]) -> StepMatrices {
+    let mut matrices = StepMatrices::default();
+    for (i, Column { z, .. }) in columns.iter().enumerate() {
+        let state = [
+            z[BOX],
+            z[BOX] + z[RELATIVE],
+            z[SECONDARY],
+            z[BOX_RATE],
+            z[BOX_RATE] + z[RELATIVE_RATE],
+            z[SECONDARY_RATE],
+        ];
+        for (row, value) in state.into_iter().enumerate() {
+            // A grazing impact may throw a variation out of range.
+            let value = if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) };
+            match i.checked_sub(6) {
+                None => matrices.transition[row][i] = value,
+                Some(load) => matrices.response[row][load] = value,
+            }
+        }
+    }
+    matrices
+}

@@ -1,0 +1,90 @@
+//! Why a call was refused, and the status that says so.
+
+use super::states::{Function, Stage};
+use super::types::Status;
+use crate::component::log::Category;
+use crate::component::{self, Interface};
+use crate::ffi::Fault;
+
+/// Outcome of a call.
+pub type Outcome<T = ()> = Result<T, Problem>;
+
+/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's name is put before it
+/// when it is logged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The call is not allowed in this state (FMI 3.0.2, 2.3, 3.2 and 4.2).
+    #[error("not allowed in state {stage:?} of {}{}", interface.name(), way_on(*stage))]
+    State {
+        /// The state it met.
+        stage: Stage,
+        /// Interface type.
+        interface: Interface,
+    },
+    /// The component refuses.
+    #[error(transparent)]
+    Component(#[from] component::Problem),
+    /// An argument that cannot be, or a panic.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+    /// Text that is not what it must be.
+    #[error("{argument} = \"{value}\": allowed is {allowed}")]
+    Text {
+        /// The argument.
+        argument: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// Something must be done first, or is never possible.
+    #[error("{what}")]
+    Sequence {
+        /// What.
+        what: &'static str,
+    },
+    /// A variable that must not be accessed in Intermediate Update Mode (FMI 3.0.2, 4.2.2).
+    #[error("{what} in Intermediate Update Mode: allowed is {allowed}")]
+    Intermediate {
+        /// The access.
+        what: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+/// How a host gets on from a state in which little is allowed.
+fn way_on(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Terminated => ": restore a saved state or reset the instance",
+        _ => "",
+    }
+}
+
+impl Problem {
+    /// The status to return from a function. What the model cannot take as a value is discarded, with all as it was, since
+    /// the host may go on with another value (FMI 3.0.2, 2.2.3); everything else is a mistake in the call.
+    pub fn status(&self, function: Function) -> Status {
+        use component::Problem as Refusal;
+        match self {
+            Self::Fault(Fault::Panic { .. }) => Status::Fatal,
+            Self::Component(
+                Refusal::Value { .. }
+                | Refusal::Model(_)
+                | Refusal::ClosedForm { .. }
+                | Refusal::Overflow { .. },
+            ) if function.takes_values() => Status::Discard,
+            _ => Status::Error,
+        }
+    }
+
+    /// The log category of that status.
+    pub fn category(&self, function: Function) -> Category {
+        match self.status(function) {
+            Status::Discard => Category::Incomplete,
+            Status::Fatal => Category::Failures,
+            _ => Category::Refusals,
+        }
+    }
+}

@@ -1,0 +1,473 @@
+//! Partial derivatives, derivatives in time and dependencies.
+
+use super::host::*;
+use vibro_fmi::component::variables::{Causality, Edition, VARIABLES, Variability, of_edition};
+use vibro_fmi::fmi3::abi::*;
+
+const RATES: [&str; 6] =
+    ["der(box.s)", "der(block.s)", "der(secondary.s)", "box.a", "block.a", "secondary.a"];
+const OUTPUTS: [&str; 6] =
+    ["stop.s", "stop.v", "stop.force", "coupling.f", "energy.mechanical", "energy.input"];
+const INPUTS: [&str; 3] = ["box.f", "block.f", "secondary.f"];
+const TUNABLE: [&str; 9] = [
+    "box.k",
+    "box.c",
+    "secondary.k",
+    "secondary.c",
+    "coupling.k",
+    "stop.restitution",
+    "drive.amplitude",
+    "drive.frequency",
+    "drive.phase",
+];
+
+fn unknowns() -> Vec<&'static str> {
+    RATES.into_iter().chain(OUTPUTS).collect()
+}
+
+fn knowns() -> Vec<&'static str> {
+    MOTION.into_iter().chain(INPUTS).chain(TUNABLE).chain(["time"]).collect()
+}
+
+fn references(names: &[&str]) -> Vec<u32> {
+    names.iter().map(|name| vr(name)).collect()
+}
+
+/// The directional derivative.
+fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
+    let (u, k, mut y) = (references(unknowns), references(knowns), vec![f64::NAN; unknowns.len()]);
+    // SAFETY: as many elements as are said.
+    let status = unsafe {
+        fmi3GetDirectionalDerivative(
+            fmu.c,
+            u.as_ptr(),
+            u.len(),
+            k.as_ptr(),
+            k.len(),
+            seed.as_ptr(),
+            seed.len(),
+            y.as_mut_ptr(),
+            y.len(),
+        )
+    };
+    assert_eq!(status, OK, "{}", fmu.last());
+    y
+}
+
+/// The adjoint derivative.
+fn backward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
+    let (u, k, mut x) = (references(unknowns), references(knowns), vec![f64::NAN; knowns.len()]);
+    // SAFETY: as many elements as are said.
+    let status = unsafe {
+        fmi3GetAdjointDerivative(
+            fmu.c,
+            u.as_ptr(),
+            u.len(),
+            k.as_ptr(),
+            k.len(),
+            seed.as_ptr(),
+            seed.len(),
+            x.as_mut_ptr(),
+            x.len(),
+        )
+    };
+    assert_eq!(status, OK, "{}", fmu.last());
+    x
+}
+
+/// Column of one known.
+fn column(fmu: &Fmu, known: &str) -> Vec<f64> {
+    forward(fmu, &unknowns(), &[known], &[1.0])
+}
+
+/// Starts in flight and at rest at either stop.
+const CONTACTS: [&[(&str, f64)]; 3] = [
+    &[
+        ("box.s", 0.1),
+        ("block.s", 0.4),
+        ("secondary.s", -0.2),
+        ("box.v", 0.3),
+        ("block.v", -0.6),
+        ("secondary.v", 0.7),
+    ],
+    &[
+        ("box.s", 0.1),
+        ("block.s", 1.1),
+        ("secondary.s", -0.2),
+        ("box.v", 0.3),
+        ("block.v", 0.3),
+        ("block.f", 5.0),
+    ],
+    &[
+        ("box.s", 0.1),
+        ("block.s", -0.9),
+        ("secondary.s", 0.2),
+        ("box.v", 0.3),
+        ("block.v", 0.3),
+        ("block.f", -5.0),
+    ],
+];
+
+fn in_event_mode(start: &[(&str, f64)], exchange: bool) -> Fmu {
+    let fmu = if exchange { Fmu::exchange() } else { Fmu::new(TT) };
+    for (name, value) in start.iter().chain(&[("drive.phase", 0.7), ("secondary.f", 0.3)]) {
+        assert_eq!(fmu.set(name, *value), OK);
+    }
+    fmu.initialize();
+    fmu.update();
+    fmu
+}
+
+/// Everything is linear or quadratic in what is varied but the drive, so a small step leaves rounding.
+const DIFFERENCE: f64 = 1e-7;
+
+fn assert_column(name: &str, exact: &[f64], differences: &[f64]) {
+    for ((unknown, a), b) in unknowns().iter().zip(exact).zip(differences) {
+        assert!((a - b).abs() <= DIFFERENCE * (1.0 + a.abs()), "d {unknown} / d {name}: {a} {b}");
+    }
+}
+
+/// Inputs and tunable parameters, set in Event Mode, where getters follow; in both interface types and all contacts.
+#[test]
+fn second_method_inputs_and_parameters_by_differences() {
+    const STEP: f64 = 1e-4;
+    for start in CONTACTS {
+        for exchange in [true, false] {
+            let fmu = in_event_mode(start, exchange);
+            for name in INPUTS.into_iter().chain(TUNABLE) {
+                let exact = column(&fmu, name);
+                let value = fmu.get(name);
+                let at = |shift: f64| {
+                    assert_eq!(fmu.set(name, value + shift), OK, "{name}: {}", fmu.last());
+                    unknowns().iter().map(|unknown| fmu.get(unknown)).collect::<Vec<f64>>()
+                };
+                let (high, low) = (at(STEP), at(-STEP));
+                at(0.0);
+                let mut differences: Vec<f64> =
+                    high.iter().zip(&low).map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
+                if name.starts_with("drive.f") || name == "drive.phase" {
+                    // They turn the drive's phase; energies that were summed up before are the same.
+                    differences.truncate(unknowns().len());
+                }
+                assert_column(name, &exact, &differences);
+            }
+        }
+    }
+}
+
+/// States and time, between events of a host's solver.
+#[test]
+fn second_method_states_and_time_by_differences() {
+    const STEP: f64 = 1e-4;
+    for start in CONTACTS {
+        let fmu = in_event_mode(start, true);
+        // SAFETY: a live instance; six elements.
+        let (time, states) = unsafe {
+            assert_eq!(fmi3EnterContinuousTimeMode(fmu.c), OK);
+            let mut x = [0.0; 6];
+            assert_eq!(fmi3GetContinuousStates(fmu.c, x.as_mut_ptr(), 6), OK);
+            (0.05, x)
+        };
+        let at = |time: f64, states: &[f64; 6]| {
+            // SAFETY: as above.
+            unsafe {
+                assert_eq!(fmi3SetTime(fmu.c, time), OK);
+                assert_eq!(fmi3SetContinuousStates(fmu.c, states.as_ptr(), 6), OK);
+            }
+            unknowns().iter().map(|unknown| fmu.get(unknown)).collect::<Vec<f64>>()
+        };
+        let difference = |high: Vec<f64>, low: Vec<f64>| -> Vec<f64> {
+            high.iter().zip(&low).map(|(a, b)| (a - b) / (2.0 * STEP)).collect()
+        };
+        at(time, &states);
+        let exact = column(&fmu, "time");
+        assert_column("time", &exact, &difference(at(time + STEP, &states), at(time - STEP, &states)));
+        for (i, name) in MOTION.iter().enumerate() {
+            at(time, &states);
+            let exact = column(&fmu, name);
+            let [high, low] = [STEP, -STEP].map(|shift| {
+                let mut there = states;
+                there[i] += shift;
+                at(time, &there)
+            });
+            let (mut exact, mut differences) = (exact, difference(high, low));
+            if fmu.get("stop.state") != 1.0 {
+                // At rest the solver's states may leave the stop by its errors; shown is the stop.
+                (exact[6], differences[6]) = (0.0, 0.0);
+            }
+            assert_column(name, &exact, &differences);
+        }
+    }
+}
+
+/// ⟨w, J v⟩ = ⟨Jᵀ w, v⟩, and the rows of the one are the columns of the other.
+#[test]
+fn invariant_adjoint_identity() {
+    const ROUNDING: f64 = 1e-14;
+    let mut seed = 1_u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    for (start, exchange) in CONTACTS.into_iter().flat_map(|start| [(start, true), (start, false)]) {
+        let fmu = in_event_mode(start, exchange);
+        let (u, k) = (unknowns(), knowns());
+        for _ in 0..20 {
+            let v: Vec<f64> = k.iter().map(|_| random()).collect();
+            let w: Vec<f64> = u.iter().map(|_| random()).collect();
+            let (y, x) = (forward(&fmu, &u, &k, &v), backward(&fmu, &u, &k, &w));
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let size: f64 = y.iter().chain(&x).map(|x| x.abs()).sum();
+            assert!((dot(&w, &y) - dot(&x, &v)).abs() <= ROUNDING * (1.0 + size));
+        }
+        for (i, unknown) in u.iter().enumerate() {
+            let row = backward(&fmu, &[unknown], &k, &[1.0]);
+            for (known, entry) in k.iter().zip(row) {
+                assert_eq!(entry, column(&fmu, known)[i], "{unknown} {known}");
+            }
+        }
+    }
+}
+
+/// Of a closed form: parameters by differences of another order, time by the motion itself.
+#[test]
+fn second_method_of_a_closed_form() {
+    const SAME: f64 = 1e-6;
+    let fmu = Fmu::started(TT, &[("mode", 3.0)]);
+    fmu.step(0.0, 1.0);
+    for name in ["drive.amplitude", "box.c", "stop.restitution"] {
+        fmu.enter_event_mode();
+        let exact = column(&fmu, name);
+        let (value, step) = (fmu.get(name), 1e-4 * fmu.get(name));
+        let at = |shift: f64| {
+            assert_eq!(fmu.set(name, value + shift), OK);
+            ["box.a", "block.a", "secondary.a", "stop.s"].map(|unknown| fmu.get(unknown))
+        };
+        let (high, low) = (at(step), at(-step));
+        at(0.0);
+        for (i, exact) in exact[3..7].iter().enumerate() {
+            let difference = (high[i] - low[i]) / (2.0 * step);
+            assert!(
+                (exact - difference).abs() <= SAME * (1.0 + exact.abs()),
+                "{name} {i}: {exact} {difference}"
+            );
+        }
+        fmu.update();
+        fmu.enter_step_mode();
+    }
+    let exact = column(&fmu, "time");
+    assert!((exact[0] - fmu.get("box.a")).abs() < 1e-12, "der(box.s) follows time alone");
+    assert_eq!(column(&fmu, "box.f"), vec![0.0; unknowns().len()]);
+}
+
+#[test]
+fn what_is_no_unknown_or_known_is_an_error() {
+    for (unknown, known) in
+        [("box.m", "box.f"), ("stop.indicator.rest", "box.f"), ("box.a", "box.m"), ("box.a", "box.a")]
+    {
+        let fmu = in_event_mode(CONTACTS[0], true);
+        let mut y = 0.0;
+        // SAFETY: one of each.
+        let status = unsafe {
+            fmi3GetDirectionalDerivative(fmu.c, &vr(unknown), 1, &vr(known), 1, &1.0, 1, &mut y, 1)
+        };
+        assert_eq!(status, ERROR, "{unknown} {known}");
+        assert!(fmu.last().contains("has no such derivative"), "{}", fmu.last());
+    }
+    let fmu = in_event_mode(CONTACTS[0], true);
+    // SAFETY: one of each.
+    let status = unsafe {
+        fmi3GetDirectionalDerivative(fmu.c, &vr("box.a"), 1, &vr("box.f"), 1, &f64::NAN, 1, &mut 0.0, 1)
+    };
+    assert_eq!(status, DISCARD, "a value that cannot be");
+}
+
+/// In initialization: of the unknowns there, by differences of the values shown.
+#[test]
+fn second_method_in_initialization() {
+    const STEP: f64 = 1e-5; // a mass of 0.1 enters by its inverse
+    let fmu = Fmu::exchange();
+    // SAFETY: a live instance.
+    assert_eq!(unsafe { fmi3EnterInitializationMode(fmu.c, 0, 0.0, 0.0, 0, 0.0) }, OK);
+    assert_eq!(fmu.set("block.s", 0.3), OK);
+    for name in ["block.s", "box.v", "box.f", "box.k", "block.m", "coupling.k"] {
+        let exact = forward(&fmu, &["box.a", "block.a", "coupling.f"], &[name], &[1.0]);
+        let value = fmu.get(name);
+        let at = |shift: f64| {
+            assert_eq!(fmu.set(name, value + shift), OK);
+            ["box.a", "block.a", "coupling.f"].map(|unknown| fmu.get(unknown))
+        };
+        let (high, low) = (at(STEP), at(-STEP));
+        at(0.0);
+        for (i, exact) in exact.iter().enumerate() {
+            let difference = (high[i] - low[i]) / (2.0 * STEP);
+            assert!(
+                (exact - difference).abs() <= DIFFERENCE * (1.0 + exact.abs()),
+                "{name}: {exact} {difference}"
+            );
+        }
+    }
+}
+
+/// Names of all continuous outputs.
+fn continuous_outputs() -> Vec<&'static str> {
+    let outputs = VARIABLES.iter().filter(|v| {
+        v.causality == Causality::Output && v.variability == Variability::Continuous && v.unit().is_some()
+    });
+    outputs.map(|v| v.name).collect()
+}
+
+fn output_derivatives(fmu: &Fmu, name: &str) -> [f64; 4] {
+    let (r, mut values) = ([vr(name); 3], [f64::NAN; 3]);
+    // SAFETY: three of each.
+    let status =
+        unsafe { fmi3GetOutputDerivatives(fmu.c, r.as_ptr(), 3, [1, 2, 3].as_ptr(), values.as_mut_ptr(), 3) };
+    assert_eq!(status, OK, "{name}: {}", fmu.last());
+    [fmu.get(name), values[0], values[1], values[2]]
+}
+
+/// Each derivative is that of the one before it: along the motion in flight, at rest, under loads, and of closed forms.
+#[test]
+fn second_method_output_derivatives_of_all_outputs() {
+    const STEP: f64 = 1e-3;
+    // Central differences are off by a sixth of the square of the step times the third derivative.
+    const SAME: f64 = 3e-5;
+    let names = continuous_outputs();
+    assert_eq!(names.len(), 16, "{names:?}");
+    let loads: &[(&str, f64)] = &[("box.f", 0.1), ("block.f", -0.05), ("secondary.f", 0.2)];
+    let flight = [CONTACTS[0], loads].concat();
+    for start in [&flight, CONTACTS[1], CONTACTS[2], &[("mode", 2.0)], &[("mode", 3.0)]] {
+        let fmu = Fmu::started(FF, start);
+        fmu.step(0.0, 0.1);
+        let read = |time: f64| {
+            fmu.step(time, STEP);
+            names.iter().map(|name| output_derivatives(&fmu, name)).collect::<Vec<_>>()
+        };
+        let rows = [read(0.1), read(0.1 + STEP), read(0.1 + 2.0 * STEP)];
+        for (i, name) in names.iter().enumerate() {
+            for order in 0..3 {
+                let difference = (rows[2][i][order] - rows[0][i][order]) / (2.0 * STEP);
+                let exact = rows[1][i][order + 1];
+                assert!(
+                    (exact - difference).abs() <= SAME * (1.0 + exact.abs()),
+                    "{name} {}: {exact} {difference} from {start:?}",
+                    order + 1
+                );
+            }
+        }
+        assert_eq!(fmu.get("impacts.upper") + fmu.get("impacts.lower"), 0.0, "a smooth piece");
+    }
+}
+
+/// Before the event the left-sided derivatives, in Event Mode the right-sided ones.
+#[test]
+fn output_derivatives_on_both_sides_of_an_impact() {
+    let fmu = Fmu::started(TT, &[("block.s", 0.9), ("block.v", 0.5)]);
+    fmu.step(0.0, 50.0);
+    let left = output_derivatives(&fmu, "box.s");
+    assert_eq!(left[1], fmu.get("box.v"));
+    fmu.enter_event_mode();
+    let right = output_derivatives(&fmu, "box.s");
+    assert_eq!(right[1], fmu.get("box.v"));
+    assert!((left[1] - right[1]).abs() > 1e-3);
+    for (name, order) in [("box.s", 0), ("box.s", 4), ("impacts.lastTime", 1), ("box.f", 1)] {
+        let other = Fmu::started(FF, &[]);
+        // SAFETY: one of each.
+        let got = unsafe { fmi3GetOutputDerivatives(other.c, &vr(name), 1, &order, &mut 0.0, 1) };
+        assert_eq!(got, ERROR, "{name} {order}: {}", other.last());
+    }
+}
+
+/// What `fmi3GetVariableDependencies` says: element, name, kind.
+fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
+    let mut count = 99;
+    // SAFETY: one of each.
+    assert_eq!(
+        unsafe { fmi3GetNumberOfVariableDependencies(fmu.c, vr(name), &mut count) },
+        OK,
+        "{}",
+        fmu.last()
+    );
+    let (mut elements, mut references, mut others, mut kinds) =
+        (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
+    // SAFETY: as many elements as are said.
+    let status = unsafe {
+        fmi3GetVariableDependencies(
+            fmu.c,
+            vr(name),
+            elements.as_mut_ptr(),
+            references.as_mut_ptr(),
+            others.as_mut_ptr(),
+            kinds.as_mut_ptr(),
+            count,
+        )
+    };
+    assert_eq!(status, OK, "{}", fmu.last());
+    assert!(others.iter().all(|element| *element == 0) && kinds.iter().all(|kind| (1..6).contains(kind)));
+    let names = references.iter().map(|r| VARIABLES[*r as usize - 1].name);
+    elements.into_iter().zip(names).zip(kinds).map(|((element, name), kind)| (element, name, kind)).collect()
+}
+
+/// Against the derivatives: what a variable does not depend on in this contact has the derivative 0, and what it depends on
+/// has another one at this point, where nothing cancels.
+#[test]
+fn second_method_dependencies_of_the_present_contact() {
+    for (i, start) in CONTACTS.into_iter().enumerate() {
+        let fmu = in_event_mode(start, true);
+        let checked =
+            ["box.a", "block.a", "secondary.a", "stop.s", "stop.v", "stop.force", "coupling.f", "der(box.s)"];
+        for unknown in checked {
+            let listed: Vec<&str> = dependencies(&fmu, unknown).into_iter().map(|entry| entry.1).collect();
+            for known in MOTION.into_iter().chain(INPUTS).chain([
+                "time",
+                "box.k",
+                "box.c",
+                "coupling.k",
+                "drive.amplitude",
+            ]) {
+                let derivative = forward(&fmu, &[unknown], &[known], &[1.0])[0];
+                assert_eq!(
+                    derivative != 0.0,
+                    listed.contains(&known),
+                    "{unknown} on {known} in contact {i}: {derivative}"
+                );
+            }
+        }
+        let on_load = dependencies(&fmu, "box.a").iter().any(|entry| entry.1 == "block.f");
+        assert_eq!(on_load, i > 0);
+    }
+}
+
+#[test]
+fn dependencies_of_arrays_parameters_and_in_initialization() {
+    let fmu = in_event_mode(CONTACTS[0], true);
+    let places = dependencies(&fmu, "motion.s");
+    let expected = ["box.s", "block.s", "secondary.s"];
+    assert_eq!(places.len(), 3);
+    for (i, name) in expected.iter().enumerate() {
+        assert!(places.iter().any(|entry| (entry.0, entry.1) == (i + 1, *name)), "{places:?}");
+    }
+    let accelerations = dependencies(&fmu, "motion.a");
+    assert!(accelerations.iter().any(|entry| (entry.0, entry.1) == (3, "secondary.f")));
+    assert!(!accelerations.iter().any(|entry| (entry.0, entry.1) == (1, "secondary.f")));
+    assert!(dependencies(&fmu, "box.m").is_empty() && dependencies(&fmu, "box.f").is_empty());
+    // Within what is declared.
+    for (place, variable) in of_edition(Edition::Extended) {
+        let listed = dependencies(&fmu, variable.name);
+        let declared = vibro_fmi::component::structure::outputs(Edition::Extended);
+        if let Some(unknown) = declared.iter().find(|unknown| unknown.reference == place) {
+            for entry in listed {
+                assert!(unknown.dependencies.iter().any(|(r, _)| VARIABLES[*r as usize].name == entry.1));
+            }
+        }
+    }
+    let fmu = Fmu::exchange();
+    let initial = dependencies(&fmu, "box.a");
+    assert!(
+        initial.iter().any(|entry| entry.1 == "box.s")
+            && initial.iter().all(|entry| entry.2 == 5 || entry.2 == 1)
+    );
+    let mut count = 0;
+    // SAFETY: one of each.
+    assert_eq!(unsafe { fmi3GetNumberOfVariableDependencies(fmu.c, 9999, &mut count) }, ERROR);
+}

@@ -1,0 +1,11 @@
+//! FMI 3.0 through its C interface, as hosts use it.
+#![allow(unsafe_code)] // the C interface
+
+mod arguments;
+mod bits;
+mod clock;
+mod derivatives;
+mod events;
+mod exchange;
+mod host;
+mod intermediate;

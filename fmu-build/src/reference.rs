@@ -1,0 +1,293 @@
+//! Reference results in the archives, by the layered standard FMI-LS-REF 1.0.0-alpha.1 (modelica/fmi-ls-ref): results of the
+//! default experiment and of its impacts, sets of parameters, and a saved state of the settled motion.
+
+use crate::archive::Content;
+use crate::error::Result;
+use std::fmt::Write;
+use vibro::html::escape;
+use vibro_analysis::{ParameterSet, find_group};
+use vibro_fmi::component::identity::{Experiment, default_experiment};
+use vibro_fmi::component::log::{Category, Log};
+use vibro_fmi::component::variables::{Bases, reference};
+use vibro_fmi::component::{Instance, Interface, structure};
+use vibro_impact::parameters::FIELDS;
+use vibro_impact::simulator::{DueEvent, Pause};
+use vibro_impact::{Parameters, Simulator, State};
+
+/// Folder of the files in an archive.
+pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
+
+/// Version of the layered standard.
+const VERSION: &str = "1.0.0-alpha.1";
+
+/// Results that are committed, since their last digits depend on the processor that makes them.
+static DEFAULT: &str = include_str!("../../modelDescription/reference/default.csv");
+static IMPACTS: &str = include_str!("../../modelDescription/reference/impacts.csv");
+
+/// Displacements and velocities of the default motion after 1000 drive periods, m and m/s, to nine places: start values on the
+/// settled motion at drive phase zero.
+pub const SETTLED: [f64; 6] =
+    [-0.213938687, -0.150042033, 0.942518231, -0.317291698, -0.865976145, 0.163384581];
+
+/// The files by their names in the folder.
+///
+/// # Errors
+/// [`Error::Native`](crate::Error::Native) for a set of parameters that is not possible.
+pub fn files() -> Result<Content> {
+    let mut content = Content::from([
+        ("default.csv".to_owned(), DEFAULT.as_bytes().to_vec()),
+        ("impacts.csv".to_owned(), IMPACTS.as_bytes().to_vec()),
+        ("settled.state".to_owned(), settled_state()),
+    ]);
+    let sets = sets()?;
+    for set in &sets {
+        content.insert(format!("{}.ssv", set.name), set.ssv().into_bytes());
+    }
+    content.insert("fmi-ls-manifest.xml".to_owned(), manifest(&sets).into_bytes());
+    Ok(content)
+}
+
+/// What the files are, for a reader (`documentation/fmi-ls-ref.txt`).
+pub const EXPLANATION: &str = "Reference files in extra/org.fmi-standard.fmi-ls-ref (FMI-LS-REF 1.0.0-alpha.1)\n\n\
+default.csv      the default experiment: displacements to nine places, numbers of impacts so far\n\
+impacts.csv      every impact of it: two rows at its time, the states before and after the law\n\
+settled.ssv      start values on the settled motion, at drive phase zero; settled.state is an instance for Co-Simulation that was\n\
+                 initialized with them and serialized (FMI 2.0 and FMI 3.0 of this same build take it, on every platform)\n\
+figure-*.ssv     parameters of the figures of Nonlinear Dynamics 106 (2021) 81-103 as far as this reconstruction has them\n\n\
+The motion is stable: other processors differ in the last digits alone. A run to compare with: start values as they are, any\n\
+communication step, 1e-8 m.\n";
+
+/// A set of parameters, or of start values.
+struct Set {
+    name: String,
+    description: String,
+    values: Vec<(&'static str, f64)>,
+}
+
+impl Set {
+    /// As parameter set of SSP 1.0.
+    fn ssv(&self) -> String {
+        let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "<ssv:ParameterSet xmlns:ssv=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" version=\"1.0\" name=\"{}\" \
+             description=\"{}\">\n  <ssv:Parameters>",
+            self.name,
+            escape(&self.description)
+        );
+        for (name, value) in &self.values {
+            let _ = writeln!(
+                text,
+                "    <ssv:Parameter name=\"{name}\"><ssv:Real value=\"{value}\"/></ssv:Parameter>"
+            );
+        }
+        text + "  </ssv:Parameters>\n</ssv:ParameterSet>\n"
+    }
+}
+
+fn parameters(p: &Parameters) -> Vec<(&'static str, f64)> {
+    FIELDS.iter().map(|field| (field.name, (field.get)(p))).collect()
+}
+
+/// The sets: one for each figure that shows motions, by the values of `vibro reproduce`.
+fn sets() -> Result<Vec<Set>> {
+    let basic = ParameterSet::basic();
+    let set = |name: String, description: String, set: &ParameterSet| Set {
+        name,
+        description,
+        values: parameters(set.parameters()),
+    };
+    let mut sets = vec![Set {
+        name: "settled".into(),
+        description: "Start values on the settled motion of the default parameters".into(),
+        values: structure::STATES.into_iter().zip(SETTLED).collect(),
+    }];
+    sets.push(set(
+        "figure-8".into(),
+        "The basic set: symmetric motion with two impacts a period".into(),
+        &basic,
+    ));
+    for f10 in [0.6, 1.2, 2.5] {
+        let text =
+            format!("Figure 9, drive amplitude f10 = {f10}; figure 13 has f10 = 0.6, modulated motion");
+        sets.push(set(format!("figure-9-f10-{f10}"), text, &basic.with(find_group("f10")?, f10)?));
+    }
+    for f10 in [2.2, 2.44, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9] {
+        let text = format!("Figure 15, drive amplitude f10 = {f10}");
+        sets.push(set(format!("figure-15-f10-{f10}"), text, &basic.with(find_group("f10")?, f10)?));
+    }
+    for epsilon in [0.05, 0.02, 0.01, 0.005] {
+        let text = format!("Figure 17, mass ratio epsilon = {epsilon}");
+        sets.push(set(
+            format!("figure-17-epsilon-{epsilon}"),
+            text,
+            &basic.with(find_group("epsilon")?, epsilon)?,
+        ));
+    }
+    if let Ok(strong) = ParameterSet::strong() {
+        sets.push(set("figure-19".into(), "Strong coupling; numbers of this program's own".into(), &strong));
+    }
+    Ok(sets)
+}
+
+/// `fmi-ls-manifest.xml`.
+fn manifest(sets: &[Set]) -> String {
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiReferences xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\" \
+         fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" fmi-ls:fmi-ls-version=\"{VERSION}\" \
+         fmi-ls:fmi-ls-description=\"Layered Standard providing information on related files included in an FMU.\">\n"
+    );
+    let results = [
+        (
+            "text/csv",
+            "default.csv",
+            "result",
+            "Displacements and counts of impacts in the default experiment",
+        ),
+        (
+            "text/csv",
+            "impacts.csv",
+            "result",
+            "States before and after every impact of the default experiment",
+        ),
+        (
+            "application/octet-stream",
+            "settled.state",
+            "serialized-state",
+            "Co-Simulation instance on the settled motion, for every platform",
+        ),
+        ("text/plain", "../../documentation/fmi-ls-ref.txt", "document", "What these files are"),
+    ];
+    let mut related = |kind: &str, source: &str, role: &str, description: &str| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "  <Related type=\"{kind}\" source=\"{source}\" role=\"{role}\" description=\"{}\"/>",
+            escape(description)
+        );
+    };
+    for (kind, source, role, description) in results {
+        related(kind, source, role, description);
+    }
+    for set in sets {
+        let source = format!("{}.ssv", set.name);
+        related("application/x-ssp-parameter-set", &source, "parameter", &set.description);
+    }
+    text + "</fmiReferences>\n"
+}
+
+/// Takes no messages.
+struct Silent;
+
+impl Log for Silent {
+    fn wants(&self, _: Category) -> bool {
+        false
+    }
+    fn log(&mut self, _: Category, _: &str) {}
+}
+
+/// A serialized instance that was initialized with [`SETTLED`]. It holds no digit that a processor could have rounded otherwise.
+fn settled_state() -> Vec<u8> {
+    let mut instance = Instance::new(Interface::CoSimulation);
+    let references = structure::STATES.map(reference);
+    let made = instance
+        .set(Bases::REAL, &references, |i| SETTLED[i])
+        .and_then(|()| instance.set_experiment(None, 0.0, None))
+        .and_then(|()| {
+            instance.enter_initialization();
+            instance.exit_initialization(&mut Silent)
+        })
+        .and_then(|()| instance.save().serialize());
+    // The numbers are constants, and a test restores them.
+    made.unwrap_or_default()
+}
+
+/// The results anew, by the native library: names in the workspace → content.
+///
+/// # Errors
+/// [`Error::Native`](crate::Error::Native), which would be a mistake of ours.
+pub fn results() -> Result<Content> {
+    let file = |name: &str| format!("modelDescription/reference/{name}");
+    Ok(Content::from([
+        (file("default.csv"), default_result()?.into_bytes()),
+        (file("impacts.csv"), impact_result()?.into_bytes()),
+    ]))
+}
+
+fn simulator() -> Result<Simulator> {
+    Ok(Simulator::new(&Parameters::default(), &State::default(), 0.0)?)
+}
+
+/// Displacements to nine places, which is what processors agree on, at the reporting interval of the default experiment.
+fn default_result() -> Result<String> {
+    let Experiment { start_time, stop_time, step_size, .. } = default_experiment();
+    let mut simulator = simulator()?;
+    let mut text = String::from("time,box.s,block.s,secondary.s,impacts.upper,impacts.lower\n");
+    let steps = ((stop_time - start_time) / step_size).round() as u32;
+    for i in 0..=steps {
+        let time = start_time + f64::from(i) * step_size;
+        simulator.advance_to(time)?;
+        let ([x1, x2, x3], record) = (simulator.state().x, simulator.impacts());
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{time},{x1:.9},{x2:.9},{x3:.9},{},{}", record.upper, record.lower);
+    }
+    Ok(text)
+}
+
+/// Two rows for each impact: before and after its law.
+fn impact_result() -> Result<String> {
+    let mut simulator = simulator()?;
+    let mut text = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v\n");
+    let stop = default_experiment().stop_time;
+    while simulator.time() < stop {
+        simulator.advance_until(stop, Pause::BeforeEvent, None)?;
+        let (time, before) = (simulator.time(), simulator.state());
+        if let Some(DueEvent::Impact { .. }) = simulator.apply_due_event(None) {
+            for State { x: [x1, x2, x3], v: [v1, v2, v3] } in [before, simulator.state()] {
+                // Writing to a String cannot fail.
+                let _ = writeln!(text, "{time},{x1},{x2},{x3},{v1},{v2},{v3}");
+            }
+        }
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The motion contracts, so that what is left of the transient after 1000 periods is rounding.
+    #[test]
+    fn second_method_of_the_settled_state() {
+        const PLACES: f64 = 1e-9;
+        let mut simulator = simulator().unwrap();
+        simulator.advance_to(1000.0 * Parameters::default().period()).unwrap();
+        let State { x, v } = simulator.state();
+        for (settled, reached) in SETTLED.iter().zip([x, v].concat()) {
+            assert!((settled - reached).abs() < PLACES, "{:?}", [x, v].concat());
+        }
+        assert!(!settled_state().is_empty());
+    }
+
+    /// Every line of the committed results, as far as the places go.
+    #[test]
+    fn committed_results_are_what_is_computed() {
+        const PLACES: f64 = 2e-9;
+        for (committed, computed) in
+            [(DEFAULT, default_result().unwrap()), (IMPACTS, impact_result().unwrap())]
+        {
+            assert_eq!(
+                committed.lines().count(),
+                computed.lines().count(),
+                "run `cargo run -p fmu-build -- refresh`"
+            );
+            for (a, b) in committed.lines().zip(computed.lines()).skip(1) {
+                for (a, b) in a.split(',').zip(b.split(',')) {
+                    let (a, b): (f64, f64) = (a.parse().unwrap(), b.parse().unwrap());
+                    assert!((a - b).abs() < PLACES, "{a} {b}");
+                }
+            }
+        }
+    }
+}

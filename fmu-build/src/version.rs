@@ -1,0 +1,81 @@
+//! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for a second of FMI 3.0 with a clock. All hold one library.
+
+use crate::compile::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
+use crate::error::{Error, Result};
+use crate::{check, describe, fmi3};
+use std::path::{Path, PathBuf};
+use vibro_fmi::fmi3::description::{CLOCKED, MAIN, MODEL_IDENTIFIER};
+
+/// Which archive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    Fmi2,
+    /// FMI 3.0.
+    Fmi3,
+    /// FMI 3.0 with a clock of impacts.
+    Clocked,
+}
+
+impl Version {
+    /// Those that are always made.
+    pub const USUAL: [Self; 2] = [Self::Fmi2, Self::Fmi3];
+
+    /// What is put behind the name of the file.
+    fn suffix(self) -> &'static str {
+        match self {
+            Self::Fmi2 => "",
+            Self::Fmi3 => "-FMI3",
+            Self::Clocked => "-FMI3-clocked",
+        }
+    }
+
+    /// The version in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fmi2 => "FMI 2.0",
+            Self::Fmi3 => "FMI 3.0",
+            Self::Clocked => "FMI 3.0 with a clock",
+        }
+    }
+
+    /// Where this archive goes, beside that of FMI 2.0.
+    pub fn beside(self, fmi2: &Path) -> PathBuf {
+        let stem = fmi2.file_stem().unwrap_or_default().to_string_lossy();
+        fmi2.with_file_name(format!("{stem}{}.fmu", self.suffix()))
+    }
+
+    /// Path inside the archive of this machine's own binary.
+    pub fn own_binary(self) -> String {
+        let folder = if self == Self::Fmi2 { PLATFORM } else { PLATFORM_TUPLE };
+        format!("binaries/{folder}/{MODEL_IDENTIFIER}{SHARED_LIBRARY}")
+    }
+
+    /// `modelDescription.xml`, checked, with the date on which it was made, where there is one.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with everything that is wrong.
+    pub fn description(self, date: Option<String>) -> Result<String> {
+        let (text, problems) = match self {
+            Self::Fmi2 => {
+                let model = describe::model_description();
+                let text = describe::to_xml(&crate::schema::ModelDescription {
+                    generation_date_and_time: date,
+                    ..model
+                })?;
+                let problems = check::problems(&text)?;
+                (text, problems)
+            }
+            Self::Fmi3 | Self::Clocked => {
+                let model = fmi3::model_description(if self == Self::Fmi3 { MAIN } else { CLOCKED });
+                let text = describe::to_xml(&fmi3::schema::ModelDescription {
+                    generation_date_and_time: date,
+                    ..model
+                })?;
+                let problems = fmi3::check::problems(&text)?;
+                (text, problems)
+            }
+        };
+        if problems.is_empty() { Ok(text) } else { Err(Error::Invalid(problems)) }
+    }
+}

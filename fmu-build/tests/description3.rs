@@ -1,0 +1,127 @@
+//! The model descriptions of FMI 3.0: valid, and every own check notices what it is there for.
+
+use fmu_build::describe::to_xml;
+use fmu_build::fmi3::check::{problems, problems_of};
+use fmu_build::fmi3::schema::{Attributes, Dimension, ModelDescription, Type, Variable};
+use fmu_build::fmi3::{from_xml, model_description};
+use fmu_build::terminals;
+use vibro_fmi::component::structure::{INDICATORS, STATES};
+use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token};
+
+#[test]
+fn text_and_structs_say_the_same() {
+    for edition in [MAIN, CLOCKED] {
+        let model = model_description(edition);
+        let text = to_xml(&model).unwrap();
+        assert_eq!(from_xml(&text).unwrap(), model);
+        assert_eq!(problems(&text).unwrap(), [""; 0]);
+        assert_eq!(model.instantiation_token, instantiation_token(edition));
+    }
+    assert!(problems("<fmiModelDescription fmiVersion=\"3.0\"/>").is_err());
+}
+
+fn named<'a>(model: &'a mut ModelDescription, name: &str) -> &'a mut Attributes {
+    let variables = model.model_variables.variables.iter_mut().map(Variable::attributes_mut);
+    variables.into_iter().find(|v| v.name == name).unwrap()
+}
+
+type Damage = fn(&mut ModelDescription);
+
+/// What each check must notice, and a word of its message.
+const DAMAGES: [(&str, Damage); 33] = [
+    ("fmiVersion", |m| m.fmi_version = "3.0.2".into()),
+    ("instantiationToken", |m| m.instantiation_token.clear()),
+    ("modelIdentifier", |m| m.model_exchange.model_identifier = "3DOF".into()),
+    ("DefaultExperiment", |m| m.default_experiment.tolerance = 0.0),
+    ("does not divide", |m| m.default_experiment.step = 0.1),
+    ("m1 is defined twice", |m| named(m, "box.k").name = "m1".into()),
+    ("is not a structured name", |m| named(m, "box.k").name = "der(box".into()),
+    ("has value reference 2", |m| named(m, "box.k").value_reference = 2),
+    ("has no description", |m| named(m, "box.k").description.clear()),
+    ("is not a defined type", |m| named(m, "mode").declared_type = None),
+    ("is not a defined type", |m| named(m, "impacts.clock").declared_type = Some("Time".into())),
+    ("left to its declared type", |m| named(m, "box.m").unit = Some("m".into())),
+    ("unit kg or display unit", |m| m.unit_definitions.units.retain(|unit| unit.name != "kg")),
+    ("do not go together", |m| named(m, "box.f").initial = Some("exact".into())),
+    ("do not go together", |m| named(m, "impacts.clock").interval_variability = Some("countdown".into())),
+    ("only a Float64", |m| named(m, "impacts.upper").variability = "continuous".into()),
+    ("a start value belongs", |m| named(m, "motion.s").start = Some("0 0 0".into())),
+    ("start 2 is outside", |m| named(m, "stop.restitution").start = Some("2".into())),
+    ("start yes is outside", |m| named(m, "startOnOrbit").start = Some("yes".into())),
+    ("nominal is not positive", |m| named(m, "box.s").nominal = Some(-1.0)),
+    ("allowed are local arrays", |m| named(m, "box.a").dimensions = vec![Dimension { start: 3 }]),
+    ("allowed are local arrays", |m| named(m, "motion.s").dimensions[0].start = 0),
+    ("intermediateUpdate", |m| named(m, "impacts.lastTime").intermediate_update = Some(true)),
+    ("aliases are for what is set", |m| {
+        let aliases = named(m, "box.s").aliases.split_off(0);
+        named(m, "stop.s").aliases = aliases;
+    }),
+    ("allowed are clocks", |m| named(m, "impacts.clocked.time").clocks = Some("1".into())),
+    ("is no state", |m| named(m, "box.a").derivative = Some(75)),
+    ("another variable is the derivative", |m| named(m, "block.a").derivative = Some(22)),
+    ("reinit belongs", |m| named(m, "stop.s").reinit = Some(true)),
+    ("is missing from Output", |m| drop(m.model_structure.outputs.pop())),
+    ("does not belong in ContinuousStateDerivative", |m| {
+        m.model_structure.derivatives[0].value_reference = 22
+    }),
+    ("dependencies of", |m| m.model_structure.outputs[2].dependencies = None),
+    ("InitialUnknown: dependencies of", |m| {
+        // A factor that is fixed is known only after initialization.
+        let unknown =
+            m.model_structure.initial_unknowns.iter_mut().find(|u| u.dependencies.as_deref() == Some("11"));
+        unknown.unwrap().kinds = Some("fixed".into());
+    }),
+    ("allowed are continuous locals", |m| m.model_structure.event_indicators[0].value_reference = 15),
+];
+
+#[test]
+fn every_check_notices_its_damage() {
+    for (word, damage) in DAMAGES {
+        let mut model = model_description(CLOCKED);
+        damage(&mut model);
+        let found = problems_of(&model);
+        assert!(found.iter().any(|problem| problem.contains(word)), "{word}: {found:?}");
+    }
+}
+
+/// The order of ContinuousStateDerivative is that of the states in `fmi3GetContinuousStates` (FMI 3.0.2, 2.4.8), and the
+/// indicators' that of `fmi3GetEventIndicators`.
+#[test]
+fn states_and_indicators_are_listed_in_the_order_of_their_functions() {
+    let model = model_description(MAIN);
+    let attributes = |reference: u32| model.model_variables.variables[reference as usize - 1].attributes();
+    let states =
+        model.model_structure.derivatives.iter().map(|u| attributes(u.value_reference).derivative.unwrap());
+    let names: Vec<&str> = states.map(|state| attributes(state).name.as_str()).collect();
+    assert_eq!(names, STATES);
+    let indicators =
+        model.model_structure.event_indicators.iter().map(|u| attributes(u.value_reference).name.as_str());
+    assert_eq!(indicators.collect::<Vec<_>>(), INDICATORS);
+}
+
+/// The clock and what belongs to it stand behind everything else, and in no other description.
+#[test]
+fn the_second_description_adds_a_clock_and_nothing_else() {
+    let (main, clocked) = (model_description(MAIN), model_description(CLOCKED));
+    let (first, second) = (main.model_variables.variables, clocked.model_variables.variables);
+    assert_eq!(second[..first.len()], first);
+    let added: Vec<&str> = second[first.len()..].iter().map(|v| v.attributes().name.as_str()).collect();
+    assert!(added.iter().all(|name| name.starts_with("impacts.clock")), "{added:?}");
+    assert_ne!(
+        (main.model_name, main.instantiation_token),
+        (clocked.model_name, clocked.instantiation_token)
+    );
+    let side = |types: &[Type]| types.iter().any(|t| t.name() == "Side");
+    assert!(!side(&main.type_definitions.types) && side(&clocked.type_definitions.types));
+}
+
+/// Three bodies with displacement, velocity, acceleration and force, all of them variables that can be connected.
+#[test]
+fn every_member_of_a_terminal_exists() {
+    let xml = terminals::xml();
+    assert_eq!(terminals::members().len(), 12);
+    for member in terminals::members() {
+        assert!(xml.contains(&format!("variableName=\"{}\"", member.name)), "{}", member.name);
+    }
+    assert_eq!(xml.matches("<TerminalMemberVariable").count(), 12);
+}

@@ -1,0 +1,121 @@
+//! One periodic orbit: its impacts and multipliers as a table; gap, portrait and multipliers as a picture.
+
+use super::Study;
+use super::orbits::said;
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, BLUE, GREY, VERMILLION};
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use crate::table::{CsvRows, exact};
+use std::f64::consts::TAU;
+use vibro_analysis::ParameterSet;
+use vibro_analysis::orbits::Orbit;
+
+/// Points of a curve in a drive period.
+const SAMPLES: u32 = 400;
+
+/// The study of an orbit.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> {
+    let word = orbit.word();
+    let sign = if word.closing() > 0 { '+' } else { '-' };
+    let what = format!("the periodic orbit {word} (closing {sign}, period {}T)", word.period());
+    let stability = if orbit.is_stable() { "stable" } else { "unstable" };
+    let start = orbit.start_state();
+    let mut remarks = vec![
+        format!("{stability}: largest multiplier {:.9}", orbit.spectral_radius()),
+        format!("start: x = {:?} m, v = {:?} m/s at time 0", start.x, start.v),
+    ];
+    if others > 0 {
+        remarks
+            .push(format!("{others} other orbits of this word were found; this one is nearest to stability"));
+    }
+    let figure = Figure {
+        title: format!("Periodic orbit {word}"),
+        caption: vec![format!("{stability}; {}{}", set.caption(), said(orbit.system().loads()))],
+        panels: vec![history(orbit), portrait(orbit), multipliers(orbit)],
+        columns: 3,
+        panel: (1350, 1150),
+        shared_legend: false,
+    };
+    Ok(Study {
+        tables: vec![
+            ("orbit-impacts".into(), impact_table(orbit)?),
+            ("orbit-multipliers".into(), multiplier_table(orbit)?),
+        ],
+        figure: Some(figure),
+        ..Study::without_figure("orbit", what).with_remarks(remarks)
+    })
+}
+
+fn impact_table(orbit: &Orbit) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["impact", "stop", "phase", "approach_speed"])?;
+    let letters = orbit.word().letters();
+    for (i, ((stop, phase), speed)) in letters.iter().zip(orbit.phases()).zip(orbit.speeds()).enumerate() {
+        table.push([i.to_string(), stop.to_string(), exact(*phase), exact(*speed)])?;
+    }
+    table.text()
+}
+
+fn multiplier_table(orbit: &Orbit) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["real", "imaginary", "modulus"])?;
+    for m in orbit.multipliers() {
+        table.push([exact(m.re), exact(m.im), exact(m.norm())])?;
+    }
+    table.text()
+}
+
+/// The relative displacement over the whole period, in L, and its rate in L ω1.
+fn samples(orbit: &Orbit) -> Vec<(f64, f64, f64)> {
+    let p = orbit.system().parameters();
+    let first = orbit.phases().first().copied().unwrap_or(0.0);
+    let count = SAMPLES * orbit.word().period();
+    let speed = p.stop_gap * p.drive_frequency;
+    let at = |i: u32| {
+        let phase = first + TAU * f64::from(i) / f64::from(SAMPLES);
+        let state = orbit.state(phase);
+        (phase, (state.x[1] - state.x[0]) / p.stop_gap, (state.v[1] - state.v[0]) / speed)
+    };
+    (0..=count).map(at).collect()
+}
+
+fn history(orbit: &Orbit) -> Panel {
+    let points: Path = samples(orbit).into_iter().map(|(phase, w, _)| (phase / TAU, w)).collect();
+    let (from, to) = (points[0].0, points[points.len() - 1].0);
+    let stop = |w: f64| Layer::line("", GREY, Dash::Dotted, vec![(from, w), (to, w)]).stroke(THIN);
+    let layers = vec![stop(1.0), stop(-1.0), Layer::line("", BLUE, Dash::Solid, points)];
+    let x = Axis::over("phase of the drive (periods)", from, to);
+    Panel { title: "(a) history".into(), x, y: Axis::over("w (units of L)", -1.1, 1.1), layers }
+}
+
+fn portrait(orbit: &Orbit) -> Panel {
+    // Pieces end where the rate jumps.
+    let mut pieces: Vec<Path> = vec![Vec::new()];
+    let mut last: Option<(f64, f64)> = None;
+    for (_, w, rate) in samples(orbit) {
+        if last.is_some_and(|(before, old)| before.abs() > 0.9 && old * rate < 0.0 && w.abs() > 0.9) {
+            pieces.push(Vec::new());
+        }
+        pieces.last_mut().into_iter().for_each(|piece| piece.push((w, rate)));
+        last = Some((w, rate));
+    }
+    let layers = vec![Layer::lines("", BLUE, Dash::Solid, pieces)];
+    let title = "(b) portrait".into();
+    Panel {
+        title, x: Axis::over("w (units of L)", -1.1, 1.1), y: Axis::new("w′ (units of ω₁L)"), layers
+    }
+}
+
+fn multipliers(orbit: &Orbit) -> Panel {
+    let circle: Path =
+        (0..=200).map(|i| (TAU * f64::from(i) / 200.0).sin_cos()).map(|(s, c)| (c, s)).collect();
+    let points: Path = orbit.multipliers().iter().map(|m| (m.re, m.im)).collect();
+    let reach = points.iter().fold(1.2_f64, |most, (a, b)| most.max(1.1 * a.abs()).max(1.1 * b.abs()));
+    let layers = vec![
+        Layer::line("unit circle", GREY, Dash::Dotted, circle).stroke(THIN),
+        Layer::marks("multipliers", if orbit.is_stable() { BLACK } else { VERMILLION }, Mark::Disc, points),
+    ];
+    let axis = |label: &str| Axis::over(label, -reach, reach);
+    Panel { title: "(c) multipliers".into(), x: axis("Re μ"), y: axis("Im μ"), layers }
+}

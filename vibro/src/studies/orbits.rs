@@ -1,0 +1,257 @@
+//! Branches of periodic orbits over a parameter, with their bifurcations.
+
+use super::Study;
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
+use crate::table::{CsvRows, exact};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use vibro_analysis::ParameterSet;
+use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Span};
+
+/// Weights of X2.
+const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
+/// Longest period that has a colour of its own.
+const COLOURED: usize = FAMILY.len();
+/// Most special points with a mark in the picture: more would cover the branches.
+const MARKED: usize = 150;
+
+/// Marks of special points.
+const MARKS: [(Label, &str, Mark); 7] = [
+    (Label::Fold, "LP fold", Mark::Disc),
+    (Label::BranchPoint, "BP branch point", Mark::Square),
+    (Label::PeriodDoubling, "PD period doubling", Mark::Triangle),
+    (Label::NeimarkSacker, "NS Neimark–Sacker", Mark::Cross),
+    (Label::Grazing, "GR touch", Mark::Ring),
+    (Label::Chatter, "CH chatter", Mark::Cross),
+    (Label::NoConvergence, "MX not followed on", Mark::Cross),
+];
+
+/// The study of branches over the one parameter of a family: `branches`, `special-points` and a picture.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Result<Study> {
+    let span = *family.span();
+    let tops: Vec<Vec<f64>> = branches.par_iter().map(|b| largest(family, b)).collect();
+    let specials = branches.iter().flat_map(|b| &b.points).filter(|p| p.special.is_some()).count();
+    let points: usize = branches.iter().map(|b| b.points.len()).sum();
+    let what = format!("{} branches of periodic orbits over {}", branches.len(), span.name.symbol());
+    let figure = Figure {
+        title: format!("Periodic orbits over {}", span.name.symbol()),
+        caption: vec![
+            "Full: stable; dashed: unstable. One colour for each period.".into(),
+            format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(family.loads())),
+        ],
+        panels: vec![panel(&span, branches, &tops)],
+        columns: 1,
+        panel: (2900, 1700),
+        shared_legend: false,
+    };
+    Ok(Study {
+        tables: vec![
+            ("branches".into(), branch_table(&span, branches, &tops)?),
+            ("special-points".into(), special_table(&span, branches)?),
+        ],
+        figure: Some(figure),
+        ..Study::without_figure("orbits", what).with_remarks(remarks(branches, points, specials))
+    })
+}
+
+/// The loads in words.
+pub(super) fn said(loads: ConstantLoads) -> String {
+    let named = ConstantLoads::NAMES.into_iter().zip(loads.forces).filter(|(_, f)| *f != 0.0);
+    named.map(|(name, f)| format!(", {name} = {f} N")).collect()
+}
+
+/// The largest X2 at each point, without loads of the orbit or of its mirror image, which is an orbit too; NaN where there is none,
+/// which is left out everywhere.
+fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
+    let own = branch.maxima(family, BLOCK);
+    let mirror = if family.loads() == ConstantLoads::NONE { BLOCK.map(|w| -w) } else { BLOCK };
+    let image = branch.maxima(family, mirror);
+    let first = |all: &Vec<f64>| all.first().copied().unwrap_or(f64::NAN);
+    own.iter().zip(&image).map(|(a, b)| first(a).max(first(b))).collect()
+}
+
+fn remarks(branches: &[Branch], points: usize, specials: usize) -> Vec<String> {
+    let mut labels: BTreeMap<&str, usize> = BTreeMap::new();
+    for label in branches.iter().flat_map(|b| b.points.iter().filter_map(|p| p.label())) {
+        *labels.entry(label.name()).or_default() += 1;
+    }
+    let counts: Vec<String> = labels.iter().map(|(label, count)| format!("{count} {label}")).collect();
+    let stable = branches.iter().filter(|b| b.points.iter().any(|p| p.stable)).count();
+    vec![
+        format!("{points} orbits, each certified; {stable} branches are stable somewhere"),
+        format!("{specials} special points: {}", counts.join(", ")),
+    ]
+}
+
+fn closing(branch: &Branch) -> &'static str {
+    if branch.word.closing() > 0 { "+" } else { "-" }
+}
+
+/// Text of a number that may be missing.
+fn or_empty(value: f64) -> String {
+    if value.is_finite() { exact(value) } else { String::new() }
+}
+
+/// Every point of every branch, in the manner of AUTO's b-files.
+fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<Vec<u8>> {
+    let name = span.name.name();
+    let mut table = CsvRows::new([
+        "branch",
+        "parent",
+        "point",
+        "label",
+        name,
+        "period",
+        "word",
+        "closing",
+        "stable",
+        "multiplier",
+        "X2_max",
+        "phase",
+        "flights",
+    ])?;
+    for (branch, tops) in branches.iter().zip(tops) {
+        let parent = branch.parent.map_or(String::new(), |(id, point)| format!("{id}:{point}"));
+        for (i, (point, top)) in branch.points.iter().zip(tops).enumerate() {
+            let ends = point.phases.iter().skip(1).copied();
+            let last = point.phases.first().map(|first| first + branch.word.span());
+            let flights = point.phases.iter().zip(ends.chain(last)).map(|(a, b)| exact(b - a));
+            table.push([
+                branch.id.to_string(),
+                parent.clone(),
+                i.to_string(),
+                point.label().map_or("", Label::name).into(),
+                exact(point.value),
+                branch.word.period().to_string(),
+                branch.word.to_string(),
+                closing(branch).into(),
+                point.stable.to_string(),
+                or_empty(point.multipliers[0].norm()),
+                or_empty(*top),
+                point.phases.first().map_or(String::new(), |p| exact(*p)),
+                flights.collect::<Vec<_>>().join(" "),
+            ])?;
+        }
+    }
+    table.text()
+}
+
+/// The special points alone, with what another study needs to start from them.
+fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new([
+        "label",
+        "branch",
+        "point",
+        "parameter",
+        "value",
+        "word",
+        "closing",
+        "period",
+        "longer_word",
+        "turns",
+        "stable_before",
+        "stable_after",
+        "phases",
+    ])?;
+    for branch in branches {
+        for (i, point) in branch.points.iter().enumerate() {
+            let Some(special) = &point.special else { continue };
+            let (before, after) = branch.stability_around(i);
+            let turns = match special.fold {
+                Some(true) => "fold",
+                Some(false) => "through",
+                None => "",
+            };
+            let phases: Vec<String> = point.phases.iter().map(|p| exact(*p)).collect();
+            table.push([
+                special.label.name().into(),
+                branch.id.to_string(),
+                i.to_string(),
+                span.name.name().into(),
+                format!("{:.15}", point.value),
+                branch.word.to_string(),
+                closing(branch).into(),
+                branch.word.period().to_string(),
+                special.longer.as_ref().map_or(String::new(), ToString::to_string),
+                turns.into(),
+                before.to_string(),
+                after.to_string(),
+                phases.join(" "),
+            ])?;
+        }
+    }
+    table.text()
+}
+
+/// The colour of a period.
+fn colour(period: u32) -> Colour {
+    FAMILY.get(period as usize - 1).copied().unwrap_or(GREY)
+}
+
+/// Pieces of branches by period, and stable or not.
+type Pieces = BTreeMap<(u32, bool), Vec<Path>>;
+
+fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> Pieces {
+    let mut found = Pieces::new();
+    for (branch, tops) in branches.iter().zip(tops) {
+        let mut state = None;
+        for (pair, tops) in branch.points.windows(2).zip(tops.windows(2)) {
+            if tops.iter().any(|t| !t.is_finite()) {
+                state = None;
+                continue;
+            }
+            let stable = pair[0].stable;
+            let all = found.entry((branch.word.period().min(COLOURED as u32 + 1), stable)).or_default();
+            if state != Some(stable) {
+                all.push(vec![(pair[0].value, tops[0])]);
+                state = Some(stable);
+            }
+            all.last_mut().into_iter().for_each(|path| path.push((pair[1].value, tops[1])));
+        }
+    }
+    found
+}
+
+fn panel(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Panel {
+    let mut unstable = Vec::new();
+    let mut stable = Vec::new();
+    let mut periods: Vec<u32> = Vec::new();
+    for ((period, is_stable), paths) in pieces(branches, tops) {
+        if !periods.contains(&period) {
+            periods.push(period);
+        }
+        if is_stable {
+            stable.push(Layer::lines("", colour(period), Dash::Solid, paths).stroke(LINE + 2));
+        } else {
+            unstable.push(Layer::lines("", colour(period), Dash::Dashed, paths).stroke(THIN));
+        }
+    }
+    let mut layers = unstable;
+    layers.extend(stable);
+    for period in periods {
+        let more = period as usize > COLOURED;
+        let name = if more { "longer".into() } else { format!("{period}T") };
+        layers.push(Layer::lines(&name, colour(period), Dash::Solid, Vec::new()));
+    }
+    let marked = |label: Label| -> Path {
+        let points = branches.iter().zip(tops).flat_map(|(b, tops)| b.points.iter().zip(tops));
+        points
+            .filter(|(p, t)| p.label() == Some(label) && t.is_finite())
+            .map(|(p, t)| (p.value, *t))
+            .collect()
+    };
+    let all: usize = MARKS.iter().map(|(label, ..)| marked(*label).len()).sum();
+    for (label, name, mark) in MARKS {
+        let points = marked(label);
+        if !points.is_empty() && all <= MARKED {
+            layers.push(Layer::marks(name, BLACK, mark, points).stroke(9));
+        }
+    }
+    let x = Axis::over(span.name.label(), span.from, span.to);
+    Panel { title: String::new(), x, y: Axis::new("largest X₂ (units of L)"), layers }
+}
