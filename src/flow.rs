@@ -10,6 +10,7 @@ use crate::model::{
     SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::simd::{PADDED, Rows, product, row};
+use pulp::Simd;
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;
@@ -132,40 +133,65 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// The polynomial's values at the ends of the intervals of [0, 1].
+/// [`polynomial`] with one coefficient for each order at the ends of the intervals of [0, 1], and with its bits for an even number N
+/// of orders: no operation is fused. The ends lie side by side in vectors.
 #[inline(always)]
-fn at_interval_ends<const N: usize>(coefficients: &[[f64; 1]; N]) -> [f64; INTERVALS] {
-    let ends: [f64; INTERVALS] = std::array::from_fn(|i| (i as f64 + 1.0) / INTERVALS as f64);
-    at_places(coefficients, &ends).map(|[value]| value)
+fn at_interval_ends<S: Simd, const N: usize>(simd: S, coefficients: &[f64; N]) -> [f64; INTERVALS] {
+    const { assert!(N.is_multiple_of(2)) };
+    let mut ends = [0.0; INTERVALS];
+    for (i, end) in ends.iter_mut().enumerate() {
+        *end = (i as f64 + 1.0) / INTERVALS as f64;
+    }
+    let mut values = [0.0; INTERVALS];
+    for (u, value) in S::as_simd_f64s(&ends).0.iter().zip(S::as_mut_simd_f64s(&mut values).0) {
+        let square = simd.mul_f64s(*u, *u);
+        let (mut even, mut odd) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
+        for pair in coefficients.as_chunks::<2>().0.iter().rev() {
+            even = simd.add_f64s(simd.mul_f64s(even, square), simd.splat_f64s(pair[0]));
+            odd = simd.add_f64s(simd.mul_f64s(odd, square), simd.splat_f64s(pair[1]));
+        }
+        *value = simd.add_f64s(even, simd.mul_f64s(*u, odd));
+    }
+    values
 }
 
-/// [`polynomial`] at M places, with its bits for an even number N of coefficients. The places' chains of operations run side by side in
-/// vectors, where one alone would wait for each of its sums.
+/// [`polynomial`] of augmented states at [`PLACES`] places, likewise with its bits. The places' chains of operations run side by side,
+/// where one alone would wait for each of its sums.
 #[inline(always)]
-fn at_places<const N: usize, const W: usize, const M: usize>(
-    coefficients: &[[f64; W]; N],
-    u: &[f64; M],
-) -> [[f64; W]; M] {
+fn at_places<S: Simd, const N: usize>(
+    simd: S,
+    coefficients: &[Augmented; N],
+    places: &[f64; PLACES],
+) -> [Augmented; PLACES] {
     const { assert!(N.is_multiple_of(2)) };
-    let square = u.map(|u| u * u);
-    let (mut even, mut odd) = ([[0.0; W]; M], [[0.0; W]; M]);
-    for pair in coefficients.as_chunks::<2>().0.iter().rev() {
-        for (i, square) in square.iter().enumerate() {
-            for j in 0..W {
-                odd[i][j] = odd[i][j] * square + pair[1][j];
-                even[i][j] = even[i][j] * square + pair[0][j];
+    let zero = simd.splat_f64s(0.0);
+    let mut states = [[0.0; LANES]; PLACES];
+    for v in 0..LANES / S::F64_LANES {
+        let (mut even, mut odd) = ([zero; PLACES], [zero; PLACES]);
+        for pair in coefficients.as_chunks::<2>().0.iter().rev() {
+            let (low, high) = (S::as_simd_f64s(&pair[0]).0[v], S::as_simd_f64s(&pair[1]).0[v]);
+            for (i, u) in places.iter().enumerate() {
+                let square = simd.splat_f64s(u * u);
+                even[i] = simd.add_f64s(simd.mul_f64s(even[i], square), low);
+                odd[i] = simd.add_f64s(simd.mul_f64s(odd[i], square), high);
             }
         }
+        for (i, u) in places.iter().enumerate() {
+            let value = simd.add_f64s(even[i], simd.mul_f64s(simd.splat_f64s(*u), odd[i]));
+            S::as_mut_simd_f64s(&mut states[i]).0[v] = value;
+        }
     }
-    std::array::from_fn(|i| std::array::from_fn(|j| even[i][j] + u[i] * odd[i][j]))
+    states
 }
 
-/// The places of the interval centres on [0, 1], a few at a time, so that their sums fit into registers.
-const CENTRES: [[f64; 4]; INTERVALS / 4] = {
-    let mut places = [[0.0; 4]; INTERVALS / 4];
+/// So many places at a time: their sums fit into registers.
+const PLACES: usize = 4;
+/// The places of the interval centres on [0, 1].
+const CENTRES: [[f64; PLACES]; INTERVALS / PLACES] = {
+    let mut places = [[0.0; PLACES]; INTERVALS / PLACES];
     let mut i = 0;
     while i < INTERVALS {
-        places[i / 4][i % 4] = (i as f64 + 0.5) / INTERVALS as f64;
+        places[i / PLACES][i % PLACES] = (i as f64 + 0.5) / INTERVALS as f64;
         i += 1;
     }
     places
@@ -279,19 +305,22 @@ pub struct RateTable {
 
 impl RateTable {
     /// The table of the displacement with the weights a, b, c over a sub-step `h`.
-    pub fn new(model: &Model, weights: &[f64; 3], h: f64) -> Self {
+    #[inline(always)]
+    pub fn new<S: Simd>(simd: S, model: &Model, weights: &[f64; 3], h: f64) -> Self {
         let mut table = Self { sample: [[0.0; INTERVALS]; CORE], bound: [0.0; CORE] };
         for c in 0..CORE {
             let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, h);
-            let mut rate = [[0.0]; WHOLE];
+            let mut rate = [0.0; WHOLE];
             for (value, lane) in rate.iter_mut().zip(&series.lanes) {
-                *value = [weighted_sum(weights, lane, BOX_RATE)];
+                *value = weighted_sum(weights, lane, BOX_RATE);
             }
-            table.sample[c] = at_interval_ends(&rate);
-            for z in CENTRES.map(|places| at_places(&series.lanes, &places)).into_iter().flatten() {
-                let centre = Column { z, ..Column::unit(c) };
-                let jerk = centre.rate(model, SmoothMode::Flight).rate(model, SmoothMode::Flight).z;
-                table.bound[c] = table.bound[c].max(weighted_sum(weights, &jerk, BOX_RATE).abs());
+            table.sample[c] = at_interval_ends(simd, &rate);
+            for places in &CENTRES {
+                for z in at_places(simd, &series.lanes, places) {
+                    let centre = Column { z, ..Column::unit(c) };
+                    let jerk = centre.rate(model, SmoothMode::Flight).rate(model, SmoothMode::Flight).z;
+                    table.bound[c] = table.bound[c].max(weighted_sum(weights, &jerk, BOX_RATE).abs());
+                }
             }
         }
         table.bound = spread(model, SmoothMode::Flight, table.bound, 0.5 * h / INTERVALS as f64);
@@ -380,27 +409,28 @@ impl<const C: usize> Table<C> {
 
     /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the loads).
     #[inline(always)]
-    fn propagate(&mut self, model: &Model, mode: SmoothMode, first: usize, h: f64) {
+    fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
         for c in 0..C {
             let start = Column::unit(first + c);
             let series =
                 Series::<WHOLE>::expand(model, mode, &start.z, (first > 0).then_some(&start.forces), h);
-            let mut functional = [[0.0]; WHOLE];
+            let mut functional = [0.0; WHOLE];
             for (k, value) in functional.iter_mut().enumerate() {
                 *value = match mode {
-                    SmoothMode::Flight => [series.lanes[k][RELATIVE]],
-                    SmoothMode::Rest => [series.free[k]],
+                    SmoothMode::Flight => series.lanes[k][RELATIVE],
+                    SmoothMode::Rest => series.free[k],
                 };
             }
-            self.sample[c] = at_interval_ends(&functional);
-            let states = CENTRES.map(|places| at_places(&series.lanes, &places));
-            for (i, z) in states.into_iter().flatten().enumerate() {
-                let mid = (i as f64 + 0.5) / INTERVALS as f64;
-                let centre = Column { z, forces: shifted(&start.forces, mid * h) };
-                let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
-                self.peak[c] = self.peak[c].max(second.abs());
-                self.centre[i][c] = centre.z;
+            self.sample[c] = at_interval_ends(simd, &functional);
+            for (places, centres) in CENTRES.iter().zip(self.centre.chunks_exact_mut(PLACES)) {
+                let states = at_places(simd, &series.lanes, places);
+                for ((mid, z), there) in places.iter().zip(states).zip(centres) {
+                    let centre = Column { z, forces: shifted(&start.forces, mid * h) };
+                    let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
+                    self.peak[c] = self.peak[c].max(second.abs());
+                    there[c] = centre.z;
+                }
             }
             self.full[c] = series.at(1.0);
         }
@@ -440,8 +470,8 @@ impl<const C: usize> Table<C> {
 impl Table<CORE> {
     /// The table of state and drive for `mode` over a sub-step `h`.
     #[inline(always)]
-    pub fn fill(&mut self, model: &Model, mode: SmoothMode, h: f64) {
-        self.propagate(model, mode, 0, h);
+    pub fn fill<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, h: f64) {
+        self.propagate(simd, model, mode, 0, h);
         self.bound = spread(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
     }
 }
@@ -449,7 +479,7 @@ impl Table<CORE> {
 impl Table<LOAD> {
     /// The table of the load coefficients, beside the `core` of the same mode and sub-step.
     pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
-        self.propagate(model, mode, CORE, h);
+        self.propagate(pulp::Scalar, model, mode, CORE, h);
         let mut peak = [0.0; CORE + LOAD];
         peak[..CORE].copy_from_slice(&core.peak);
         peak[CORE..].copy_from_slice(&self.peak);

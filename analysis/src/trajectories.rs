@@ -3,7 +3,7 @@
 use super::attractor::{Attractor, OBSERVED, StroboscopicRecord};
 use super::error::Result;
 use super::maxima::Displacement;
-use super::stroboscopic::dimensionless;
+use super::stroboscopic::Units;
 use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{
@@ -62,7 +62,7 @@ pub struct Workspace {
 struct LaneRecord {
     /// The motion's number.
     number: usize,
-    parameters: Parameters,
+    units: Units,
     stage: Stage,
     stroboscopic: StroboscopicRecord,
     maxima: Vec<f64>,
@@ -173,7 +173,8 @@ impl MotionQueue for Motions<'_> {
             let record = &mut self.lanes[lane];
             record.maxima.clear();
             record.stroboscopic.clear();
-            (record.number, record.parameters, record.stage) = (number, parameters, Stage::Discarding);
+            record.units = Units::of(&parameters);
+            (record.number, record.stage) = (number, Stage::Discarding);
             let end = f64::from(self.program.discard) * parameters.period();
             return Some(Plan { simulator: lane, end, reports: None });
         }
@@ -181,7 +182,7 @@ impl MotionQueue for Motions<'_> {
 
     fn sample(&mut self, lane: usize, number: u32, state: &State) {
         let record = &mut self.lanes[lane];
-        record.stroboscopic.sample(number, dimensionless(&record.parameters, state));
+        record.stroboscopic.sample(number, record.units.dimensionless(state));
     }
 
     fn event(&mut self, lane: usize, event: &Event) {

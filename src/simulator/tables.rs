@@ -39,9 +39,9 @@ impl ModeTables {
             type Output = ();
 
             #[inline(always)]
-            fn with_simd<S: pulp::Simd>(self, _simd: S) {
+            fn with_simd<S: pulp::Simd>(self, simd: S) {
                 let Self(tables, model, substep) = self;
-                tables.core.fill(model, SmoothMode::Flight, substep);
+                tables.core.fill(simd, model, SmoothMode::Flight, substep);
                 tables.local.fill(&tables.core, model, substep);
             }
         }
@@ -75,7 +75,7 @@ impl Simulator {
                 }
                 let tables = Arc::make_mut(tables);
                 if !tables.core_ready {
-                    tables.core.fill(&self.model, mode, self.substep);
+                    tables.core.fill(pulp::Scalar, &self.model, mode, self.substep);
                     tables.core_ready = true;
                 }
                 if !tables.load_ready {

@@ -5,6 +5,7 @@
 //! is not free flight, is computed for each motion alone with the code of [`step`](super::super::step). Which of the two
 //! computes a sub-step is decided by the motion's own state, so its result does not depend on its neighbours.
 
+mod centres;
 mod maxima;
 mod passage;
 mod report;
@@ -18,11 +19,12 @@ use crate::error::Result;
 use crate::model::{Augmented, RELATIVE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
+use centres::Centres;
 use pulp::Simd;
 use report::{Piece, Reporter};
 use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
-use substep::Progress;
+use substep::{Progress, SearchedIntervals};
 
 /// cos θ and sin θ are computed anew from the extended phase after this many sub-steps in a lane. The other coordinates are
 /// never renewed, and in so many sub-steps these two collect no more round-off than they do.
@@ -49,6 +51,8 @@ impl pulp::WithSimd for Lanes<'_> {
             simulator_of: [0; ROW],
             systems: Box::new(LaneSystems::zero()),
             states: Box::new(LaneStates::zero()),
+            searched: Box::new(SearchedIntervals::zero(simd)),
+            samples: Box::new(Centres::new(simd)),
             starts: Box::new(SubstepStarts::ZERO),
             active: 0,
             reporting: 0,
@@ -84,6 +88,9 @@ struct Rounds<'a> {
     simulator_of: [usize; ROW],
     systems: Box<LaneSystems>,
     states: Box<LaneStates>,
+    searched: Box<SearchedIntervals>,
+    /// The states at the centres of the intervals in which samples lie.
+    samples: Box<Centres>,
     starts: Box<SubstepStarts>,
     /// The lanes that have a motion, those of them that report, and those that look for maxima.
     active: LaneSet,
@@ -100,7 +107,8 @@ impl Rounds<'_> {
             self.renew(lane);
         }
         let sets = (self.active, self.reporting);
-        let done = substep::flight_substep(simd, &self.systems, &mut self.states, sets, &mut self.starts);
+        let Self { systems, states, searched, starts, .. } = self;
+        let done = substep::flight_substep(simd, systems, states, searched, sets, starts);
         self.used.rounds += 1;
         self.used.occupied += u64::from(self.active.count_ones());
         self.used.substeps += u64::from(done.moved.count_ones());
@@ -108,7 +116,7 @@ impl Rounds<'_> {
             report_apart(simd, self, &done);
         }
         for lane in lanes_of(done.unproved | done.at_stop) {
-            let touched = (done.at_stop >> lane & 1 != 0).then_some(done.side.0[lane]);
+            let touched = (done.at_stop >> lane & 1 != 0).then_some(self.searched.side.0[lane]);
             let simulator = &mut self.work.simulators[self.simulator_of[lane]];
             let Some(motion) = &mut self.motions[lane] else { continue };
             self.states.store_state(lane, simulator, &mut motion.advance);

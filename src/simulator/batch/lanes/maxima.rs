@@ -13,6 +13,7 @@ use crate::model::{Augmented, BOX, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, Smo
 use crate::numerics::simd::{product, value, weigh};
 use crate::simulator::Simulator;
 use crate::simulator::batch::queue::Maximum;
+use crate::simulator::batch::vectors::{Row, Wide};
 use pulp::Simd;
 
 /// Follows the sign of a displacement's rate along a motion.
@@ -20,7 +21,7 @@ pub(super) struct MaximumFinder {
     /// Weights of x1, w and x3: with x2 = x1 + w, docs/theory.md (5).
     weights: [f64; 3],
     rising: bool,
-    table: Box<RateTable>,
+    table: RateTable,
 }
 
 impl MaximumFinder {
@@ -28,7 +29,7 @@ impl MaximumFinder {
     pub(super) fn new(simulator: &Simulator, [a, b, c]: [f64; 3]) -> Self {
         let weights = [a + b, b, c];
         let rising = weighted_sum(&weights, &simulator.augmented(), BOX_RATE) > 0.0;
-        let table = Box::new(RateTable::new(&simulator.model, &weights, simulator.substep));
+        let table = rate_table(&simulator.model, &weights, simulator.substep);
         Self { weights, rising, table }
     }
 
@@ -69,31 +70,32 @@ impl MaximumFinder {
         let h = simulator.interval();
         // Between the ends of an interval the rate lies within this of its chord.
         let margin = 0.125 * h * h * weigh::<S>(z, &self.table.bound);
-        let rates = product(simd, &self.table.sample, z);
-        let mut before = weighted_sum(&self.weights, z, BOX_RATE);
+        let start = weighted_sum(&self.weights, z, BOX_RATE);
+        let rates = Row(product(simd, &self.table.sample, z));
         // A sub-step may end a little beyond its last interval.
         let count = ((span / h).ceil() as usize).clamp(1, INTERVALS);
-        for (i, &after) in rates.iter().enumerate().take(count) {
-            let ends = [before, after];
-            before = after;
-            let last = i + 1 == count;
-            let sign = if self.rising { 1.0 } else { -1.0 };
-            if ends.iter().all(|rate| sign * rate > margin) && !(last && (i as f64 + 1.0) * h < span) {
-                continue;
+        let last = count - 1;
+        let [mut above, mut below] = clear_of_zero(simd, start, &rates, margin);
+        if count as f64 * h < span {
+            (above, below) = (above & !(1 << last), below & !(1 << last));
+        }
+        let mut i = 0;
+        loop {
+            let clear = if self.rising { above } else { below };
+            i += (!clear >> i).trailing_zeros() as usize;
+            if i >= count {
+                break;
             }
+            let (before, after) = (if i == 0 { start } else { rates.0[i - 1] }, rates.0[i]);
             // A rate that goes up by more than four margins rises throughout, so that it passes zero once. Where that is in a
             // whole interval, the minimum need not be found.
-            if !self.rising && !last && ends[0] < 0.0 && ends[1] > 0.0 && ends[1] - ends[0] > 4.0 * margin {
+            if !self.rising && i != last && before < 0.0 && after > 0.0 && after - before > 4.0 * margin {
                 self.rising = true;
-                continue;
+            } else {
+                let end = if i == last { span } else { (i as f64 + 1.0) * h };
+                self.search_interval(simulator, z, (i, end), time, found);
             }
-            self.search_interval(
-                simulator,
-                z,
-                (i, if last { span } else { (i as f64 + 1.0) * h }),
-                time,
-                found,
-            );
+            i += 1;
         }
     }
 
@@ -160,6 +162,34 @@ impl MaximumFinder {
             self.rising = rate > 0.0;
         }
     }
+}
+
+/// The intervals of a sub-step, the first one's bit the lowest, at both of whose ends the rate is above `margin`, and those at both of
+/// whose ends it is below minus `margin`.
+#[inline(always)]
+fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &Row, margin: f64) -> [u64; 2] {
+    let (mut above, mut below) = (u64::from(start > margin), u64::from(-start > margin));
+    let margin = Wide::splat(simd, margin);
+    for v in 0..Row::vectors::<S>() {
+        let rate = Wide::load(simd, rates, v);
+        above |= margin.less_than(rate).bits() << (v * S::F64_LANES + 1);
+        below |= margin.less_than(-rate).bits() << (v * S::F64_LANES + 1);
+    }
+    [above & above >> 1, below & below >> 1]
+}
+
+/// The table of a displacement's rate, by the best instruction set at hand.
+fn rate_table(model: &Model, weights: &[f64; 3], substep: f64) -> RateTable {
+    struct Fill<'a>(&'a Model, &'a [f64; 3], f64);
+    impl pulp::WithSimd for Fill<'_> {
+        type Output = RateTable;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> RateTable {
+            RateTable::new(simd, self.0, self.1, self.2)
+        }
+    }
+    pulp::Arch::new().dispatch(Fill(model, weights, substep))
 }
 
 /// Terms of a series over a time of at most 1.2 over the model's rate: the remainder is 1.2²⁰/20! < 2e-17.

@@ -167,7 +167,7 @@ impl Rounds<'_> {
             let states = &self.states;
             let event = Event::Impact {
                 time: states.last_time.0[lane],
-                side: done.side.0[lane] as i8,
+                side: self.searched.side.0[lane] as i8,
                 speed: states.last_speed.0[lane],
                 impulse: states.last_impulse.0[lane],
             };
@@ -197,23 +197,20 @@ impl Rounds<'_> {
     /// differs from lane to lane, the flights of all lanes are expanded side by side.
     #[inline(always)]
     fn take_samples<S: Simd>(&mut self, simd: S, due: u64) {
-        let (mut centres, mut places) = ([Row::ZERO; 8], Row::ZERO);
+        let mut places = Row::ZERO;
         for lane in lanes_of(due) {
             let dt =
                 (self.states.next_sample.0[lane] - self.starts.time[0].0[lane]) - self.starts.time[1].0[lane];
             let (index, u) = self.work.simulators[self.simulator_of[lane]].place_in_substep(dt);
             places.0[lane] = u;
-            let centre = self.systems.at_centre(simd, lane, index, &self.starts.state(lane));
-            for (row, z) in centres.iter_mut().zip(centre) {
-                row.0[lane] = z;
-            }
+            self.samples.put(simd, &self.systems, lane, index, &self.starts.z);
         }
         let mut samples = [[0.0; 8]; ROW];
         for v in 0..Row::vectors::<S>() {
             if due >> (v * S::F64_LANES) & ((1 << S::F64_LANES) - 1) == 0 {
                 continue;
             }
-            let centre = Wide::load_each(simd, &centres, v);
+            let centre = self.samples.load(simd, v);
             let flights = CentredFlights::expand(simd, &self.systems, v, &centre);
             let z = flights.state_at(&self.systems, simd, v, Wide::load(simd, &places, v));
             let mut row = Row::ZERO;

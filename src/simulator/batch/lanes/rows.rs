@@ -1,10 +1,9 @@
 //! The numbers of the motions under way, the same number of all motions side by side in a row.
 
 use super::LaneSet;
-use crate::flow::INTERVALS;
+use crate::flow::{CORE, INTERVALS, Table};
 use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN};
 use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::product;
 use crate::parameters::Parameters;
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
 use crate::simulator::step::{AdvanceState, MAX_REACH};
@@ -95,19 +94,10 @@ impl LaneSystems {
         self.tables[lane] = None;
     }
 
-    /// The state at the centre of an interval of the sub-step that begins with `z`.
+    /// The table of the motion in a lane, if there is one.
     #[inline(always)]
-    pub(super) fn at_centre<S: Simd>(
-        &self,
-        simd: S,
-        lane: usize,
-        interval: usize,
-        z: &Augmented,
-    ) -> Augmented {
-        match &self.tables[lane] {
-            Some(tables) => product(simd, &tables.core.centre[interval % INTERVALS], z),
-            None => *z, // never: the lane has no motion
-        }
+    pub(super) fn table(&self, lane: usize) -> Option<&Table<CORE>> {
+        self.tables[lane].as_deref().map(|tables| &tables.core)
     }
 
     /// Fills a lane for a motion to `end`.
@@ -187,7 +177,7 @@ pub(super) struct LaneStates {
 
 /// The state in a lane of the rows `z`, number by number: the rows are not copied.
 #[inline(always)]
-fn state_in(rows: &[Row; 8], lane: usize) -> Augmented {
+pub(super) fn state_in(rows: &[Row; 8], lane: usize) -> Augmented {
     let mut z = [0.0; 8];
     for (z, row) in z.iter_mut().zip(rows) {
         *z = row.0[lane];

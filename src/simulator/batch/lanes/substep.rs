@@ -1,5 +1,6 @@
 //! One sub-step of all active lanes: free flight for the whole of it, or to its first impact and through that.
 
+use super::centres::Centres;
 use super::passage::{CentredFlights, REACH};
 use super::rows::{LaneStates, LaneSystems, SubstepStarts};
 use super::{LaneSet, lanes_of};
@@ -18,21 +19,20 @@ pub(super) struct Progress {
     pub(super) unproved: LaneSet,
     /// These have moved to a stop and stand before an impact that ends in rest, or may; its law is not yet applied.
     pub(super) at_stop: LaneSet,
-    /// The stop of these.
-    pub(super) side: Row,
 }
 
-/// Advances each of the `active` motions by a sub-step, to its end or through its first impact. Where a motion of the set `reporting` moves, `starts` keeps where it was.
+/// Advances each of the `active` motions by a sub-step, to its end or through its first impact. Where a motion of the set
+/// `reporting` moves, `starts` keeps where it was.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
     systems: &LaneSystems,
     states: &mut LaneStates,
+    searched: &mut SearchedIntervals,
     (active, reporting): (LaneSet, LaneSet),
     starts: &mut SubstepStarts,
 ) -> Progress {
     let lanes = S::F64_LANES;
-    let mut searched = SearchedIntervals { index: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
     let (mut ready, mut near, mut near_start) = (0, 0, 0);
     // The lanes of one vector.
     let part: LaneSet = (1 << lanes) - 1;
@@ -40,7 +40,7 @@ pub(super) fn flight_substep<S: Simd>(
         if active >> (v * lanes) & part == 0 {
             continue;
         }
-        let samples = sample_displacement(simd, systems, states, v, &mut searched);
+        let samples = sample_displacement(simd, systems, states, v, searched);
         ready |= samples.ready.bits() << (v * lanes);
         near |= samples.near.bits() << (v * lanes);
         near_start |= samples.near_start.bits() << (v * lanes);
@@ -49,7 +49,8 @@ pub(super) fn flight_substep<S: Simd>(
     let passing = ready & !near;
     let searching = near & ready;
     for lane in lanes_of(searching & !near_start) {
-        searched.load_centre(simd, systems, states, lane);
+        let interval = searched.index.0[lane] as usize;
+        searched.centres.put(simd, systems, lane, interval, &states.z);
     }
     let (mut arrived, mut at_stop, mut through) = (0, 0, 0);
     for v in 0..Row::vectors::<S>() {
@@ -61,35 +62,29 @@ pub(super) fn flight_substep<S: Simd>(
         }
         if searching >> (v * lanes) & part != 0 {
             let chosen = (searching >> (v * lanes) & part, near_start >> (v * lanes) & part);
-            let found = advance_in_interval(simd, systems, states, v, &searched, chosen);
+            let found = advance_in_interval(simd, systems, states, v, searched, chosen);
             arrived |= found.moved << (v * lanes);
             at_stop |= found.at_stop << (v * lanes);
             through |= found.through << (v * lanes);
         }
     }
     let unproved = active & !ready | searching & !arrived;
-    Progress { moved: passing | arrived, through, unproved, at_stop, side: searched.side }
+    Progress { moved: passing | arrived, through, unproved, at_stop }
 }
 
 /// Where each motion's gap comes near a stop first: the interval to be searched.
-struct SearchedIntervals {
+pub(super) struct SearchedIntervals {
     /// The interval's index; [`INTERVALS`] where there is none.
     index: Row,
     /// The stop.
-    side: Row,
+    pub(super) side: Row,
     /// The state at the interval's centre.
-    centre: [Row; 8],
+    centres: Centres,
 }
 
 impl SearchedIntervals {
-    /// Computes the state at the centre of a lane's interval from the tables of its own system; the matrix differs from
-    /// lane to lane with the interval's index.
-    #[inline(always)]
-    fn load_centre<S: Simd>(&mut self, simd: S, systems: &LaneSystems, states: &LaneStates, lane: usize) {
-        let there = systems.at_centre(simd, lane, self.index.0[lane] as usize, &states.state(lane));
-        for (row, there) in self.centre.iter_mut().zip(there) {
-            row.0[lane] = there;
-        }
+    pub(super) fn zero<S: Simd>(simd: S) -> Self {
+        Self { index: Row::ZERO, side: Row::ZERO, centres: Centres::new(simd) }
     }
 }
 
@@ -280,7 +275,7 @@ fn arrive<S: Simd>(
     // From a start close to a stop the flight is expanded about the start itself. Off the stop, the gap's zero at the start is
     // divided out.
     let about_start = Mask::from_bits(simd, near_start);
-    let mut centre = Wide::load_each(simd, &searched.centre, v);
+    let mut centre = searched.centres.load(simd, v);
     for (centre, now) in centre.iter_mut().zip(now) {
         *centre = about_start.select(*now, *centre);
     }
