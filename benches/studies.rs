@@ -18,7 +18,7 @@ use vibro_analysis::stroboscopic::{dimensional, moving_block};
 use vibro_analysis::trajectories::{Program, Start, Workspace, propagate};
 use vibro_analysis::{ParameterSet, find_group, lyapunov};
 use vibro_impact::reference::{Reference, Tolerance};
-use vibro_impact::simulator::LaneUse;
+use vibro_impact::simulator::{LaneUse, Way};
 use vibro_impact::{Groups, Parameters, Scales, Simulator};
 
 const ROUNDS: usize = 5;
@@ -223,35 +223,39 @@ fn works() -> Vec<Work> {
     ]
 }
 
-/// Side by side and one by one in turns, on one thread.
+/// Side by side and one by one in turns, on one thread: with the widest vectors of the machine, and with those of AVX2.
 fn lanes() -> String {
     let mut table = String::from(
-        "| work | motions | one by one, µs a motion | side by side, µs a motion | ratio | lanes occupied | lanes that moved | sub-steps for each handed over |\n|---|---|---|---|---|---|---|---|\n",
+        "| work | motions | vectors | one by one, µs a motion | side by side, µs a motion | ratio | lanes occupied | lanes that moved | sub-steps for each handed over |\n|---|---|---|---|---|---|---|---|---|\n",
     );
+    let vectors =
+        [("widest", (Way::OneByOne, Way::Together)), ("AVX2", (Way::OneByOneAvx2, Way::TogetherAvx2))];
     for Work { name, starts, program } in works() {
-        let mut ways = [Workspace::default(), Workspace::default()];
-        ways[0].one_by_one = true;
-        let mut best = [f64::INFINITY; 2];
-        for _ in 0..ROUNDS {
-            for (way, best) in ways.iter_mut().zip(&mut best) {
-                way.used = LaneUse::default();
-                let begin = Instant::now();
-                way.run(&mut starts.iter().copied(), &program, &mut |_, outcome| {
-                    let _ = black_box(outcome);
-                });
-                *best = best.min(begin.elapsed().as_secs_f64());
+        for (vectors, ways) in vectors {
+            let mut spaces = [Workspace::default(), Workspace::default()];
+            (spaces[0].way, spaces[1].way) = ways;
+            let mut best = [f64::INFINITY; 2];
+            for _ in 0..ROUNDS {
+                for (space, best) in spaces.iter_mut().zip(&mut best) {
+                    space.used = LaneUse::default();
+                    let begin = Instant::now();
+                    space.run(&mut starts.iter().copied(), &program, &mut |_, outcome| {
+                        let _ = black_box(outcome);
+                    });
+                    *best = best.min(begin.elapsed().as_secs_f64());
+                }
             }
+            let used = spaces[1].used;
+            let [alone, together] = best.map(|time| 1e6 * time / starts.len() as f64);
+            let each = used.substeps as f64 / used.handed_over.max(1) as f64;
+            let (count, ratio) = (starts.len(), alone / together);
+            let (occupied, moved) = (used.occupation(), used.utilisation());
+            writeln!(
+                table,
+                "| {name} | {count} | {vectors} | {alone:.1} | {together:.1} | {ratio:.2} | {occupied:.2} | {moved:.2} | {each:.0} |"
+            )
+            .expect("memory");
         }
-        let used = ways[1].used;
-        let [alone, together] = best.map(|time| 1e6 * time / starts.len() as f64);
-        let each = used.substeps as f64 / used.handed_over.max(1) as f64;
-        let (count, ratio) = (starts.len(), alone / together);
-        let (occupied, moved) = (used.occupation(), used.utilisation());
-        writeln!(
-            table,
-            "| {name} | {count} | {alone:.1} | {together:.1} | {ratio:.2} | {occupied:.2} | {moved:.2} | {each:.0} |"
-        )
-        .expect("memory");
     }
     format!(
         "## Side by side and one by one\n\nThe same motions with the same reports on one thread, tables and the recognition of periods included: least times of {ROUNDS} rounds in \

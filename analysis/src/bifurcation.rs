@@ -6,15 +6,15 @@
 //! value is independent of the other values, so that threads and machines share that part, and the motions of some values run
 //! [side by side](Workspace::run).
 
-use super::attractor::{Attractor, MotionClass, Relation};
+use super::attractor::{Attractor, LONGEST, MotionClass, Relation};
 use super::error::{Error, Result};
 use super::lyapunov::{self, Spectrum};
 use super::maxima::Displacement;
 use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
-use super::plane::ParameterAxis;
-use super::stroboscopic::moving_block;
+use super::plane::{ParameterAxis, check_count};
+use super::stroboscopic::{StroboscopicState, moving_block};
 use super::trajectories::{Outcome, Program, Start, Workspace};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
@@ -22,6 +22,8 @@ use vibro_impact::simulator::{Simulator, State, TOGETHER};
 
 /// Values in a part.
 const BLOCK: usize = 2 * TOGETHER;
+/// Maxima kept in a drive period, at most on average: each of them lies between two impacts, or belongs to one.
+const MAXIMA_IN_A_PERIOD: usize = 4;
 /// Maxima are told apart by this, units of L: six digits after the point are kept.
 const RESOLUTION: f64 = 1e-6;
 
@@ -163,6 +165,25 @@ fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Res
     Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))
 }
 
+/// Refuses what cannot be met: periods that cannot be counted, and results that do not fit into memory.
+fn check(sweep: &Sweep) -> Result<()> {
+    let Sweep { axis, discard, keep, .. } = sweep;
+    if discard.checked_add(*keep).is_none() {
+        let count = f64::from(*discard) + f64::from(*keep);
+        return Err(Error::TooMany {
+            what: "drive periods at a value",
+            count,
+            most: u32::MAX as usize,
+            side: None,
+        });
+    }
+    let states = 2 * LONGEST as usize * size_of::<StroboscopicState>();
+    let maxima = MAXIMA_IN_A_PERIOD.saturating_mul(*keep as usize).saturating_mul(size_of::<(f64, u32)>());
+    let value = maxima.saturating_add(states + size_of::<Option<SweepPoint>>());
+    // Both directions.
+    check_count("values of the diagram", axis.count, value.saturating_mul(2))
+}
+
 /// Number of parts of a sweep.
 pub fn count(sweep: &Sweep) -> usize {
     2 * sweep.axis.count.div_ceil(BLOCK)
@@ -172,8 +193,9 @@ pub fn count(sweep: &Sweep) -> usize {
 /// on threads nor on shards.
 ///
 /// # Errors
-/// Ranges that are not allowed; what the parts' folder refuses.
+/// Ranges that are not allowed; [`Error::TooMany`] for more periods or values than fit; what the parts' folder refuses.
 pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
+    check(sweep)?;
     // A sweep of which all parts are there needs no chain.
     let starts = std::sync::OnceLock::new();
     let chains = || -> Result<[Vec<SettledStart>; 2]> {
@@ -239,5 +261,34 @@ impl Diagram {
             }
         }
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::find_group;
+
+    #[test]
+    fn diagrams_that_do_not_fit_are_refused_before_the_work_with_the_number_that_fits() {
+        let group = find_group("f10").unwrap();
+        let refused = |count, discard, keep| {
+            let axis = ParameterAxis::new(group, (1.0, 2.0), count).unwrap();
+            let sweep = Sweep { axis, discard, keep, exponents: None, of: Displacement::X2 };
+            match diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap_err() {
+                error @ Error::TooMany { most, .. } => {
+                    assert!(error.to_string().contains(&format!("no more than {most}")), "{error}");
+                    (sweep, most)
+                }
+                other => panic!("{other}"),
+            }
+        };
+        let (sweep, most) = refused(usize::MAX, 400, 800);
+        assert!(most > 2000);
+        let with = |count| Sweep { axis: ParameterAxis { count, ..sweep.axis }, ..sweep };
+        assert!(check(&with(most)).is_ok() && check(&with(most + 1)).is_err());
+        // A record that is too long for its values, and periods past all counting.
+        assert!(refused(2000, 400, u32::MAX - 400).1 < 2000);
+        assert_eq!(refused(2, 1, u32::MAX).1, u32::MAX as usize);
     }
 }

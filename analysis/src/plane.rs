@@ -221,8 +221,20 @@ pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), size: us
     let most = MOST_MEMORY / 2 / size.max(1);
     match columns.checked_mul(rows) {
         Some(count) if count <= most => Ok(()),
-        _ => Err(Error::TooMany { what, count: columns as f64 * rows as f64, most, side: most.isqrt() }),
+        _ => {
+            let (count, side) = (columns as f64 * rows as f64, Some(most.isqrt()));
+            Err(Error::TooMany { what, count, most, side })
+        }
     }
+}
+
+/// Checks that so many results of a study along a line fit into memory, at up to `size` bytes for each.
+///
+/// # Errors
+/// [`Error::TooMany`], with the number that would fit.
+pub fn check_count(what: &'static str, count: usize, size: usize) -> Result<()> {
+    let most = MOST_MEMORY / 2 / size.max(1);
+    if count <= most { Ok(()) } else { Err(Error::TooMany { what, count: count as f64, most, side: None }) }
 }
 
 /// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend on their number.
@@ -263,7 +275,7 @@ mod tests {
         assert!(check_cells("points", (1000, 1000), 100).is_ok());
         for side in [30_000, 1 << 40, usize::MAX] {
             let error = check_cells("points", (side, side), 100).unwrap_err();
-            let Error::TooMany { most, side: fits, .. } = error else { panic!("{error}") };
+            let Error::TooMany { most, side: Some(fits), .. } = error else { panic!("{error}") };
             assert!(
                 check_cells("points", (most, 1), 100).is_ok()
                     && check_cells("points", (most + 1, 1), 100).is_err()

@@ -235,3 +235,16 @@ fn golden_newton_ends_where_its_estimate_says() {
         assert!(((u - high) - low).abs() <= ERROR * u.abs(), "{row}: {u}");
     }
 }
+
+/// At equality the estimate still ends the method: on a straight line all its numbers are exact.
+#[test]
+fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
+    // From u = 1 the step is 2⁻²⁰, and 4 K 2⁻⁴⁰ = 2⁻⁵².
+    let (step, factor) = (2f64.powi(-20), 2f64.powi(-14));
+    let line = [step - 1.0, 1.0, 0.0, 0.0, 0.0];
+    for (factor, expected) in [(factor, 1), (factor * (1.0 + f64::EPSILON), 2)] {
+        let mut iterations = 0;
+        assert_eq!(refine(&line, (-1.0, 1.0), 1.0, factor, &mut iterations), 1.0 - step);
+        assert_eq!(iterations, expected);
+    }
+}

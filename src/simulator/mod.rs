@@ -26,7 +26,7 @@ mod tables;
 mod types;
 
 pub use batch::{
-    LaneUse, Maximum, MotionQueue, Plan, Reports, TOGETHER, advance_queue, advance_queue_one_by_one,
+    LaneUse, Maximum, MotionQueue, Plan, Reports, TOGETHER, Way, advance_queue, advance_queue_by,
     advance_together,
 };
 pub use step::EventObserver;

@@ -37,13 +37,36 @@ pub const TOGETHER: usize = vectors::ROW;
 /// # Panics
 /// Where a plan names a simulator that does not exist.
 pub fn advance_queue(simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
-    pulp::Arch::new().dispatch(Lanes { simulators, queue, one_by_one: false })
+    advance_queue_by(Way::Together, simulators, queue)
 }
 
-/// The same by the code for a single motion: one motion after another, all in lane 0. It is the other side of comparisons of
-/// results and speed, and what [`advance_queue`] does on machines without wide vectors.
-pub fn advance_queue_one_by_one(simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
-    pulp::Arch::new().dispatch(Lanes { simulators, queue, one_by_one: true })
+/// The ways to advance a queue, for comparisons of results and speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Way {
+    /// Side by side in the widest vectors of the machine, as [`advance_queue`] does.
+    #[default]
+    Together,
+    /// By the code for a single motion: one motion after another, all in lane 0. It is what [`advance_queue`] does on machines
+    /// without wide vectors.
+    OneByOne,
+    /// [`Together`](Self::Together) in the vectors of AVX2 on a machine that has wider ones.
+    TogetherAvx2,
+    /// [`OneByOne`](Self::OneByOne) with AVX2.
+    OneByOneAvx2,
+}
+
+/// [`advance_queue`] in a given way. Where the machine has no AVX2, it is left out.
+///
+/// # Panics
+/// As [`advance_queue`].
+pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
+    let one_by_one = matches!(way, Way::OneByOne | Way::OneByOneAvx2);
+    let lanes = Lanes { simulators, queue, one_by_one };
+    #[cfg(target_arch = "x86_64")]
+    if let (Way::TogetherAvx2 | Way::OneByOneAvx2, Some(avx2)) = (way, pulp::x86::V3::try_new()) {
+        return pulp::Simd::vectorize(avx2, lanes);
+    }
+    pulp::Arch::new().dispatch(lanes)
 }
 
 /// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in the simulators' order; an
