@@ -215,7 +215,7 @@ fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
 
 #[test]
 fn invariant_a_killed_plane_goes_on_to_the_same_bytes() {
-    const PLANE: [&str; 7] = ["isoperiodic", "--resolution", "40", "--discard", "300", "--threads", "1"];
+    const PLANE: [&str; 7] = ["isoperiodic", "--resolution", "32", "--discard", "100", "--threads", "1"];
     let (out, whole) = (folder("folders-killed"), folder("folders-not-killed"));
     let mut child = begun(&out, &PLANE);
     // It has no chance to finish what it is at.

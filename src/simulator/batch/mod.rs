@@ -7,6 +7,7 @@
 //! | `lanes.rs` | the loop over sub-steps, and how a motion enters, leaves and comes back to its lane |
 //! | `lanes/rows.rs` | the motions' numbers, the same number of all motions side by side |
 //! | `lanes/substep.rs` | one sub-step of all lanes |
+//! | `lanes/centres.rs` | states at interval centres, motion by motion, read by vectors |
 //! | `lanes/passage.rs` | series of the free flight, the gap's first zero and the proofs about it, in lanes |
 //! | `lanes/report.rs` | samples and events of the motions in lanes and alone |
 //! | `lanes/maxima.rs` | local maxima of a displacement |
