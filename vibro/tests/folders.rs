@@ -58,11 +58,11 @@ fn by_default(home: &Path, arguments: &[&str]) -> String {
 }
 
 /// Starts a long study and waits for its first part.
-fn begun(out: &Path, arguments: &[&str]) -> Child {
+fn begun(out: &Path, arguments: &[&str], study: &str) -> Child {
     let mut vibro = command(out, arguments);
     let mut child = vibro.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("vibro starts");
     let begin = Instant::now();
-    while kept(out, arguments[0]) == 0 {
+    while kept(out, study) == 0 {
         assert!(begin.elapsed() < PATIENCE, "no part in {PATIENCE:?}");
         assert!(child.try_wait().unwrap().is_none(), "it has ended already");
         std::thread::sleep(Duration::from_millis(2));
@@ -198,7 +198,7 @@ fn what_others_have_written_is_refused_by_name_and_never_removed() {
 fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
     use std::os::unix::process::ExitStatusExt;
     let (out, whole) = (folder("folders-interrupted"), folder("folders-whole"));
-    let child = begun(&out, &LONGER);
+    let child = begun(&out, &LONGER, LONGER[0]);
     let pid = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
     let output = child.wait_with_output().unwrap();
@@ -215,29 +215,42 @@ fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
 
 #[test]
 fn invariant_a_killed_plane_goes_on_to_the_same_bytes() {
-    const PLANE: [&str; 7] = ["isoperiodic", "--resolution", "32", "--discard", "100", "--threads", "1"];
+    const PLANE: [&str; 11] = [
+        "isoperiodic",
+        "--pair",
+        "sigma1,f10",
+        "--resolution",
+        "48",
+        "--discard",
+        "200",
+        "--periods",
+        "0",
+        "--threads",
+        "1",
+    ];
+    const NAME: &str = "isoperiodic-sigma1-f10";
     let (out, whole) = (folder("folders-killed"), folder("folders-not-killed"));
-    let mut child = begun(&out, &PLANE);
+    let mut child = begun(&out, &PLANE, NAME);
     // It has no chance to finish what it is at.
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(kept(&out, PLANE[0]) > 0 && !out.join("isoperiodic.csv").exists());
+    assert!(kept(&out, NAME) > 0 && !out.join(format!("{NAME}.csv")).exists());
     drawn(&out, &PLANE);
     // In one piece and on other threads.
-    drawn(&whole, &PLANE[..5]);
+    drawn(&whole, &PLANE[..9]);
     let drawings = |home: &Path| {
         let mut files = named(home);
         files.retain(|name, _| name.extension().is_some_and(|ending| ending != "toml"));
         files
     };
     let (killed, not_killed) = (drawings(&out), drawings(&whole));
-    assert!(killed == not_killed && killed.contains_key(Path::new("isoperiodic.csv")));
+    assert!(killed == not_killed && killed.contains_key(&PathBuf::from(format!("{NAME}.csv"))));
 }
 
 #[test]
 fn a_second_program_in_the_folder_is_refused() {
     let out = folder("folders-two");
-    let mut first = begun(&out, &LONGER);
+    let mut first = begun(&out, &LONGER, LONGER[0]);
     let (code, error) = outcome(&command(&out, &LONGER).output().expect("vibro runs"));
     first.kill().unwrap();
     first.wait().unwrap();
