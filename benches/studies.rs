@@ -186,7 +186,7 @@ fn works() -> Vec<Work> {
         let restitution = between(0.2, 0.95);
         let groups = Groups::weak(
             between(0.02, 0.3),
-            if k % 10 == 0 { 0.0 } else { restitution },
+            if k.is_multiple_of(10) { 0.0 } else { restitution },
             between(0.5, 5.0),
             between(-0.5, 0.5),
             between(0.1, 1.0),

@@ -260,8 +260,11 @@ mod tests {
         }
     }
 
+    /// A motion's attractor and maxima.
+    type Settled = (Attractor, Vec<f64>);
+
     /// Outcomes of a program on motions of one system that start with different speeds: attractors and maxima.
-    fn settled(f10: f64, one_by_one: bool) -> Vec<(Attractor, Vec<f64>)> {
+    fn settled(f10: f64, one_by_one: bool) -> Vec<Settled> {
         const MOTIONS: u32 = 40;
         let parameters = Groups { f10, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
         let start = |k| State { x: [0.0; 3], v: [0.0, 0.1 + 0.03 * f64::from(k), 0.0] };
@@ -320,8 +323,7 @@ mod tests {
             let [together, alone] = [false, true].map(|one_by_one| {
                 let all = settled(f10, one_by_one);
                 let count = all.len() as f64;
-                let mean =
-                    |of: &dyn Fn(&(Attractor, Vec<f64>)) -> f64| all.iter().map(of).sum::<f64>() / count;
+                let mean = |of: &dyn Fn(&Settled) -> f64| all.iter().map(of).sum::<f64>() / count;
                 let tops = mean(&|m| m.1.len() as f64);
                 [
                     mean(&|m| f64::from(u8::from(m.0.period.is_none()))),
