@@ -1,0 +1,495 @@
+//! The exact branches of periodic orbits over the points of a bifurcation diagram, and which of its rows they explain.
+
+use super::Study;
+use super::lengths::Lengths;
+use super::orbits::{MARKS, colour, special_table};
+use super::sweep::{DIRECTIONS, maxima_panel, method};
+use crate::Result;
+use crate::figures::canvas::palette::{BLACK, WHITE};
+use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, Shape, THIN};
+use crate::table::{CsvRows, exact};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use vibro_analysis::attractor::{MotionClass, observe};
+use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
+use vibro_analysis::orbits::{
+    Branch, ConstantLoads, Family, RangeEnd, Span, StableRange, Tree, TreeOptions, doubling_ratios,
+    doubling_sequences, settle, tree,
+};
+use vibro_analysis::stroboscopic::dimensional;
+use vibro_analysis::{ParameterSet, short};
+use vibro_impact::simulator::Simulator;
+
+/// Part of white in the points under the branches, so that the branches stand out.
+const PALE: f64 = 0.55;
+/// The longest period of a branch that is drawn where it is stable nowhere: there are hundreds of longer ones, and they hide all.
+const UNSTABLE: u32 = 1;
+/// Drive periods after which a row that no branch covers is looked at once more: what is left of a transient of a row next to a
+/// bifurcation dies out in so many.
+const LATER: u32 = 20_000;
+/// Most sequences of doublings, and most uncovered rows, listed on the screen.
+const TOLD: usize = 12;
+/// Decimals of a located value in words: to ten digits it is certain.
+const DECIMALS: usize = 10;
+
+/// What the branches say of a periodic row of a diagram.
+#[derive(Clone, Debug)]
+pub enum Covering {
+    /// The motion lies on a stable branch.
+    Branch {
+        /// The range of the branch in which it is.
+        range: StableRange,
+        /// The branch's word, with its closing sign.
+        word: String,
+        /// The distance of the motion's states from the orbit's, units of L and L ω10.
+        distance: f64,
+    },
+    /// The block rests at a stop in the course of the motion, which the impacts alone do not describe.
+    Rests,
+    /// The motion had not settled: later it lies on a stable branch.
+    Transient,
+    /// No branch that was followed accounts for it.
+    Missing,
+}
+
+/// A periodic row of a diagram.
+#[derive(Clone, Debug)]
+pub struct CoveredRow {
+    /// 0 with the value rising, 1 with the value falling.
+    pub direction: usize,
+    /// The value of the parameter.
+    pub value: f64,
+    /// The motion's class.
+    pub class: MotionClass,
+    /// Its branch, or why it has none.
+    pub covering: Covering,
+}
+
+/// The branches over a diagram.
+#[derive(Clone, Debug)]
+pub struct DiagramOrbits {
+    /// All branches.
+    pub tree: Tree,
+    /// The periodic rows of both directions.
+    pub rows: Vec<CoveredRow>,
+}
+
+/// The family of a sweep.
+///
+/// # Errors
+/// The parameter that orbits cannot vary, by name.
+pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
+    let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
+    Ok(Family::new(set, ConstantLoads::NONE, span)?)
+}
+
+impl DiagramOrbits {
+    /// Follows all branches in the range of a sweep and looks up each periodic row of its diagram.
+    ///
+    /// # Errors
+    /// What the machines refuse.
+    pub fn new(family: &Family, options: &TreeOptions, diagram: &Diagram) -> Result<Self> {
+        let tree = tree(family, options, &|_, _| ())?;
+        let all = [&diagram.up, &diagram.down].into_iter().enumerate();
+        let points: Vec<(usize, &SweepPoint)> = all
+            .flat_map(|(direction, points)| points.iter().flatten().map(move |point| (direction, point)))
+            .filter(|(_, point)| point.class.is_periodic())
+            .collect();
+        let row = |(direction, point): &(usize, &SweepPoint)| -> Result<CoveredRow> {
+            let covering = covering(family, &tree, point)?;
+            Ok(CoveredRow { direction: *direction, value: point.value, class: point.class, covering })
+        };
+        let rows = points.par_iter().map(row).collect::<Result<_>>()?;
+        Ok(Self { tree, rows })
+    }
+
+    /// The range of the stable branch on which the motion at a value lies; `None` where it is not periodic or not covered.
+    pub fn range_at(&self, direction: usize, value: f64) -> Option<&StableRange> {
+        let row = self.rows.iter().find(|row| row.direction == direction && row.value == value)?;
+        match &row.covering {
+            Covering::Branch { range, .. } => Some(range),
+            _ => None,
+        }
+    }
+
+    /// The periodic rows of which the transient has ended, and those of them that lie on a stable branch.
+    pub fn share(&self) -> (usize, usize) {
+        let count = |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
+        let ended = count(&|c| !matches!(c, Covering::Transient));
+        (count(&|c| matches!(c, Covering::Branch { .. })), ended)
+    }
+
+    /// The coverage in words: the share, and how many rows are not covered for which reason.
+    pub fn coverage_in_words(&self, set: &ParameterSet, sweep: &Sweep) -> Vec<String> {
+        let (covered, ended) = self.share();
+        let mut words = vec![format!(
+            "{covered} of {ended} periodic rows of both directions whose transient has ended lie on a stable branch"
+        )];
+        let told = |what: &str, holds: &dyn Fn(&Covering) -> bool| {
+            let rows: Vec<&CoveredRow> = self.rows.iter().filter(|row| holds(&row.covering)).collect();
+            let values = rows.iter().take(TOLD).map(|row| {
+                let (value, way) = (set.with_unit(sweep.axis.name, row.value), DIRECTIONS[row.direction]);
+                format!("{value} {way} ({})", row.class.name())
+            });
+            let values: Vec<String> = values.collect();
+            let more = if rows.len() > TOLD { ", …" } else { "" };
+            (!rows.is_empty()).then(|| format!("{} {what}: {}{more}", rows.len(), values.join(", ")))
+        };
+        words.extend(told("rest at a stop, which words do not describe", &|c| matches!(c, Covering::Rests)));
+        words.extend(told(
+            &format!("had not settled and lie on a stable branch {LATER} periods later"),
+            &|c| matches!(c, Covering::Transient),
+        ));
+        words.extend(told("lie on no branch that was followed", &|c| matches!(c, Covering::Missing)));
+        words
+    }
+
+    /// The sequences of doublings in words, with the ratios of their distances.
+    pub fn doublings_in_words(&self) -> Vec<String> {
+        let sequences = doubling_sequences(&self.tree.branches).into_iter().filter(|s| s.len() > 1);
+        let words = sequences.map(|sequence| {
+            let places: Vec<String> =
+                sequence.iter().map(|d| format!("{} of {}T at {:.DECIMALS$}", d.label, d.period, d.value)).collect();
+            let ratios: Vec<String> = doubling_ratios(&sequence).iter().map(|r| format!("{r:.3}")).collect();
+            let ratios =
+                if ratios.is_empty() { String::new() } else { format!("; ratios of the distances {}", ratios.join(", ")) };
+            format!("{}{ratios}", places.join(", "))
+        });
+        words.collect()
+    }
+
+    /// The study: the branches over the points of the diagram, with tables of what is drawn, of the special points, the stable
+    /// ranges, the windows and the rows.
+    ///
+    /// # Errors
+    /// [`Error::Output`](crate::Error::Output).
+    pub fn study(
+        &self,
+        set: &ParameterSet,
+        sweep: &Sweep,
+        diagram: &Diagram,
+        family: &Family,
+        name: &str,
+    ) -> Result<Study> {
+        let (branches, along) = (&self.tree.branches, set.symbol(sweep.axis.name));
+        let lengths = Lengths::of(set);
+        let symbol = lengths.displacement(sweep.of.symbol());
+        let drawn = Drawn::new(family, branches, sweep, &lengths);
+        let figure = Figure {
+            title: format!("Periodic orbits over the bifurcation diagram of {symbol} over {along}"),
+            caption: vec![
+                method(sweep),
+                format!(
+                    "Orbits: exact, full where stable, dashed where unstable; of those stable nowhere only {UNSTABLE}T. Marks: \
+                     where stability changes."
+                ),
+                format!("Elsewhere {}", set.caption_but(&[sweep.axis.name])),
+            ],
+            panels: vec![drawn.panel(set, sweep, diagram, branches)],
+            columns: 1,
+            panel: (2900, 1700),
+            shared_legend: false,
+        };
+        let mut remarks = self.coverage_in_words(set, sweep);
+        remarks.extend(self.doublings_in_words().into_iter().take(TOLD));
+        let what = format!("{} branches of periodic orbits over the local maxima of {symbol} over {along}", branches.len());
+        Ok(Study {
+            tables: vec![
+                (name.into(), drawn.table(sweep, branches)?),
+                (format!("{name}-special-points"), special_table(family.span(), branches)?),
+                (format!("{name}-stable-ranges"), range_table(sweep, branches)?),
+                (format!("{name}-windows"), self.window_table(sweep, diagram)?),
+                (format!("{name}-rows"), self.row_table(sweep)?),
+            ],
+            figure: Some(figure),
+            ..Study::without_figure(name, what).with_remarks(remarks)
+        })
+    }
+
+    /// The windows of periodic motion of the diagram with the stable ranges in which their first and last rows are.
+    fn window_table(&self, sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
+        let name = sweep.axis.name.name();
+        let (from, to) = (format!("{name}_from"), format!("{name}_to"));
+        let mut table =
+            CsvRows::new(["direction", &from, &to, "class", "stable_from", "label_from", "stable_to", "label_to"])?;
+        for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
+            for (first, last, class) in Diagram::windows(points).into_iter().filter(|w| w.2.is_periodic()) {
+                let lower = end_cells(self.range_at(direction, first).map(|range| range.from));
+                let upper = end_cells(self.range_at(direction, last).map(|range| range.to));
+                let row = vec![DIRECTIONS[direction].into(), exact(first), exact(last), class.name()];
+                table.push([row, lower.to_vec(), upper.to_vec()].concat())?;
+            }
+        }
+        table.text()
+    }
+
+    /// The periodic rows with their branches.
+    fn row_table(&self, sweep: &Sweep) -> Result<Vec<u8>> {
+        let mut table = CsvRows::new([
+            sweep.axis.name.name(),
+            "direction",
+            "class",
+            "branch",
+            "word",
+            "distance",
+            "not_covered",
+        ])?;
+        for row in &self.rows {
+            let found = match &row.covering {
+                Covering::Branch { range, word, distance } => {
+                    [range.branch.to_string(), word.clone(), exact(*distance), String::new()]
+                }
+                Covering::Rests => not_covered("rests"),
+                Covering::Transient => not_covered("transient"),
+                Covering::Missing => not_covered("no branch"),
+            };
+            let own = vec![exact(row.value), DIRECTIONS[row.direction].into(), row.class.name()];
+            table.push([own, found.to_vec()].concat())?;
+        }
+        table.text()
+    }
+}
+
+fn not_covered(reason: &str) -> [String; 4] {
+    [String::new(), String::new(), String::new(), reason.into()]
+}
+
+/// An end of a range as two cells.
+pub(super) fn end_cells(end: Option<RangeEnd>) -> [String; 2] {
+    end.map_or_else(Default::default, |e| {
+        [format!("{:.15}", e.value), e.label.map_or(String::new(), |label| label.name().into())]
+    })
+}
+
+/// An end of a range in words.
+pub(super) fn end_in_words(end: RangeEnd) -> String {
+    let label = end.label.map_or(String::new(), |label| format!("{label} "));
+    format!("{label}{:.DECIMALS$}", end.value)
+}
+
+/// What the branches say of a periodic motion.
+fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering> {
+    let value = point.value;
+    if point.attractor.rests {
+        return Ok(Covering::Rests);
+    }
+    if let Some(found) = tree.covering(family, value, &point.attractor)? {
+        let branch = &tree.branches[found.branch];
+        if let Some(range) = branch.stable_range_of(&found.orbit, value) {
+            let word = format!("{}{}", branch.word, if branch.word.closing() > 0 { '+' } else { '-' });
+            return Ok(Covering::Branch { range, word, distance: found.distance });
+        }
+    }
+    let system = family.system(&[value])?;
+    let Some(state) = point.attractor.states.first() else { return Ok(Covering::Missing) };
+    let later = settle(&system, &dimensional(system.parameters(), state), LATER)?;
+    let motion = observe(&mut Simulator::new(system.parameters(), &later, 0.0)?)?;
+    let covered = tree.covering(family, value, &motion)?.is_some();
+    Ok(if covered { Covering::Transient } else { Covering::Missing })
+}
+
+/// The ranges in which branches are stable.
+fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
+    let name = sweep.axis.name.name();
+    let (from, to) = (format!("{name}_from"), format!("{name}_to"));
+    let mut table = CsvRows::new(["branch", "word", "closing", "period", &from, "label_from", &to, "label_to"])?;
+    for branch in branches {
+        for range in branch.stable_ranges() {
+            let sign = if branch.word.closing() > 0 { "+" } else { "-" };
+            let own = vec![branch.id.to_string(), branch.word.to_string(), sign.into(), range.period.to_string()];
+            table.push([own, end_cells(Some(range.from)).to_vec(), end_cells(Some(range.to)).to_vec()].concat())?;
+        }
+    }
+    table.text()
+}
+
+/// A curve of a local maximum along a piece of a branch.
+struct Curve {
+    branch: usize,
+    stable: bool,
+    points: Path,
+}
+
+/// What is drawn of the branches.
+struct Drawn {
+    curves: Vec<Curve>,
+    /// Places where stability changes.
+    marks: Vec<Path>,
+}
+
+impl Drawn {
+    fn new(family: &Family, branches: &[Branch], sweep: &Sweep, lengths: &Lengths) -> Self {
+        let weights = sweep.of.weights();
+        let scaled = |branch: &Branch, weights: [f64; 3]| -> Vec<Vec<f64>> {
+            let mut found = branch.maxima(family, weights);
+            for (point, all) in branch.points.iter().zip(&mut found) {
+                all.iter_mut().for_each(|x| *x *= lengths.ratio(sweep.axis.name, point.value));
+            }
+            found
+        };
+        let is_drawn = |b: &&Branch| b.word.period() <= UNSTABLE || b.points.iter().any(|p| p.stable);
+        let shown: Vec<&Branch> = branches.iter().filter(is_drawn).collect();
+        let found: Vec<(Vec<Curve>, Vec<(usize, (f64, f64))>)> = shown
+            .par_iter()
+            .map(|branch| {
+                // Of an orbit without symmetry the mirror image is another one, of which the maxima are minima of this one.
+                let mut sides = vec![scaled(branch, weights)];
+                if branch.word.closing() > 0 {
+                    sides.push(scaled(branch, weights.map(|w| -w)));
+                }
+                let curves = sides.iter().flat_map(|maxima| curves(branch, maxima)).collect();
+                (curves, marks(branch, &sides))
+            })
+            .collect();
+        let mut drawn = Self { curves: Vec::new(), marks: vec![Path::new(); MARKS.len()] };
+        for (curves, marks) in found {
+            drawn.curves.extend(curves);
+            marks.into_iter().for_each(|(kind, place)| drawn.marks[kind].push(place));
+        }
+        drawn
+    }
+
+    fn panel(&self, set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, branches: &[Branch]) -> Panel {
+        let mut panel = maxima_panel(set, sweep, diagram, &diagram.hysteresis());
+        panel.title = String::new();
+        panel.layers.iter_mut().for_each(pale);
+        // By period, unstable ones below.
+        let mut pieces: BTreeMap<(bool, Colour), Vec<Path>> = BTreeMap::new();
+        for curve in &self.curves {
+            let colour = period_colour(branches[curve.branch].word.period());
+            pieces.entry((curve.stable, colour)).or_default().push(curve.points.clone());
+        }
+        for ((stable, colour), pieces) in pieces {
+            let (dash, stroke) = if stable { (Dash::Solid, LINE) } else { (Dash::Dashed, THIN) };
+            panel.layers.push(Layer::lines("", colour, dash, pieces).stroke(stroke));
+        }
+        let mut periods: Vec<u32> = self.curves.iter().map(|c| branches[c.branch].word.period()).collect();
+        periods.sort_unstable();
+        let mut names: Vec<(String, Colour)> = periods.iter().map(|p| (period_name(*p), period_colour(*p))).collect();
+        names.dedup();
+        panel.layers.extend(names.iter().map(|(name, c)| Layer::lines(name, *c, Dash::Solid, Vec::new())));
+        panel.layers.push(Layer::lines("unstable", BLACK, Dash::Dashed, Vec::new()).stroke(THIN));
+        for ((_, name, mark), points) in MARKS.into_iter().zip(&self.marks) {
+            if !points.is_empty() {
+                // With a white edge, for it lies on curves of any colour.
+                if matches!(mark, Mark::Disc | Mark::Square | Mark::Triangle) {
+                    panel.layers.push(Layer::marks("", WHITE, mark, points.clone()).stroke(12));
+                }
+                panel.layers.push(Layer::marks(name, BLACK, mark, points.clone()).stroke(9));
+            }
+        }
+        panel
+    }
+
+    /// The curves as they are drawn, in units of L of the set's own gap.
+    fn table(&self, sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
+        let maximum = format!("{}_maximum", sweep.of.name());
+        let mut table =
+            CsvRows::new(["curve", "branch", "word", "closing", "period", "stable", sweep.axis.name.name(), &maximum])?;
+        for (i, curve) in self.curves.iter().enumerate() {
+            let word = &branches[curve.branch].word;
+            let sign = if word.closing() > 0 { "+" } else { "-" };
+            for (value, maximum) in &curve.points {
+                table.push([
+                    i.to_string(),
+                    curve.branch.to_string(),
+                    word.to_string(),
+                    sign.into(),
+                    word.period().to_string(),
+                    curve.stable.to_string(),
+                    exact(*value),
+                    exact(*maximum),
+                ])?;
+            }
+        }
+        table.text()
+    }
+}
+
+/// The points of a diagram in a pale tint.
+fn pale(layer: &mut Layer) {
+    match &mut layer.shape {
+        Shape::Cells { colours, .. } => {
+            colours.iter_mut().flatten().for_each(|colour| *colour = colour.towards(WHITE, PALE));
+        }
+        Shape::Band { .. } => layer.colour = layer.colour.towards(WHITE, PALE),
+        _ => {}
+    }
+}
+
+fn period_colour(period: u32) -> Colour {
+    colour(period)
+}
+
+fn period_name(period: u32) -> String {
+    if super::orbits::has_colour(period) { format!("{period}T") } else { "longer".into() }
+}
+
+/// The ends of a branch's stable ranges with their kind: at the largest maximum of the orbit and of its mirror image.
+fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<(usize, (f64, f64))> {
+    let ranges = branch.stable_ranges();
+    let ends = ranges.iter().flat_map(|range| [range.points.0, range.points.1]);
+    let placed = ends.filter_map(|point| {
+        let label = branch.points[point].label()?;
+        let kind = MARKS.iter().position(|mark| mark.0 == label)?;
+        Some((point, kind))
+    });
+    placed
+        .flat_map(|(point, kind)| {
+            let tops = sides.iter().filter_map(move |maxima| maxima[point].first());
+            tops.map(move |top| (kind, (branch.points[point].value, *top)))
+        })
+        .collect()
+}
+
+/// Connects the local maxima along a branch to curves, which end where stability changes and where a maximum appears or vanishes.
+fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<Curve> {
+    let mut found = Vec::new();
+    let mut open: Vec<Path> = Vec::new();
+    let mut state = None;
+    let close = |open: &mut Vec<Path>, stable: bool, found: &mut Vec<Curve>| {
+        let curves = std::mem::take(open).into_iter().filter(|points| points.len() > 1);
+        found.extend(curves.map(|points| Curve { branch: branch.id, stable, points }));
+    };
+    for (pair, tops) in branch.points.windows(2).zip(maxima.windows(2)) {
+        let stable = pair[0].stable;
+        if state != Some(stable) {
+            close(&mut open, state.unwrap_or(stable), &mut found);
+            open = tops[0].iter().map(|top| vec![(pair[0].value, *top)]).collect();
+            state = Some(stable);
+        }
+        let mut last = std::mem::take(&mut open);
+        let from = partners(&tops[0], &tops[1]);
+        open = from
+            .iter()
+            .zip(&tops[1])
+            .map(|(from, top)| {
+                let mut path = from.and_then(|i| last.get_mut(i)).map(std::mem::take).unwrap_or_default();
+                path.push((pair[1].value, *top));
+                path
+            })
+            .collect();
+        close(&mut last, stable, &mut found);
+    }
+    close(&mut open, state.unwrap_or(false), &mut found);
+    found
+}
+
+/// For each of the maxima at a point the one at the point before that continues into it, the nearest pairs first; both lists fall.
+fn partners(before: &[f64], after: &[f64]) -> Vec<Option<usize>> {
+    if before.len() == after.len() {
+        return (0..after.len()).map(Some).collect();
+    }
+    let mut pairs: Vec<(usize, usize)> =
+        (0..before.len()).flat_map(|a| (0..after.len()).map(move |b| (a, b))).collect();
+    let distance = |(a, b): &(usize, usize)| (before[*a] - after[*b]).abs();
+    pairs.sort_by(|p, q| distance(p).total_cmp(&distance(q)));
+    let mut from = vec![None; after.len()];
+    let mut taken = vec![false; before.len()];
+    for (a, b) in pairs {
+        if !taken[a] && from[b].is_none() {
+            (taken[a], from[b]) = (true, Some(a));
+        }
+    }
+    from
+}
