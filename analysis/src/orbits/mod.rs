@@ -4,6 +4,7 @@
 //! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns, whatever it does in between.
 
 mod branch;
+mod coverage;
 mod curve;
 mod cycle;
 mod family;
@@ -28,6 +29,7 @@ mod word;
 mod tests;
 
 pub use branch::{Branch, Label, Point, Special};
+pub use coverage::{Covering, TreeOrbit};
 pub use family::{Family, Span};
 pub use locus::{LocusEnd, LocusPoint, LocusStart, locus};
 pub use orbit::Orbit;

@@ -5,7 +5,7 @@ use super::branch::{Branch, Label, Point, Special};
 use super::family::Family;
 use super::free;
 use super::obstacle::Obstacle;
-use super::orbit::{Orbit, canonical, newton, same_phases};
+use super::orbit::Orbit;
 use super::path::{Follower, PathEnd, PathOptions, follow};
 use super::settled;
 use super::switching::{self, Contact, Departure};
@@ -20,13 +20,7 @@ use serde::{Deserialize, Serialize};
 const TOGETHER: usize = 16;
 
 /// Values of the parameter, in units of a fifth of its range, that count as one place of the same kind of point.
-const SAME_PLACE: f64 = 1e-7;
-
-/// Phases (rad) that count as those of one orbit at one value of the parameter.
-const SAME_ORBIT: f64 = 1e-6;
-
-/// How far interpolated phases may be from an orbit's for the branch to be tried.
-const NEAR_ORBIT: f64 = 0.2;
+pub(super) const SAME_PLACE: f64 = 1e-7;
 
 /// What is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -441,52 +435,5 @@ impl<'a> Grower<'a> {
         let (word, departure) = switching::reduced_departure(self.family, word, &departure);
         let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
         self.offer(Start { depth: depth + 1, parent: Some(parent), word, departures: vec![departure] });
-    }
-}
-
-impl Tree {
-    /// The branch that passes an orbit, if one does.
-    pub fn passing(&self, family: &Family, word: &OrbitWord, phases: &[f64], value: f64) -> Option<usize> {
-        let mirror = family.is_symmetric();
-        let (word, phases) = canonical(word, phases, mirror);
-        self.branches
-            .iter()
-            .find(|b| b.word == word && b.passes(family, &phases, value, mirror))
-            .map(|b| b.id)
-    }
-}
-
-impl Branch {
-    /// Whether it passes an orbit, which is of the family at a value of the parameter.
-    pub fn holds(&self, family: &Family, orbit: &Orbit, value: f64) -> bool {
-        let mirror = family.is_symmetric();
-        let (word, phases) = canonical(orbit.word(), orbit.phases(), mirror);
-        word == self.word && self.passes(family, &phases, value, mirror)
-    }
-
-    /// Whether the branch passes an orbit of its word.
-    fn passes(&self, family: &Family, phases: &[f64], value: f64, mirror: bool) -> bool {
-        let inside = |pair: &&[Point]| {
-            let (low, high) = (pair[0].value.min(pair[1].value), pair[0].value.max(pair[1].value));
-            (low - SAME_PLACE..=high + SAME_PLACE).contains(&value)
-        };
-        if self.word.is_empty() {
-            return self.points.windows(2).any(|pair| inside(&pair));
-        }
-        self.points.windows(2).filter(inside).any(|pair| {
-            let [a, b] = [&pair[0], &pair[1]];
-            let way = b.value - a.value;
-            let part = if way == 0.0 { 0.5 } else { ((value - a.value) / way).clamp(0.0, 1.0) };
-            let between: Vec<f64> = a.phases.iter().zip(&b.phases).map(|(a, b)| a + part * (b - a)).collect();
-            let near = |tolerance, found: &[f64]| same_phases(&self.word, phases, found, mirror, tolerance);
-            if !near(NEAR_ORBIT, &between) {
-                return false;
-            }
-            // Next to a fold or a birth the interpolation is poor, so that the ends are tried too.
-            let Ok(system) = family.system(&[value]) else { return false };
-            [&between, &a.phases, &b.phases]
-                .into_iter()
-                .any(|guess| newton(&system, &self.word, guess).is_ok_and(|found| near(SAME_ORBIT, &found)))
-        })
     }
 }

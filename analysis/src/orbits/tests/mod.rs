@@ -1,5 +1,6 @@
 //! Tests of the orbits, by what they are held against.
 
 mod branches;
+mod coverage;
 mod golden;
 mod single;
