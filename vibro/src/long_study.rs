@@ -10,6 +10,7 @@ use vibro_analysis::basin;
 use vibro_analysis::bifurcation::{self, Sweep};
 use vibro_analysis::design_sweep;
 use vibro_analysis::isoperiodic;
+use vibro_analysis::orbits::TreeOptions;
 use vibro_analysis::parts::Task;
 
 /// One long study.
@@ -34,6 +35,9 @@ pub enum StudyKind {
         sweep: Sweep,
         /// Values at which spectra are listed and running exponents shown.
         at: Vec<f64>,
+        /// How the branches of periodic orbits over it are followed, if they are.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        orbits: Option<TreeOptions>,
     },
     /// Basins over two initial values.
     Basin(basin::Request),
@@ -52,7 +56,10 @@ impl LongStudy {
     /// Stems of the files of its results.
     pub fn results(&self) -> Vec<String> {
         let mut names = vec![self.name.clone()];
-        if let StudyKind::Sweep { sweep: Sweep { exponents: Some(_), .. }, at } = &self.kind
+        if let StudyKind::Sweep { orbits: Some(_), .. } = &self.kind {
+            names.push(format!("{}-orbits", self.name));
+        }
+        if let StudyKind::Sweep { sweep: Sweep { exponents: Some(_), .. }, at, .. } = &self.kind
             && !at.is_empty()
         {
             names.extend(["spectra", "running"].map(|what| format!("{}-{what}", self.name)));
@@ -85,12 +92,19 @@ impl LongStudy {
     /// As [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`] and [`design_sweep::fill`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         match &self.kind {
-            StudyKind::Sweep { at, .. } => {
+            StudyKind::Sweep { at, orbits, .. } => {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
                 let mut found = vec![studies::sweep(&self.set, &sweep, &diagram, &self.name)?];
+                let follow = |options| studies::DiagramOrbits::new(&self.set, &sweep, &diagram, options);
+                let orbits = orbits.as_ref().map(follow).transpose()?;
+                if let Some(orbits) = &orbits {
+                    let name = format!("{}-orbits", self.name);
+                    found.push(orbits.study(&self.set, &sweep, &diagram, &name)?);
+                }
                 if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
                     let (along, stem) = (sweep.axis.name, &self.name);
-                    found.push(studies::spectra(&sweep, &diagram, at, &format!("{stem}-spectra"))?.1);
+                    let name = format!("{stem}-spectra");
+                    found.push(studies::spectra(&sweep, &diagram, at, orbits.as_ref(), &name)?.1);
                     let name = format!("{stem}-running");
                     found.push(studies::running(&self.set, along, at, sweep.discard, options, &name)?);
                 }

@@ -99,8 +99,8 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
     times
 }
 
-/// The sequences of doublings: each begins with a stable range on which no other one ends by a doubling, and goes on from branch to
-/// branch as long as the branch born at a doubling is stable from there on. Those with the shortest period come first, then those with
+/// The sequences of doublings: each begins with a stable range that is not born at a doubling, and goes on from branch to branch as
+/// long as the branch born at a doubling is stable from there on; folds may lie between its birth and its own doubling. Those with the shortest period come first, then those with
 /// the least value.
 ///
 /// ```
@@ -119,23 +119,34 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
 /// ```
 pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     let ranges: Vec<StableRange> = branches.iter().flat_map(Branch::stable_ranges).collect();
-    let born = |from: &StableRange, at: RangeEnd| ranges.iter().find(|range| is_born(from, at, range));
-    let is_first = |range: &&StableRange| {
-        let ends = [range.from, range.to];
-        !ranges.iter().any(|other| ends.iter().any(|end| is_born(other, *end, range) && ends_at(other, *end)))
+    let followed = |from: &StableRange, at: RangeEnd| -> Option<(usize, RangeEnd)> {
+        let born = ranges.iter().position(|range| is_born(from, at, range))?;
+        Some(next_doubling(&ranges, born, at))
     };
+    // What a sequence comes to is not the begin of another one.
+    let mut reached = vec![false; ranges.len()];
+    for range in &ranges {
+        for end in [range.from, range.to] {
+            if let Some((next, _)) = followed(range, end) {
+                reached[next] = true;
+            }
+            ranges
+                .iter()
+                .zip(&mut reached)
+                .for_each(|(other, reached)| *reached |= is_born(range, end, other));
+        }
+    }
     let mut found: Vec<Vec<Doubling>> = Vec::new();
-    for start in ranges.iter().filter(is_first) {
-        for end in [start.from, start.to] {
+    for start in (0..ranges.len()).filter(|i| !reached[*i]) {
+        for end in [ranges[start].from, ranges[start].to] {
             let (mut sequence, mut here) = (Vec::new(), Some((start, end)));
             // Words double from step to step, so that there is an end.
             while let Some((range, end)) = here
                 && let Some(label) = end.label.filter(|_| is_doubling(end))
             {
-                let StableRange { period, branch, .. } = *range;
+                let StableRange { period, branch, .. } = ranges[range];
                 sequence.push(Doubling { value: end.value, label, period, branch });
-                let other = |r: &StableRange| if is_same(r.from.value, end.value) { r.to } else { r.from };
-                here = born(range, end).map(|r| (r, other(r)));
+                here = followed(&ranges[range], end);
             }
             if !sequence.is_empty() {
                 found.push(sequence);
@@ -144,6 +155,29 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     }
     found.sort_by(|a, b| a[0].period.cmp(&b[0].period).then(a[0].value.total_cmp(&b[0].value)));
     found
+}
+
+/// From the range that is born at a doubling the range with the next doubling: itself if it ends so, else the first one further along
+/// its branch, with folds in between. Without one, the other end of the range.
+fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, RangeEnd) {
+    let own = &ranges[born];
+    let begins = |r: &StableRange| is_same(r.from.value, at.value) && r.from.label == at.label;
+    let other = if begins(own) { own.to } else { own.from };
+    if is_doubling(other) {
+        return (born, other);
+    }
+    // The branch begins where it is born, which is its first or its last point.
+    let forward = own.points.0 == 0;
+    let beyond =
+        |r: &&StableRange| r.branch == own.branch && (r.points.0 > own.points.0) == forward && *r != own;
+    let open = |r: &StableRange| [r.to, r.from].into_iter().find(|end| is_doubling(*end));
+    let mut further: Vec<&StableRange> = ranges.iter().filter(beyond).collect();
+    if !forward {
+        further.reverse();
+    }
+    let next = further.into_iter().find_map(|r| Some((r, open(r)?)));
+    let place = |r: &StableRange| ranges.iter().position(|other| other == r);
+    next.and_then(|(r, end)| Some((place(r)?, end))).unwrap_or((born, other))
 }
 
 /// The ratios (λ2 - λ1)/(λ3 - λ2), … of the distances of successive period doublings, which tend to Feigenbaum's 4.669… in a

@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::lengths::Lengths;
-use super::orbits::{MARKS, colour, special_table};
+use super::orbits::{COLOURED, MARKS, colour, special_table};
 use super::sweep::{DIRECTIONS, maxima_panel, method};
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, WHITE};
@@ -10,20 +10,24 @@ use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::{MotionClass, observe};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::orbits::{
-    Branch, ConstantLoads, Family, RangeEnd, Span, StableRange, Tree, TreeOptions, doubling_ratios,
+    Branch, ConstantLoads, Doubling, Family, RangeEnd, Span, StableRange, Tree, TreeOptions, doubling_ratios,
     doubling_sequences, settle, tree,
 };
 use vibro_analysis::stroboscopic::dimensional;
-use vibro_analysis::{ParameterSet, short};
 use vibro_impact::simulator::Simulator;
 
 /// Part of white in the points under the branches, so that the branches stand out.
 const PALE: f64 = 0.55;
-/// The longest period of a branch that is drawn where it is stable nowhere: there are hundreds of longer ones, and they hide all.
-const UNSTABLE: u32 = 1;
+/// The longest period of an orbit that is drawn where it is unstable: there are hundreds of longer ones, and they hide all.
+const UNSTABLE: u32 = 2;
+/// The same for a branch that is stable nowhere.
+const NEVER_STABLE: u32 = 1;
+/// Most values at which motions are settled for the branches, in each direction: those of the diagram, if it does not have more.
+const MOST_SEEDS: usize = 1001;
 /// Drive periods after which a row that no branch covers is looked at once more: what is left of a transient of a row next to a
 /// bifurcation dies out in so many.
 const LATER: u32 = 20_000;
@@ -68,6 +72,8 @@ pub struct CoveredRow {
 /// The branches over a diagram.
 #[derive(Clone, Debug)]
 pub struct DiagramOrbits {
+    /// The machines over the parameter.
+    pub family: Family,
     /// All branches.
     pub tree: Tree,
     /// The periodic rows of both directions.
@@ -88,19 +94,22 @@ impl DiagramOrbits {
     ///
     /// # Errors
     /// What the machines refuse.
-    pub fn new(family: &Family, options: &TreeOptions, diagram: &Diagram) -> Result<Self> {
-        let tree = tree(family, options, &|_, _| ())?;
+    pub fn new(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, options: &TreeOptions) -> Result<Self> {
+        let family = sweep_family(set, sweep)?;
+        // Motions that exist at one value of the diagram are among those from which branches start.
+        let seeds = sweep.axis.count.clamp(options.seeds, MOST_SEEDS.max(options.seeds));
+        let tree = tree(&family, &TreeOptions { seeds, ..*options }, &|_, _| ())?;
         let all = [&diagram.up, &diagram.down].into_iter().enumerate();
         let points: Vec<(usize, &SweepPoint)> = all
             .flat_map(|(direction, points)| points.iter().flatten().map(move |point| (direction, point)))
             .filter(|(_, point)| point.class.is_periodic())
             .collect();
         let row = |(direction, point): &(usize, &SweepPoint)| -> Result<CoveredRow> {
-            let covering = covering(family, &tree, point)?;
+            let covering = covering(&family, &tree, point)?;
             Ok(CoveredRow { direction: *direction, value: point.value, class: point.class, covering })
         };
         let rows = points.par_iter().map(row).collect::<Result<_>>()?;
-        Ok(Self { tree, rows })
+        Ok(Self { family, tree, rows })
     }
 
     /// The range of the stable branch on which the motion at a value lies; `None` where it is not periodic or not covered.
@@ -112,9 +121,23 @@ impl DiagramOrbits {
         }
     }
 
+    /// The ends of the stable ranges in which the first and the last covered row of a range of values are.
+    pub fn bounds(&self, direction: usize, (from, to): (f64, f64)) -> Option<(RangeEnd, RangeEnd)> {
+        let inside = |row: &&CoveredRow| row.direction == direction && (from..=to).contains(&row.value);
+        let range = |row: &CoveredRow| match &row.covering {
+            Covering::Branch { range, .. } => Some(range.clone()),
+            _ => None,
+        };
+        let mut ranges = self.rows.iter().filter(inside).filter_map(range);
+        let first = ranges.next()?;
+        let last = ranges.next_back().unwrap_or_else(|| first.clone());
+        Some((first.from, last.to))
+    }
+
     /// The periodic rows of which the transient has ended, and those of them that lie on a stable branch.
     pub fn share(&self) -> (usize, usize) {
-        let count = |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
+        let count =
+            |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
         let ended = count(&|c| !matches!(c, Covering::Transient));
         (count(&|c| matches!(c, Covering::Branch { .. })), ended)
     }
@@ -144,44 +167,28 @@ impl DiagramOrbits {
         words
     }
 
-    /// The sequences of doublings in words, with the ratios of their distances.
+    /// The sequences of more than one doubling in words, with the ratios of their distances.
     pub fn doublings_in_words(&self) -> Vec<String> {
         let sequences = doubling_sequences(&self.tree.branches).into_iter().filter(|s| s.len() > 1);
-        let words = sequences.map(|sequence| {
-            let places: Vec<String> =
-                sequence.iter().map(|d| format!("{} of {}T at {:.DECIMALS$}", d.label, d.period, d.value)).collect();
-            let ratios: Vec<String> = doubling_ratios(&sequence).iter().map(|r| format!("{r:.3}")).collect();
-            let ratios =
-                if ratios.is_empty() { String::new() } else { format!("; ratios of the distances {}", ratios.join(", ")) };
-            format!("{}{ratios}", places.join(", "))
-        });
-        words.collect()
+        sequences.map(|sequence| doublings_in_words(&sequence)).collect()
     }
-
     /// The study: the branches over the points of the diagram, with tables of what is drawn, of the special points, the stable
     /// ranges, the windows and the rows.
     ///
     /// # Errors
     /// [`Error::Output`](crate::Error::Output).
-    pub fn study(
-        &self,
-        set: &ParameterSet,
-        sweep: &Sweep,
-        diagram: &Diagram,
-        family: &Family,
-        name: &str,
-    ) -> Result<Study> {
+    pub fn study(&self, set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
         let (branches, along) = (&self.tree.branches, set.symbol(sweep.axis.name));
         let lengths = Lengths::of(set);
         let symbol = lengths.displacement(sweep.of.symbol());
-        let drawn = Drawn::new(family, branches, sweep, &lengths);
+        let drawn = Drawn::new(&self.family, branches, sweep, &lengths);
         let figure = Figure {
             title: format!("Periodic orbits over the bifurcation diagram of {symbol} over {along}"),
             caption: vec![
                 method(sweep),
                 format!(
-                    "Orbits: exact, full where stable, dashed where unstable; of those stable nowhere only {UNSTABLE}T. Marks: \
-                     where stability changes."
+                    "Orbits: exact, full where stable, dashed where unstable (up to {UNSTABLE}T, of branches stable nowhere \
+                     {NEVER_STABLE}T). Marks: where stability changes."
                 ),
                 format!("Elsewhere {}", set.caption_but(&[sweep.axis.name])),
             ],
@@ -192,11 +199,14 @@ impl DiagramOrbits {
         };
         let mut remarks = self.coverage_in_words(set, sweep);
         remarks.extend(self.doublings_in_words().into_iter().take(TOLD));
-        let what = format!("{} branches of periodic orbits over the local maxima of {symbol} over {along}", branches.len());
+        let what = format!(
+            "{} branches of periodic orbits over the local maxima of {symbol} over {along}",
+            branches.len()
+        );
         Ok(Study {
             tables: vec![
                 (name.into(), drawn.table(sweep, branches)?),
-                (format!("{name}-special-points"), special_table(family.span(), branches)?),
+                (format!("{name}-special-points"), special_table(self.family.span(), branches)?),
                 (format!("{name}-stable-ranges"), range_table(sweep, branches)?),
                 (format!("{name}-windows"), self.window_table(sweep, diagram)?),
                 (format!("{name}-rows"), self.row_table(sweep)?),
@@ -210,8 +220,16 @@ impl DiagramOrbits {
     fn window_table(&self, sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
         let name = sweep.axis.name.name();
         let (from, to) = (format!("{name}_from"), format!("{name}_to"));
-        let mut table =
-            CsvRows::new(["direction", &from, &to, "class", "stable_from", "label_from", "stable_to", "label_to"])?;
+        let mut table = CsvRows::new([
+            "direction",
+            &from,
+            &to,
+            "class",
+            "stable_from",
+            "label_from",
+            "stable_to",
+            "label_to",
+        ])?;
         for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
             for (first, last, class) in Diagram::windows(points).into_iter().filter(|w| w.2.is_periodic()) {
                 let lower = end_cells(self.range_at(direction, first).map(|range| range.from));
@@ -254,6 +272,15 @@ fn not_covered(reason: &str) -> [String; 4] {
     [String::new(), String::new(), String::new(), reason.into()]
 }
 
+/// A sequence of doublings in words, with the ratios of their distances.
+pub(crate) fn doublings_in_words(sequence: &[Doubling]) -> String {
+    let place = |d: &Doubling| format!("{} of {}T at {:.DECIMALS$}", d.label, d.period, d.value);
+    let places: Vec<String> = sequence.iter().map(place).collect();
+    let ratios: Vec<String> = doubling_ratios(sequence).iter().map(|r| format!("{r:.3}")).collect();
+    let told = if ratios.is_empty() { "" } else { "; ratios of the distances of the PD " };
+    format!("{}{told}{}", places.join(", "), ratios.join(", "))
+}
+
 /// An end of a range as two cells.
 pub(super) fn end_cells(end: Option<RangeEnd>) -> [String; 2] {
     end.map_or_else(Default::default, |e| {
@@ -262,7 +289,7 @@ pub(super) fn end_cells(end: Option<RangeEnd>) -> [String; 2] {
 }
 
 /// An end of a range in words.
-pub(super) fn end_in_words(end: RangeEnd) -> String {
+pub(crate) fn end_in_words(end: RangeEnd) -> String {
     let label = end.label.map_or(String::new(), |label| format!("{label} "));
     format!("{label}{:.DECIMALS$}", end.value)
 }
@@ -292,12 +319,16 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
 fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
     let name = sweep.axis.name.name();
     let (from, to) = (format!("{name}_from"), format!("{name}_to"));
-    let mut table = CsvRows::new(["branch", "word", "closing", "period", &from, "label_from", &to, "label_to"])?;
+    let mut table =
+        CsvRows::new(["branch", "word", "closing", "period", &from, "label_from", &to, "label_to"])?;
     for branch in branches {
         for range in branch.stable_ranges() {
             let sign = if branch.word.closing() > 0 { "+" } else { "-" };
-            let own = vec![branch.id.to_string(), branch.word.to_string(), sign.into(), range.period.to_string()];
-            table.push([own, end_cells(Some(range.from)).to_vec(), end_cells(Some(range.to)).to_vec()].concat())?;
+            let own =
+                vec![branch.id.to_string(), branch.word.to_string(), sign.into(), range.period.to_string()];
+            table.push(
+                [own, end_cells(Some(range.from)).to_vec(), end_cells(Some(range.to)).to_vec()].concat(),
+            )?;
         }
     }
     table.text()
@@ -327,7 +358,7 @@ impl Drawn {
             }
             found
         };
-        let is_drawn = |b: &&Branch| b.word.period() <= UNSTABLE || b.points.iter().any(|p| p.stable);
+        let is_drawn = |b: &&Branch| b.word.period() <= NEVER_STABLE || b.points.iter().any(|p| p.stable);
         let shown: Vec<&Branch> = branches.iter().filter(is_drawn).collect();
         let found: Vec<(Vec<Curve>, Vec<(usize, (f64, f64))>)> = shown
             .par_iter()
@@ -355,9 +386,10 @@ impl Drawn {
         panel.layers.iter_mut().for_each(pale);
         // By period, unstable ones below.
         let mut pieces: BTreeMap<(bool, Colour), Vec<Path>> = BTreeMap::new();
-        for curve in &self.curves {
-            let colour = period_colour(branches[curve.branch].word.period());
-            pieces.entry((curve.stable, colour)).or_default().push(curve.points.clone());
+        let is_drawn = |c: &&Curve| c.stable || branches[c.branch].word.period() <= UNSTABLE;
+        for curve in self.curves.iter().filter(is_drawn) {
+            let tint = colour(branches[curve.branch].word.period());
+            pieces.entry((curve.stable, tint)).or_default().push(curve.points.clone());
         }
         for ((stable, colour), pieces) in pieces {
             let (dash, stroke) = if stable { (Dash::Solid, LINE) } else { (Dash::Dashed, THIN) };
@@ -365,7 +397,8 @@ impl Drawn {
         }
         let mut periods: Vec<u32> = self.curves.iter().map(|c| branches[c.branch].word.period()).collect();
         periods.sort_unstable();
-        let mut names: Vec<(String, Colour)> = periods.iter().map(|p| (period_name(*p), period_colour(*p))).collect();
+        let mut names: Vec<(String, Colour)> =
+            periods.iter().map(|p| (period_name(*p), colour(*p))).collect();
         names.dedup();
         panel.layers.extend(names.iter().map(|(name, c)| Layer::lines(name, *c, Dash::Solid, Vec::new())));
         panel.layers.push(Layer::lines("unstable", BLACK, Dash::Dashed, Vec::new()).stroke(THIN));
@@ -384,8 +417,16 @@ impl Drawn {
     /// The curves as they are drawn, in units of L of the set's own gap.
     fn table(&self, sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
         let maximum = format!("{}_maximum", sweep.of.name());
-        let mut table =
-            CsvRows::new(["curve", "branch", "word", "closing", "period", "stable", sweep.axis.name.name(), &maximum])?;
+        let mut table = CsvRows::new([
+            "curve",
+            "branch",
+            "word",
+            "closing",
+            "period",
+            "stable",
+            sweep.axis.name.name(),
+            &maximum,
+        ])?;
         for (i, curve) in self.curves.iter().enumerate() {
             let word = &branches[curve.branch].word;
             let sign = if word.closing() > 0 { "+" } else { "-" };
@@ -417,12 +458,8 @@ fn pale(layer: &mut Layer) {
     }
 }
 
-fn period_colour(period: u32) -> Colour {
-    colour(period)
-}
-
 fn period_name(period: u32) -> String {
-    if super::orbits::has_colour(period) { format!("{period}T") } else { "longer".into() }
+    if period as usize <= COLOURED { format!("{period}T") } else { "longer".into() }
 }
 
 /// The ends of a branch's stable ranges with their kind: at the largest maximum of the orbit and of its mirror image.

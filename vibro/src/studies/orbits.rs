@@ -13,12 +13,12 @@ use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Span};
 /// Weights of X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
 /// Longest period that has a colour of its own.
-const COLOURED: usize = FAMILY.len();
+pub(super) const COLOURED: usize = FAMILY.len();
 /// Most special points with a mark in the picture: more would cover the branches.
 const MARKED: usize = 150;
 
 /// Marks of special points.
-const MARKS: [(Label, &str, Mark); 7] = [
+pub(super) const MARKS: [(Label, &str, Mark); 7] = [
     (Label::Fold, "LP fold", Mark::Disc),
     (Label::BranchPoint, "BP branch point", Mark::Square),
     (Label::PeriodDoubling, "PD period doubling", Mark::Triangle),
@@ -142,7 +142,7 @@ fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<V
 }
 
 /// The special points alone, with what another study needs to start from them.
-fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
+pub(super) fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "label",
         "branch",
@@ -189,7 +189,7 @@ fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
 }
 
 /// The colour of a period.
-fn colour(period: u32) -> Colour {
+pub(super) fn colour(period: u32) -> Colour {
     FAMILY.get(period as usize - 1).copied().unwrap_or(GREY)
 }
 

@@ -158,6 +158,10 @@ pub struct Bifurcation {
     /// Displacement whose local maxima are drawn: x1, x2, x3 or w
     #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
     pub of: Displacement,
+    /// Draws the exact branches of periodic orbits over the points too, stable and unstable, with their bifurcations, and tells
+    /// which rows of the diagram lie on them. `vibro orbits --tree` follows them alone, with more options
+    #[arg(long)]
+    pub orbits: bool,
     /// Drive periods kept at each value
     #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep: u32,
