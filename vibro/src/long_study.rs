@@ -104,7 +104,7 @@ impl LongStudy {
                 if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
                     let (along, stem) = (sweep.axis.name, &self.name);
                     let name = format!("{stem}-spectra");
-                    found.push(studies::spectra(&sweep, &diagram, at, orbits.as_ref(), &name)?.1);
+                    found.push(studies::spectra(&self.set, &sweep, &diagram, at, orbits.as_ref(), &name)?.1);
                     let name = format!("{stem}-running");
                     found.push(studies::running(&self.set, along, at, sweep.discard, options, &name)?);
                 }

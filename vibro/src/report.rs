@@ -206,7 +206,7 @@ impl Plan {
         orbits: &Result<DiagramOrbits>,
     ) -> Result<(Table, Vec<Study>)> {
         let (set, force) = (&self.set, Name::Group(find_group("f10")?));
-        let (table, spectra) = studies::spectra(sweep, coarse, &TABLE, orbits.as_ref().ok(), "table-2")?;
+        let (table, spectra) = studies::spectra(set, sweep, coarse, &TABLE, orbits.as_ref().ok(), "table-2")?;
         let options = sweep.exponents.unwrap_or_default();
         let running = studies::running(set, force, &RUNNING, sweep.discard, &options, "exponents-running")?;
         let mut overlay = studies::overlay(set, sweep, coarse, "figure-16")?;

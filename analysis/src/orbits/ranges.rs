@@ -14,6 +14,9 @@ pub struct RangeEnd {
     pub value: f64,
     /// What happens there; `None` only where the branch could not be followed on.
     pub label: Option<Label>,
+    /// Whether the branch itself ends here: a PD or BP is then where it is born from another branch, otherwise where another one is
+    /// born from it.
+    pub is_branch_end: bool,
 }
 
 /// A piece of a branch that is stable throughout, and no longer past its ends. The parameter grows or falls along it, since it
@@ -66,7 +69,11 @@ impl Branch {
     }
 
     fn range(&self, first: usize, last: usize) -> StableRange {
-        let end = |i: usize| RangeEnd { value: self.points[i].value, label: self.points[i].label() };
+        let end = |i: usize| RangeEnd {
+            value: self.points[i].value,
+            label: self.points[i].label(),
+            is_branch_end: i == 0 || i + 1 == self.points.len(),
+        };
         let (a, b) = (end(first), end(last));
         let (from, to) = if a.value <= b.value { (a, b) } else { (b, a) };
         let (letters, period) = (self.word.len(), self.word.period());
@@ -123,7 +130,7 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
         let born = ranges.iter().position(|range| is_born(from, at, range))?;
         Some(next_doubling(&ranges, born, at))
     };
-    // What a sequence comes to is not the begin of another one.
+    // What is born at a doubling, and where a sequence comes to, is not the begin of another one.
     let mut reached = vec![false; ranges.len()];
     for range in &ranges {
         for end in [range.from, range.to] {
@@ -161,22 +168,20 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
 /// its branch, with folds in between. Without one, the other end of the range.
 fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, RangeEnd) {
     let own = &ranges[born];
-    let begins = |r: &StableRange| is_same(r.from.value, at.value) && r.from.label == at.label;
-    let other = if begins(own) { own.to } else { own.from };
-    if is_doubling(other) {
-        return (born, other);
+    let doubles = |r: &StableRange| [r.to, r.from].into_iter().find(|end| is_doubling(*end));
+    if let Some(end) = doubles(own) {
+        return (born, end);
     }
-    // The branch begins where it is born, which is its first or its last point.
+    // The branch is born at its first or at its last point.
     let forward = own.points.0 == 0;
-    let beyond =
-        |r: &&StableRange| r.branch == own.branch && (r.points.0 > own.points.0) == forward && *r != own;
-    let open = |r: &StableRange| [r.to, r.from].into_iter().find(|end| is_doubling(*end));
+    let beyond = |r: &&StableRange| r.branch == own.branch && (r.points.0 > own.points.0) == forward;
     let mut further: Vec<&StableRange> = ranges.iter().filter(beyond).collect();
     if !forward {
         further.reverse();
     }
-    let next = further.into_iter().find_map(|r| Some((r, open(r)?)));
+    let next = further.into_iter().find_map(|r| Some((r, doubles(r)?)));
     let place = |r: &StableRange| ranges.iter().position(|other| other == r);
+    let other = if is_same(own.from.value, at.value) { own.to } else { own.from };
     next.and_then(|(r, end)| Some((place(r)?, end))).unwrap_or((born, other))
 }
 
@@ -192,16 +197,14 @@ fn is_same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME_PLACE * a.abs().max(1.0)
 }
 
+/// Whether another branch of a doubled word is born at the end of a range.
 fn is_doubling(end: RangeEnd) -> bool {
-    matches!(end.label, Some(Label::PeriodDoubling | Label::BranchPoint))
-}
-
-/// Whether a range ends at a place, with the same bifurcation.
-fn ends_at(range: &StableRange, end: RangeEnd) -> bool {
-    [range.from, range.to].iter().any(|own| own.label == end.label && is_same(own.value, end.value))
+    !end.is_branch_end && matches!(end.label, Some(Label::PeriodDoubling | Label::BranchPoint))
 }
 
 /// Whether a range is of the branch that is born at the end of another one.
 fn is_born(from: &StableRange, end: RangeEnd, range: &StableRange) -> bool {
-    is_doubling(end) && range.letters == 2 * from.letters && ends_at(range, end)
+    let begins =
+        |own: &RangeEnd| own.is_branch_end && own.label == end.label && is_same(own.value, end.value);
+    is_doubling(end) && range.letters == 2 * from.letters && [range.from, range.to].iter().any(begins)
 }

@@ -135,8 +135,11 @@ fn periodic_windows(found: &Found) -> Statement {
 /// Ranges of values with the located ends of their stable orbits.
 fn ranges_in_words(found: &Found, direction: usize, ranges: &[(f64, f64)]) -> String {
     let words = ranges.iter().map(|range| {
-        let ends = found.orbits.and_then(|orbits| orbits.bounds(direction, *range));
-        let located = ends.map(|(a, b)| format!(" ({} – {})", end_in_words(a), end_in_words(b)));
+        let located = found.orbits.and_then(|orbits| {
+            let (from, to) = orbits.bounds(direction, *range)?;
+            let [from, to] = [from, to].map(|end| end_in_words(found.set, orbits.family.span().name, end));
+            Some(format!(" ({from} – {to})"))
+        });
         format!("{}–{}{}", short(range.0), short(range.1), located.unwrap_or_default())
     });
     words.collect::<Vec<_>>().join(", ")
@@ -255,11 +258,10 @@ fn route(found: &Found) -> Vec<Statement> {
     let located = doublings(found);
     let doubled = |n: u32| located.iter().any(|d| d.label == Label::PeriodDoubling && d.period == n);
     let sequence = [1, 2, 4].iter().all(|n| has(*n)) || (doubled(1) && doubled(2));
-    let places = if located.is_empty() {
-        String::new()
-    } else {
-        format!(". Located on the branches: {}", doublings_in_words(&located))
-    };
+    let places = found.orbits.filter(|_| !located.is_empty()).map_or(String::new(), |orbits| {
+        let told = doublings_in_words(found.set, orbits.family.span().name, &located);
+        format!(". Located on the branches: {told}")
+    });
     let band: Vec<_> = Diagram::windows(&found.fine.up)
         .into_iter()
         .filter(|w| w.2 == MotionClass::Chaotic && w.0 > 2.0 && w.0 < 2.95)

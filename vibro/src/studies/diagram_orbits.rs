@@ -10,14 +10,14 @@ use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::{MotionClass, observe};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::orbits::{
-    Branch, ConstantLoads, Doubling, Family, RangeEnd, Span, StableRange, Tree, TreeOptions, doubling_ratios,
-    doubling_sequences, settle, tree,
+    Branch, ConstantLoads, Doubling, Family, OrbitWord, RangeEnd, Span, StableRange, Tree, TreeOptions,
+    doubling_ratios, doubling_sequences, search, settle, tree,
 };
 use vibro_analysis::stroboscopic::dimensional;
+use vibro_analysis::{Name, ParameterSet};
 use vibro_impact::simulator::Simulator;
 
 /// Part of white in the points under the branches, so that the branches stand out.
@@ -26,7 +26,7 @@ const PALE: f64 = 0.55;
 const UNSTABLE: u32 = 2;
 /// The same for a branch that is stable nowhere.
 const NEVER_STABLE: u32 = 1;
-/// Most values at which motions are settled for the branches, in each direction: those of the diagram, if it does not have more.
+/// Most values of a diagram at all of which motions are settled for the branches, in each direction.
 const MOST_SEEDS: usize = 1001;
 /// Drive periods after which a row that no branch covers is looked at once more: what is left of a transient of a row next to a
 /// bifurcation dies out in so many.
@@ -86,7 +86,13 @@ pub struct DiagramOrbits {
 /// The parameter that orbits cannot vary, by name.
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
-    Ok(Family::new(set, ConstantLoads::NONE, span)?)
+    let family = Family::new(set, ConstantLoads::NONE, span)?;
+    // A free block and undamped modes are refused here, by any word; that there is no orbit with this one says nothing.
+    let middle = family.system(&[0.5 * (span.from + span.to)])?;
+    match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
+        Ok(_) | Err(vibro_analysis::Error::NoOrbit { .. }) => Ok(family),
+        Err(other) => Err(other.into()),
+    }
 }
 
 impl DiagramOrbits {
@@ -96,8 +102,9 @@ impl DiagramOrbits {
     /// What the machines refuse.
     pub fn new(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, options: &TreeOptions) -> Result<Self> {
         let family = sweep_family(set, sweep)?;
-        // Motions that exist at one value of the diagram are among those from which branches start.
-        let seeds = sweep.axis.count.clamp(options.seeds, MOST_SEEDS.max(options.seeds));
+        // The values of the diagram are among those from which branches start, so that a window of one value is not missed.
+        let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
+        let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
         let tree = tree(&family, &TreeOptions { seeds, ..*options }, &|_, _| ())?;
         let all = [&diagram.up, &diagram.down].into_iter().enumerate();
         let points: Vec<(usize, &SweepPoint)> = all
@@ -168,9 +175,10 @@ impl DiagramOrbits {
     }
 
     /// The sequences of more than one doubling in words, with the ratios of their distances.
-    pub fn doublings_in_words(&self) -> Vec<String> {
+    pub fn doublings_in_words(&self, set: &ParameterSet) -> Vec<String> {
         let sequences = doubling_sequences(&self.tree.branches).into_iter().filter(|s| s.len() > 1);
-        sequences.map(|sequence| doublings_in_words(&sequence)).collect()
+        let name = self.family.span().name;
+        sequences.map(|sequence| doublings_in_words(set, name, &sequence)).collect()
     }
     /// The study: the branches over the points of the diagram, with tables of what is drawn, of the special points, the stable
     /// ranges, the windows and the rows.
@@ -198,7 +206,7 @@ impl DiagramOrbits {
             shared_legend: false,
         };
         let mut remarks = self.coverage_in_words(set, sweep);
-        remarks.extend(self.doublings_in_words().into_iter().take(TOLD));
+        remarks.extend(self.doublings_in_words(set).into_iter().take(TOLD));
         let what = format!(
             "{} branches of periodic orbits over the local maxima of {symbol} over {along}",
             branches.len()
@@ -273,8 +281,8 @@ fn not_covered(reason: &str) -> [String; 4] {
 }
 
 /// A sequence of doublings in words, with the ratios of their distances.
-pub(crate) fn doublings_in_words(sequence: &[Doubling]) -> String {
-    let place = |d: &Doubling| format!("{} of {}T at {:.DECIMALS$}", d.label, d.period, d.value);
+pub(crate) fn doublings_in_words(set: &ParameterSet, name: Name, sequence: &[Doubling]) -> String {
+    let place = |d: &Doubling| format!("{} of {}T at {}", d.label, d.period, located(set, name, d.value));
     let places: Vec<String> = sequence.iter().map(place).collect();
     let ratios: Vec<String> = doubling_ratios(sequence).iter().map(|r| format!("{r:.3}")).collect();
     let told = if ratios.is_empty() { "" } else { "; ratios of the distances of the PD " };
@@ -289,9 +297,17 @@ pub(super) fn end_cells(end: Option<RangeEnd>) -> [String; 2] {
 }
 
 /// An end of a range in words.
-pub(crate) fn end_in_words(end: RangeEnd) -> String {
+pub(crate) fn end_in_words(set: &ParameterSet, name: Name, end: RangeEnd) -> String {
     let label = end.label.map_or(String::new(), |label| format!("{label} "));
-    format!("{label}{:.DECIMALS$}", end.value)
+    format!("{label}{}", located(set, name, end.value))
+}
+
+/// A located value in the unit in which the parameter was written.
+fn located(set: &ParameterSet, name: Name, value: f64) -> String {
+    match set.unit(name) {
+        Some(unit) => format!("{:.DECIMALS$} {}", unit.number(value), unit.symbol()),
+        None => format!("{value:.DECIMALS$}"),
+    }
 }
 
 /// What the branches say of a periodic motion.

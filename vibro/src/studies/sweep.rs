@@ -285,6 +285,7 @@ fn window_remarks(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn spectra(
+    set: &ParameterSet,
     sweep: &Sweep,
     diagram: &Diagram,
     values: &[f64],
@@ -305,7 +306,10 @@ pub fn spectra(
         let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
         let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
         let range = orbits.and_then(|orbits| orbits.range_at(0, point.value));
-        let between = range.map(|r| format!("{} and {}", end_in_words(r.from), end_in_words(r.to)));
+        let between = range.map(|r| {
+            let end = |end| end_in_words(set, sweep.axis.name, end);
+            format!("{} and {}", end(r.from), end(r.to))
+        });
         let told = between.as_ref().map_or(String::new(), |ends| format!(", stable between {ends}"));
         remarks.push(format!("{}: {}; {}{told}", short(point.value), numbers.join(", "), point.class.name()));
         let mut row = vec![exact(point.value)];
