@@ -29,6 +29,12 @@ const REDUCTION: f64 = 1.5;
 const SHORTEST_LOOP: usize = 10;
 /// Distance from the first point, in steps, at which a branch counts as closed.
 const CLOSED: f64 = 0.05;
+/// Accuracy of a special point in the arc: rounding of the points themselves is of this size.
+const LOCATION: f64 = 1e-14;
+/// Accuracy, in parts of a step, with which a change of sign is located that may be none of interest, and the distance from the unit
+/// circle of a pair of multipliers that may cross it so near.
+const ROUGHLY: f64 = 1e-4;
+const NEAR_CIRCLE: f64 = 0.1;
 
 /// How branches are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,6 +155,11 @@ pub(super) fn follow(follower: &Follower, departure: Departure) -> Result<Path, 
         step = step.clamp(LEAST_STEP, follower.options.longest_step);
         last = next;
     }
+}
+
+/// The number of multipliers outside the unit circle.
+fn outside(multipliers: &[Complex<f64>; 6]) -> usize {
+    multipliers.iter().filter(|m| m.norm() > 1.0).count()
 }
 
 fn label_last(points: &mut [Point], label: Label) {
@@ -362,12 +373,14 @@ impl Follower<'_> {
 
     /// The special points between two points, in order, with the stability of the pieces that follow them.
     fn between(&self, last: &Position, next: &Position) -> Result<Vec<Point>, Obstacle> {
+        let changes = |index: usize| {
+            let pair = last.tests[index].zip(next.tests[index]);
+            pair.filter(|(a, b)| a.sign * b.sign < 0.0).map(|(a, _)| a)
+        };
         let mut found = Vec::new();
         for index in 0..TESTS {
-            if let (Some(a), Some(b)) = (last.tests[index], next.tests[index])
-                && a.sign * b.sign < 0.0
-            {
-                found.extend(self.zero(last, next, index, a)?);
+            if let Some(unit) = changes(index) {
+                found.extend(self.zero(last, next, index, unit)?);
             }
         }
         found.extend(self.marks.iter().filter_map(|mark| self.mark(last, next, *mark)));
@@ -410,10 +423,13 @@ impl Follower<'_> {
             let found = test(&cycle, index).ok_or(Obstacle::NoConvergence)?;
             Ok(found.relative_to(unit))
         };
-        let ends = next.tests[index].map_or(f64::NAN, |b| b.relative_to(unit));
-        let Some(arc) = special::zero(value, length, (unit.sign, ends)) else {
-            return Err(Obstacle::NoConvergence);
-        };
+        let ends = (unit.sign, next.tests[index].map_or(f64::NAN, |b| b.relative_to(unit)));
+        if index == PAIR
+            && !self.may_be_torus(last, next, |tolerance| special::zero(&value, length, ends, tolerance))?
+        {
+            return Ok(None);
+        }
+        let arc = special::zero(&value, length, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
         let at = self.at_arc(last, next, arc)?;
         let turns = last.tangent[self.word.len()] * next.tangent[self.word.len()] < 0.0;
         let label = match index {
@@ -427,6 +443,31 @@ impl Follower<'_> {
             return Ok(None);
         }
         Ok(Some(Found { arc, at, label }))
+    }
+
+    /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test changes its sign; `zero` gives the
+    /// place of the change to a tolerance. The test changes at neutral saddles too, and by the rounding of multipliers next to very
+    /// large ones, which would be located with much work for nothing.
+    fn may_be_torus(
+        &self,
+        last: &Position,
+        next: &Position,
+        zero: impl Fn(f64) -> Option<f64>,
+    ) -> Result<bool, Obstacle> {
+        let changes = |index: usize| {
+            let signs = [last, next].map(|p| p.tests[index].map_or(0.0, |t| t.sign));
+            signs[0] * signs[1] < 0.0
+        };
+        // A pair changes the number of multipliers outside the circle by two; a real multiplier may do so in the same step.
+        let [before, after] = [last, next].map(|p| outside(&p.multipliers));
+        if !changes(UNIT) && !changes(DOUBLING) && before.abs_diff(after) < 2 {
+            return Ok(false);
+        }
+        let length = last.tangent.dot(&(&next.u - &last.u));
+        let arc = zero(ROUGHLY * length).ok_or(Obstacle::NoConvergence)?;
+        let there = self.look(self.at_arc(last, next, arc)?)?.0;
+        let near = |m: &Complex<f64>| m.im != 0.0 && (m.norm() - 1.0).abs() < NEAR_CIRCLE;
+        Ok(there.multipliers.iter().any(near))
     }
 
     /// The point at a value of the parameter, where the step passes it.
