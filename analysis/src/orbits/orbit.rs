@@ -255,7 +255,12 @@ pub(super) fn same_phases(word: &OrbitWord, a: &[f64], b: &[f64], mirror: bool, 
 
 /// The phases of the word passed twice.
 pub(super) fn unfolded_phases(word: &OrbitWord, phases: &[f64]) -> Vec<f64> {
-    phases.iter().copied().chain(phases.iter().map(|phase| phase + word.span())).collect()
+    repeated_phases(word, phases, 2)
+}
+
+/// The phases of the word passed k times.
+pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec<f64> {
+    (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
 }
 
 /// Whether it is proved that the block keeps within the stops in all flights.

@@ -35,6 +35,8 @@ const LOCATION: f64 = 1e-14;
 /// circle of a pair of multipliers that may cross it so near.
 const ROUGHLY: f64 = 1e-4;
 const NEAR_CIRCLE: f64 = 0.1;
+/// Difference of two values of the parameter, in its unit of the curve, that is rounding.
+const MARK: f64 = 1e-12;
 
 /// How branches are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,13 +183,21 @@ impl Follower<'_> {
         u[self.word.len()] * self.span().unit()
     }
 
+    /// Whether a value of the parameter is a mark but for rounding.
+    fn is_at(&self, value: f64, mark: f64) -> bool {
+        (value - mark).abs() <= MARK * self.span().unit()
+    }
+
     fn point(&self, position: &Position, special: Option<Special>) -> Point {
+        let value = self.value(&position.u);
+        let mark =
+            self.marks.iter().copied().find(|mark| self.is_at(value, *mark)).filter(|_| special.is_none());
         Point {
-            value: self.value(&position.u),
+            value: mark.unwrap_or(value),
             phases: position.u.as_slice()[..self.word.len()].to_vec(),
             multipliers: position.multipliers,
             stable: position.stable,
-            special,
+            special: special.or(mark.map(|_| Special::of(Label::UserValue))),
         }
     }
 
@@ -474,7 +484,8 @@ impl Follower<'_> {
     fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<Found> {
         let n = self.word.len();
         let [from, to] = [&last.u, &next.u].map(|u| self.value(u));
-        if (from - mark) * (to - mark) >= 0.0 {
+        // A point that has the value is labelled itself.
+        if (from - mark) * (to - mark) >= 0.0 || self.is_at(from, mark) || self.is_at(to, mark) {
             return None;
         }
         let part = (mark - from) / (to - from);

@@ -23,7 +23,7 @@ const TOGETHER: usize = 16;
 pub(super) const SAME_PLACE: f64 = 1e-7;
 
 /// What is traced.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
     /// Values of the parameter at which motions are settled, in each direction.
     pub seeds: usize,
@@ -39,6 +39,11 @@ pub struct TreeOptions {
     pub longest_step: f64,
     /// Most points of a branch in one direction.
     pub most_points: usize,
+    /// At a touch the words that list it once in up to so many passages of the orbit without it are followed too: with 1 in every
+    /// passage alone.
+    pub repetitions: u32,
+    /// Values of the parameter at which each branch has a point, labelled UZ.
+    pub marks: Vec<f64>,
 }
 
 impl Default for TreeOptions {
@@ -52,6 +57,8 @@ impl Default for TreeOptions {
             most_letters: 64,
             longest_step,
             most_points,
+            repetitions: 1,
+            marks: Vec::new(),
         }
     }
 }
@@ -93,7 +100,7 @@ pub fn tree(
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Tree, Error> {
     let mut grower = Grower::new(family, options);
-    for (branch, contacts) in free::branches(family)? {
+    for (branch, contacts) in free::branches(family, &options.marks)? {
         let id = grower.tree.branches.len();
         grower.tree.branches.push(branch);
         for (point, contact) in contacts {
@@ -112,7 +119,7 @@ pub fn tree(
         traced += batch.len();
         let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
         let found: Vec<_> =
-            batch.into_par_iter().map(|start| trace(family, &grower.path, &[], start)).collect();
+            batch.into_par_iter().map(|start| trace(family, &grower.path, &options.marks, start)).collect();
         for branch in found {
             match branch {
                 Ok(branch) => grower.add(branch),
@@ -162,7 +169,7 @@ pub fn branch(
     }
     if word.is_empty() {
         let around = |b: &Branch| b.points.windows(2).any(|p| (p[0].value..=p[1].value).contains(&value));
-        let found = free::branches(family)?.into_iter().map(|b| b.0).find(around);
+        let found = free::branches(family, marks)?.into_iter().map(|b| b.0).find(around);
         return found.ok_or_else(|| Obstacle::NoConvergence.error(&system, word));
     }
     let followed = || {
@@ -400,7 +407,7 @@ impl<'a> Grower<'a> {
     }
 
     fn offer_longer(&mut self, contact: &Contact, depth: u32, parent: (usize, usize)) {
-        for touch in contact.longer(self.family) {
+        for touch in contact.longer(self.family, self.options.repetitions) {
             let value = self.family.values(&touch.u)[0];
             if !self.is_new(Label::Grazing, &touch.longer, value) {
                 continue;
@@ -416,7 +423,7 @@ impl<'a> Grower<'a> {
         if contact.shorter.is_empty() || !self.is_new(Label::Grazing, &contact.shorter, value) {
             return;
         }
-        let longer = contact.longer(self.family).remove(0).longer;
+        let longer = contact.longer(self.family, 1).remove(0).longer;
         if let Ok(departure) = contact.departure(self.family) {
             self.offer_born(&contact.shorter, &departure, depth, parent, &longer);
         }

@@ -119,6 +119,12 @@ impl OrbitWord {
         Self::of(letters, 1, 2 * self.half_periods)
     }
 
+    /// The word passed k times; for a symmetric orbit k must be odd.
+    pub(super) fn repeated(&self, k: usize) -> Self {
+        let sides = (0..k * self.len()).map(|i| self.side(i) as i8);
+        Self::of(sides.collect(), self.closing, self.half_periods * k as u32)
+    }
+
     /// The half word of which this one is the [unfolded](Self::unfolded) one; `None` where it is none.
     #[must_use]
     pub fn folded(&self) -> Option<Self> {
