@@ -61,12 +61,16 @@ impl Orbit {
     /// [`is_certified`](Self::is_certified).
     ///
     /// # Errors
-    /// [`Error::NoOrbit`] when Newton's method does not converge; an error with the parameter's name where
+    /// [`Error::NoOrbit`] when Newton's method does not converge, for a guess of another length than the word's, and for a symmetric
+    /// orbit of a machine under loads; an error with the parameter's name where
     /// phases do not determine the orbit: a block without a spring, an undamped mode in resonance.
     pub fn find(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Self, Error> {
         let found = || {
             if guess.len() != word.len() {
                 return Err(Obstacle::Order);
+            }
+            if word.closing() < 0 && !system.is_symmetric() {
+                return Err(Obstacle::Asymmetric);
             }
             let phases = newton(system, word, guess)?;
             Self::at(system, word, &phases)

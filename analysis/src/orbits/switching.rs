@@ -4,7 +4,7 @@ use super::branch::{Label, Special};
 use super::curve::{axis, tangent};
 use super::cycle::{Cycle, Functional};
 use super::family::{Contacts, Family};
-use super::grazing::{self, Touch};
+use super::grazing::{self, Touch, Touching};
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
 use super::settled::REPETITION;
@@ -139,7 +139,7 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
     let n = touch.longer.len();
     let contacts = Contacts { family, word: &touch.longer };
     let along = tangent(&contacts, &touch.u, &axis(n + 1, n))?;
-    let (_, gradient) = grazing::approach(&contacts, touch.index, &touch.u)?;
+    let gradient = grazing::speed_gradient(&Touching { contacts, index: touch.index }, &touch.u)?;
     let tangent = if gradient.dot(&along) > 0.0 { along } else { -along };
     let system = family.system_at(&touch.u)?;
     let without = touch.without();
