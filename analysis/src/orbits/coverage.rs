@@ -2,9 +2,10 @@
 
 use super::branch::{Branch, Point};
 use super::family::Family;
+use super::grower::SAME_PLACE;
 use super::orbit::{Orbit, canonical, newton, same_phases};
 use super::system::System;
-use super::tree::{SAME_PLACE, Tree};
+use super::tree::Tree;
 use crate::attractor::Attractor;
 use crate::error::Result;
 use crate::stroboscopic::{StroboscopicState, dimensionless};
@@ -50,6 +51,9 @@ impl Tree {
         phases: &[f64],
         value: f64,
     ) -> Option<usize> {
+        if phases.len() != word.len() {
+            return None;
+        }
         let mirror = family.is_symmetric();
         let (word, phases) = canonical(word, phases, mirror);
         self.branches
@@ -66,7 +70,10 @@ impl Tree {
         let system = family.system(&[value])?;
         let of = |branch: &Branch| {
             let id = branch.id;
-            branch.orbits_in(&system, value).into_iter().map(move |orbit| TreeOrbit { branch: id, orbit })
+            branch
+                .orbits_in(&system, value, |_| true)
+                .into_iter()
+                .map(move |orbit| TreeOrbit { branch: id, orbit })
         };
         Ok(self.branches.iter().flat_map(of).collect())
     }
@@ -107,8 +114,12 @@ impl Tree {
         if attractor.period.is_none() || attractor.rests {
             return Ok(None);
         }
-        let stable = self.orbits_at(family, value)?.into_iter().filter(|found| found.orbit.is_stable());
-        let compared = stable.filter_map(|TreeOrbit { branch, orbit }| {
+        let system = family.system(&[value])?;
+        let of = |b: &Branch| {
+            let stable = b.orbits_in(&system, value, |p| p.stable).into_iter().filter(Orbit::is_stable);
+            stable.map(|orbit| (b.id, orbit)).collect::<Vec<_>>()
+        };
+        let compared = self.branches.iter().flat_map(of).filter_map(|(branch, orbit)| {
             let distance = distance(&orbit, &attractor.states)?;
             (distance <= Self::SETTLED_DISTANCE).then_some(Covering { branch, orbit, distance })
         });
@@ -183,10 +194,10 @@ impl Branch {
         })
     }
 
-    /// Its certified orbits in the machine at a value of the parameter.
-    fn orbits_in(&self, system: &System, value: f64) -> Vec<Orbit> {
+    /// Its certified orbits in the machine at a value of the parameter, on the pieces that begin at points of a kind.
+    fn orbits_in(&self, system: &System, value: f64, begins: impl Fn(&Point) -> bool) -> Vec<Orbit> {
         let mut found: Vec<Orbit> = Vec::new();
-        for pair in self.pieces_around(value) {
+        for pair in self.pieces_around(value).filter(|pair| begins(pair[0])) {
             let guesses = Self::guesses(value, pair);
             let near =
                 |phases: &[f64]| phases.iter().zip(&guesses[0]).all(|(a, b)| (a - b).abs() < NEAR_ORBIT);

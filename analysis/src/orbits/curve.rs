@@ -97,23 +97,15 @@ pub(super) fn tangent(
     Ok(if null.dot(towards) < 0.0 { -null } else { null })
 }
 
-/// The point at which one more condition holds, by Newton's method from a guess. `condition` gives its value and its gradient.
-pub(super) fn meet(
-    equations: &impl Equations,
+/// The solution of as many equations as unknowns, by Newton's method from a guess, with steps of bounded length.
+pub(super) fn solve(
     guess: &DVector<f64>,
-    condition: impl Fn(&DVector<f64>) -> Result<(f64, DVector<f64>), Obstacle>,
+    linearize: impl Fn(&DVector<f64>) -> Result<Linearization, Obstacle>,
 ) -> Result<DVector<f64>, Obstacle> {
     let mut u = guess.clone();
     for _ in 0..CONDITION_STEPS {
-        let Linearization { value, matrix } = equations.linearize(&u, None)?;
-        let (last, gradient) = condition(&u)?;
-        let scale = gradient.norm();
-        if !(scale > 0.0 && scale.is_finite()) {
-            return Err(Obstacle::NoConvergence);
-        }
-        let right = -value.push(last / scale);
-        let step =
-            bordered(&matrix, &(gradient / scale)).lu().solve(&right).ok_or(Obstacle::NoConvergence)?;
+        let Linearization { value, matrix } = linearize(&u)?;
+        let step = matrix.lu().solve(&-value).ok_or(Obstacle::NoConvergence)?;
         let size = step.norm();
         if !size.is_finite() {
             return Err(Obstacle::NoConvergence);
@@ -124,6 +116,23 @@ pub(super) fn meet(
         }
     }
     Err(Obstacle::NoConvergence)
+}
+
+/// The point at which one more condition holds, from a guess. `condition` gives its value and its gradient.
+pub(super) fn meet(
+    equations: &impl Equations,
+    guess: &DVector<f64>,
+    condition: impl Fn(&DVector<f64>) -> Result<(f64, DVector<f64>), Obstacle>,
+) -> Result<DVector<f64>, Obstacle> {
+    solve(guess, |u| {
+        let Linearization { value, matrix } = equations.linearize(u, None)?;
+        let (last, gradient) = condition(u)?;
+        let scale = gradient.norm();
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Obstacle::NoConvergence);
+        }
+        Ok(Linearization { value: value.push(last / scale), matrix: bordered(&matrix, &(gradient / scale)) })
+    })
 }
 
 /// The unit vector along one unknown.
