@@ -105,7 +105,7 @@ impl DiagramOrbits {
         // The values of the diagram are among those from which branches start, so that a window of one value is not missed.
         let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
         let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
-        let tree = tree(&family, &TreeOptions { seeds, ..*options }, &|_, _| ())?;
+        let tree = tree(&family, &TreeOptions { seeds, ..options.clone() }, &|_, _| ())?;
         let all = [&diagram.up, &diagram.down].into_iter().enumerate();
         let points: Vec<(usize, &SweepPoint)> = all
             .flat_map(|(direction, points)| points.iter().flatten().map(move |point| (direction, point)))
