@@ -115,11 +115,11 @@ def main() -> None:
     deviation = deviations(orbit, result)
     left = np.flatnonzero(deviation > LEFT)
     stays = f"{left[0] * orbit.period}" if left.size else f"more than {periods}"
-    print(f"largest multiplier          {orbit.multiplier:.9g} in {orbit.passage:g} drive periods")
+    print(f"largest multiplier          {orbit.multiplier:.9g} in {orbit.passage:g} T")
     print(f"growth per period predicted {math.exp(orbit.rate):.6f}")
     print(f"growth per period measured  {math.exp(measured_rate(orbit, deviation)):.6f}")
-    print(f"stays within {LEFT:g} L for    {stays} drive periods")
-    print(f"predicted from rounding     {expected:.0f} drive periods")
+    print(f"stays within {LEFT:g} L        {stays} drive periods")
+    print(f"expected from rounding      {expected:.0f} drive periods")
     plot(orbit, result, deviation, arguments.output)
     print(arguments.output)
 

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use vibro_analysis::attractor::{MotionClass, observe};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::orbits::{
-    Branch, ConstantLoads, Doubling, Family, OrbitWord, RangeEnd, Span, StableRange, Tree, TreeOptions,
-    doubling_ratios, doubling_sequences, search, settle, tree,
+    Branch, ConstantLoads, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange,
+    Tree, TreeOptions, branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
 };
 use vibro_analysis::stroboscopic::dimensional;
 use vibro_analysis::{Name, ParameterSet};
@@ -105,7 +105,7 @@ impl DiagramOrbits {
         // The values of the diagram are among those from which branches start, so that a window of one value is not missed.
         let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
         let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
-        let tree = tree(&family, &TreeOptions { seeds, ..options.clone() }, &|_, _| ())?;
+        let mut tree = tree(&family, &TreeOptions { seeds, ..options.clone() }, &|_, _| ())?;
         let all = [&diagram.up, &diagram.down].into_iter().enumerate();
         let points: Vec<(usize, &SweepPoint)> = all
             .flat_map(|(direction, points)| points.iter().flatten().map(move |point| (direction, point)))
@@ -115,7 +115,12 @@ impl DiagramOrbits {
             let covering = covering(&family, &tree, point)?;
             Ok(CoveredRow { direction: *direction, value: point.value, class: point.class, covering })
         };
-        let rows = points.par_iter().map(row).collect::<Result<_>>()?;
+        let mut rows: Vec<CoveredRow> = points.par_iter().map(row).collect::<Result<_>>()?;
+        for (row, (_, point)) in rows.iter_mut().zip(&points) {
+            if matches!(row.covering, Covering::Missing) && follow_own(&family, &mut tree, point)? {
+                row.covering = covering(&family, &tree, point)?;
+            }
+        }
         Ok(Self { family, tree, rows })
     }
 
@@ -308,6 +313,21 @@ fn located(set: &ParameterSet, name: Name, value: f64) -> String {
         Some(unit) => format!("{:.DECIMALS$} {}", unit.number(value), unit.symbol()),
         None => format!("{value:.DECIMALS$}"),
     }
+}
+
+/// Adds the branch of the stable orbit on which a motion of the diagram itself lies; false where there is none. A row may have settled
+/// where no start of the tree has: narrow windows are met by chance.
+fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bool> {
+    let system = family.system(&[point.value])?;
+    let Some(state) = point.attractor.states.first() else { return Ok(false) };
+    let state = dimensional(system.parameters(), state);
+    let Some(orbit) = orbit_of(&system, &state).ok().filter(Orbit::is_stable) else { return Ok(false) };
+    let options = PathOptions::default();
+    let Ok(found) = branch(family, orbit.word(), orbit.phases(), point.value, &options, &[]) else {
+        return Ok(false);
+    };
+    tree.branches.push(Branch { id: tree.branches.len(), ..found });
+    Ok(true)
 }
 
 /// What the branches say of a periodic motion.

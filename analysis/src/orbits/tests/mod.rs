@@ -3,4 +3,5 @@
 mod branches;
 mod coverage;
 mod golden;
+mod ranges;
 mod single;
