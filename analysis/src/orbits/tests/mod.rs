@@ -4,3 +4,4 @@ mod branches;
 mod coverage;
 mod golden;
 mod single;
+mod trees;
