@@ -10,7 +10,7 @@ use vibro_analysis::basin;
 use vibro_analysis::bifurcation::{self, Sweep};
 use vibro_analysis::design_sweep;
 use vibro_analysis::isoperiodic;
-use vibro_analysis::orbits::TreeOptions;
+use vibro_analysis::orbits::{ConstantLoads, Family, Span, TreeOptions, tree_in_parts};
 use vibro_analysis::parts::Task;
 
 /// One long study.
@@ -45,6 +45,15 @@ pub enum StudyKind {
     Isoperiodic(isoperiodic::Request),
     /// Measures of motions over any number of parameters.
     DesignSweep(design_sweep::Request),
+    /// All branches of periodic orbits over a parameter.
+    Orbits {
+        /// The parameter and its range.
+        span: Span,
+        /// Constant loads on the bodies.
+        loads: ConstantLoads,
+        /// What is traced.
+        options: TreeOptions,
+    },
 }
 
 impl LongStudy {
@@ -67,13 +76,14 @@ impl LongStudy {
         names
     }
 
-    /// Number of parts.
+    /// Number of parts; 0 where it shows in the course of the work alone.
     pub fn count(&self) -> usize {
         match &self.kind {
             StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
             StudyKind::Basin(request) => basin::count(request),
             StudyKind::Isoperiodic(request) => isoperiodic::count(request),
             StudyKind::DesignSweep(request) => request.count(),
+            StudyKind::Orbits { .. } => 0,
         }
     }
 
@@ -89,8 +99,20 @@ impl LongStudy {
     /// Computes the parts of the shard; the tables and pictures too where all parts are there.
     ///
     /// # Errors
-    /// As [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`] and [`design_sweep::fill`].
+    /// As [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`], [`design_sweep::fill`] and [`tree_in_parts`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
+        self.run_telling(task, &|_, _| ())
+    }
+
+    /// The same; where the number of parts is not known beforehand, `tell` hears of what is done, and of what is known to be in all.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_telling(
+        &self,
+        task: &Task,
+        tell: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Option<Vec<Study>>> {
         match &self.kind {
             StudyKind::Sweep { at, orbits, .. } => {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
@@ -124,6 +146,12 @@ impl LongStudy {
                 let is_complete = design_sweep::fill(&self.set, request, task)?;
                 let study = || studies::design_sweep(&self.set, request, task, &self.name).map(|s| vec![s]);
                 is_complete.then(study).transpose()
+            }
+            StudyKind::Orbits { span, loads, options } => {
+                let family = Family::new(&self.set, *loads, *span)?;
+                let told = |done, waiting| tell(done, done + waiting);
+                let found = tree_in_parts(&family, options, task.store, &told)?;
+                Ok(Some(vec![studies::orbits(&self.set, &family, &found.branches)?]))
             }
         }
     }

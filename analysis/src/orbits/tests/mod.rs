@@ -5,3 +5,4 @@ mod coverage;
 mod golden;
 mod ranges;
 mod single;
+mod trees;

@@ -150,8 +150,8 @@ fn complete(
     let (count, home) = (study.count(), out.join(folder(study)));
     interruption::announce(&study.name, home.clone(), vec![home.clone()], count);
     let progress = Progress::new(count.div_ceil(shard.map_or(1, |s| s.count)), "parts");
-    let found =
-        study.run(&Task { store: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() })?;
+    let task = Task { store: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() };
+    let found = study.run_telling(&task, &|done, total| progress.at(done, total))?;
     drop(progress);
     match found {
         Some(studies) => {
