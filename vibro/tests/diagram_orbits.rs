@@ -25,7 +25,7 @@ fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
     let crossed = stable.filter_map(|pair| {
         let [a, b] = [0, 1].map(|i| (number(&pair[i], "f10"), number(&pair[i], "X2_maximum")));
         let part = (value - a.0) / (b.0 - a.0);
-        (0.0..=1.0).contains(&part).then(|| a.1 + part * (b.1 - a.1))
+        (0.0..=1.0).contains(&part).then_some(a.1 + part * (b.1 - a.1))
     });
     crossed.collect()
 }
@@ -61,10 +61,7 @@ fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
         let [from, to, first, last] =
             ["stable_from", "stable_to", "f10_from", "f10_to"].map(|c| number(window, c));
         assert!(from <= first && last <= to && first - from < step, "{window:?}");
-        assert!(
-            (from - 2.373_075_370_806_150).abs() < LOCATION && window["label_from"] == "PD",
-            "{window:?}"
-        );
+        assert!((from - 2.373_075_370_806_15).abs() < LOCATION && window["label_from"] == "PD", "{window:?}");
     }
 }
 

@@ -43,6 +43,7 @@ EXAMPLES
   vibro plane --config machine.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
   vibro sweep --config machine.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
   vibro orbits --tree --vary f10=0.5:5
+  vibro bifurcation --orbits --vary f10=2:3:101
   vibro orbit --word UUL --set f10=2.7
   vibro locus --from vibro-out/special-points.csv:3 --vary f10=0.5:3 --vary kappa=0.5:0.9
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
