@@ -1,7 +1,7 @@
 //! Where branches begin: at settled orbits, at bifurcations of another branch, at touches.
 
 use super::branch::{Label, Special};
-use super::curve::{axis, tangent};
+use super::curve::{axis, least_vectors, tangent};
 use super::cycle::{Cycle, Functional};
 use super::family::{Contacts, Family};
 use super::grazing::{self, Touch, Touching};
@@ -166,9 +166,7 @@ pub(super) fn doubled(
     let phases = &u.as_slice()[..n];
     let cycle = Cycle::new(&system, word, phases)?;
     let matrix = cycle.derivative(Functional::Gap, -1.0).ok_or(Obstacle::Singular)?;
-    let svd = matrix.svd(false, true);
-    let least = svd.singular_values.imin();
-    let null = svd.v_t.as_ref().and_then(|v| v.row_iter().nth(least)).ok_or(Obstacle::NoConvergence)?;
+    let null = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
     let size = std::f64::consts::SQRT_2;
     let direction = DVector::from_fn(2 * n + 1, |i, _| match i {
         i if i < n => null[i] / size,

@@ -10,7 +10,7 @@ use super::orbit::Orbit;
 use super::path::{Follower, PathEnd, PathOptions, follow};
 use super::settled;
 use super::switching;
-use super::word::OrbitWord;
+use super::word::{MOST_LETTERS, OrbitWord};
 use crate::bifurcation::within_gap;
 use crate::error::Error;
 use crate::parts::{NoStore, PartStore, Task};
@@ -40,6 +40,27 @@ pub struct TreeOptions {
     pub repetitions: u32,
     /// Values of the parameter at which each branch has a point, labelled UZ.
     pub marks: Vec<f64>,
+}
+
+/// Most repetitions of a word, and the longest period, that are followed.
+const MOST_REPETITIONS: u32 = 64;
+const LONGEST_PERIOD: u32 = 1 << 12;
+
+impl TreeOptions {
+    /// Refuses what would not end or not fit into memory.
+    fn check(&self) -> Result<(), Error> {
+        let refused = |text: String, expected| Err(Error::Form { text, expected });
+        if !(1..=MOST_REPETITIONS).contains(&self.repetitions) {
+            return refused(format!("{} repetitions", self.repetitions), "1 to 64");
+        }
+        if self.longest_period > LONGEST_PERIOD {
+            return refused(format!("longest period {}", self.longest_period), "up to 4096 drive periods");
+        }
+        if self.most_letters > MOST_LETTERS {
+            return refused(format!("{} letters", self.most_letters), "up to 1024");
+        }
+        Ok(())
+    }
 }
 
 impl Default for TreeOptions {
@@ -81,7 +102,8 @@ pub(super) struct Traced {
 /// which may become more.
 ///
 /// # Errors
-/// [`Error::Form`] for a step that is not allowed; what the machines of the family refuse.
+/// [`Error::Form`] for a step outside [`PathOptions::STEPS`], repetitions outside 1 to 64, more than 1024 letters, and periods above 4096
+/// drive periods; what the machines of the family refuse.
 pub fn tree(
     family: &Family,
     options: &TreeOptions,
@@ -104,6 +126,7 @@ pub fn tree_in_parts(
 ) -> Result<Tree, Error> {
     let task = Task { store, ..Task::ALL };
     let mut grower = Grower::new(family, options);
+    options.check()?;
     grower.path.check()?;
     for (branch, contacts) in free::branches(family, &options.marks)? {
         let id = grower.tree.branches.len();

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
 /// Most letters and half periods of a word that is read: equations of more impacts need a memory of their square.
-const MOST_LETTERS: usize = 1024;
+pub(super) const MOST_LETTERS: usize = 1024;
 const MOST_HALF_PERIODS: u32 = 1 << 16;
 
 /// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 14).

@@ -1,6 +1,6 @@
 //! The equations of a curve in two parameters: those of contact, and one that says which bifurcation or touch the orbit has.
 
-use crate::orbits::curve::{Equations, Linearization};
+use crate::orbits::curve::{Equations, Linearization, least_vectors};
 use crate::orbits::cycle::{Cycle, Functional};
 use crate::orbits::family::{Contacts, Family};
 use crate::orbits::grazing::Touching;
@@ -33,10 +33,8 @@ pub(super) struct Border<T: ComplexField> {
 
 impl<T: ComplexField<RealField = f64>> Border<T> {
     pub fn of(matrix: DMatrix<T>) -> Option<Self> {
-        let svd = matrix.svd(true, true);
-        let least = svd.singular_values.imin();
-        let (u, v) = (svd.u?, svd.v_t?);
-        Some(Self { left: u.column(least).into_owned(), right: v.row(least).adjoint() })
+        let (left, right) = least_vectors(matrix)?;
+        Some(Self { left, right })
     }
 }
 

@@ -278,6 +278,14 @@ fn what_cannot_be_followed_is_refused_before_work_begins() {
         let path = PathOptions { longest_step, ..PathOptions::default() };
         assert!(matches!(branch(&family, &word, &[5.5], 1.5, &path, &[]), Err(Error::Form { .. })));
     }
+    for options in [
+        TreeOptions { repetitions: 0, ..options() },
+        TreeOptions { repetitions: u32::MAX, ..options() },
+        TreeOptions { longest_period: u32::MAX, ..options() },
+        TreeOptions { most_letters: usize::MAX, ..options() },
+    ] {
+        assert!(matches!(tree(&family, &options, &|_, _| ()), Err(Error::Form { .. })), "{options:?}");
+    }
     let path = PathOptions::default();
     assert!(matches!(branch(&family, &word, &[5.5], 2.5, &path, &[]), Err(Error::Form { .. })));
     for phases in [&[][..], &[5.5, 6.0], &[f64::NAN], &[f64::INFINITY]] {
