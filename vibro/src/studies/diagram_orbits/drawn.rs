@@ -57,7 +57,8 @@ impl Drawn {
                 if branch.word.closing() > 0 {
                     sides.push(scaled(branch, weights.map(|w| -w)));
                 }
-                let curves = sides.iter().flat_map(|maxima| curves(branch, maxima)).collect();
+                let all = sides.iter().flat_map(|maxima| curves(branch, maxima));
+                let curves = all.filter(|curve| curve.stable || branch.word.period() <= UNSTABLE).collect();
                 (curves, marks(branch, &sides))
             })
             .collect();
@@ -81,8 +82,7 @@ impl Drawn {
         panel.layers.iter_mut().for_each(pale);
         // By period, unstable ones below.
         let mut pieces: BTreeMap<(bool, Colour), Vec<Path>> = BTreeMap::new();
-        let is_drawn = |c: &&Curve| c.stable || branches[c.branch].word.period() <= UNSTABLE;
-        for curve in self.curves.iter().filter(is_drawn) {
+        for curve in &self.curves {
             let tint = colour(branches[curve.branch].word.period());
             pieces.entry((curve.stable, tint)).or_default().push(curve.points.clone());
         }
