@@ -21,10 +21,11 @@ pub fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     even + u * odd
 }
 
-/// a b + c, with one rounding where the machine has the instruction.
+/// a b + c, with one rounding where the machine has the instruction. WebAssembly has none, and there `f64::mul_add` would be
+/// a call of a function of some hundred operations.
 #[inline(always)]
 pub fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
-    if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
+    if S::IS_SCALAR || cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
 /// `Σ_j columns[j] x_j` in vectors, of which only the first `W/F64_LANES` of V count; as two sums side by side, which takes
