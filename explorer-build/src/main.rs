@@ -25,6 +25,9 @@ struct Arguments {
     /// Compile the core faster, without link-time optimization
     #[arg(long)]
     quick: bool,
+    /// Compile the core for WebAssembly's vectors of 128 bits, to measure what they give
+    #[arg(long)]
+    simd: bool,
 }
 
 /// What can go wrong; every message says what to do.
@@ -82,10 +85,11 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
     let folder = target.join("explorer");
     let page = arguments.output.clone().unwrap_or_else(|| folder.join("explorer.html"));
-    bindings(&core(&target, arguments.quick)?, &folder.join("core"))?;
+    let doors = folder.join(if arguments.simd { "core-simd" } else { "core" });
+    bindings(&core(&folder, arguments)?, &doors)?;
     let npm = packages(&folder)?;
     let mut bundle = Command::new("node");
-    bundle.arg(workspace().join("explorer/page/bundle.mjs")).arg(folder.join("core")).arg(&npm).arg(&page);
+    bundle.arg(workspace().join("explorer/page/bundle.mjs")).arg(&doors).arg(&npm).arg(&page);
     run(&mut bundle)?;
     Ok(page)
 }
@@ -121,19 +125,20 @@ fn run(command: &mut Command) -> Result<String, Error> {
 }
 
 /// Compiles the core and returns its place.
-fn core(target: &Path, quick: bool) -> Result<PathBuf, Error> {
+fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(workspace()).args(["build", "--package", "vibro-explorer", "--profile", "explorer", "--locked"]);
     // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
-    let folder = target.join("explorer/cargo");
+    let folder = folder.join(if arguments.simd { "cargo-simd" } else { "cargo" });
     cargo.args(["--target", TARGET, "--target-dir"]).arg(&folder);
     // No folder of this machine in the page.
     let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
     let mut flags = vec![remap(workspace(), "/vibro-impact")];
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     flags.extend(home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")));
+    flags.extend(arguments.simd.then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
-    if quick {
+    if arguments.quick {
         cargo.args(["--config", "profile.explorer.lto=false", "--config", "profile.explorer.codegen-units=16"]);
     }
     run(&mut cargo)?;
@@ -145,6 +150,7 @@ fn bindings(core: &Path, folder: &Path) -> Result<(), Error> {
     let problem = |e: &dyn std::fmt::Display| Error::Bindings(e.to_string());
     let mut bindgen = Bindgen::new();
     bindgen.input_path(core).out_name("core").typescript(true);
+    bindgen.remove_name_section(true).remove_producers_section(true);
     bindgen.web(true).map_err(|e| problem(&e))?.generate(folder).map_err(|e| problem(&e))
 }
 

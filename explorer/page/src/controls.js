@@ -36,6 +36,7 @@ export function makeFields(changed) {
     /** @type {HTMLElement} */ (row.querySelector(".sym")).textContent = p.symbol;
     /** @type {HTMLElement} */ (row.querySelector(".unit")).textContent = p.unit === "1" ? "" : p.unit.replace(".", "·");
     /** @type {HTMLElement} */ (row.querySelector(".what")).textContent = p.meaning;
+    row.title = `${p.meaning}; ${p.allowed}`;
     slider.setAttribute("aria-label", `${p.symbol}, ${p.meaning}`);
     const why = document.createElement("span");
     why.className = "why";

@@ -99,15 +99,27 @@ export function frameOf(width, height) {
 
 const picture = document.createElement("canvas");
 
+/** Whether the two directions end on different attractors at a column. Two that wander over many values are taken for one. @param {number} i */
+function apart(i) {
+  const [a, b] = [diagram.found.rising[diagram.strides.rising[i]], diagram.found.falling[diagram.strides.falling[i]]];
+  if (!a || !b) return false;
+  const unit = (diagram.band[1] - diagram.band[0]) / 150, places = (/** @type {Float64Array} */ f) => new Set(Array.from(f.subarray(6), (x) => Math.round(x / unit)));
+  const [p, q] = [places(a), places(b)];
+  if (p.size > 14 && q.size > 14) return false;
+  const lacks = (/** @type {Set<number>} */ one, /** @type {Set<number>} */ other) => [...one].some((x) => ![-2, -1, 0, 1, 2].some((d) => other.has(x + d)));
+  return lacks(q, p) || lacks(p, q);
+}
+
 /** The columns as shades: how much of the kept periods falls into a pixel. @param {Frame} frame @param {number} ratio */
 function shade(frame, ratio) {
   const w = Math.max(1, Math.round((frame.box.right - frame.box.left) * ratio)), h = Math.max(1, Math.round((frame.box.bottom - frame.box.top) * ratio));
   picture.width = w; picture.height = h;
   const g = /** @type {CanvasRenderingContext2D} */ (picture.getContext("2d")), image = g.createImageData(w, h), data = image.data;
   const paint = (/** @type {"rising" | "falling"} */ which, /** @type {[number, number, number]} */ colour, /** @type {number} */ strength) => {
-    const counts = new Uint16Array(h), n = diagram.columns;
+    const counts = new Uint16Array(h), n = diagram.columns, different = which === "falling" ? Array.from({ length: n }, (_, i) => apart(i)) : [];
     for (let px = 0; px < w; px++) {
-      const column = diagram.strides[which][Math.min(n - 1, Math.floor(px * n / w))];
+      const place = Math.min(n - 1, Math.floor(px * n / w)), column = diagram.strides[which][place];
+      if (which === "falling" && !different[place]) continue;
       const found = column >= 0 ? diagram.found[which][column] : null;
       if (!found || found.length <= 6) continue;
       counts.fill(0);

@@ -3,8 +3,10 @@ import { FONT, rgb, theme } from "./plot.js";
 
 /** Half the block's and the oscillator's width, the walls' thickness; in units of L, as in the sketch. */
 const HALF = 0.31, WALL = 0.125;
+/** The least length of the springs to the ground. */
+const LEAST = 0.42;
 
-/** @typedef {{scale: number, y: number, unit: number, box: number, secondary: number, left: number, right: number, half: number}} Layout */
+/** @typedef {{scale: number, y: number, box: number, secondary: number, left: number, right: number, half: number}} Layout */
 /**
  * @typedef {object} Shown
  * @property {number[]} x x1, x2, x3 in L
@@ -19,12 +21,12 @@ const HALF = 0.31, WALL = 0.125;
 export function layout(width, height, extent) {
   const [x1, , x3, apart] = extent;
   // The box swings clear of the ground, the oscillator of the box and of the other ground.
-  const before = 1 + HALF + WALL + Math.max(0.45, 0.3 + x1), after = HALF + Math.max(0.5, 0.35 + x3);
-  const between = 1 + 2 * HALF + WALL + Math.max(0.7, 0.35 + apart);
+  const before = 1 + HALF + WALL + LEAST + x1, after = HALF + LEAST + x3;
+  const between = 1 + 2 * HALF + WALL + Math.max(0.7, 0.3 + apart);
   const total = before + between + after, margin = 16;
   const scale = (width - 2 * margin) / total;
-  const half = Math.min(height * 0.31, scale * 0.95);
-  return { scale, y: height * 0.51, unit: half, box: margin + before * scale, secondary: margin + (before + between) * scale, left: margin, right: width - margin, half };
+  const half = Math.min((height - 96) / 2 - WALL * scale, scale * 1.25);
+  return { scale, y: 52 + (height - 96) / 2, box: margin + before * scale, secondary: margin + (before + between) * scale, left: margin, right: width - margin, half };
 }
 
 /** @param {any} g @param {number} from @param {number} to @param {number} y @param {number} turns @param {number} height */
@@ -43,11 +45,12 @@ function spring(g, from, to, y, turns, height) {
   g.stroke();
 }
 
-/** A dashpot whose cup stands on the ground and whose rod goes with the body. @param {any} g @param {number} ground @param {number} body @param {number} y @param {number} rest @param {number} height */
-function damper(g, ground, body, y, rest, height) {
-  const way = Math.sign(body - ground), length = Math.abs(rest - ground);
-  const cup = ground + way * length * 0.22, mouth = ground + way * length * 0.72;
-  const piston = Math.min(Math.max((cup + mouth) / 2 + (body - rest), Math.min(cup, mouth) + 3), Math.max(cup, mouth) - 3);
+/** A dashpot whose cup stands on the ground and whose rod goes with the body; the cup takes up what the body leaves free. @param {any} g @param {number} ground @param {number} body @param {number} y @param {number} rest @param {number} free @param {number} height */
+function damper(g, ground, body, y, rest, free, height) {
+  const way = Math.sign(rest - ground), length = Math.abs(rest - ground);
+  const cup = ground + way * free * 0.16, mouth = ground + way * Math.min(free * 0.86, length * 0.7);
+  const share = Math.max(0.06, Math.min(0.94, 0.5 + 0.44 * way * (body - rest) / Math.max(1, length - free)));
+  const piston = cup + (mouth - cup) * share;
   g.beginPath();
   g.moveTo(ground, y); g.lineTo(cup, y);
   g.moveTo(mouth, y - height); g.lineTo(cup, y - height); g.lineTo(cup, y + height); g.lineTo(mouth, y + height);
@@ -99,9 +102,9 @@ export function drawMachine(g, width, height, at, shown) {
   g.strokeStyle = theme.soft; g.lineWidth = 2;
   const left = box - inner - wall;
   spring(g, at.left - 2, left, y - half * 0.45, 5, Math.min(11, half * 0.16));
-  damper(g, at.left - 2, left, y + half * 0.5, at.box - inner - wall, Math.min(13, half * 0.17));
+  damper(g, at.left - 2, left, y + half * 0.5, at.box - inner - wall, LEAST * scale, Math.min(13, half * 0.17));
   spring(g, secondary + body, at.right + 2, y - half * 0.3, 5, Math.min(11, half * 0.16));
-  damper(g, at.right + 2, secondary + body, y + half * 0.32, at.secondary + body, Math.min(12, half * 0.15));
+  damper(g, at.right + 2, secondary + body, y + half * 0.32, at.secondary + body, LEAST * scale, Math.min(12, half * 0.15));
   // Shadows on the floor.
   for (const [x, w] of [[box, inner + wall], [secondary, body]]) {
     g.fillStyle = tinted(theme.ink, 0.07);
@@ -161,7 +164,7 @@ export function drawMachine(g, width, height, at, shown) {
   label(g, "m₂", block, y, "#fff", size);
   label(g, "m₃", secondary, y, "#fff", size);
   // The drive, on the lid of the box.
-  const arrow = top - Math.max(9, (top - 8) * 0.45), reachOf = Math.min(inner * 0.75, 90) * shown.force;
+  const arrow = Math.max(12, top - 24), reachOf = Math.min(inner * 0.75, 90) * shown.force;
   g.strokeStyle = g.fillStyle = theme.ink; g.lineWidth = 2.5;
   g.beginPath(); g.moveTo(box, top - 2); g.lineTo(box, arrow); g.lineTo(box + reachOf, arrow); g.stroke();
   if (Math.abs(reachOf) > 5) {

@@ -4,8 +4,8 @@ import { describe, makeFields, refuse, show } from "./controls.js";
 import { attractorAt, compute, diagram, drawDiagram, frameOf, startWorkers } from "./diagram.js";
 import { take } from "./exports.js";
 import { bodyAt, drawMachine, layout } from "./machine-view.js";
-import { advance, classify, fillSection, lookAhead, motion, presentAsStart, reparametrize, restart, skip, toNextImpact, words } from "./motion.js";
-import { drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges } from "./panels.js";
+import { advance, classify, extentShown, fillSection, lookAhead, motion, presentAsStart, reparametrize, restart, skip, toNextImpact, words } from "./motion.js";
+import { curves, drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges } from "./panels.js";
 import { readTheme, Surface } from "./plot.js";
 import { PRESETS } from "./presets.js";
 import { enable, tick } from "./sound.js";
@@ -44,12 +44,11 @@ async function start() {
   prepare();
   readTheme();
   on = { machine: new Surface("machine"), bars: new Surface("bars"), history: new Surface("history"), portrait: new Surface("portrait"), poincare: new Surface("poincare"), diagram: new Surface("diagram"), response: new Surface("response") };
-  const problem = fromHash(location.hash);
+  linked = fromHash(location.hash);
   makeControls();
   playing = !calm.matches;
   showPlaying();
   begin();
-  if (problem) say(`The link could not be read in full: ${problem}`, true);
   frame(performance.now());
   performance.mark("first-picture");
   startWorkers(module, WORKER);
@@ -62,6 +61,13 @@ async function start() {
 function say(text, bad = false) {
   element("status").textContent = text;
   element("status").classList.toggle("bad", bad);
+}
+
+/** What was wrong with the link, until something is changed. */
+let linked = "";
+/** Says what the settled motion is. */
+function tell() {
+  say([linked && `The link could not be read in full: ${linked}.`, words()].filter(Boolean).join(" "), linked !== "" || motion.problem !== "");
 }
 
 /** Everything from the start state. */
@@ -80,13 +86,14 @@ function ahead() {
   idle = 0;
   redraw = true;
   element("shown").textContent = describe(PRESETS);
-  say(words(), motion.problem !== "");
+  tell();
 }
 
 let later = 0, written = 0;
 /** After a parameter has changed: the motion goes on, all pictures follow. @param {boolean} [diagramToo] */
 function changed(diagramToo = true) {
   const before = performance.now();
+  linked = "";
   try { reparametrize(); } catch { begin(); }
   ahead();
   write();
@@ -166,13 +173,14 @@ function frame(time) {
     const fade = calm.matches ? (playing ? 1 : 0) : Math.exp(-passed / 0.12);
     glow[0] *= fade; glow[1] *= fade;
   }
+  const wide = held >= 0 ? extent : extentShown();
   for (let i = 0; i < 4; i++) {
-    const wanted = held >= 0 ? extent[i] : motion.extent[i], step = wanted - extent[i];
+    const wanted = wide[i], step = wanted - extent[i];
     if (Math.abs(step) > 0.004) { extent[i] += step * (calm.matches || last === 0 ? 1 : Math.min(1, passed * 4)); redraw = true; }
   }
   // With the time that is left: what the motion is, and more points of its section.
   idle++;
-  if (idle === 6 && !motion.class) { classify(); if (!motion.problem) say(words()); redraw = true; }
+  if (idle === 6 && !motion.class) { classify(); if (!motion.problem) tell(); redraw = true; }
   if (more && idle > 1) { more = fillSection(state.section, 3) || !motion.class; redraw = true; }
   if (redraw) draw();
   redraw = false;
@@ -303,7 +311,7 @@ function listen() {
     const figure = /** @type {HTMLSelectElement} */ (element("figure")).value, surface = on[/** @type {keyof typeof on} */ (figure)];
     element("exported").textContent = await take(button.dataset.export ?? "", figure, surface, shown());
   });
-  addEventListener("popstate", () => { const problem = fromHash(location.hash); adoptState(); if (problem) say(problem, true); });
+  addEventListener("popstate", () => { linked = fromHash(location.hash); adoptState(); });
   addEventListener("keydown", (e) => {
     const target = /** @type {HTMLElement} */ (e.target);
     if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(target.tagName)) return;
@@ -352,6 +360,6 @@ function listenToDiagram() {
 }
 
 /** For the tests and measurements of the page. */
-Object.assign(window, { explorer: { state, motion, diagram, presentAsStart, toHash, changes: () => lastChange, TIME } });
+Object.assign(window, { explorer: { state, motion, diagram, curves, presentAsStart, toHash, changes: () => lastChange, TIME } });
 
 start().catch((error) => broken(`The page could not be started: ${error.message ?? error}`));

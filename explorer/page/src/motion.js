@@ -163,6 +163,16 @@ export function lookAhead() {
   }
 }
 
+/** The largest displacements on show: of the settled motion, and of the last drive periods. */
+export function extentShown() {
+  const most = [...motion.extent], { rows, length: L } = motion;
+  for (let i = Math.max(0, motion.count - 6 * PER_PERIOD); i < motion.count; i++) {
+    for (let b = 0; b < 3; b++) most[b] = Math.max(most[b], Math.abs(rows[i * ROW + X1 + b]) / L);
+    most[3] = Math.max(most[3], (rows[i * ROW + X1] - rows[i * ROW + X3]) / L);
+  }
+  return most;
+}
+
 /** Adds points to the section, at most for so many milliseconds; true while there are more to come. @param {string} kind @param {number} time */
 export function fillSection(kind, time) {
   if (!motion.ahead || motion.points.length >= 4 * MOST_POINTS) return false;
