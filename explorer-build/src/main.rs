@@ -25,9 +25,9 @@ struct Arguments {
     /// Compile the core faster, without link-time optimization
     #[arg(long)]
     quick: bool,
-    /// Compile the core for WebAssembly's vectors of 128 bits, to measure what they give
+    /// Compile the core without WebAssembly's vectors of 128 bits, to measure what they give
     #[arg(long)]
-    simd: bool,
+    scalar: bool,
 }
 
 /// What can go wrong; every message says what to do.
@@ -85,7 +85,7 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
     let folder = target.join("explorer");
     let page = arguments.output.clone().unwrap_or_else(|| folder.join("explorer.html"));
-    let doors = folder.join(if arguments.simd { "core-simd" } else { "core" });
+    let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
     bindings(&core(&folder, arguments)?, &doors)?;
     let npm = packages(&folder)?;
     let mut bundle = Command::new("node");
@@ -129,14 +129,15 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(workspace()).args(["build", "--package", "vibro-explorer", "--profile", "explorer", "--locked"]);
     // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
-    let folder = folder.join(if arguments.simd { "cargo-simd" } else { "cargo" });
+    let folder = folder.join(if arguments.scalar { "cargo-scalar" } else { "cargo" });
     cargo.args(["--target", TARGET, "--target-dir"]).arg(&folder);
     // No folder of this machine in the page.
     let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
     let mut flags = vec![remap(workspace(), "/vibro-impact")];
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     flags.extend(home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")));
-    flags.extend(arguments.simd.then(|| "-Ctarget-feature=+simd128".to_owned()));
+    // Every browser that can unpack the page has them (since 2023).
+    flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {
         cargo.args(["--config", "profile.explorer.lto=false", "--config", "profile.explorer.codegen-units=16"]);

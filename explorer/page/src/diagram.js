@@ -126,7 +126,7 @@ function shade(frame, ratio) {
       const total = found.length - 6;
       for (let k = 6; k < found.length; k++) {
         const py = Math.round((diagram.band[1] - found[k]) / (diagram.band[1] - diagram.band[0]) * (h - 1));
-        if (py >= 0 && py < h) { counts[py]++; if (ratio > 1 && py + 1 < h) counts[py + 1]++; }
+        if (py >= 0 && py < h) { counts[py]++; if (py + 1 < h) counts[py + 1]++; }
       }
       for (let py = 0; py < h; py++) {
         if (!counts[py]) continue;
@@ -201,9 +201,9 @@ function drawBranches(g, frame) {
 function drawExponents(g, above, height, symbol) {
   const known = diagram.exponents.filter((e) => e !== null), most = Math.min(0.25, Math.max(0.02, ...known.map((e) => e[0])));
   const strip = new Frame(state.range, [-most, most], { left: above.box.left, right: above.box.right, top: height - 18 - AXIS, bottom: height - 22 });
-  strip.axes(g, { x: symbol, yTicks: 1 });
+  strip.axes(g, { x: symbol, yTicks: 0 });
   g.fillStyle = theme.soft; g.font = `11px ${FONT}`; g.textAlign = "right"; g.textBaseline = "middle";
-  g.fillText("λ₁, λ₂", strip.box.left - 6, strip.box.top + 6);
+  g.fillText("λ₁ λ₂", strip.box.left - 6, strip.py(0));
   const wide = (strip.box.right - strip.box.left) / diagram.columns;
   strip.inside(g, () => {
     for (const [index, colour] of /** @type {const} */ ([[1, theme.faint], [0, theme.ink]])) {

@@ -1,7 +1,7 @@
 // Histories, phase portrait, Poincaré section, bars and amplitudes.
 import { KIND, PHASE, RATE, ROW, TIME, V1, W, X1, X2, X3 } from "./core.js";
 import { KEPT, motion } from "./motion.js";
-import { FONT, Frame, reach, rgb, short, theme } from "./plot.js";
+import { FONT, Frame, reach, rgb, theme } from "./plot.js";
 import { BY_NAME, set, state } from "./state.js";
 
 const smooth = new Map();
@@ -157,7 +157,7 @@ export function drawSection(g, width, height, ratio) {
 
 /** @param {any} g @param {number} width */
 export function drawBars(g, width) {
-  const accounts = motion.now.subarray(ROW + 2, ROW + 6), [mechanical, input, damped, lost] = accounts;
+  const accounts = motion.now.subarray(ROW + 2, ROW + 6), [mechanical, , damped, lost] = accounts;
   const last = motion.impacts.at(-1), unit = set.value("block.m") * motion.length * set.value("drive.frequency");
   g.font = `12px ${FONT}`; g.textBaseline = "middle"; g.textAlign = "left"; g.fillStyle = theme.soft;
   const left = 62, right = width - 12, middle = (left + right) / 2;
@@ -182,12 +182,11 @@ export function drawBars(g, width) {
     g.fillStyle = colour; g.fillRect(x, 32, Math.max(0, w - 1), 12);
     g.fillStyle = theme.soft; g.textAlign = "left";
     const text = `${name} ${(100 * value / all).toFixed(value / all < 0.1 ? 1 : 0)} %`;
-    if (w > g.measureText(text).width + 6) g.fillText(text, x + 1, 53);
+    const needs = g.measureText(text).width + 8;
+    // The last word stands at the end, the others where there is room.
+    if (value === lost) { g.textAlign = "right"; g.fillText(text, right, 53); } else if (w > needs && x + needs < right - 100) g.fillText(text, x + 1, 53);
     x += w;
   }
-  g.fillStyle = theme.soft; g.textAlign = "right";
-  const told = `in ${short(input, input / 3 || 1)} J`;
-  if (wide * lost / all < 190) g.fillText("", right, 53); else g.fillText(told, right, 53);
 }
 
 /** Curves of the closed forms, from the worker: rows of value, A1, A2, A3, stable. */

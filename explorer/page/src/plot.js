@@ -81,7 +81,7 @@ export class Frame {
   axes(g, words = {}) {
     const { left, right, top, bottom } = this.box;
     g.lineWidth = 1; g.font = `11px ${FONT}`;
-    const across = ticks(this.x[0], this.x[1], (right - left) / 70), along = ticks(this.y[0], this.y[1], words.yTicks ?? (bottom - top) / 38);
+    const across = ticks(this.x[0], this.x[1], (right - left) / 70), along = ticks(this.y[0], this.y[1], words.yTicks ?? (bottom - top) / 38), bare = words.yTicks === 0;
     g.strokeStyle = theme.grid;
     g.beginPath();
     for (const x of across) { g.moveTo(this.px(x), top); g.lineTo(this.px(x), bottom); }
@@ -92,7 +92,7 @@ export class Frame {
       for (const x of across) if (!words.x || this.px(x) < right - 8 - g.measureText(words.x).width) g.fillText(short(x, (this.x[1] - this.x[0]) / 5), this.px(x), bottom + 5);
     }
     g.textAlign = "right"; g.textBaseline = "middle";
-    for (const y of along) if (this.py(y) > top + (words.y ? 14 : 2) || !words.y) g.fillText(short(y, (this.y[1] - this.y[0]) / 4), left - 6, this.py(y));
+    for (const y of bare ? [] : along) if (this.py(y) > top + (words.y ? 14 : 2) || !words.y) g.fillText(short(y, (this.y[1] - this.y[0]) / 4), left - 6, this.py(y));
     g.textBaseline = "top"; g.fillStyle = theme.ink;
     if (words.x) { g.textAlign = "right"; g.fillText(words.x, right, bottom + 5); }
     if (words.y) { g.textAlign = "right"; g.textBaseline = "middle"; g.fillText(words.y, left - 6, top + 5); }

@@ -77,6 +77,9 @@ export function usePreset(preset) {
 
 const pair = (/** @type {readonly number[]} */ p) => p.join(":");
 
+/** Whether a preset shows exact orbits. @param {string} id */
+const orbitsOf = (id) => PRESETS.find((p) => p.id === id)?.orbits ?? false;
+
 /** The text after # of a link. */
 export function toHash() {
   const parts = new URLSearchParams();
@@ -87,7 +90,7 @@ export function toHash() {
   parts.set("over", `${state.along}:${pair(state.range)}`);
   if (state.band) parts.set("band", pair(state.band));
   for (const [key, usual] of /** @type {const} */ ([["ordinate", "x2"], ["section", "strobe"], ["form", "groups"]])) if (state[key] !== usual) parts.set(key, state[key]);
-  if (state.orbits) parts.set("orbits", "1");
+  if (state.orbits !== orbitsOf(state.preset)) parts.set("orbits", state.orbits ? "1" : "0");
   if (state.pace !== -0.3) parts.set("pace", String(state.pace));
   return parts.toString().replaceAll("%3A", ":");
 }
@@ -122,7 +125,7 @@ export function fromHash(hash) {
   state.ordinate = one("ordinate", ["x1", "x2", "x3", "w", "strobe", "speed"], (parts.has("preset") && preset.ordinate) || "x2");
   state.section = one("section", ["strobe", "impact"], "strobe");
   state.form = one("form", ["groups", "si"], "groups");
-  state.orbits = parts.has("orbits");
+  state.orbits = parts.has("orbits") ? parts.get("orbits") === "1" : orbitsOf(parts.has("preset") ? preset.id : "");
   const pace = Number(parts.get("pace") ?? -0.3);
   state.pace = pace >= -2 && pace <= 1.3 ? pace : -0.3;
   return problems.join("; ");
