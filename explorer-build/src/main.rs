@@ -82,7 +82,8 @@ fn workspace() -> &'static Path {
 
 fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     check_tools()?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
     let folder = target.join("explorer");
     let page = arguments.output.clone().unwrap_or_else(|| folder.join("explorer.html"));
     let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
@@ -97,7 +98,10 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
 /// Whether all tools are there.
 fn check_tools() -> Result<(), Error> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let asked = Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).stderr(Stdio::null()).output();
+    let asked = Command::new(rustc)
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .stderr(Stdio::null())
+        .output();
     let found = asked.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_dir());
     if !found {
         let advice = "run `rustup target add wasm32-unknown-unknown`";
@@ -106,7 +110,10 @@ fn check_tools() -> Result<(), Error> {
     for what in ["node", "npm"] {
         let there = Command::new(what).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if !there.is_ok_and(|status| status.success()) {
-            return Err(Error::Missing { what, advice: "install Node.js 18 or later with npm (Debian: apt install nodejs npm)" });
+            return Err(Error::Missing {
+                what,
+                advice: "install Node.js 18 or later with npm (Debian: apt install nodejs npm)",
+            });
         }
     }
     Ok(())
@@ -127,7 +134,14 @@ fn run(command: &mut Command) -> Result<String, Error> {
 /// Compiles the core and returns its place.
 fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(workspace()).args(["build", "--package", "vibro-explorer", "--profile", "explorer", "--locked"]);
+    cargo.current_dir(workspace()).args([
+        "build",
+        "--package",
+        "vibro-explorer",
+        "--profile",
+        "explorer",
+        "--locked",
+    ]);
     // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
     let folder = folder.join(if arguments.scalar { "cargo-scalar" } else { "cargo" });
     cargo.args(["--target", TARGET, "--target-dir"]).arg(&folder);
@@ -135,12 +149,19 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
     let mut flags = vec![remap(workspace(), "/vibro-impact")];
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
-    flags.extend(home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")));
+    flags.extend(
+        home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")),
+    );
     // Every browser that can unpack the page has them (since 2023).
     flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {
-        cargo.args(["--config", "profile.explorer.lto=false", "--config", "profile.explorer.codegen-units=16"]);
+        cargo.args([
+            "--config",
+            "profile.explorer.lto=false",
+            "--config",
+            "profile.explorer.codegen-units=16",
+        ]);
     }
     run(&mut cargo)?;
     Ok(folder.join(TARGET).join("explorer/vibro_explorer.wasm"))
@@ -173,7 +194,9 @@ fn packages(folder: &Path) -> Result<PathBuf, Error> {
         }
     }
     if changed {
-        run(Command::new("npm").args(["ci", "--no-audit", "--no-fund", "--loglevel=error"]).current_dir(&npm))?;
+        run(Command::new("npm")
+            .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])
+            .current_dir(&npm))?;
     }
     Ok(npm)
 }

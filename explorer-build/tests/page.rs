@@ -30,7 +30,8 @@ fn built() -> &'static Path {
 
 /// Runs node and returns what it prints.
 fn node(arguments: &[&Path], input: &str) -> (bool, String) {
-    let mut node = Command::new("node").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut node =
+        Command::new("node").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     node.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
     let output = node.wait_with_output().unwrap();
     (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned())
@@ -69,16 +70,26 @@ fn second_method_the_native_library_over_twenty_periods() {
         for (i, row) in (1..=PERIODS).zip(numbers.chunks(7)) {
             simulator.advance_to(f64::from(i) * p.period()).unwrap();
             let state = simulator.state();
-            assert!((row[0] - simulator.time()).abs() <= 4.0 * f64::EPSILON * row[0], "{case}: time {}", row[0]);
+            assert!(
+                (row[0] - simulator.time()).abs() <= 4.0 * f64::EPSILON * row[0],
+                "{case}: time {}",
+                row[0]
+            );
             for b in 0..3 {
                 let (x, v) = ((row[1 + b] - state.x[b]) / p.stop_gap, (row[4 + b] - state.v[b]) / speed);
-                assert!(x.abs() < TOLERANCE && v.abs() < TOLERANCE, "{case}, period {i}, body {b}: {x:e} {v:e}");
+                assert!(
+                    x.abs() < TOLERANCE && v.abs() < TOLERANCE,
+                    "{case}, period {i}, body {b}: {x:e} {v:e}"
+                );
             }
         }
         let impacts = (simulator.impacts().upper + simulator.impacts().lower) as f64;
         // In chatter the run is closed at round-off, so that the last bounces differ in number.
         let counted = numbers[numbers.len() - 1];
-        assert!((counted - impacts).abs() <= if case.contains("kappa") { 0.02 * impacts } else { 0.0 }, "{case}");
+        assert!(
+            (counted - impacts).abs() <= if case.contains("kappa") { 0.02 * impacts } else { 0.0 },
+            "{case}"
+        );
     }
 }
 
@@ -107,7 +118,8 @@ fn chromium_opens_plays_and_links_the_page() {
     assert!(done, "{printed}");
     // What the page writes for `vibro` is what `vibro` reads.
     let mut set = ParameterSet::basic();
-    vibro::parameter_file::apply(&mut set, &std::fs::read_to_string(shown.join("machine.toml")).unwrap()).unwrap();
+    vibro::parameter_file::apply(&mut set, &std::fs::read_to_string(shown.join("machine.toml")).unwrap())
+        .unwrap();
     assert!((set.groups().f10 - 2.2).abs() < 1e-14);
     assert_eq!(set.parameters().stop_restitution, 0.75);
 }

@@ -47,7 +47,14 @@ pub fn response(
 /// # Errors
 /// Names and ranges that are not allowed, and what the search refuses.
 #[wasm_bindgen]
-pub fn branches(set: &Set, along: &str, from: f64, to: f64, of: &str, seeds: u32) -> Result<Vec<f64>, JsError> {
+pub fn branches(
+    set: &Set,
+    along: &str,
+    from: f64,
+    to: f64,
+    of: &str,
+    seeds: u32,
+) -> Result<Vec<f64>, JsError> {
     let of: Displacement = of.parse()?;
     let family = Family::new(&set.0, ConstantLoads::default(), Span::new(Name::find(along)?, from, to)?)?;
     // What a picture of some hundred points shows; `vibro orbits` finds more.

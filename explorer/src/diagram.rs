@@ -85,7 +85,12 @@ impl Columns {
     ///
     /// # Errors
     /// As [`column`](Self::column).
-    pub fn exponents(&self, value: f64, start: &[f64], periods: u32) -> std::result::Result<Vec<f64>, JsError> {
+    pub fn exponents(
+        &self,
+        value: f64,
+        start: &[f64],
+        periods: u32,
+    ) -> std::result::Result<Vec<f64>, JsError> {
         let parameters = *self.set.with(self.name, value)?.parameters();
         let mut simulator = self.settled(&parameters, start, 0)?;
         let options = SpectrumOptions { align: periods / 5, periods, ..SpectrumOptions::default() };
@@ -115,13 +120,11 @@ impl Columns {
                 shown.push(simulator.state().x[1] / length);
                 Ok(())
             }),
-            Ordinate::Speeds => {
-                simulator.advance_observed(begin + f64::from(keep) * period, &mut |event| {
-                    if let Event::Impact { side, speed: v, .. } = *event {
-                        shown.push(f64::from(side) * v / speed);
-                    }
-                })
-            }
+            Ordinate::Speeds => simulator.advance_observed(begin + f64::from(keep) * period, &mut |event| {
+                if let Event::Impact { side, speed: v, .. } = *event {
+                    shown.push(f64::from(side) * v / speed);
+                }
+            }),
         }
     }
 }

@@ -109,7 +109,8 @@ impl Machine {
     /// # Errors
     /// What stops the simulator.
     pub fn strobe(&mut self, count: u32) -> std::result::Result<Vec<f64>, JsError> {
-        let (omega, length) = (self.simulator.parameters().drive_frequency, self.simulator.parameters().period());
+        let (omega, length) =
+            (self.simulator.parameters().drive_frequency, self.simulator.parameters().period());
         let mut points = Vec::with_capacity(4 * count as usize);
         // The next instant with phase 0; a phase that is 0 but for rounding is there.
         let ahead = (-self.simulator.drive_phase()).rem_euclid(std::f64::consts::TAU);
@@ -203,5 +204,17 @@ fn push(rows: &mut Vec<f64>, simulator: &Simulator, what: f64, impact: Option<(f
         rate = state.v[1] - state.v[0];
     }
     let (x, v) = (state.x, state.v);
-    rows.extend([simulator.time(), x[0], x[1], x[2], v[0], v[1], v[2], w, rate, simulator.drive_phase(), what]);
+    rows.extend([
+        simulator.time(),
+        x[0],
+        x[1],
+        x[2],
+        v[0],
+        v[1],
+        v[2],
+        w,
+        rate,
+        simulator.drive_phase(),
+        what,
+    ]);
 }

@@ -18,8 +18,12 @@ pub fn page() -> Result<Vec<u8>, LeftOut> {
     let mut build = cargo();
     build.args(["run", "--package", "explorer-build", "--release", "--locked", "--quiet", "--target-dir"]);
     // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
-    build.arg(target().join("explorer/tool")).args(["--config", "profile.release.lto=false", "--", "--output"]).arg(&file);
-    let output = build.stdin(Stdio::null()).output().map_err(|e| left_out(format!("cargo cannot be run: {e}")))?;
+    build
+        .arg(target().join("explorer/tool"))
+        .args(["--config", "profile.release.lto=false", "--", "--output"])
+        .arg(&file);
+    let output =
+        build.stdin(Stdio::null()).output().map_err(|e| left_out(format!("cargo cannot be run: {e}")))?;
     if !output.status.success() {
         let told = String::from_utf8_lossy(&output.stderr);
         let reason = told.lines().rev().find_map(|line| line.strip_prefix("explorer-build: "));

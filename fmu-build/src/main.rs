@@ -92,7 +92,9 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     };
     let mut left_out = match arguments.all_platforms {
         true => package::build_all(&output, &versions, live.as_deref())?,
-        false => package::write(&output, &versions, &platforms::own()?, live.as_deref()).map(|()| Vec::new())?,
+        false => {
+            package::write(&output, &versions, &platforms::own()?, live.as_deref()).map(|()| Vec::new())?
+        }
     };
     left_out.extend(missing);
     for version in versions {

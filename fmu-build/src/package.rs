@@ -72,7 +72,9 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
         Version::Fmi2 => {
             content.insert("model.png".to_owned(), icon()?);
             content.extend(
-                licences::texts(live.is_some())?.into_iter().map(|(name, text)| (format!("licenses/{name}"), text)),
+                licences::texts(live.is_some())?
+                    .into_iter()
+                    .map(|(name, text)| (format!("licenses/{name}"), text)),
             );
         }
         // FMI 3.0.2, 2.5.1: the files of these names have these meanings.
@@ -108,12 +110,7 @@ pub fn build(output: &Path) -> Result<()> {
 ///
 /// # Errors
 /// As [`content`], and [`Error::File`](crate::Error::File) where a file cannot be written.
-pub fn write(
-    output: &Path,
-    versions: &[Version],
-    binaries: &Binaries,
-    live: Option<&[u8]>,
-) -> Result<()> {
+pub fn write(output: &Path, versions: &[Version], binaries: &Binaries, live: Option<&[u8]>) -> Result<()> {
     for version in versions {
         archive::write(&content(*version, binaries, live)?, &version.beside(output))?;
     }

@@ -105,7 +105,10 @@ fn archives_with_the_live_page_hold_it_and_its_licences() {
         assert!(page.contains("href=\"explorer.html\""));
         for package in ["wasm-bindgen", "rayon", "nalgebra"] {
             let text = format!("/{package}-");
-            assert!(content.keys().any(|name| name.contains("icenses/") && name.contains(&text)), "{package}");
+            assert!(
+                content.keys().any(|name| name.contains("icenses/") && name.contains(&text)),
+                "{package}"
+            );
         }
     }
 }

@@ -25,7 +25,8 @@ export async function unpack() {
 /** All parameters, physical ones first. @returns {Parameter[]} */
 export function parameters() {
   return catalogue().trim().split("\n").map((line, i) => {
-    const [name, symbol, unit, allowed, low, high, meaning] = line.split("\t");
+    const [name, word, unit, allowed, low, high, meaning] = line.split("\t");
+    const symbol = word === "drive phase" ? "φ" : word;
     return { name, symbol, unit, allowed, low: +low, high: +high, meaning, group: i >= 13 };
   });
 }

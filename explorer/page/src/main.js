@@ -76,6 +76,7 @@ function begin() {
     return say(String(/** @type {Error} */ (error).message ?? error), true);
   }
   forgetRanges();
+  glow.fill(0);
   ahead();
 }
 
@@ -169,8 +170,9 @@ function frame(time) {
   if (sized) { diagram.dirty = true; redraw = true; }
   if (playing && held < 0) { strike(advance(passed * 10 ** state.pace)); redraw = true; if (motion.problem) say(motion.problem, true); }
   if (glow[0] > 0.005 || glow[1] > 0.005) {
-    redraw = true;
-    const fade = calm.matches ? (playing ? 1 : 0) : Math.exp(-passed / 0.12);
+    // At the speed of the motion: the light stays while it is paused. Where motion is not wanted, it goes at once.
+    const slow = Math.max(0.09, Math.min(0.4, 0.07 / 10 ** state.pace)), fade = !playing ? 1 : calm.matches ? 0 : Math.exp(-passed / slow);
+    if (fade < 1) redraw = true;
     glow[0] *= fade; glow[1] *= fade;
   }
   const wide = held >= 0 ? extent : extentShown();
@@ -285,7 +287,7 @@ function listen() {
   listenToDiagram();
   const act = {
     play: () => { playing = !playing; showPlaying(); redraw = true; },
-    impact: () => { playing = false; showPlaying(); strike(toNextImpact()); redraw = true; },
+    impact: () => { playing = false; showPlaying(); glow.fill(0); strike(toNextImpact()); redraw = true; },
     settle: () => { try { skip(); ahead(); } catch (error) { say(String(/** @type {Error} */ (error).message ?? error), true); } },
     again: () => begin(),
     sharper: () => { diagram.sharp = Math.min(16, diagram.sharp * 4); compute(on.diagram.width); },
