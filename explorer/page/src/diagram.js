@@ -176,6 +176,7 @@ export function drawDiagram(g, width, height, ratio, vector = false) {
   }
   const words = diagram.problem || (diagram.found.rising.some((f) => f && f.length > 6) || diagram.id === 0 ? "" : "computing …");
   if (words) { g.fillStyle = theme.soft; g.font = `12px ${FONT}`; g.textAlign = "left"; g.textBaseline = "top"; g.fillText(words, box.left + 8, box.top + 6); }
+  return [frame];
 }
 
 /** @param {any} g @param {Frame} frame */

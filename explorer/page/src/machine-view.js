@@ -161,8 +161,8 @@ export function drawMachine(g, width, height, at, shown) {
     g.setLineDash([]);
   }
   label(g, "m₁", box - inner + size * 1.1, top + wall + size * 0.85, theme.box, size);
-  label(g, "m₂", block, y, "#fff", size);
-  label(g, "m₃", secondary, y, "#fff", size);
+  label(g, "m₂", block, y, theme["on-body"], size);
+  label(g, "m₃", secondary, y, theme["on-body"], size);
   // The drive, on the lid of the box.
   const arrow = Math.max(12, top - 24), reachOf = Math.min(inner * 0.75, 90) * shown.force;
   g.strokeStyle = g.fillStyle = theme.ink; g.lineWidth = 2.5;

@@ -6,7 +6,7 @@ import { take } from "./exports.js";
 import { bodyAt, drawMachine, layout } from "./machine-view.js";
 import { advance, classify, extentShown, fillSection, lookAhead, motion, presentAsStart, reparametrize, restart, skip, toNextImpact, words } from "./motion.js";
 import { curves, drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges } from "./panels.js";
-import { readTheme, Surface } from "./plot.js";
+import { readout, readTheme, Surface } from "./plot.js";
 import { PRESETS } from "./presets.js";
 import { enable, tick } from "./sound.js";
 import { assign, BY_NAME, fromHash, PARAMETERS, prepare, set, state, toHash, units, usePreset } from "./state.js";
@@ -138,6 +138,7 @@ function showAll() {
   /** @type {HTMLSelectElement} */ (element("along")).value = state.along;
   /** @type {HTMLSelectElement} */ (element("shownOrdinate")).value = state.ordinate;
   /** @type {HTMLSelectElement} */ (element("section")).value = state.section;
+  /** @type {HTMLSelectElement} */ (element("plane")).value = state.plane;
   input("orbits").checked = state.orbits;
   input("pace").value = String(state.pace);
   for (const radio of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("input[name=form]"))) radio.checked = radio.value === state.form;
@@ -159,6 +160,9 @@ function strike(impacts) {
 function shown() {
   return { x: [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length), force: Math.sin(motion.now[PHASE]), side: motion.now[ROW], glow: /** @type {[number, number]} */ ([...glow]), held: held >= 0 ? held : document.activeElement === on.machine.canvas ? chosen : -1, extent };
 }
+
+/** The panel under the pointer. @type {{surface: Surface, x: number, y: number} | null} */
+let pointed = null;
 
 let last = 0;
 /** @param {number} time */
@@ -193,11 +197,11 @@ function draw() {
   const { machine, bars, history, portrait, poincare, response } = on;
   if (machine.width) drawMachine(machine.begin(), machine.width, machine.height, layout(machine.width, machine.height, extent), shown());
   if (bars.width) drawBars(bars.begin(), bars.width);
-  if (history.width) drawHistory(history.begin(), history.width, history.height);
-  if (portrait.width) drawPortrait(portrait.begin(), portrait.width, portrait.height);
-  if (poincare.width) drawSection(poincare.begin(), poincare.width, poincare.height, poincare.ratio);
-  if (on.diagram.width) drawDiagram(on.diagram.begin(), on.diagram.width, on.diagram.height, on.diagram.ratio);
-  if (response.width) drawResponse(response.begin(), response.width, response.height);
+  for (const [surface, panel] of /** @type {const} */ ([[history, drawHistory], [portrait, drawPortrait], [poincare, drawSection], [on.diagram, drawDiagram], [response, drawResponse]])) {
+    if (!surface.width) continue;
+    const frames = panel(surface.begin(), surface.width, surface.height, surface.ratio);
+    if (pointed?.surface === surface && !diagram.drawn) readout(surface.context, frames, pointed.x, pointed.y);
+  }
   const canvas = on.diagram.canvas, here = set.value(state.along);
   canvas.setAttribute("aria-valuemin", String(state.range[0])); canvas.setAttribute("aria-valuemax", String(state.range[1]));
   canvas.setAttribute("aria-valuenow", String(here)); canvas.setAttribute("aria-valuetext", `${BY_NAME.get(state.along)?.symbol} = ${here.toPrecision(5)}`);
@@ -285,6 +289,10 @@ function listen() {
   });
   for (const type of ["focus", "blur"]) machine.addEventListener(type, () => { redraw = true; });
   listenToDiagram();
+  for (const surface of [on.history, on.portrait, on.poincare, on.diagram, on.response]) {
+    surface.canvas.addEventListener("pointermove", (e) => { if (e.pointerType === "mouse") { const r = surface.canvas.getBoundingClientRect(); pointed = { surface, x: e.clientX - r.left, y: e.clientY - r.top }; redraw = true; } });
+    surface.canvas.addEventListener("pointerleave", () => { pointed = null; redraw = true; });
+  }
   const act = {
     play: () => { playing = !playing; showPlaying(); redraw = true; },
     impact: () => { playing = false; showPlaying(); glow.fill(0); strike(toNextImpact()); redraw = true; },
@@ -307,6 +315,7 @@ function listen() {
   for (const radio of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("input[name=form]"))) radio.addEventListener("change", () => { state.form = radio.value; makeFields(changed); write(); });
   element("along").addEventListener("change", () => { state.along = /** @type {HTMLSelectElement} */ (element("along")).value; whole(); });
   element("shownOrdinate").addEventListener("change", () => { state.ordinate = /** @type {HTMLSelectElement} */ (element("shownOrdinate")).value; state.band = null; write(); compute(on.diagram.width); });
+  element("plane").addEventListener("change", () => { state.plane = /** @type {HTMLSelectElement} */ (element("plane")).value; redraw = true; write(); });
   element("section").addEventListener("change", () => { state.section = /** @type {HTMLSelectElement} */ (element("section")).value; forgetRanges(); ahead(); write(); });
   input("orbits").addEventListener("change", () => { state.orbits = input("orbits").checked; write(); compute(on.diagram.width); });
   for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-export]"))) button.addEventListener("click", async () => {

@@ -57,16 +57,21 @@ export function drawHistory(g, width, height) {
     g.fillStyle = colour;
     g.beginPath(); g.arc(frame.px(shown[end + TIME] / period), frame.py(shown[end + column] / L), 3.4, 0, 2 * Math.PI); g.fill();
   }
+  return [upper, lower];
 }
 
-/** The frame of portrait and stroboscopic section: w over L, w' over L ω10. @param {number} width @param {number} height */
-function phaseFrame(width, height) {
-  let most = 0.4;
-  const L = motion.length, V = motion.speedUnit;
-  for (let i = 0; i < motion.settled.length; i += ROW) most = Math.max(most, Math.abs(motion.settled[i + RATE]) / V);
-  for (let i = Math.max(0, motion.count - 300); i < motion.count; i++) most = Math.max(most, Math.abs(motion.rows[i * ROW + RATE]) / V);
-  const [low, high] = eased("phase", [-most * 1.1, most * 1.1]);
-  return { frame: new Frame([-1.15, 1.15], [low, high], { left: 44, right: width - 10, top: 8, bottom: height - 22 }), L, V };
+/** Columns of a displacement and its rate, with symbols and colour. @type {Record<string, [number, number, string, string, string]>} */
+const PLANES = { w: [W, RATE, "w/L", "w′", "relative"], x1: [X1, V1, "x₁/L", "v₁", "box"], x2: [X2, V1 + 1, "x₂/L", "v₂", "block"], x3: [X3, V1 + 2, "x₃/L", "v₃", "drawn-secondary"] };
+
+/** The frame of portrait and stroboscopic section: a displacement over L, its rate over L ω10. @param {number} width @param {number} height @param {string} plane */
+function phaseFrame(width, height, plane) {
+  const L = motion.length, V = motion.speedUnit, [place, rate] = PLANES[plane];
+  let [far, fast] = [0.4, 0.4];
+  const see = (/** @type {Float64Array} */ rows, /** @type {number} */ i) => { far = Math.max(far, Math.abs(rows[i + place]) / L); fast = Math.max(fast, Math.abs(rows[i + rate]) / V); };
+  for (let i = 0; i < motion.settled.length; i += ROW) see(motion.settled, i);
+  for (let i = Math.max(0, motion.count - 300); i < motion.count; i++) see(motion.rows, i * ROW);
+  const x = plane === "w" ? /** @type {[number, number]} */ ([-1.15, 1.15]) : eased(`far ${plane}`, [-far * 1.1, far * 1.1]), y = eased(`fast ${plane}`, [-fast * 1.1, fast * 1.1]);
+  return { frame: new Frame(x, y, { left: 44, right: width - 10, top: 8, bottom: height - 22 }), L, V };
 }
 
 /** @param {any} g @param {Frame} frame */
@@ -81,19 +86,19 @@ function stops(g, frame) {
 
 /** @param {any} g @param {number} width @param {number} height */
 export function drawPortrait(g, width, height) {
-  const { frame, L, V } = phaseFrame(width, height);
-  stops(g, frame);
-  frame.axes(g, { x: "w/L", y: "w′" });
+  const { frame, L, V } = phaseFrame(width, height, state.plane), [place, rate, across, up, colour] = PLANES[state.plane];
+  if (state.plane === "w") stops(g, frame);
+  frame.axes(g, { x: across, y: up });
   const line = (/** @type {Float64Array} */ rows, /** @type {number} */ from, /** @type {number} */ to) => {
     g.beginPath();
     for (let i = from; i < to; i++) {
-      const px = frame.px(rows[i * ROW + W] / L), py = frame.py(rows[i * ROW + RATE] / V);
+      const px = frame.px(rows[i * ROW + place] / L), py = frame.py(rows[i * ROW + rate] / V);
       if (i > from) g.lineTo(px, py); else g.moveTo(px, py);
     }
     g.stroke();
   };
   frame.inside(g, () => {
-    g.lineJoin = "round"; g.strokeStyle = theme.relative;
+    g.lineJoin = "round"; g.strokeStyle = theme[colour];
     const many = motion.class && motion.class[0] === 0;
     g.globalAlpha = many ? 0.2 : 0.38; g.lineWidth = many ? 0.8 : 1.4;
     line(motion.settled, 0, motion.settled.length / ROW);
@@ -108,9 +113,10 @@ export function drawPortrait(g, width, height) {
     g.globalAlpha = 1;
   });
   if (motion.count) {
-    g.fillStyle = theme.relative;
-    g.beginPath(); g.arc(frame.px(motion.now[W] / L), frame.py(motion.now[RATE] / V), 4.5, 0, 2 * Math.PI); g.fill();
+    g.fillStyle = theme[colour];
+    g.beginPath(); g.arc(frame.px(motion.now[place] / L), frame.py(motion.now[rate] / V), 4.5, 0, 2 * Math.PI); g.fill();
   }
+  return [frame];
 }
 
 /** The points of the section, drawn as they come. */
@@ -120,7 +126,7 @@ const section = { canvas: typeof document === "undefined" ? null : document.crea
 export function drawSection(g, width, height, ratio) {
   const strobe = state.section === "strobe";
   let frame, L, V;
-  if (strobe) ({ frame, L, V } = phaseFrame(width, height));
+  if (strobe) ({ frame, L, V } = phaseFrame(width, height, "w"));
   else {
     V = motion.length * set.value("drive.frequency"); L = Math.PI;
     let most = 0.4;
@@ -153,6 +159,7 @@ export function drawSection(g, width, height, ratio) {
     const last = strobe ? motion.strobes.slice(-1) : motion.impacts.slice(-1).map(([time, side, v]) => [((set.value("drive.frequency") * time + set.value("drive.phase") + Math.PI) % (2 * Math.PI)) - Math.PI, side * v]);
     for (const [a, b] of last) { g.beginPath(); g.arc(frame.px(a / L), frame.py(b / V), 4.5, 0, 2 * Math.PI); g.stroke(); }
   });
+  return [frame];
 }
 
 /** @param {any} g @param {number} width */
@@ -229,6 +236,7 @@ export function drawResponse(g, width, height) {
     });
   });
   if (curves.problem) { g.fillStyle = theme.soft; g.font = `12px ${FONT}`; g.textAlign = "left"; g.textBaseline = "top"; g.fillText(curves.problem, frame.box.left + 8, frame.box.top + 6); }
+  return [frame];
 }
 
 export { KIND, PHASE, V1, rgb };

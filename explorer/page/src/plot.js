@@ -2,7 +2,7 @@
 
 /** Colours by meaning, from the style sheet. */
 export const theme = /** @type {Record<string, string>} */ ({});
-const NAMES = ["paper", "card", "ink", "soft", "faint", "line", "grid", "box", "block", "secondary", "relative", "falling", "drawn-secondary", "here", "flash"];
+const NAMES = ["paper", "card", "ink", "soft", "faint", "line", "grid", "box", "block", "secondary", "relative", "falling", "drawn-secondary", "here", "flash", "on-body"];
 
 export function readTheme() {
   const style = getComputedStyle(document.documentElement);
@@ -106,6 +106,19 @@ export class Frame {
     draw();
     g.restore();
   }
+}
+
+/** What a place in a panel means: both coordinates, at the pointer. @param {any} g @param {Frame[]} frames @param {number} px @param {number} py */
+export function readout(g, frames, px, py) {
+  const frame = frames.find(({ box }) => px >= box.left && px <= box.right && py >= box.top && py <= box.bottom);
+  if (!frame) return;
+  const text = `${short(frame.ux(px), (frame.x[1] - frame.x[0]) / 300)}, ${short(frame.uy(py), (frame.y[1] - frame.y[0]) / 300)}`;
+  g.font = `11px ${FONT}`;
+  const wide = g.measureText(text).width + 10, left = px + 12 + wide > frame.box.right ? px - 12 - wide : px + 12, top = Math.max(frame.box.top, py - 24);
+  g.globalAlpha = 0.9; g.fillStyle = theme.card;
+  g.beginPath(); g.roundRect(left, top, wide, 18, 5); g.fill();
+  g.globalAlpha = 1; g.fillStyle = theme.ink; g.textAlign = "left"; g.textBaseline = "middle";
+  g.fillText(text, left + 5, top + 9.5);
 }
 
 /** The least range that holds all finite numbers, with some air. @param {Iterable<number>} numbers @param {number} air @returns {[number, number]} */

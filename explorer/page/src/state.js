@@ -20,6 +20,8 @@ export const state = {
   band: null,
   ordinate: "x2",
   section: "strobe",
+  /** Plane of the phase portrait: w or a body. */
+  plane: "w",
   form: "groups",
   orbits: false,
   /** The motion's speed: power of ten of drive periods a second. */
@@ -89,7 +91,7 @@ export function toHash() {
   if (pair(state.start) !== pair(MOVING_BLOCK)) parts.set("start", state.start.map((x) => +x.toPrecision(9)).join(":"));
   parts.set("over", `${state.along}:${pair(state.range)}`);
   if (state.band) parts.set("band", pair(state.band));
-  for (const [key, usual] of /** @type {const} */ ([["ordinate", "x2"], ["section", "strobe"], ["form", "groups"]])) if (state[key] !== usual) parts.set(key, state[key]);
+  for (const [key, usual] of /** @type {const} */ ([["ordinate", "x2"], ["section", "strobe"], ["plane", "w"], ["form", "groups"]])) if (state[key] !== usual) parts.set(key, state[key]);
   if (state.orbits !== orbitsOf(state.preset)) parts.set("orbits", state.orbits ? "1" : "0");
   if (state.pace !== -0.3) parts.set("pace", String(state.pace));
   return parts.toString().replaceAll("%3A", ":");
@@ -124,6 +126,7 @@ export function fromHash(hash) {
   const one = (/** @type {string} */ key, /** @type {string[]} */ of, /** @type {string} */ usual) => { const v = parts.get(key) ?? usual; return of.includes(v) ? v : usual; };
   state.ordinate = one("ordinate", ["x1", "x2", "x3", "w", "strobe", "speed"], (parts.has("preset") && preset.ordinate) || "x2");
   state.section = one("section", ["strobe", "impact"], "strobe");
+  state.plane = one("plane", ["w", "x1", "x2", "x3"], "w");
   state.form = one("form", ["groups", "si"], "groups");
   state.orbits = parts.has("orbits") ? parts.get("orbits") === "1" : orbitsOf(parts.has("preset") ? preset.id : "");
   const pace = Number(parts.get("pace") ?? -0.3);
