@@ -71,7 +71,7 @@ impl Instance {
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
     pub fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome<Advance> {
         self.check_advance(point, size)?;
-        let at_event = self.at_event();
+        let (at_event, event_mode) = (self.at_event(), self.handling.event_mode);
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut show) } else { None };
@@ -81,24 +81,22 @@ impl Instance {
         };
         let (shown, stand) = match &mut self.engine {
             Engine::Simulation(simulator) => {
-                let shown = Discrete::of_simulator(simulator);
-                let (parameters, loads) = (changes.parameters.copied(), changes.loads.copied());
-                let step =
-                    self.last_step.insert(LastStep { before: simulator.snapshot(), parameters, loads });
+                let shown = event_mode.then(|| Discrete::of_simulator(simulator));
+                let step = LastStep::begin(&mut self.last_step, simulator, &changes);
                 (shown, simulate(simulator, &step.before, changes, (point, size), at_event, report)?)
             }
             Engine::Closed(form) => {
                 if let Some(parameters) = changes.parameters {
                     form.set_parameters(parameters)?;
                 }
-                let shown = Discrete::of(&form.values());
+                let shown = event_mode.then(|| Discrete::of(&form.values()));
                 (shown, play(form, (point, size), at_event, report)?)
             }
             Engine::None | Engine::Continuous(_) => unreachable_step()?,
         };
         self.phase = Phase::Step;
         self.events.pending = stand.event;
-        self.events.latched = stand.event.then_some(shown);
+        self.events.latched = if stand.event { shown } else { None };
         self.events.side = stand.side;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
