@@ -62,8 +62,8 @@ pub fn branches(
         seeds: seeds as usize,
         settle: 300,
         depth: 3,
-        longest_period: 8,
-        most_letters: 24,
+        longest_period: 4,
+        most_letters: 12,
         most_points: 400,
         ..TreeOptions::default()
     };

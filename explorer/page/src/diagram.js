@@ -182,7 +182,8 @@ export function drawDiagram(g, width, height, ratio, vector = false) {
 /** @param {any} g @param {Frame} frame */
 function drawBranches(g, frame) {
   const rows = diagram.branches;
-  g.lineWidth = 1.4; g.strokeStyle = theme.relative;
+  const body = { x1: "box", x2: "block", x3: "drawn-secondary", w: "relative" }[state.ordinate] ?? "ink";
+  g.lineWidth = 1.2; g.strokeStyle = theme[body]; g.globalAlpha = 0.85;
   for (const stable of [1, 0]) {
     g.setLineDash(stable ? [] : [4, 3]);
     g.beginPath();
@@ -196,6 +197,7 @@ function drawBranches(g, frame) {
     g.stroke();
   }
   g.setLineDash([]);
+  g.globalAlpha = 1;
 }
 
 /** The strip of Lyapunov exponents under the diagram. @param {any} g @param {Frame} above @param {number} height @param {string} symbol */
