@@ -7,7 +7,7 @@ import { bodyAt, drawMachine, layout } from "./machine-view.js";
 import { advance, classify, extentShown, fillSection, lookAhead, motion, presentAsStart, reparametrize, restart, skip, toNextImpact, words } from "./motion.js";
 import { curves, drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges } from "./panels.js";
 import { readout, readTheme, Surface } from "./plot.js";
-import { PRESETS } from "./presets.js";
+import { MOVING_BLOCK, PRESETS } from "./presets.js";
 import { enable, tick } from "./sound.js";
 import { assign, BY_NAME, fromHash, PARAMETERS, prepare, set, state, toHash, units, usePreset } from "./state.js";
 
@@ -41,6 +41,7 @@ async function start() {
   } catch (error) {
     return broken(`WebAssembly could not be started: ${/** @type {Error} */ (error).message}. The command line \`vibro\` draws the same without a browser.`);
   }
+  performance.mark("core-ready");
   prepare();
   readTheme();
   on = { machine: new Surface("machine"), bars: new Surface("bars"), history: new Surface("history"), portrait: new Surface("portrait"), poincare: new Surface("poincare"), diagram: new Surface("diagram"), response: new Surface("response") };
@@ -48,9 +49,16 @@ async function start() {
   makeControls();
   playing = !calm.matches;
   showPlaying();
-  begin();
+  // The machine first; where it settles follows with the next picture.
+  try { restart(); } catch (error) {
+    linked = String(/** @type {Error} */ (error).message ?? error);
+    state.start = [...MOVING_BLOCK];
+    restart();
+  }
   frame(performance.now());
   performance.mark("first-picture");
+  await new Promise((resolve) => setTimeout(resolve, 0));
+  begin();
   startWorkers(module, WORKER);
   diagram.changed = () => { redraw = true; };
   compute(on.diagram.width);

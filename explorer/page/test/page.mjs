@@ -154,6 +154,9 @@ const tests = {
     const linked = await browser.tab({}, "#kappa=3");
     assert.match(await linked.tab.textContent("#status"), /kappa = 3: allowed is/);
     await linked.close();
+    const outside = await browser.tab({}, "#start=0:3:0:0:0:0");
+    assert.match(await outside.tab.textContent("#status"), /could not be read in full: .*stop/);
+    await outside.close();
   },
   async "with reduced motion nothing moves until asked"() {
     const { tab, wrong, close } = await browser.tab({ reducedMotion: "reduce" });
@@ -210,7 +213,13 @@ const tests = {
       await finished(wide.tab);
       await wide.tab.waitForFunction("explorer.diagram.branches.length > 0", null, { timeout: 60_000 });
       await wide.tab.waitForTimeout(500);
-      await wide.tab.screenshot({ path: join(folder, `wide-${colorScheme}.png`), fullPage: true });
+      await wide.tab.screenshot({ path: join(folder, `orbits-${colorScheme}.png`), fullPage: true });
+      await wide.tab.goto(`${(await wide.tab.url()).split("#")[0]}#preset=figure-15-chaos&over=f10:0.5:5`);
+      await finished(wide.tab);
+      await wide.tab.waitForTimeout(3000);
+      for (const id of ["settle", "play", "impact"]) { await wide.tab.click(`#${id}`); await wide.tab.waitForTimeout(id === "play" ? 4000 : 200); if (id === "play") await wide.tab.click("#play"); }
+      await wide.tab.waitForTimeout(300);
+      await wide.tab.screenshot({ path: join(folder, `wide-${colorScheme}.png`) });
       await wide.close();
     }
   },
