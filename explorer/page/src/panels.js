@@ -20,7 +20,7 @@ export function drawHistory(g, width, height) {
   const from = now - KEPT * period;
   let first = count - 1;
   while (first > 0 && rows[(first - 1) * ROW + TIME] >= from) first--;
-  const shown = rows.subarray(first * ROW, count * ROW), x = /** @type {[number, number]} */ ([now / period - KEPT, now / period + 0.25]);
+  const shown = rows.subarray(first * ROW, count * ROW), begin = Math.max(from, count ? rows[0] : 0) / period, x = /** @type {[number, number]} */ ([begin, begin + KEPT + 0.25]);
   const box = { left: 44, right: width - 10, top: 8, bottom: height * 0.55 };
   let most = 0.5;
   for (let i = 0; i < shown.length; i += ROW) most = Math.max(most, Math.abs(shown[i + X1]), Math.abs(shown[i + X2]), Math.abs(shown[i + X3]));

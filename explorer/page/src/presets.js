@@ -28,7 +28,7 @@ export const PRESETS = [
   { id: "figure-15-three", name: "Figure 15: three impacts, f̂₁₀ = 3.9", set: [["f10", 3.9]], along: "f10", range: [3.2, 4.6] },
   { id: "figure-16", name: "Figure 16: closed forms over the maxima", set: [["f10", 1.8]], along: "f10", range: [0.5, 5], orbits: true },
   { id: "figure-19", name: "Figure 19: strong coupling (set chosen here)", strong: true, set: [], along: "f10", range: [0.5, 4], ordinate: "x1" },
-  { id: "chatter", name: "Chatter and rest: soft stops, κ = 0.3", set: [["f10", 3.4], ["kappa", 0.3]], along: "kappa", range: [0, 1] },
+  { id: "chatter", name: "Chatter and rest: soft stops, κ = 0.2", set: [["f10", 5], ["kappa", 0.2]], along: "kappa", range: [0, 0.8] },
   { id: "plastic", name: "Rest after every impact, κ = 0", set: [["f10", 3], ["kappa", 0]], along: "f10", range: [0.5, 5], ordinate: "speed" },
   { id: "coexisting", name: "Coexisting attractors, f̂₁₀ = 2.5", set: [["f10", 2.5]], start: [0.5, 0.5, 0, 0, -1.5, 0], along: "f10", range: [2.2, 2.9] },
 ];

@@ -50,6 +50,7 @@ const tests = {
       }
       const columns = await tab.evaluate("explorer.diagram.found.rising.filter((f) => f && f.length > 6).length / explorer.diagram.columns");
       assert.ok(columns > 0.9, `${preset}: ${columns} of the columns`);
+      if (preset === "chatter") assert.match(await tab.textContent("#status"), /13 \+ 13 impacts a period.*rests at a stop/);
       assert.ok(!(await tab.getAttribute("#status", "class")).includes("bad"), `${preset}: ${await tab.textContent("#status")}`);
     }
     assert.deepEqual(wrong, []);
