@@ -98,6 +98,9 @@ export function frameOf(width, height) {
 }
 
 const picture = document.createElement("canvas");
+/** When the picture was last made, and the milliseconds between two of them while columns come. */
+let shaded = 0;
+const BETWEEN = 60;
 
 /** Whether the two directions end on different attractors at a column. Two that wander over many values are taken for one. @param {number} i */
 function apart(i) {
@@ -153,11 +156,16 @@ function findBand() {
 /** @param {any} g @param {number} width @param {number} height @param {number} ratio @param {boolean} [vector] */
 export function drawDiagram(g, width, height, ratio, vector = false) {
   const parameter = BY_NAME.get(state.along);
-  if (diagram.dirty) findBand();
+  // New columns come many times a frame: the picture of all is made anew some fifteen times a second.
+  const anew = vector || (diagram.dirty && (performance.now() - shaded > BETWEEN || diagram.finished === 2 || picture.width !== Math.round((width - 54) * ratio)));
+  if (anew) findBand();
   const frame = frameOf(width, height), { box } = frame;
   frame.axes(g, { xTicks: false, y: { x1: "X₁", x2: "X₂", x3: "X₃", w: "W", strobe: "X₂", speed: "±v" }[state.ordinate] });
-  if (diagram.dirty || vector) shade(frame, ratio);
-  diagram.dirty = false;
+  if (anew) {
+    shade(frame, ratio);
+    shaded = performance.now();
+    diagram.dirty = false;
+  }
   g.drawImage(picture, box.left, box.top, box.right - box.left, box.bottom - box.top);
   frame.inside(g, () => drawBranches(g, frame));
   drawExponents(g, frame, height, parameter?.symbol ?? "");

@@ -25,7 +25,7 @@ export function layout(width, height, extent) {
   const between = 1 + 2 * HALF + WALL + Math.max(0.7, 0.3 + apart);
   const total = before + between + after, margin = 16;
   const scale = (width - 2 * margin) / total;
-  const half = Math.min((height - 96) / 2 - WALL * scale, scale * 1.25);
+  const half = Math.min((height - 96) / 2 - WALL * scale, Math.max(scale * 1.25, 78));
   return { scale, y: 52 + (height - 96) / 2, box: margin + before * scale, secondary: margin + (before + between) * scale, left: margin, right: width - margin, half };
 }
 

@@ -196,7 +196,7 @@ function frame(time) {
   idle++;
   if (idle === 6 && !motion.class) { classify(); if (!motion.problem) tell(); redraw = true; }
   if (more && idle > 1) { more = fillSection(state.section, 3) || !motion.class; redraw = true; }
-  if (redraw) draw();
+  if (redraw || diagram.dirty) draw();
   redraw = false;
   requestAnimationFrame(frame);
 }
