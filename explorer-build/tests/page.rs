@@ -8,9 +8,14 @@ use std::sync::OnceLock;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_impact::Simulator;
 
-/// Sine and cosine differ in the last digit between C libraries, products are not fused in WebAssembly; in twenty periods of chaos with
-/// the exponent 0.06 a difference of a last digit grows by a factor of at most some thousand.
+/// Sine and cosine differ in the last digit between C libraries, and products are not fused in WebAssembly: some ten last digits in
+/// twenty periods, where nothing makes them grow.
 const TOLERANCE: f64 = 1e-12;
+/// Chaos makes them grow, after an impact without much speed by orders of magnitude at once. By how much is seen in the native motion
+/// itself when its advances are split, which alters last digits too; the two kinds of difference are alike but for such a factor.
+const ALIKE: f64 = 30.0;
+/// Pieces of a drive period, as in the page's histories.
+const PIECES: u32 = 120;
 const PERIODS: u32 = 20;
 
 fn workspace() -> &'static Path {
@@ -42,7 +47,7 @@ fn node(arguments: &[&Path], input: &str) -> (bool, String) {
 fn second_method_the_native_library_over_twenty_periods() {
     // One and three impacts a period, chaos, chatter with rest, plastic impacts, strong coupling, a machine in SI.
     let cases = [
-        "",
+        "f10=1.5",
         "f10=3.6",
         "f10=3.9",
         "kappa=0.3;f10=3.4",
@@ -67,9 +72,21 @@ fn second_method_the_native_library_over_twenty_periods() {
         let start = vibro_impact::State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         let speed = p.stop_gap * p.drive_frequency;
+        let (mut split, mut growth) = (simulator.clone(), 0.0f64);
         for (i, row) in (1..=PERIODS).zip(numbers.chunks(7)) {
             simulator.advance_to(f64::from(i) * p.period()).unwrap();
-            let state = simulator.state();
+            for k in 1..=PIECES {
+                let periods = f64::from(i - 1) + f64::from(k) / f64::from(PIECES);
+                split.advance_to(periods * p.period()).unwrap();
+            }
+            let (state, other) = (simulator.state(), split.state());
+            for b in 0..3 {
+                growth = growth.max((state.x[b] - other.x[b]).abs() / p.stop_gap);
+                growth = growth.max((state.v[b] - other.v[b]).abs() / speed);
+            }
+            let allowed = TOLERANCE.max(ALIKE * growth);
+            // What is allowed in chaos is still a comparison.
+            assert!(allowed < 1e-6, "{case}: {allowed}");
             assert!(
                 (row[0] - simulator.time()).abs() <= 4.0 * f64::EPSILON * row[0],
                 "{case}: time {}",
@@ -78,8 +95,8 @@ fn second_method_the_native_library_over_twenty_periods() {
             for b in 0..3 {
                 let (x, v) = ((row[1 + b] - state.x[b]) / p.stop_gap, (row[4 + b] - state.v[b]) / speed);
                 assert!(
-                    x.abs() < TOLERANCE && v.abs() < TOLERANCE,
-                    "{case}, period {i}, body {b}: {x:e} {v:e}"
+                    x.abs() < allowed && v.abs() < allowed,
+                    "{case}, period {i}, body {b}: {x:e} {v:e}, allowed {allowed:e}"
                 );
             }
         }
