@@ -42,14 +42,14 @@ fn combine<S: Simd, const W: usize, const V: usize>(
     if cfg!(target_family = "wasm") {
         // Vectors of two numbers and few registers: both sums of one vector at a time stay in registers, those of all do not.
         let x = x.map(|x| simd.splat_f64s(x));
-        for v in 0..vectors {
+        for (v, sum) in first.iter_mut().enumerate().take(vectors) {
             let at = |j: usize| S::as_simd_f64s(&columns[j]).0[v];
             let (mut even, mut odd) = (simd.mul_f64s(at(0), x[0]), simd.mul_f64s(at(1), x[1]));
             for j in 1..4 {
                 even = simd.mul_add_e_f64s(at(2 * j), x[2 * j], even);
                 odd = simd.mul_add_e_f64s(at(2 * j + 1), x[2 * j + 1], odd);
             }
-            first[v] = simd.add_f64s(even, odd);
+            *sum = simd.add_f64s(even, odd);
         }
         return first;
     }
