@@ -23,7 +23,7 @@ pub fn root() -> &'static Path {
 pub fn fmu() -> PathBuf {
     let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
     let versions = [Version::Fmi2, Version::Fmi3, Version::Clocked];
-    let built = platforms::own().and_then(|binaries| package::write(&path, &versions, &binaries));
+    let built = platforms::own().and_then(|binaries| package::write(&path, &versions, &binaries, None));
     built.unwrap_or_else(|error| panic!("{error}"));
     path
 }
