@@ -45,9 +45,10 @@ def whole(name: str, value: object, least: int, most: int) -> int:
     """A whole number of a range."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: allowed is a whole number")
-    if not least <= value <= most:
+    found = int(value)
+    if not least <= found <= most:
         raise ValueError(f"{name} = {value!r}: allowed is a whole number from {least} to {most}")
-    return int(value)
+    return found
 
 
 def choice(name: str, value: object, allowed: Sequence[str]) -> str:

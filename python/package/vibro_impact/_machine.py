@@ -135,7 +135,7 @@ class Machine:
 
     def __init__(self, **parameters: Unpack[Parameters]) -> None:
         si, groups = _named(parameters)
-        self._fill(si, groups)
+        self._fill(_in_order(si), groups)
 
     @classmethod
     def from_groups(cls, **groups: Unpack[Groups]) -> Self:
@@ -166,7 +166,7 @@ class Machine:
         before = {name: getattr(self, name) for name in SI_NAMES} if si and self._groups else self._si
         kept = {} if si else self._groups
         made = type(self).__new__(type(self))
-        made._fill(_with(before, si), _with(kept, groups))
+        made._fill(_in_order(_with(before, si)), _with(kept, groups))
         return made
 
     def _fill(self, si: dict[str, float], groups: dict[str, float]) -> None:
@@ -460,6 +460,11 @@ def _named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
 def _with(values: dict[str, float], changed: dict[str, float]) -> dict[str, float]:
     """The values with others set after them: of two groups that are tied the one set last is held."""
     return {**{name: value for name, value in values.items() if name not in changed}, **changed}
+
+
+def _in_order(si: dict[str, float]) -> dict[str, float]:
+    """Physical parameters in their order, on which nothing depends."""
+    return {name: si[name] for name in SI_NAMES if name in si}
 
 
 def _written(values: dict[str, float]) -> str:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import pandas
     from numpy.typing import ArrayLike, NDArray
 
+    from . import _returned
     from ._machine import Machine
 
 #: Impacts: time (s), stop (+1 upper, -1 lower), |w'| before (m/s), impulse on the box in the direction of the stop (N.s).
@@ -157,13 +158,14 @@ def _records(kind: np.dtype[np.void], parts: Any) -> NDArray[np.void]:
     return found
 
 
-def run_of(machine: Machine, t: Floats, found: _native.Run) -> Run:
+def run_of(machine: Machine, t: Floats, found: _returned.Run) -> Run:
     """A run from what the computation returns."""
     energy = np.empty(len(t), ENERGY)
     for index, name in enumerate(ENERGY.names or ()):
         energy[name] = found["energy"][:, index]
-    events = (_records(IMPACT, found["impacts"]), *(_records(CONTACT, found[k]) for k in ("rests", "releases")))  # type: ignore[literal-required]
-    return Run(machine, t, found["s"], found["v"], energy, *events)
+    impacts = _records(IMPACT, found["impacts"])
+    rests, releases = _records(CONTACT, found["rests"]), _records(CONTACT, found["releases"])
+    return Run(machine, t, found["s"], found["v"], energy, impacts, rests, releases)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

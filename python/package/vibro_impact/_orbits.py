@@ -54,13 +54,13 @@ class Orbit(Result):
     "Whether it attracts its neighbourhood."
     _half_periods: int = dataclasses.field(repr=False)
 
-    def _native(self) -> _native.Orbit:
+    def _handle(self) -> _native.Orbit:
         closing = -1 if self.symmetric else 1
         return _native.Orbit(self.machine._system, self.word, closing, self._half_periods, self.phases)
 
     def motion(self, theta: ArrayLike) -> tuple[Floats, Floats]:
         """Displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact."""
-        return self._native().motion(array("theta", theta, "an array of shape (n,) of phases in rad"))
+        return self._handle().motion(array("theta", theta, "an array of shape (n,) of phases in rad"))
 
     @property
     def start(self) -> Floats:
@@ -70,7 +70,7 @@ class Orbit(Result):
 
     def maxima(self, of: str = "x2") -> Floats:
         """Local maxima of x1, x2, x3 or w over the period, shape (k,), m."""
-        return self._native().maxima(_WEIGHTS[choice("of", of, tuple(_WEIGHTS))])
+        return self._handle().maxima(_WEIGHTS[choice("of", of, tuple(_WEIGHTS))])
 
     def follow(self, name: str, low: float, high: float, *, of: str = "x2", progress: bool = False) -> Branch:
         """The branch of the orbit along a parameter, stable or not, with its bifurcations (docs/theory.md, section 14).
@@ -100,8 +100,7 @@ class Orbit(Result):
             raise ValueError(f"low = {low!r}, high = {high!r}: allowed is a range that holds {name} = {value!r} of the machine")
         weights = _WEIGHTS[choice("of", of, tuple(_WEIGHTS))]
         with Bar(progress, 1, "branches") as bar:
-            found = _native.follow(self._native(), name, ends, weights, bar.report)
-        parts = ("value", "phases", "multipliers", "stable")
+            found = _native.follow(self._handle(), name, ends, weights, bar.report)
         return Branch(
             self.machine,
             name,
@@ -109,7 +108,10 @@ class Orbit(Result):
             found["closing"] < 0,
             found["period"],
             found["closed"],
-            *(found[part] for part in parts),  # type: ignore[literal-required]
+            found["value"],
+            found["phases"],
+            found["multipliers"],
+            found["stable"],
             np.array(found["labels"], dtype="U2"),
             of,
             found["maxima"],

@@ -15,6 +15,7 @@ from ._result import Result
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from . import _returned
     from ._machine import Machine
 
 #: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
@@ -123,7 +124,7 @@ def bifurcation(
     return Diagram(machine, name, of, _direction(found["up"]), _direction(found["down"]), found["hysteresis"])
 
 
-def _direction(found: _native.Direction) -> Direction:
+def _direction(found: _returned.Direction) -> Direction:
     return Direction(
         found["value"],
         np.array(found["classes"], dtype=np.str_),
@@ -178,10 +179,11 @@ class Spectrum(Result):
         return found
 
 
-def spectrum_of(machine: Machine, found: _native.Spectrum) -> Spectrum:
+def spectrum_of(machine: Machine, found: _returned.Spectrum) -> Spectrum:
     """A spectrum from what the computation returns."""
-    parts = (found[name] for name in ("exponents", "deviation", "running", "impacts", "rests"))  # type: ignore[literal-required]
-    return Spectrum(machine, *parts)
+    return Spectrum(
+        machine, found["exponents"], found["deviation"], found["running"], found["impacts"], found["rests"]
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -283,7 +285,7 @@ def _centres(axis: tuple[int, float, float, int]) -> Floats:
     return found
 
 
-def _attractor(found: _native.Settled) -> Attractor:
+def _attractor(found: _returned.Settled) -> Attractor:
     return Attractor(
         found["class_name"],
         found["period"],
