@@ -32,7 +32,7 @@ impl Orbit {
         let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
         let machine = orbits::System::new(system.parameters()).map_err(Failure::from)?;
         let orbit = orbits::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
-        Ok(Self { set: system.set().clone(), orbit })
+        Ok(Self { set: system.set().map_err(Failure::from)?.clone(), orbit })
     }
 
     /// The stops in order, letters U and L.
@@ -117,7 +117,7 @@ pub fn orbit(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Orbit>> {
     let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
-    let set = system.set().clone();
+    let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |_| {
         let found = orbits::search(&orbits::System::new(set.parameters())?, &word, tries)?;
         Ok(found.into_iter().map(|orbit| Orbit { set: set.clone(), orbit }).collect())
@@ -134,7 +134,7 @@ pub fn settled_orbit(
     discard: u32,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Orbit> {
-    let set = system.set().clone();
+    let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |control| {
         let machine = orbits::System::new(set.parameters())?;
         let settled = orbits::settle(&machine, &state(&start), discard)?;

@@ -39,16 +39,18 @@ fn sheet(upper: bool) -> Sheet {
 }
 
 /// The state of a theory on a sheet; `None` where it has none.
-fn solve(set: &ParameterSet, theory: &str, sheet: Sheet) -> vibro_impact::Result<Option<Theory>> {
-    let (groups, p) = (set.groups(), set.parameters());
+fn solve(system: &System, theory: &str, sheet: Sheet) -> vibro_impact::Result<Option<Theory>> {
+    let groups = || system.set().map(ParameterSet::groups);
     Ok(match theory {
         "multiple_scales" => {
-            multiple_scales::fixed_points(groups)?.map(|r| Theory::MultipleScales(r.get(sheet)))
+            multiple_scales::fixed_points(groups()?)?.map(|r| Theory::MultipleScales(r.get(sheet)))
         }
         "strong_coupling" => {
-            strong_coupling::solve(groups)?.map(|r| Theory::StrongCoupling(Box::new(r.get(sheet))))
+            strong_coupling::solve(groups()?)?.map(|r| Theory::StrongCoupling(Box::new(r.get(sheet))))
         }
-        _ => exact_orbit::solve(p)?.get(sheet).map(|orbit| Theory::ExactOrbit(Box::new(orbit))),
+        _ => exact_orbit::solve(system.parameters())?
+            .get(sheet)
+            .map(|orbit| Theory::ExactOrbit(Box::new(orbit))),
     })
 }
 
@@ -123,7 +125,7 @@ pub fn steady<'py>(
     theory: &str,
     upper: bool,
 ) -> (Option<Closed<'py>>, Option<String>) {
-    match solve(system.set(), theory, sheet(upper)) {
+    match solve(system, theory, sheet(upper)) {
         Ok(Some(found)) => (Some(found.closed(py, system.parameters().stop_gap)), None),
         Ok(None) => (None, Some("no symmetric motion with two impacts a period".into())),
         Err(error) => (None, Some(in_python(&error.to_string()))),
@@ -140,7 +142,7 @@ pub fn steady_motion<'py>(
     upper: bool,
     theta: PyReadonlyArray1<'_, f64>,
 ) -> PyResult<(Table<'py, f64>, Table<'py, f64>)> {
-    let found = solve(system.set(), theory, sheet(upper)).map_err(Failure::from)?;
+    let found = solve(system, theory, sheet(upper)).map_err(Failure::from)?;
     let found =
         found.ok_or_else(|| PyValueError::new_err("no symmetric motion with two impacts a period"))?;
     let p = system.parameters();

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
-use vibro_analysis::lyapunov::{SpectrumOptions, convergence};
+use vibro_analysis::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::measures::{Measure, measure as measured};
 use vibro_analysis::motion::settled_simulator;
@@ -95,7 +95,8 @@ pub fn bifurcation<'py>(
     let axis = ParameterAxis::new(find(name)?, ends, count).map_err(Failure::from)?;
     let of: Displacement = of.parse().map_err(Failure::from)?;
     let exponents = exponents.map(|periods| SpectrumOptions { periods, ..SpectrumOptions::default() });
-    let (sweep, set) = (Sweep { axis, discard, keep, exponents, of }, system.set().clone());
+    let (sweep, set) =
+        (Sweep { axis, discard, keep, exponents, of }, system.set().map_err(Failure::from)?.clone());
     let found = compute(py, progress, move |control| in_parts(control, |task| diagram(&set, &sweep, task)))?;
     let Diagram { up, down } = &found;
     Ok(BothDirections {
@@ -172,7 +173,11 @@ pub fn lyapunov<'py>(
     let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
     let found = compute(py, progress, move |control| {
         let mut simulator = settled(control, &p, &start, discard)?;
-        Ok(convergence(&mut simulator, &options)?)
+        let mut go_on = || {
+            control.add(1);
+            !control.is_cancelled()
+        };
+        Ok(convergence_while(&mut simulator, &options, &mut go_on)?)
     })?;
     let spectrum = found.spectrum;
     Ok(Spectrum {
@@ -245,7 +250,7 @@ pub fn basins<'py>(
 ) -> PyResult<Basins<'py>> {
     let axis = |(coordinate, from, to, count)| InitialValueAxis { coordinate, from, to, count };
     let request = basin::Request { x: axis(x), y: axis(y), discard };
-    let p = *system.parameters();
+    let p = *system.set().map_err(Failure::from)?.parameters();
     let found =
         compute(py, progress, move |control| in_parts(control, |task| basin::basin(&p, &request, task)))?;
     let cell = |cell: &Destination| match cell {

@@ -15,19 +15,50 @@ use vibro_impact::parameters::FIELDS;
 #[pyclass(frozen, module = "vibro_impact._native")]
 #[derive(Clone, Debug)]
 pub struct System {
-    set: ParameterSet,
+    parameters: Parameters,
+    /// None without a spring between box and ground, since ω10 scales time.
+    set: Option<ParameterSet>,
 }
 
 impl System {
-    /// The parameters by name.
-    pub fn set(&self) -> &ParameterSet {
-        &self.set
+    /// The parameters in both forms.
+    ///
+    /// # Errors
+    /// [`vibro_impact::Error::Undefined`] without a spring between box and ground.
+    pub fn set(&self) -> vibro_impact::Result<&ParameterSet> {
+        match &self.set {
+            Some(set) => Ok(set),
+            None => Err(no_groups(&self.parameters)),
+        }
     }
 
     /// The physical parameters.
     pub fn parameters(&self) -> &Parameters {
-        self.set.parameters()
+        &self.parameters
     }
+}
+
+/// Why a machine has no groups.
+fn no_groups(p: &Parameters) -> vibro_impact::Error {
+    // Without the spring the groups are refused; a machine with it is never asked.
+    p.groups().err().unwrap_or(vibro_impact::Error::Undefined {
+        name: "box.k",
+        value: p.box_stiffness,
+        needed_by: "dimensionless form",
+        allowed: "box.k > 0",
+    })
+}
+
+/// The default machine with these values in SI.
+fn physical(values: &[(Name, f64)]) -> vibro_impact::Result<Parameters> {
+    let mut p = Parameters::default();
+    for (name, value) in values {
+        if let Name::Si(field) = name {
+            field.check(*value)?;
+            (field.set)(&mut p, *value);
+        }
+    }
+    Ok(p)
 }
 
 #[pymethods]
@@ -35,18 +66,26 @@ impl System {
     /// The default set with these values: first those in SI, then the groups, as in a parameter file.
     #[new]
     fn new(si: Vec<(String, f64)>, groups: Vec<(String, f64)>) -> PyResult<Self> {
+        let named = |part: &[(String, f64)]| {
+            part.iter().map(|(name, value)| Ok((find(name)?, *value))).collect::<PyResult<Vec<_>>>()
+        };
+        let (si, groups) = (named(&si)?, named(&groups)?);
+        let free = physical(&si).map_err(Failure::from)?;
+        if free.box_stiffness == 0.0 && groups.is_empty() {
+            return Ok(Self { parameters: free, set: None });
+        }
         let mut set = ParameterSet::basic();
         for part in [si, groups] {
-            let named: Vec<_> =
-                part.iter().map(|(name, value)| Ok((find(name)?, *value))).collect::<PyResult<_>>()?;
-            set.assign(&named).map_err(Failure::from)?;
+            set.assign(&part).map_err(Failure::from)?;
         }
-        Ok(Self { set })
+        Ok(Self { parameters: *set.parameters(), set: Some(set) })
     }
 
-    /// The values of all parameters in the order of `parameters()`.
+    /// The values of all parameters in the order of `parameters()`; of those in SI alone where the machine has no groups.
     fn values(&self) -> Vec<f64> {
-        names().map(|name| name.value(&self.set)).collect()
+        let physical = FIELDS.iter().map(|field| (field.get)(&self.parameters));
+        let groups = self.set.iter().flat_map(|set| GROUPS.iter().map(|group| (group.get)(set.groups())));
+        physical.chain(groups).collect()
     }
 
     /// The drive's period, s; infinite for a constant force.
@@ -55,10 +94,13 @@ impl System {
     }
 
     /// The state (m and m/s) at coordinates in units of L and L omega10.
-    fn dimensional(&self, coordinates: [f64; 6]) -> [f64; 6] {
+    fn dimensional(&self, coordinates: [f64; 6]) -> PyResult<[f64; 6]> {
+        if coordinates[3..] != [0.0; 3] {
+            self.set().map_err(Failure::from)?; // L ω10 is the unit of speeds
+        }
         let state = vibro_analysis::stroboscopic::dimensional(self.parameters(), &coordinates);
         let ([x1, x2, x3], [v1, v2, v3]) = (state.x, state.v);
-        [x1, x2, x3, v1, v2, v3]
+        Ok([x1, x2, x3, v1, v2, v3])
     }
 }
 
@@ -80,10 +122,12 @@ pub fn find_name(name: &str) -> PyResult<String> {
     Ok(in_python(find(name)?.name()))
 }
 
-/// Every parameter as (name in Python, unit, what it is, what is allowed), those in SI first; `si` of them.
+/// How many parameters are in SI, and every parameter, those first, as (name in Python, label of an axis, unit, what it is, what is
+/// allowed).
 #[pyfunction]
-pub fn parameters() -> (usize, Vec<(String, &'static str, &'static str, String)>) {
-    let told = |n: Name| (in_python(n.name()), n.unit(), n.description(), in_python(n.allowed()));
+#[allow(clippy::type_complexity)]
+pub fn parameters() -> (usize, Vec<(String, String, &'static str, &'static str, String)>) {
+    let told = |n: Name| (in_python(n.name()), n.label(), n.unit(), n.description(), in_python(n.allowed()));
     (FIELDS.len(), names().map(told).collect())
 }
 

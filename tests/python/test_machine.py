@@ -26,7 +26,7 @@ def test_text_pickle_and_copy_make_the_same_machine(machine):
         assert other == machine and hash(other) == hash(machine) and repr(other) == repr(machine)
         assert {n: getattr(other, n) for n in vi.GROUP_NAMES} == {n: getattr(machine, n) for n in vi.GROUP_NAMES}
         # What follows when a parameter changes is part of the value as well.
-        assert other.replace(epsilon=0.3) == machine.replace(epsilon=0.3)
+        assert other.replace(epsilon=0.008) == machine.replace(epsilon=0.008)
 
 
 def test_parameters_have_the_names_of_the_fmu_with_underscores():
@@ -68,6 +68,18 @@ def test_it_is_immutable():
         with pytest.raises(AttributeError, match="immutable"):
             change()
     assert {m: 1}[vi.Machine()] == 1 and m != 1 and m != vi.Machine(box_m=2.0)
+
+
+def test_a_box_without_a_spring_has_no_groups():
+    free = vi.Machine(box_k=0.0)
+    assert eval(repr(free), {"Machine": vi.Machine}) == pickle.loads(pickle.dumps(free)) == free
+    with pytest.raises(AttributeError, match="box_k = 0.0, and the dimensionless form needs box_k > 0"):
+        free.f10
+    for refused in [free.simulate, lambda: vi.bifurcation(free, box_c=[0.1, 0.2]), lambda: free.replace(kappa=0.5)]:
+        with pytest.raises(ValueError, match="the dimensionless form needs box_k > 0"):
+            refused()
+    assert len(free.simulate({"x2": 0.5, "block_v": 1.0}).impacts) > 0
+    assert free.replace(box_k=1.0) == vi.Machine(box_k=1.0) and free.steady().multiple_scales is None
 
 
 def test_loads_are_values():

@@ -14,7 +14,7 @@ import vibro_impact as vi
 PROMPT = 0.2
 
 LONG = {
-    "simulate": lambda m, **more: m.simulate(periods=5_000_000, per_period=10, **more),
+    "simulate": lambda m, **more: m.simulate(periods=400_000, per_period=10, **more),
     "poincare": lambda m, **more: m.poincare(periods=50_000_000, **more),
     "lyapunov": lambda m, **more: m.lyapunov(periods=400_000, **more),
     "many": lambda m, **more: vi.simulate_many(m, np.zeros((300_000, 6)), periods=100, **more),

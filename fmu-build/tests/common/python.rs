@@ -43,13 +43,16 @@ pub fn python_with_wheel() -> PathBuf {
     lock.lock().expect("files under target can be locked");
     // maturin is called by its name.
     let usual = std::env::var_os("PATH").unwrap_or_default();
-    let paths = std::iter::once(programs.to_owned()).chain(std::env::split_paths(&usual));
+    let paths: Vec<PathBuf> =
+        std::iter::once(programs.to_owned()).chain(std::env::split_paths(&usual)).collect();
     let archives = fmu().parent().expect("a file is in a folder").to_owned();
     let wheels = folder.join("wheels");
     let pip = |arguments: &[&OsStr]| {
         let mut pip = Command::new(&python);
         pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check"]).args(arguments).current_dir(root());
-        pip.env("PATH", std::env::join_paths(paths.clone()).expect("no path holds the separator"));
+        pip.env("PATH", std::env::join_paths(&paths).expect("no path holds the separator"));
+        // In a folder of its own: what maturin tells the build of PyO3 differs from what cargo does, so that each would undo the other.
+        pip.env("CARGO_TARGET_DIR", fmu_build::compile::target().join("wheel"));
         pip.env("VIBRO_IMPACT_ARCHIVES", &archives).env("MATURIN_PEP517_ARGS", "--profile dev");
         pip
     };

@@ -15,7 +15,7 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 """
 
 from ._fmu import fmu_path
-from ._machine import GROUP_NAMES, SI_NAMES, Machine
+from ._machine import GROUP_NAMES, PARAMETERS, SI_NAMES, Machine
 from ._motion import Ends, Load, Run, Section, simulate_many
 from ._native import __version__
 from ._orbits import LABELS, Branch, Orbit
@@ -26,6 +26,7 @@ __all__ = [
     "GROUP_NAMES",
     "LABELS",
     "MEASURES",
+    "PARAMETERS",
     "SI_NAMES",
     "Attractor",
     "Basins",

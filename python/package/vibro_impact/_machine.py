@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 
 
 _COUNT, _TOLD = _native.parameters()
+#: Every parameter by name: label of an axis, unit, what it is, what is allowed.
+PARAMETERS = {name: about for name, *about in _TOLD}
 #: Names of the physical parameters and of the groups.
 SI_NAMES = tuple(told[0] for told in _TOLD[:_COUNT])
 GROUP_NAMES = tuple(told[0] for told in _TOLD[_COUNT:])
@@ -66,6 +68,8 @@ class Machine:
     the other groups and the scales ``box_m``, ``box_k``, ``stop_gap`` as they are. What is not given comes from the default set, a
     reconstruction of the paper's machine. Of ``alpha23`` and ``beta2``, two names of one coupling, the one set last is held when
     ``epsilon`` changes, and ``secondary_m`` equals ``block_m`` until it or ``mu13`` is set.
+
+    A machine without a spring between box and ground (``box_k=0``) has no groups, and starts and studies in their units are refused.
 
     Two machines are equal when their thirteen physical parameters are.
 
@@ -186,9 +190,12 @@ class Machine:
             if name.startswith("_"):
                 raise AttributeError(name)
             try:
-                return getattr(self, _native.find(name))
+                found = _native.find(name)
             except TypeError as error:
                 raise AttributeError(str(error)) from None
+            if found == name:
+                raise AttributeError(f"{name} is not defined: box_k = {self.box_k}, and the dimensionless form needs box_k > 0")
+            return getattr(self, found)
 
     def __repr__(self) -> str:
         if self._si:
@@ -337,7 +344,7 @@ class Machine:
         self._needs_period("a Lyapunov spectrum")
         periods = whole("periods", periods, 1, 10_000_000)
         settle = whole("settle", settle, 0, MOST_PERIODS)
-        with Bar(progress, 1, "spectra") as bar:
+        with Bar(progress, periods + 50, "periods") as bar:
             found = _native.lyapunov(
                 self._system, state("start", start, self._system), settle, periods, bar.report
             )
