@@ -18,7 +18,7 @@ LONG = {
     "poincare": lambda m, **more: m.poincare(periods=50_000_000, **more),
     "lyapunov": lambda m, **more: m.lyapunov(periods=400_000, **more),
     "many": lambda m, **more: vi.simulate_many(m, np.zeros((300_000, 6)), periods=100, **more),
-    "bifurcation": lambda m, **more: vi.bifurcation(m, f10=np.linspace(0.5, 4, 3000), periods=(200, 200), **more),
+    "bifurcation": lambda m, **more: vi.bifurcation(m, f10=np.linspace(0.5, 4, 2000), periods=(100, 100), **more),
     "basins": lambda m, **more: vi.basins(m, v2=(-2, 2, 200), x1=(-1, 1, 2000), **more),
 }
 
@@ -46,7 +46,7 @@ def test_a_signal_ends_a_long_call_at_once(name):
 
 def test_other_threads_run_while_one_computes():
     machine, ticks = vi.Machine(), 0
-    thread = threading.Thread(target=lambda: machine.simulate(periods=200_000, per_period=4))
+    thread = threading.Thread(target=lambda: machine.simulate(periods=30_000, per_period=4))
     thread.start()
     while thread.is_alive():
         time.sleep(0.002)

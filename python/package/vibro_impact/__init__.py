@@ -15,10 +15,11 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 """
 
 from ._fmu import fmu_path
-from ._machine import GROUP_NAMES, PARAMETERS, SI_NAMES, Machine
+from ._machine import Machine
 from ._motion import Ends, Load, Run, Section, simulate_many
 from ._native import __version__
 from ._orbits import LABELS, Branch, Orbit
+from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES
 from ._steady import SteadyState, SteadyStates
 from ._studies import MEASURES, Attractor, Basins, Diagram, Direction, Spectrum, basins, bifurcation
 

@@ -10,6 +10,7 @@ from . import _native
 from ._arguments import MOST_PERIODS, MOST_ROWS, Start, array, choice, number, state, whole
 from ._motion import Load, Run, Section, load_list, run_of
 from ._orbits import Orbit, find_orbit
+from ._parameters import GROUP_NAMES, SI_NAMES, in_order, named, with_changes, written
 from ._progress import Bar
 from ._steady import SteadyStates, steady_states
 from ._studies import Spectrum, spectrum_of
@@ -18,46 +19,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import ArrayLike
-    from typing_extensions import Self, TypedDict, Unpack
+    from typing_extensions import Self, Unpack
 
-    class Groups(TypedDict, total=False):
-        """The dimensionless groups."""
-
-        epsilon: float
-        kappa: float
-        f10: float
-        sigma1: float
-        gamma1: float
-        alpha23: float
-        beta2: float
-        sigma30: float
-        gamma3: float
-        mu13: float
-
-    class Parameters(Groups, total=False):
-        """All parameters by name."""
-
-        box_m: float
-        box_k: float
-        box_c: float
-        block_m: float
-        secondary_m: float
-        secondary_k: float
-        secondary_c: float
-        coupling_k: float
-        stop_gap: float
-        stop_restitution: float
-        drive_amplitude: float
-        drive_frequency: float
-        drive_phase: float
-
-
-_COUNT, _TOLD = _native.parameters()
-#: Every parameter by name: label of an axis, unit, what it is, what is allowed.
-PARAMETERS = {name: about for name, *about in _TOLD}
-#: Names of the physical parameters and of the groups.
-SI_NAMES = tuple(told[0] for told in _TOLD[:_COUNT])
-GROUP_NAMES = tuple(told[0] for told in _TOLD[_COUNT:])
+    from ._parameters import Groups, Parameters
 
 
 class Machine:
@@ -138,8 +102,8 @@ class Machine:
     _groups: dict[str, float]
 
     def __init__(self, **parameters: Unpack[Parameters]) -> None:
-        si, groups = _named(parameters)
-        self._fill(_in_order(si), groups)
+        si, groups = named(parameters)
+        self._fill(in_order(si), groups)
 
     @classmethod
     def from_groups(cls, **groups: Unpack[Groups]) -> Self:
@@ -150,7 +114,7 @@ class Machine:
         TypeError, ValueError
             As the class; a physical parameter is no group.
         """
-        si, found = _named(groups)
+        si, found = named(groups)
         if si:
             raise TypeError(f"{next(iter(si))} is a physical parameter: allowed are {', '.join(GROUP_NAMES)}")
         return cls(**found)
@@ -166,11 +130,11 @@ class Machine:
         TypeError, ValueError
             As the class.
         """
-        si, groups = _named(parameters)
+        si, groups = named(parameters)
         before = {name: getattr(self, name) for name in SI_NAMES} if si and self._groups else self._si
         kept = {} if si else self._groups
         made = type(self).__new__(type(self))
-        made._fill(_in_order(_with(before, si)), _with(kept, groups))
+        made._fill(in_order(with_changes(before, si)), with_changes(kept, groups))
         return made
 
     def _fill(self, si: dict[str, float], groups: dict[str, float]) -> None:
@@ -199,8 +163,8 @@ class Machine:
 
     def __repr__(self) -> str:
         if self._si:
-            return f"Machine({_written({**self._si, **self._groups})})"
-        return f"Machine.from_groups({_written(self._groups)})" if self._groups else "Machine()"
+            return f"Machine({written({**self._si, **self._groups})})"
+        return f"Machine.from_groups({written(self._groups)})" if self._groups else "Machine()"
 
     def _physical(self) -> tuple[float, ...]:
         return tuple(getattr(self, name) for name in SI_NAMES)
@@ -449,33 +413,6 @@ class Machine:
         period = whole("period", period, 1, 1000)
         tries = whole("tries", tries, 1, 1_000_000)
         return find_orbit(self, word, start, period, bool(symmetric), settle, tries, progress)
-
-
-def _named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """Parameters under their own names: those in SI, the groups."""
-    si: dict[str, float] = {}
-    groups: dict[str, float] = {}
-    for given, value in parameters.items():
-        name = _native.find(given)
-        part = si if name in SI_NAMES else groups
-        if name in part:
-            raise TypeError(f"{given} is given twice: {name} is another name of it")
-        part[name] = number(given, value)
-    return si, groups
-
-
-def _with(values: dict[str, float], changed: dict[str, float]) -> dict[str, float]:
-    """The values with others set after them: of two groups that are tied the one set last is held."""
-    return {**{name: value for name, value in values.items() if name not in changed}, **changed}
-
-
-def _in_order(si: dict[str, float]) -> dict[str, float]:
-    """Physical parameters in their order, on which nothing depends."""
-    return {name: si[name] for name in SI_NAMES if name in si}
-
-
-def _written(values: dict[str, float]) -> str:
-    return ", ".join(f"{name}={value!r}" for name, value in values.items())
 
 
 def _unpickled(cls: type[Machine], si: dict[str, float], groups: dict[str, float]) -> Machine:

@@ -21,9 +21,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from ._arguments import Floats, choice
-from ._machine import PARAMETERS
 from ._motion import Run, Section
 from ._orbits import Branch
+from ._parameters import PARAMETERS
 from ._studies import Basins, Diagram, Direction
 
 #: Colours of x1, x2, x3 and w = x2 - x1.
@@ -209,7 +209,7 @@ def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
         if branch.labels[index] == "EP":
             continue
         axes.plot(branch.value[index], top[index], "o", color="black", markersize=3.5)
-        axes.annotate(str(branch.labels[index]), (branch.value[index], top[index]), (4, 4), textcoords="offset points")
+        axes.annotate(str(branch.labels[index]), (branch.value[index], top[index]), (5, -11), textcoords="offset points")
     axes.set_xlabel(PARAMETERS[branch.name][0])
     axes.set_ylabel(f"largest maximum of {_SYMBOLS[branch.of]} (m)")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
