@@ -112,7 +112,7 @@ fn exponents() -> Value {
 /// What the library finds, for the tests in Python to compare with bit for bit.
 fn native() -> Value {
     let standard = set(&[("f10", 1.5), ("kappa", 0.75)]);
-    let resting = set(&[("kappa", 0.3), ("f10", 2.0)]);
+    let resting = set(&[("kappa", 0.1), ("f10", 4.5)]);
     let loads = loads();
     json!({
         "standard": motion(standard.parameters(), &[], 50, 20),

@@ -41,6 +41,8 @@ REFUSED = [
     (lambda: M.simulate(loads=3), TypeError, "loads = 3: allowed is a sequence of Load"),
     (lambda: M.simulate(loads=[vi.Load("box", [0, 1], [1e300, 1e300])]), ValueError, "load over its body's mass"),
     (lambda: M.replace(drive_frequency=0.0).simulate(), ValueError, "drive_frequency = 0.0: a run over periods"),
+    (lambda: M.replace(drive_frequency=1e-310).simulate(), ValueError, "drive_frequency = 1e-310: .* whose period a double can hold"),
+    (lambda: M.replace(drive_frequency=1e-305).simulate(), ValueError, "periods = 200: allowed is an end of the run"),
     (lambda: M.replace(drive_frequency=0.0).lyapunov(), ValueError, "drive_frequency = 0.0"),
     (lambda: vi.simulate_many([M.replace(drive_frequency=0.0)]), ValueError, r"machines\[0\]: drive_frequency = 0.0"),
     (lambda: vi.Load("boxx", [0, 1], [0, 1]), ValueError, "body = 'boxx': allowed is one of 'box', 'block', 'secondary'; the nearest is 'box'"),

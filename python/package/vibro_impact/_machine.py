@@ -184,8 +184,11 @@ class Machine:
         return self._system.period()
 
     def _needs_period(self, what: str) -> None:
-        if self.drive_frequency == 0.0:
-            raise ValueError(f"drive_frequency = 0.0: {what} goes by drive periods and needs drive_frequency > 0")
+        if not np.isfinite(self.period):
+            raise ValueError(
+                f"drive_frequency = {self.drive_frequency}: {what} goes by drive periods and needs drive_frequency > 0, whose period "
+                "a double can hold"
+            )
 
     def simulate(
         self,
@@ -233,6 +236,8 @@ class Machine:
             whole("periods", periods, 0, MOST_PERIODS)
             rows = whole("per_period", per_period, 1, MOST_ROWS) * periods + 1
             whole("periods * per_period + 1", rows, 1, MOST_ROWS)
+            if not np.isfinite(begin + self.period * rows):
+                raise ValueError(f"periods = {periods}: allowed is an end of the run that a double can hold")
             times = begin + self.period * np.arange(rows) / per_period
         else:
             times = array("t", t, "an array of shape (n,) of times in s, ascending")

@@ -244,8 +244,10 @@ def simulate_many(
     if len(rows) != len(several):
         raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
     for index, machine in enumerate(several):
-        if machine.drive_frequency == 0.0:
-            raise ValueError(f"machines[{index}]: drive_frequency = 0.0: drive periods need drive_frequency > 0")
+        try:
+            machine._needs_period("a motion over periods")
+        except ValueError as error:
+            raise ValueError(f"machines[{index}]: {error}") from None
     with Bar(progress, len(several), "motions") as bar:
         s, v = _native.simulate_many([m._system for m in several], rows, periods, bar.report)
     return Ends(np.array([periods * m.period for m in several]), s, v)
