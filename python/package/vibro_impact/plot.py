@@ -209,7 +209,14 @@ def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
         if branch.labels[index] == "EP":
             continue
         axes.plot(branch.value[index], top[index], "o", color="black", markersize=3.5)
-        axes.annotate(str(branch.labels[index]), (branch.value[index], top[index]), (5, -11), textcoords="offset points")
+        axes.annotate(
+            str(branch.labels[index]),
+            (branch.value[index], top[index]),
+            (7, -11),
+            textcoords="offset points",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3},
+        )
+    axes.margins(y=0.1)
     axes.set_xlabel(PARAMETERS[branch.name][0])
     axes.set_ylabel(f"largest maximum of {_SYMBOLS[branch.of]} (m)")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
