@@ -1,28 +1,26 @@
-//! Stepping, getting and setting allocate nothing. Alone in its process, since it counts all allocations.
+//! Stepping, getting and setting allocate nothing. Alone in its process, since it has an allocator of its own.
 #![allow(unsafe_code)] // an allocator is one, and so is the C interface
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ffi::CString;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi3::abi::*;
 use vibro_fmi::fmi3::description as description3;
 
-static COUNT: AtomicUsize = AtomicUsize::new(0);
+thread_local! {
+    /// Allocations of a test's own thread: the harness allocates in others meanwhile.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
 
 struct Counting;
 
 // SAFETY: hands everything on to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // Only what a test's own thread does counts: the harness allocates in others meanwhile.
-        if COUNTING.get() {
-            COUNT.fetch_add(1, Ordering::Relaxed);
-        }
+        COUNT.set(COUNT.get() + 1);
         // SAFETY: as the caller vouches.
         unsafe { System.alloc(layout) }
     }
@@ -32,20 +30,11 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-thread_local! {
-    static COUNTING: Cell<bool> = const { Cell::new(false) };
-}
-
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Both tests count in one process, one after the other.
-static ALONE: Mutex<()> = Mutex::new(());
-
 #[test]
 fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
-    let _alone = ALONE.lock().unwrap();
-    COUNTING.set(true);
     let guid = CString::new(description::guid()).unwrap();
     let outputs = [reference("box.s"), reference("block.a"), reference("energy.damped"), reference("box.k")];
     let inputs = [reference("box.f"), reference("block.f")];
@@ -72,9 +61,9 @@ fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
             }
         };
         steps(0, 1);
-        let before = COUNT.load(Ordering::Relaxed);
+        let before = COUNT.get();
         steps(1, 400);
-        assert_eq!(COUNT.load(Ordering::Relaxed), before);
+        assert_eq!(COUNT.get(), before);
         let mut impacts = [0; 2];
         let counts = [reference("impacts.upper"), reference("impacts.lower")];
         assert_eq!(fmi2GetInteger(c, counts.as_ptr(), 2, impacts.as_mut_ptr()), 0);
@@ -87,8 +76,6 @@ fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
 /// event mode the same without those.
 #[test]
 fn a_step_of_fmi3_with_its_events_allocates_nothing() {
-    let _alone = ALONE.lock().unwrap();
-    COUNTING.set(true);
     let token = CString::new(description3::instantiation_token(description3::MAIN)).unwrap();
     let vr = |name| reference(name) + 1;
     let outputs = [vr("box.s"), vr("block.a"), vr("energy.damped"), vr("impacts.nextTime")];
@@ -141,9 +128,9 @@ fn a_step_of_fmi3_with_its_events_allocates_nothing() {
                 assert_eq!(fmi3SetFMUState(c, state), 0);
             };
             (0..40).for_each(&mut step);
-            let before = COUNT.load(Ordering::Relaxed);
+            let before = COUNT.get();
             (40..1000).for_each(&mut step);
-            assert_eq!(COUNT.load(Ordering::Relaxed), before, "events: {events}");
+            assert_eq!(COUNT.get(), before, "events: {events}");
             assert_eq!(met > 50, events == 1, "{met}");
             fmi3FreeInstance(c);
         }

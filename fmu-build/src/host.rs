@@ -5,17 +5,17 @@
 #![allow(unsafe_code)]
 
 pub mod fmi3;
+mod log;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use libloading::Library;
+use log::Log;
 use std::ffi::{CStr, CString, c_char, c_double, c_int, c_uint, c_void};
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 type Component = *mut c_void;
 type Environment = *const Log;
 type Logger = unsafe extern "C" fn(Environment, *const c_char, c_int, *const c_char, *const c_char);
-type Log = Mutex<Vec<String>>;
 
 /// `fmi2CallbackFunctions` (FMI 2.0, 2.1.5). The logger is variadic in C; a callee with the fixed arguments only is
 /// called the same way on every ABI we run on, and the arguments after them are not needed.
@@ -146,7 +146,7 @@ impl Binary {
         let instance =
             Instance { functions: self.functions, component, log, _callbacks: callbacks, _binary: self };
         if component.is_null() {
-            return Err(instance.failed("fmi2Instantiate", "null"));
+            return Err(instance.log.failure("fmi2Instantiate", "null"));
         }
         Ok(instance)
     }
@@ -160,16 +160,9 @@ unsafe extern "C" fn logger(
     category: *const c_char,
     message: *const c_char,
 ) {
-    let text = |pointer: *const c_char| match pointer.is_null() {
-        true => String::new(),
-        // SAFETY: FMI 2.0, 2.1.5: category and message are C strings.
-        false => unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned(),
-    };
-    // SAFETY: the environment is the log we gave to fmi2Instantiate, which outlives the instance.
-    if let Some(log) = unsafe { log.as_ref() } {
-        let line = format!("[{}] {}", text(category), text(message));
-        log.lock().unwrap_or_else(PoisonError::into_inner).push(line);
-    }
+    // SAFETY: the environment is the log we gave to fmi2Instantiate, which outlives the instance; the others are C strings
+    // (FMI 2.0, 2.1.5).
+    unsafe { Log::take(log, category, message) }
 }
 
 /// An instance of the FMU; freed when dropped.
@@ -189,9 +182,9 @@ impl Instance<'_> {
     pub fn initialize(&mut self, start: f64) -> Result<()> {
         let (f, c) = (self.functions, self.component);
         // SAFETY (all three): the component is live and not null.
-        self.ok("fmi2SetupExperiment", unsafe { (f.setup_experiment)(c, 0, 0.0, start, 0, 0.0) })?;
-        self.ok("fmi2EnterInitializationMode", unsafe { (f.enter_initialization)(c) })?;
-        self.ok("fmi2ExitInitializationMode", unsafe { (f.exit_initialization)(c) })
+        self.log.check("fmi2SetupExperiment", unsafe { (f.setup_experiment)(c, 0, 0.0, start, 0, 0.0) })?;
+        self.log.check("fmi2EnterInitializationMode", unsafe { (f.enter_initialization)(c) })?;
+        self.log.check("fmi2ExitInitializationMode", unsafe { (f.exit_initialization)(c) })
     }
 
     /// `fmi2DoStep`.
@@ -200,7 +193,7 @@ impl Instance<'_> {
     /// [`Error::Call`].
     pub fn step(&mut self, from: f64, size: f64) -> Result<()> {
         // SAFETY: the component is live and not null.
-        self.ok("fmi2DoStep", unsafe { (self.functions.do_step)(self.component, from, size, 1) })
+        self.log.check("fmi2DoStep", unsafe { (self.functions.do_step)(self.component, from, size, 1) })
     }
 
     /// `fmi2GetReal`.
@@ -211,7 +204,7 @@ impl Instance<'_> {
         let mut values = [0.0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
         // SAFETY: both arrays have N elements.
-        self.ok("fmi2GetReal", unsafe { (self.functions.get_real)(self.component, from, N, to) })?;
+        self.log.check("fmi2GetReal", unsafe { (self.functions.get_real)(self.component, from, N, to) })?;
         Ok(values)
     }
 
@@ -222,7 +215,7 @@ impl Instance<'_> {
     pub fn set_real<const N: usize>(&mut self, references: &[u32; N], values: &[f64; N]) -> Result<()> {
         let (to, from) = (references.as_ptr(), values.as_ptr());
         // SAFETY: both arrays have N elements.
-        self.ok("fmi2SetReal", unsafe { (self.functions.set_real)(self.component, to, N, from) })
+        self.log.check("fmi2SetReal", unsafe { (self.functions.set_real)(self.component, to, N, from) })
     }
 
     /// `fmi2GetInteger`.
@@ -233,7 +226,8 @@ impl Instance<'_> {
         let mut values = [0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
         // SAFETY: both arrays have N elements.
-        self.ok("fmi2GetInteger", unsafe { (self.functions.get_integer)(self.component, from, N, to) })?;
+        self.log
+            .check("fmi2GetInteger", unsafe { (self.functions.get_integer)(self.component, from, N, to) })?;
         Ok(values)
     }
 
@@ -243,26 +237,7 @@ impl Instance<'_> {
     /// [`Error::Call`].
     pub fn terminate(&mut self) -> Result<()> {
         // SAFETY: the component is live and not null.
-        self.ok("fmi2Terminate", unsafe { (self.functions.terminate)(self.component) })
-    }
-
-    fn ok(&self, call: &'static str, status: c_int) -> Result<()> {
-        let status = match status {
-            0 => return Ok(()),
-            1 => "fmi2Warning",
-            2 => "fmi2Discard",
-            3 => "fmi2Error",
-            4 => "fmi2Fatal",
-            5 => "fmi2Pending",
-            _ => "an unknown status",
-        };
-        Err(self.failed(call, status))
-    }
-
-    fn failed(&self, call: &'static str, status: &'static str) -> Error {
-        let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-        let log = if log.is_empty() { "(nothing)".to_owned() } else { log.join("; ") };
-        Error::Call { call, status, log }
+        self.log.check("fmi2Terminate", unsafe { (self.functions.terminate)(self.component) })
     }
 }
 

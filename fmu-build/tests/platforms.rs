@@ -12,6 +12,7 @@ use std::path::Path;
 use std::process::Command;
 use vibro_fmi::component::variables;
 use vibro_fmi::fmi2::description;
+use vibro_fmi::fmi3::description as fmi3;
 use vibro_impact::{Parameters, Simulator, State};
 
 /// The oldest glibc that is promised: that of CentOS 7.
@@ -46,16 +47,19 @@ fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
         check_binary(&platform, &bytes);
         let library = folder.path().join(platform.folder).join(format!("x{}", platform.ending));
         archive::write_file(&library, &bytes).unwrap();
-        match run(&platform, &library) {
-            Ok(got) => {
-                let difference = difference(&got, &expected);
-                println!(
-                    "{}: runs, largest difference from the native run {difference:.1e}",
-                    platform.folder
-                );
-                assert!(difference < SAME, "{}: {difference:e}", platform.folder);
+        for version in [Version::Fmi2, Version::Fmi3] {
+            let folder = platform.folder;
+            match run(&platform, &library, version) {
+                Ok(got) => {
+                    let difference = difference(&got, &expected);
+                    println!(
+                        "{folder}: runs by {}, largest difference from the native run {difference:.1e}",
+                        version.name()
+                    );
+                    assert!(difference < SAME, "{folder} by {}: {difference:e}", version.name());
+                }
+                Err(reason) => println!("{folder}: not run: {reason}"),
             }
-            Err(reason) => println!("{}: not run: {reason}", platform.folder),
         }
     }
 }
@@ -123,8 +127,8 @@ fn difference(a: &Path6, b: &Path6) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Compiles tests/host.c for the platform, runs it with the library and reads what it prints.
-fn run(platform: &Platform, library: &Path) -> Result<Path6, String> {
+/// Compiles tests/host.c for the platform, runs it with the library and reads what it prints. By FMI 3.0 it stops at every event.
+fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, String> {
     let (runner, target): (&[&str], &str) = match platform.folder {
         folder if folder == PLATFORM && cfg!(target_arch = "x86_64") => (&[], platform.targets[0]),
         "win64" => (&["wine"], "x86_64-windows-gnu"),
@@ -161,9 +165,13 @@ fn run(platform: &Platform, library: &Path) -> Result<Path6, String> {
         }
         None => Command::new(&host),
     };
-    command.arg(library).arg(description::guid()).arg(step.to_string());
+    let (number, identifier, first) = match version {
+        Version::Fmi2 => ("2", description::guid(), 0),
+        _ => ("3", fmi3::instantiation_token(fmi3::MAIN), fmi3::value_reference(0)),
+    };
+    command.arg(library).arg(number).arg(identifier).arg(step.to_string());
     command.arg((PERIODS * PER_PERIOD).to_string());
-    command.args(NAMES.map(|name| variables::find(name).unwrap().0.to_string()));
+    command.args(NAMES.map(|name| (variables::find(name).unwrap().0 + first).to_string()));
     command.env("WINEDEBUG", "-all").env("WINEPREFIX", library.with_file_name("wine"));
     let output = command.output().map_err(|e| e.to_string())?;
     let (printed, errors) =

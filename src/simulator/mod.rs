@@ -290,6 +290,12 @@ impl Simulator {
         }
     }
 
+    /// Energy lost in impacts so far, J: [`EnergyAccounts::impact`] without the other accounts.
+    #[inline]
+    pub fn impact_loss(&self) -> f64 {
+        self.hybrid.sums.impact.value()
+    }
+
     /// Impacts so far.
     pub fn impacts(&self) -> &ImpactRecord {
         &self.hybrid.record
@@ -301,8 +307,16 @@ impl Simulator {
     }
 
     /// All that is needed to come back to this point.
+    #[inline]
     pub fn snapshot(&self) -> Snapshot {
         Snapshot { parameters: self.parameters, hybrid: self.hybrid }
+    }
+
+    /// [`snapshot`](Self::snapshot) into the place of an older one, without a copy in between.
+    #[inline]
+    pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
+        snapshot.parameters = self.parameters;
+        snapshot.hybrid = self.hybrid;
     }
 
     /// Puts back a snapshot, its parameters included; continuing gives the same bits as not having left.

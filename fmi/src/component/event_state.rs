@@ -34,7 +34,7 @@ impl Discrete {
         Self {
             contact: simulator.contact(),
             impacts: *simulator.impacts(),
-            impact_loss: simulator.energy_accounts().impact,
+            impact_loss: simulator.impact_loss(),
         }
     }
 

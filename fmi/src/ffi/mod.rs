@@ -24,6 +24,16 @@ pub enum Fault {
         /// What is allowed.
         allowed: String,
     },
+    /// Text that is not what it must be.
+    #[error("{argument} = \"{value}\": allowed is {allowed}")]
+    Text {
+        /// The argument.
+        argument: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
     /// A handle that is not one the library has given out.
     #[error("the pointer is not one this instance has given out, or it was freed")]
     Handle,

@@ -16,11 +16,12 @@ mod tests;
 use super::instance::{BOOLEAN, INTEGER, Instance, REAL, STRING};
 use super::problem::{Outcome, Problem};
 use super::states::{self, Function};
-use super::status::{self, Sink, StatusKind, report};
-use super::types::{FmiBoolean, FmiEventInfo, FmiStatus, Status};
-use crate::component::log::Category;
+use super::status::{self, StatusKind};
+use super::types::{FmiBoolean, FmiEventInfo, FmiStatus};
+use crate::component::log::{Categories, Category};
 use crate::ffi::panics::{guarded, silence};
 use crate::ffi::pointers::{aligned, array, c_str, handle, out, vector};
+use crate::messages::{self, Sink, Status, c_text, report};
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr;
@@ -61,7 +62,7 @@ struct Host {
 impl Sink for Host {
     fn send(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
-        let (category, message) = (status::c_text(status::name(category)), status::finished(message));
+        let (category, message) = (c_text(messages::name(category)), status::finished(message));
         // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI 2.0, 2.1.5); all
         // strings live until it returns; no % in the message asks for a further argument.
         unsafe {
@@ -93,12 +94,19 @@ unsafe fn call(
     });
     match outcome {
         Ok(Ok(())) => Status::Ok as FmiStatus,
-        Ok(Err(problem)) => report(instance.enabled(), host, function, &problem),
+        Ok(Err(problem)) => refuse(instance, host, function, &problem),
         Err(panic) => {
             instance.component.break_down();
-            report(instance.enabled(), host, function, &panic.into())
+            refuse(instance, host, function, &panic.into())
         }
     }
+}
+
+/// Logs a problem and returns its status.
+#[cold]
+fn refuse(instance: &Instance, host: &mut Host, function: Function, problem: &Problem) -> FmiStatus {
+    report(instance.enabled(), host, function.name(), problem.status(), problem);
+    problem.status() as FmiStatus
 }
 
 /// What cannot fail.
@@ -214,8 +222,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     match outcome.map_err(Problem::from).flatten() {
         Ok(instance) => Box::into_raw(Box::new(Component::new((instance, host)))).cast(),
         Err(problem) => {
-            let text = format!("fmi2Instantiate: {problem}");
-            let _ = guarded(|| host.send(problem.status(), problem.category(), &text));
+            report(Categories::ALL, &mut host, "fmi2Instantiate", problem.status(), &problem);
             ptr::null_mut()
         }
     }

@@ -7,6 +7,7 @@ pub use crate::component::identity::{
 };
 pub use crate::component::structure::EVENT_INDICATORS;
 use crate::component::variables::{Edition, Variable, of_edition};
+use crate::messages::{Category, log_categories};
 
 /// `version` of the model.
 pub const MODEL_VERSION: &str = identity::VERSION;
@@ -57,27 +58,9 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 /// Whether `ModelExchange` is part of the archive.
 pub const MODEL_EXCHANGE: bool = true;
 
-/// A log category (FMI 2.0, 2.2.4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Category {
-    /// Name.
-    pub name: &'static str,
-    /// What it logs.
-    pub description: &'static str,
-}
-
 /// The log categories, all of standard names.
-pub const LOG_CATEGORIES: [Category; 6] = [
-    Category { name: "logEvents", description: "Each impact, rest and release" },
-    Category {
-        name: "logStatusWarning",
-        description: "Things worth knowing that do not stop the simulation",
-    },
-    Category { name: "logStatusDiscard", description: "Why a step ended early or a status is not available" },
-    Category { name: "logStatusError", description: "Why a call was refused" },
-    Category { name: "logStatusFatal", description: "Why the instance can no longer be used" },
-    Category { name: "logAll", description: "All of the above" },
-];
+pub const LOG_CATEGORIES: [Category; 6] =
+    log_categories("Why a step ended early or a status is not available");
 
 /// Every variable of this version with its value reference, which is its place in the table.
 pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {

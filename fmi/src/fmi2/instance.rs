@@ -4,12 +4,14 @@
 use super::description;
 use super::problem::{Outcome, Problem};
 use super::states::{Function, Stage};
-use super::status::{self, Logger, Sink, StatusKind};
+use super::status::{self, StatusKind};
 use crate::component::log::Categories;
 use crate::component::saved_state::SavedState;
 use crate::component::variables::{Base, Bases};
 use crate::component::{self, Interface, StepReason};
+use crate::ffi::Fault;
 use crate::ffi::handles::Handles;
+use crate::messages::{self, Logger, Sink};
 
 /// Types of `fmi2GetReal` and `fmi2SetReal` (FMI 2.0, 2.1.7).
 pub const REAL: Bases = Bases::REAL;
@@ -36,15 +38,16 @@ impl Instance {
     /// When the name is blank or the GUID is not this FMU's.
     pub fn new(name: &str, interface: Interface, guid: &str, logging_on: bool) -> Outcome<Self> {
         if name.trim().is_empty() {
-            return Err(Problem::Text {
+            return Err(Fault::Text {
                 argument: "instanceName",
                 value: name.to_owned(),
                 allowed: "text with at least one character that is no white space".to_owned(),
-            });
+            }
+            .into());
         }
         let own = description::guid();
         if guid != own {
-            return Err(Problem::Text { argument: "fmuGUID", value: guid.to_owned(), allowed: own });
+            return Err(Fault::Text { argument: "fmuGUID", value: guid.to_owned(), allowed: own }.into());
         }
         Ok(Self {
             component: component::Instance::new(interface),
@@ -74,7 +77,7 @@ impl Instance {
     /// `fmi2SetDebugLogging` (FMI 2.0, 2.1.5); no names means all categories.
     ///
     /// # Errors
-    /// [`Problem::Text`] for an unknown category; nothing has changed then.
+    /// [`Fault::Text`] for an unknown category; nothing has changed then.
     pub fn set_debug_logging<S: AsRef<str>>(
         &mut self,
         on: bool,
@@ -83,7 +86,7 @@ impl Instance {
         let (mut enabled, mut any) = (self.enabled, false);
         for name in categories {
             any = true;
-            enabled = status::with_category(enabled, name?.as_ref(), on)?;
+            enabled = messages::with_category(enabled, name?.as_ref(), on)?;
         }
         let all = if on { Categories::ALL } else { Categories::NONE };
         self.enabled = if any { enabled } else { all };
@@ -107,7 +110,8 @@ impl Instance {
     /// # Errors
     /// As [`exit_initialization`](component::Instance::exit_initialization).
     pub fn exit_initialization_mode(&mut self, sink: &mut dyn Sink) -> Outcome {
-        let mut log = Logger { sink, enabled: self.enabled, function: Function::ExitInitializationMode };
+        let mut log =
+            Logger { sink, enabled: self.enabled, function: Function::ExitInitializationMode.name() };
         Ok(self.component.exit_initialization(&mut log)?)
     }
 
@@ -116,7 +120,7 @@ impl Instance {
     /// # Errors
     /// As [`handle_events`](component::Instance::handle_events).
     pub fn new_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<bool> {
-        let mut log = Logger { sink, enabled: self.enabled, function: Function::NewDiscreteStates };
+        let mut log = Logger { sink, enabled: self.enabled, function: Function::NewDiscreteStates.name() };
         Ok(self.component.handle_events(&mut log)?)
     }
 
@@ -127,7 +131,7 @@ impl Instance {
     /// [`step`](component::Instance::step).
     #[inline]
     pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome {
-        let mut log = Logger { sink, enabled: self.enabled, function: Function::DoStep };
+        let mut log = Logger { sink, enabled: self.enabled, function: Function::DoStep.name() };
         let outcome = self.component.step(point, size, &mut log)?;
         match outcome.reason {
             StepReason::EndReached => Ok(()),

@@ -1,10 +1,9 @@
 //! Why a call was refused, and the status that says so.
 
 use super::states::{Function, Stage};
-use super::types::Status;
-use crate::component::log::Category;
 use crate::component::{self, Interface};
 use crate::ffi::Fault;
+use crate::messages::Status;
 
 /// Outcome of a call.
 pub type Outcome<T = ()> = Result<T, Problem>;
@@ -30,16 +29,6 @@ pub enum Problem {
     /// An argument that cannot be, or a panic.
     #[error(transparent)]
     Fault(#[from] Fault),
-    /// Text that is not what it must be.
-    #[error("{argument} = \"{value}\": allowed is {allowed}")]
-    Text {
-        /// The argument.
-        argument: &'static str,
-        /// Its value.
-        value: String,
-        /// What is allowed.
-        allowed: String,
-    },
     /// Something must be done first, or is never possible.
     #[error("{what}")]
     Sequence {
@@ -75,15 +64,6 @@ impl Problem {
             Self::Impact { .. } | Self::StatusNotAvailable { .. } => Status::Discard,
             Self::Fault(Fault::Panic { .. }) => Status::Fatal,
             _ => Status::Error,
-        }
-    }
-
-    /// The log category.
-    pub fn category(&self) -> Category {
-        match self.status() {
-            Status::Discard => Category::Incomplete,
-            Status::Fatal => Category::Failures,
-            _ => Category::Refusals,
         }
     }
 }

@@ -1,7 +1,6 @@
 //! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), by the names that std has for the C
 //! types.
 
-use crate::component::log::Category;
 use std::ffi::c_int;
 
 /// `fmi2Boolean`.
@@ -32,34 +31,5 @@ impl FmiEventInfo {
     /// simulation, nominal values stay, and there are no time events.
     pub fn after_event(values_changed: bool) -> Self {
         Self { values_of_continuous_states_changed: values_changed.into(), ..Self::default() }
-    }
-}
-
-/// `fmi2Status` (FMI 2.0, 2.1.3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(i32)]
-pub enum Status {
-    /// All well.
-    Ok = 0,
-    /// Worth knowing.
-    Warning = 1,
-    /// Not all of it could be done.
-    Discard = 2,
-    /// Refused; the instance is as it was.
-    Error = 3,
-    /// The instance can no longer be used.
-    Fatal = 4,
-}
-
-impl Status {
-    /// The status with which a message of a category is logged.
-    pub fn of(category: Category) -> Self {
-        match category {
-            Category::Events => Self::Ok,
-            Category::Warnings => Self::Warning,
-            Category::Incomplete => Self::Discard,
-            Category::Refusals => Self::Error,
-            Category::Failures => Self::Fatal,
-        }
     }
 }

@@ -16,11 +16,12 @@ mod tests;
 use super::instance::Instance;
 use super::problem::{Outcome, Problem};
 use super::states::Function;
-use super::status::{self, Sink, report};
-use super::types::{FmiBoolean, FmiStatus, Status};
+use super::status;
+use super::types::{FmiBoolean, FmiStatus};
 use crate::component::log::Category;
 use crate::ffi::panics::guarded;
 use crate::ffi::pointers::{aligned, array, c_str, check_count, handle, out};
+use crate::messages::{self, Sink, Status, c_text, report};
 use std::cell::RefCell;
 use std::ffi::{c_char, c_void};
 
@@ -59,7 +60,7 @@ struct Host {
 impl Sink for Host {
     fn send(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
-        let (category, message) = (status::c_text(status::name(category)), status::finished(message));
+        let (category, message) = (c_text(messages::name(category)), status::finished(message));
         // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI 3.0.2, 2.3.1); all
         // strings live until it returns.
         unsafe { logger(self.environment, status as FmiStatus, category.as_ptr(), message.as_ptr()) }
@@ -121,7 +122,8 @@ unsafe fn go_on(
 /// Logs a problem, and leaves the instance in the state that its status means.
 #[cold]
 fn refuse(instance: &mut Instance, host: &mut Host, function: Function, problem: &Problem) -> FmiStatus {
-    let status = report(instance.enabled(), host, function, problem);
+    let status = problem.status(function);
+    report(instance.enabled(), host, function.name(), status, problem);
     instance.after(status);
     status as FmiStatus
 }

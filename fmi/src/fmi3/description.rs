@@ -11,6 +11,7 @@ pub use crate::component::variables::Edition;
 use crate::component::variables::{
     Access, Causality, Initial, Kind, Variability, Variable, find, of_edition,
 };
+use crate::messages::{Category, log_categories};
 
 /// The description of the archive that every importer can read.
 pub const MAIN: Edition = Edition::Extended;
@@ -66,27 +67,8 @@ pub const CAPABILITIES: Capabilities = Capabilities {
     has_event_mode: true,
 };
 
-/// A log category (FMI 3.0.2, 2.4.6).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Category {
-    /// Name.
-    pub name: &'static str,
-    /// What it logs.
-    pub description: &'static str,
-}
-
 /// The log categories.
-pub const LOG_CATEGORIES: [Category; 6] = [
-    Category { name: "logEvents", description: "Each impact, rest and release" },
-    Category {
-        name: "logStatusWarning",
-        description: "Things worth knowing that do not stop the simulation",
-    },
-    Category { name: "logStatusDiscard", description: "Why a value was not taken" },
-    Category { name: "logStatusError", description: "Why a call was refused" },
-    Category { name: "logStatusFatal", description: "Why the instance can no longer be used" },
-    Category { name: "logAll", description: "All of the above" },
-];
+pub const LOG_CATEGORIES: [Category; 6] = log_categories("Why a value was not taken");
 
 /// What an instance starts from: the settings of every description, but a step returns at an event where the importer allows
 /// it, since FMI 3.0 has a protocol for that.

@@ -4,15 +4,16 @@
 use super::description;
 use super::problem::{Outcome, Problem};
 use super::states::{Function, Stage};
-use super::status::{self, Logger, Sink};
-use super::types::{DiscreteStates, Status, StepEnd};
+use super::types::{DiscreteStates, StepEnd};
 use crate::component::log::Categories;
 use crate::component::saved_state::SavedState;
 use crate::component::settings::SolutionMode;
 use crate::component::variables::{Base, Bases, Edition};
 use crate::component::{self, EventHandling, Interface, Phase, Protocol};
+use crate::ffi::Fault;
 use crate::ffi::handles::Handles;
 use crate::ffi::pointers::check_count;
+use crate::messages::{self, Logger, Sink, Status};
 
 /// Variables of the type `Float64` (FMI 3.0.2, 2.4.7).
 pub const FLOAT64: Bases = Bases::new("Float64", &[Base::Real]).of(Edition::Extended);
@@ -82,18 +83,20 @@ impl Instance {
         enabled: Categories,
     ) -> Outcome<Self> {
         if name.trim().is_empty() {
-            return Err(Problem::Text {
+            return Err(Fault::Text {
                 argument: "instanceName",
                 value: name.to_owned(),
                 allowed: "text with at least one character that is no white space".to_owned(),
-            });
+            }
+            .into());
         }
         let Some(edition) = description::edition_of(token) else {
-            return Err(Problem::Text {
+            return Err(Fault::Text {
                 argument: "instantiationToken",
                 value: token.to_owned(),
                 allowed: description::instantiation_token(description::MAIN),
-            });
+            }
+            .into());
         };
         let protocol =
             Protocol { first_reference: FIRST, handling, start: description::start_settings(), edition };
@@ -154,13 +157,13 @@ impl Instance {
     }
 
     pub(super) fn log<'a>(&self, sink: &'a mut dyn Sink, function: Function) -> Logger<'a> {
-        Logger { sink, enabled: self.enabled, function }
+        Logger { sink, enabled: self.enabled, function: function.name() }
     }
 
     /// `fmi3SetDebugLogging` (FMI 3.0.2, 2.3.1); no names means all categories.
     ///
     /// # Errors
-    /// [`Problem::Text`] for an unknown category; nothing has changed then.
+    /// [`Fault::Text`] for an unknown category; nothing has changed then.
     pub fn set_debug_logging<S: AsRef<str>>(
         &mut self,
         on: bool,
@@ -169,7 +172,7 @@ impl Instance {
         let (mut enabled, mut any) = (self.enabled, false);
         for name in categories {
             any = true;
-            enabled = status::with_category(enabled, name?.as_ref(), on)?;
+            enabled = messages::with_category(enabled, name?.as_ref(), on)?;
         }
         let all = if on { Categories::ALL } else { Categories::NONE };
         self.enabled = if any { enabled } else { all };

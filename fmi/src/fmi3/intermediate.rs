@@ -12,11 +12,11 @@ use super::description::intermediate_update;
 use super::instance::{Instance, Update};
 use super::problem::{Outcome, Problem};
 use super::states::Function;
-use super::status::Sink;
-use super::types::{Status, StepEnd};
+use super::types::StepEnd;
 use crate::component::log::Category;
 use crate::component::variables::Edition;
 use crate::component::{self, Advance, Piece, Pieces};
+use crate::messages::{Sink, Status};
 
 /// What comes next in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]

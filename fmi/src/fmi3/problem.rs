@@ -1,10 +1,9 @@
 //! Why a call was refused, and the status that says so.
 
 use super::states::{Function, Stage};
-use super::types::Status;
-use crate::component::log::Category;
 use crate::component::{self, Interface};
 use crate::ffi::Fault;
+use crate::messages::Status;
 
 /// Outcome of a call.
 pub type Outcome<T = ()> = Result<T, Problem>;
@@ -28,16 +27,6 @@ pub enum Problem {
     /// An argument that cannot be, or a panic.
     #[error(transparent)]
     Fault(#[from] Fault),
-    /// Text that is not what it must be.
-    #[error("{argument} = \"{value}\": allowed is {allowed}")]
-    Text {
-        /// The argument.
-        argument: &'static str,
-        /// Its value.
-        value: String,
-        /// What is allowed.
-        allowed: String,
-    },
     /// Something must be done first, or is never possible.
     #[error("{what}")]
     Sequence {
@@ -76,15 +65,6 @@ impl Problem {
                 | Refusal::Overflow { .. },
             ) if function.takes_values() => Status::Discard,
             _ => Status::Error,
-        }
-    }
-
-    /// The log category of that status.
-    pub fn category(&self, function: Function) -> Category {
-        match self.status(function) {
-            Status::Discard => Category::Incomplete,
-            Status::Fatal => Category::Failures,
-            _ => Category::Refusals,
         }
     }
 }

@@ -1,6 +1,5 @@
 //! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.2 and 2.2.3), by the names that std has for the C types.
 
-use crate::component::log::Category;
 use std::ffi::c_int;
 
 /// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte there.
@@ -11,35 +10,6 @@ pub type FmiStatus = c_int;
 pub type FmiDependencyKind = c_int;
 /// `fmi3IntervalQualifier`, as an integer.
 pub type FmiIntervalQualifier = c_int;
-
-/// `fmi3Status` (FMI 3.0.2, 2.2.3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(i32)]
-pub enum Status {
-    /// All well.
-    Ok = 0,
-    /// Worth knowing.
-    Warning = 1,
-    /// Not done; the instance is as it was, and the simulation may go on.
-    Discard = 2,
-    /// Refused; the instance is [Terminated](super::states::Stage::Terminated).
-    Error = 3,
-    /// The instance can no longer be used.
-    Fatal = 4,
-}
-
-impl Status {
-    /// The status with which a message of a category is logged.
-    pub fn of(category: Category) -> Self {
-        match category {
-            Category::Events => Self::Ok,
-            Category::Warnings => Self::Warning,
-            Category::Incomplete => Self::Discard,
-            Category::Refusals => Self::Error,
-            Category::Failures => Self::Fatal,
-        }
-    }
-}
 
 /// The returned arguments of `fmi3UpdateDiscreteStates` (FMI 3.0.2, 2.3.5).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

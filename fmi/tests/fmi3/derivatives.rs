@@ -1,14 +1,13 @@
-//! Partial derivatives, derivatives in time and dependencies.
+//! Partial derivatives (FMI 3.0.2, 2.2.12).
 
 use super::host::*;
-use vibro_fmi::component::variables::{Causality, Edition, VARIABLES, Variability, of_edition};
 use vibro_fmi::fmi3::abi::*;
 
 const RATES: [&str; 6] =
     ["der(box.s)", "der(block.s)", "der(secondary.s)", "box.a", "block.a", "secondary.a"];
 const OUTPUTS: [&str; 6] =
     ["stop.s", "stop.v", "stop.force", "coupling.f", "energy.mechanical", "energy.input"];
-const INPUTS: [&str; 3] = ["box.f", "block.f", "secondary.f"];
+pub const INPUTS: [&str; 3] = ["box.f", "block.f", "secondary.f"];
 const TUNABLE: [&str; 9] = [
     "box.k",
     "box.c",
@@ -34,7 +33,7 @@ fn references(names: &[&str]) -> Vec<u32> {
 }
 
 /// The directional derivative.
-fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
+pub fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
     let (u, k, mut y) = (references(unknowns), references(knowns), vec![f64::NAN; unknowns.len()]);
     // SAFETY: as many elements as are said.
     let status = unsafe {
@@ -81,7 +80,7 @@ fn column(fmu: &Fmu, known: &str) -> Vec<f64> {
 }
 
 /// Starts in flight and at rest at either stop.
-const CONTACTS: [&[(&str, f64)]; 3] = [
+pub const CONTACTS: [&[(&str, f64)]; 3] = [
     &[
         ("box.s", 0.1),
         ("block.s", 0.4),
@@ -108,7 +107,7 @@ const CONTACTS: [&[(&str, f64)]; 3] = [
     ],
 ];
 
-fn in_event_mode(start: &[(&str, f64)], exchange: bool) -> Fmu {
+pub fn in_event_mode(start: &[(&str, f64)], exchange: bool) -> Fmu {
     let fmu = if exchange { Fmu::exchange() } else { Fmu::new(TT) };
     for (name, value) in start.iter().chain(&[("drive.phase", 0.7), ("secondary.f", 0.3)]) {
         assert_eq!(fmu.set(name, *value), OK);
@@ -307,167 +306,4 @@ fn second_method_in_initialization() {
             );
         }
     }
-}
-
-/// Names of all continuous outputs.
-fn continuous_outputs() -> Vec<&'static str> {
-    let outputs = VARIABLES.iter().filter(|v| {
-        v.causality == Causality::Output && v.variability == Variability::Continuous && v.unit().is_some()
-    });
-    outputs.map(|v| v.name).collect()
-}
-
-fn output_derivatives(fmu: &Fmu, name: &str) -> [f64; 4] {
-    let (r, mut values) = ([vr(name); 3], [f64::NAN; 3]);
-    // SAFETY: three of each.
-    let status =
-        unsafe { fmi3GetOutputDerivatives(fmu.c, r.as_ptr(), 3, [1, 2, 3].as_ptr(), values.as_mut_ptr(), 3) };
-    assert_eq!(status, OK, "{name}: {}", fmu.last());
-    [fmu.get(name), values[0], values[1], values[2]]
-}
-
-/// Each derivative is that of the one before it: along the motion in flight, at rest, under loads, and of closed forms.
-#[test]
-fn second_method_output_derivatives_of_all_outputs() {
-    const STEP: f64 = 1e-3;
-    // Central differences are off by a sixth of the square of the step times the third derivative.
-    const SAME: f64 = 3e-5;
-    let names = continuous_outputs();
-    assert_eq!(names.len(), 16, "{names:?}");
-    let loads: &[(&str, f64)] = &[("box.f", 0.1), ("block.f", -0.05), ("secondary.f", 0.2)];
-    let flight = [CONTACTS[0], loads].concat();
-    for start in [&flight, CONTACTS[1], CONTACTS[2], &[("mode", 2.0)], &[("mode", 3.0)]] {
-        let fmu = Fmu::started(FF, start);
-        fmu.step(0.0, 0.1);
-        let read = |time: f64| {
-            fmu.step(time, STEP);
-            names.iter().map(|name| output_derivatives(&fmu, name)).collect::<Vec<_>>()
-        };
-        let rows = [read(0.1), read(0.1 + STEP), read(0.1 + 2.0 * STEP)];
-        for (i, name) in names.iter().enumerate() {
-            for order in 0..3 {
-                let difference = (rows[2][i][order] - rows[0][i][order]) / (2.0 * STEP);
-                let exact = rows[1][i][order + 1];
-                assert!(
-                    (exact - difference).abs() <= SAME * (1.0 + exact.abs()),
-                    "{name} {}: {exact} {difference} from {start:?}",
-                    order + 1
-                );
-            }
-        }
-        assert_eq!(fmu.get("impacts.upper") + fmu.get("impacts.lower"), 0.0, "a smooth piece");
-    }
-}
-
-/// Before the event the left-sided derivatives, in Event Mode the right-sided ones.
-#[test]
-fn output_derivatives_on_both_sides_of_an_impact() {
-    let fmu = Fmu::started(TT, &[("block.s", 0.9), ("block.v", 0.5)]);
-    fmu.step(0.0, 50.0);
-    let left = output_derivatives(&fmu, "box.s");
-    assert_eq!(left[1], fmu.get("box.v"));
-    fmu.enter_event_mode();
-    let right = output_derivatives(&fmu, "box.s");
-    assert_eq!(right[1], fmu.get("box.v"));
-    assert!((left[1] - right[1]).abs() > 1e-3);
-    for (name, order) in [("box.s", 0), ("box.s", 4), ("impacts.lastTime", 1), ("box.f", 1)] {
-        let other = Fmu::started(FF, &[]);
-        // SAFETY: one of each.
-        let got = unsafe { fmi3GetOutputDerivatives(other.c, &vr(name), 1, &order, &mut 0.0, 1) };
-        assert_eq!(got, ERROR, "{name} {order}: {}", other.last());
-    }
-}
-
-/// What `fmi3GetVariableDependencies` says: element, name, kind.
-fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
-    let mut count = 99;
-    // SAFETY: one of each.
-    assert_eq!(
-        unsafe { fmi3GetNumberOfVariableDependencies(fmu.c, vr(name), &mut count) },
-        OK,
-        "{}",
-        fmu.last()
-    );
-    let (mut elements, mut references, mut others, mut kinds) =
-        (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
-    // SAFETY: as many elements as are said.
-    let status = unsafe {
-        fmi3GetVariableDependencies(
-            fmu.c,
-            vr(name),
-            elements.as_mut_ptr(),
-            references.as_mut_ptr(),
-            others.as_mut_ptr(),
-            kinds.as_mut_ptr(),
-            count,
-        )
-    };
-    assert_eq!(status, OK, "{}", fmu.last());
-    assert!(others.iter().all(|element| *element == 0) && kinds.iter().all(|kind| (1..6).contains(kind)));
-    let names = references.iter().map(|r| VARIABLES[*r as usize - 1].name);
-    elements.into_iter().zip(names).zip(kinds).map(|((element, name), kind)| (element, name, kind)).collect()
-}
-
-/// Against the derivatives: what a variable does not depend on in this contact has the derivative 0, and what it depends on
-/// has another one at this point, where nothing cancels.
-#[test]
-fn second_method_dependencies_of_the_present_contact() {
-    for (i, start) in CONTACTS.into_iter().enumerate() {
-        let fmu = in_event_mode(start, true);
-        let checked =
-            ["box.a", "block.a", "secondary.a", "stop.s", "stop.v", "stop.force", "coupling.f", "der(box.s)"];
-        for unknown in checked {
-            let listed: Vec<&str> = dependencies(&fmu, unknown).into_iter().map(|entry| entry.1).collect();
-            for known in MOTION.into_iter().chain(INPUTS).chain([
-                "time",
-                "box.k",
-                "box.c",
-                "coupling.k",
-                "drive.amplitude",
-            ]) {
-                let derivative = forward(&fmu, &[unknown], &[known], &[1.0])[0];
-                assert_eq!(
-                    derivative != 0.0,
-                    listed.contains(&known),
-                    "{unknown} on {known} in contact {i}: {derivative}"
-                );
-            }
-        }
-        let on_load = dependencies(&fmu, "box.a").iter().any(|entry| entry.1 == "block.f");
-        assert_eq!(on_load, i > 0);
-    }
-}
-
-#[test]
-fn dependencies_of_arrays_parameters_and_in_initialization() {
-    let fmu = in_event_mode(CONTACTS[0], true);
-    let places = dependencies(&fmu, "motion.s");
-    let expected = ["box.s", "block.s", "secondary.s"];
-    assert_eq!(places.len(), 3);
-    for (i, name) in expected.iter().enumerate() {
-        assert!(places.iter().any(|entry| (entry.0, entry.1) == (i + 1, *name)), "{places:?}");
-    }
-    let accelerations = dependencies(&fmu, "motion.a");
-    assert!(accelerations.iter().any(|entry| (entry.0, entry.1) == (3, "secondary.f")));
-    assert!(!accelerations.iter().any(|entry| (entry.0, entry.1) == (1, "secondary.f")));
-    assert!(dependencies(&fmu, "box.m").is_empty() && dependencies(&fmu, "box.f").is_empty());
-    // Within what is declared.
-    for (place, variable) in of_edition(Edition::Extended) {
-        let listed = dependencies(&fmu, variable.name);
-        let declared = vibro_fmi::component::structure::outputs(Edition::Extended);
-        if let Some(unknown) = declared.iter().find(|unknown| unknown.reference == place) {
-            for entry in listed {
-                assert!(unknown.dependencies.iter().any(|(r, _)| VARIABLES[*r as usize].name == entry.1));
-            }
-        }
-    }
-    let fmu = Fmu::exchange();
-    let initial = dependencies(&fmu, "box.a");
-    assert!(
-        initial.iter().any(|entry| entry.1 == "box.s")
-            && initial.iter().all(|entry| entry.2 == 5 || entry.2 == 1)
-    );
-    let mut count = 0;
-    // SAFETY: one of each.
-    assert_eq!(unsafe { fmi3GetNumberOfVariableDependencies(fmu.c, 9999, &mut count) }, ERROR);
 }

@@ -4,8 +4,11 @@
 mod arguments;
 mod bits;
 mod clock;
+mod dependencies;
 mod derivatives;
 mod events;
 mod exchange;
 mod host;
 mod intermediate;
+mod logging;
+mod output_derivatives;

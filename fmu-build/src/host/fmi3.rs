@@ -1,15 +1,14 @@
 //! The same of FMI 3.0: Co-Simulation without events of the host's own.
 
+use super::log::Log;
 use super::open;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use libloading::Library;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr::null;
-use std::sync::{Mutex, PoisonError};
 
 type Handle = *mut c_void;
-type Log = Mutex<Vec<String>>;
 type Logger = unsafe extern "C" fn(*const Log, c_int, *const c_char, *const c_char);
 
 type Instantiate = unsafe extern "C" fn(
@@ -114,7 +113,7 @@ impl Binary {
         };
         let instance = Instance { functions: self.functions, handle, log, _binary: self };
         if handle.is_null() {
-            return Err(instance.failed("fmi3InstantiateCoSimulation", "null"));
+            return Err(instance.log.failure("fmi3InstantiateCoSimulation", "null"));
         }
         Ok(instance)
     }
@@ -127,16 +126,9 @@ unsafe extern "C" fn logger(
     category: *const c_char,
     message: *const c_char,
 ) {
-    let text = |pointer: *const c_char| match pointer.is_null() {
-        true => String::new(),
-        // SAFETY: FMI 3.0.2, 2.3.1: category and message are C strings.
-        false => unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned(),
-    };
-    // SAFETY: the environment is the log we gave at instantiation, which outlives the instance.
-    if let Some(log) = unsafe { log.as_ref() } {
-        let line = format!("[{}] {}", text(category), text(message));
-        log.lock().unwrap_or_else(PoisonError::into_inner).push(line);
-    }
+    // SAFETY: the environment is the log we gave at instantiation, which outlives the instance; the others are C strings
+    // (FMI 3.0.2, 2.3.1).
+    unsafe { Log::take(log, category, message) }
 }
 
 /// An instance of the FMU; freed when dropped.
@@ -156,8 +148,8 @@ impl Instance<'_> {
         let (f, i) = (self.functions, self.handle);
         // SAFETY (both): the instance is live and not null.
         let entered = unsafe { (f.enter_initialization)(i, false, 0.0, start, false, 0.0) };
-        self.ok("fmi3EnterInitializationMode", entered)?;
-        self.ok("fmi3ExitInitializationMode", unsafe { (f.exit_initialization)(i) })
+        self.log.check("fmi3EnterInitializationMode", entered)?;
+        self.log.check("fmi3ExitInitializationMode", unsafe { (f.exit_initialization)(i) })
     }
 
     /// `fmi3DoStep`.
@@ -179,7 +171,7 @@ impl Instance<'_> {
                 &raw mut reached,
             )
         };
-        self.ok("fmi3DoStep", status)
+        self.log.check("fmi3DoStep", status)
     }
 
     /// `fmi3GetFloat64` of scalars.
@@ -190,7 +182,8 @@ impl Instance<'_> {
         let mut values = [0.0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
         // SAFETY: both arrays have N elements.
-        self.ok("fmi3GetFloat64", unsafe { (self.functions.get_float64)(self.handle, from, N, to, N) })?;
+        self.log
+            .check("fmi3GetFloat64", unsafe { (self.functions.get_float64)(self.handle, from, N, to, N) })?;
         Ok(values)
     }
 
@@ -202,7 +195,7 @@ impl Instance<'_> {
         let mut values = [0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
         // SAFETY: both arrays have N elements.
-        self.ok("fmi3GetInt32", unsafe { (self.functions.get_int32)(self.handle, from, N, to, N) })?;
+        self.log.check("fmi3GetInt32", unsafe { (self.functions.get_int32)(self.handle, from, N, to, N) })?;
         Ok(values)
     }
 
@@ -212,25 +205,7 @@ impl Instance<'_> {
     /// [`Error::Call`].
     pub fn terminate(&mut self) -> Result<()> {
         // SAFETY: the instance is live and not null.
-        self.ok("fmi3Terminate", unsafe { (self.functions.terminate)(self.handle) })
-    }
-
-    fn ok(&self, call: &'static str, status: c_int) -> Result<()> {
-        let status = match status {
-            0 => return Ok(()),
-            1 => "fmi3Warning",
-            2 => "fmi3Discard",
-            3 => "fmi3Error",
-            4 => "fmi3Fatal",
-            _ => "an unknown status",
-        };
-        Err(self.failed(call, status))
-    }
-
-    fn failed(&self, call: &'static str, status: &'static str) -> Error {
-        let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-        let log = if log.is_empty() { "(nothing)".to_owned() } else { log.join("; ") };
-        Error::Call { call, status, log }
+        self.log.check("fmi3Terminate", unsafe { (self.functions.terminate)(self.handle) })
     }
 }
 

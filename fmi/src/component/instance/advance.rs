@@ -2,7 +2,7 @@
 
 use super::events::Changes;
 use super::last_step::LastStep;
-use super::step::{describe, rounding, take_back};
+use super::step::{describe, log_left_out, rounding, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::event_state::Discrete;
@@ -44,6 +44,8 @@ struct Stand {
     event: bool,
     /// The stop of the last impact that was passed over, or 0.
     side: i8,
+    /// How many impacts of a steady state were not shown one by one.
+    left_out: f64,
 }
 
 /// The stop of an event that is an impact; else what it was before.
@@ -71,7 +73,7 @@ impl Instance {
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
     pub fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome<Advance> {
         self.check_advance(point, size)?;
-        let at_event = self.at_event();
+        let (at_event, event_mode) = (self.at_event(), self.handling.event_mode);
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut show) } else { None };
@@ -81,24 +83,23 @@ impl Instance {
         };
         let (shown, stand) = match &mut self.engine {
             Engine::Simulation(simulator) => {
-                let shown = Discrete::of_simulator(simulator);
-                let (parameters, loads) = (changes.parameters.copied(), changes.loads.copied());
-                let step =
-                    self.last_step.insert(LastStep { before: simulator.snapshot(), parameters, loads });
+                let shown = event_mode.then(|| Discrete::of_simulator(simulator));
+                let step = LastStep::begin(&mut self.last_step, simulator, &changes);
                 (shown, simulate(simulator, &step.before, changes, (point, size), at_event, report)?)
             }
             Engine::Closed(form) => {
                 if let Some(parameters) = changes.parameters {
                     form.set_parameters(parameters)?;
                 }
-                let shown = Discrete::of(&form.values());
+                let shown = event_mode.then(|| Discrete::of(&form.values()));
                 (shown, play(form, (point, size), at_event, report)?)
             }
             Engine::None | Engine::Continuous(_) => unreachable_step()?,
         };
+        log_left_out(stand.left_out, point + size, log);
         self.phase = Phase::Step;
         self.events.pending = stand.event;
-        self.events.latched = stand.event.then_some(shown);
+        self.events.latched = if stand.event { shown } else { None };
         self.events.side = stand.side;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
@@ -166,7 +167,7 @@ fn run(
     // A block that an input has let go of, or pressed on, at the step's start.
     let moved = simulator.contact() != contact;
     if at_event == AtEvent::EndBefore && moved {
-        return Ok(Stand { early: true, event: true, side: 0 });
+        return Ok(Stand { early: true, event: true, ..Stand::default() });
     }
     let (mut events, mut side) = (usize::from(moved), 0);
     if at_event == AtEvent::Latch {
@@ -180,13 +181,13 @@ fn run(
         advance(simulator, end, Pause::Never, Some(&mut count))?;
         let due = is_at_end(simulator, point + size)?;
         let side = if due { 0 } else { side }; // one that is due comes last
-        return Ok(Stand { early: false, event: due || events > 0, side });
+        return Ok(Stand { event: due || events > 0, side, ..Stand::default() });
     }
     let paused = advance(simulator, end, Pause::BeforeEvent, report.as_deref_mut())?;
     let early = paused && point + size - simulator.time() > rounding(point + size);
     let due = paused || is_at_end(simulator, point + size)?;
     if at_event == AtEvent::EndBefore {
-        return Ok(Stand { early, event: due, side: 0 });
+        return Ok(Stand { early, event: due, ..Stand::default() });
     }
     if due {
         simulator.apply_due_event(report.as_deref_mut());
@@ -194,7 +195,7 @@ fn run(
             advance(simulator, end, Pause::Never, report)?;
         }
     }
-    Ok(Stand { early, event: false, side: 0 })
+    Ok(Stand { early, ..Stand::default() })
 }
 
 /// Advances; true where it has paused before an event.
@@ -250,14 +251,14 @@ fn play(
                 report(event);
             }
         };
-        form.advance(point, size, false, Some(&mut count))?;
-        return Ok(Stand { early: false, event: at_event == AtEvent::Latch && events > 0, side });
+        let (_, left_out) = form.advance(point, size, false, Some(&mut count))?;
+        return Ok(Stand { early: false, event: at_event == AtEvent::Latch && events > 0, side, left_out });
     }
     let due = form.advance_before_event(point, size, rounding(point + size))?;
     let early = due && point + size - form.time() > rounding(point + size);
     if at_event == AtEvent::EndBefore {
-        return Ok(Stand { early, event: due, side: 0 });
+        return Ok(Stand { early, event: due, ..Stand::default() });
     }
     form.apply_due_event(report);
-    Ok(Stand { early, event: false, side: 0 })
+    Ok(Stand { early, ..Stand::default() })
 }

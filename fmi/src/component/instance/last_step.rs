@@ -1,6 +1,6 @@
 //! The last step, kept so that its derivatives can be had when they are asked for.
 
-use super::events::Present;
+use super::events::{Changes, Present};
 use super::{Engine, Instance};
 use crate::component::sensitivity;
 use crate::component::values::StepMatrices;
@@ -13,6 +13,29 @@ pub(super) struct LastStep {
     pub(super) before: Snapshot,
     pub(super) parameters: Option<Parameters>,
     pub(super) loads: Option<Loads>,
+}
+
+impl LastStep {
+    /// Keeps where a step begins. It is written in its place, since a step without an event takes little longer than a copy
+    /// of it would.
+    #[inline]
+    pub(super) fn begin<'a>(
+        place: &'a mut Option<Self>,
+        simulator: &Simulator,
+        changes: &Changes<'_>,
+    ) -> &'a mut Self {
+        let new = || Self { before: simulator.snapshot(), parameters: None, loads: None };
+        let step = place.get_or_insert_with(new);
+        simulator.snapshot_into(&mut step.before);
+        (step.parameters, step.loads) = (None, None);
+        if let Some(parameters) = changes.parameters {
+            step.parameters = Some(*parameters);
+        }
+        if let Some(loads) = changes.loads {
+            step.loads = Some(*loads);
+        }
+        step
+    }
 }
 
 impl Instance {

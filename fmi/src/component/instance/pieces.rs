@@ -1,6 +1,7 @@
 //! A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
 
 use super::advance::{AtEvent, advance, is_at_end, side_of};
+use super::events::Changes;
 use super::last_step::LastStep;
 use super::step::{describe, rounding, take_back};
 use super::{Advance, Engine, Instance, Outcome, Phase, Problem, SavedState};
@@ -125,7 +126,7 @@ impl Instance {
         }
         (self.parameters_set, self.loads_set) = (false, false);
         if let Engine::Simulation(simulator) = &self.engine {
-            self.last_step = Some(LastStep { before: simulator.snapshot(), parameters: None, loads: None });
+            LastStep::begin(&mut self.last_step, simulator, &Changes { parameters: None, loads: None });
         }
         self.invalidate();
         Ok(())

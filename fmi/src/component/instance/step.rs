@@ -57,10 +57,7 @@ impl Instance {
             }
             Engine::None | Engine::Continuous(_) => AdvanceOutcome::End,
         };
-        if left_out > 0.0 {
-            let message = format!("{left_out} more impacts up to t = {end} s are not listed one by one");
-            log.log(Category::Events, &message);
-        }
+        log_left_out(left_out, end, log);
         Ok(self.finish_step(reason, end))
     }
 
@@ -178,6 +175,14 @@ fn check_times(point: f64, size: f64, own: f64) -> Outcome {
         return Err(Problem::Time { given: point, own });
     }
     Ok(())
+}
+
+/// Tells how many impacts of a steady state a long step has not listed.
+pub(super) fn log_left_out(impacts: f64, end: f64, log: &mut dyn Log) {
+    if impacts > 0.0 && log.wants(Category::Events) {
+        let message = format!("{impacts} more impacts up to t = {end} s are not listed one by one");
+        log.log(Category::Events, &message);
+    }
 }
 
 /// An event in words.

@@ -43,12 +43,7 @@ impl Request {
             }))
             .cast(),
             Err(problem) => {
-                let (status, category) =
-                    (problem.status(Function::FreeInstance), problem.category(Function::FreeInstance));
-                if enabled.contains(category) {
-                    let text = format!("{}: {problem}", self.function);
-                    let _ = guarded(|| host.send(status, category, &text));
-                }
+                report(enabled, &mut host, self.function, problem.status(Function::FreeInstance), &problem);
                 ptr::null_mut()
             }
         }

@@ -42,7 +42,7 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> FmiStatus {
     // SAFETY: null or valid for one element, as the caller says; the instance likewise.
     let (returned, callback) = unsafe {
-        let returned = || -> Outcome<Returned<'_>> {
+        let returned = || -> Result<Returned<'_>, Fault> {
             Ok(Returned {
                 flags: [
                     out(eventHandlingNeeded, 1, "eventHandlingNeeded")?,
@@ -59,11 +59,10 @@ pub unsafe extern "C" fn fmi3DoStep(
     };
     let (point, size) = (currentCommunicationPoint, communicationStepSize);
     let mut end = StepEnd::default();
-    let (returned, refused) = match returned {
-        Ok(returned) => (Some(returned), None),
-        Err(problem) => (None, Some(problem)),
+    let check = || match &returned {
+        Ok(_) => Ok(()),
+        Err(fault) => Err(fault.clone().into()),
     };
-    let check = || refused.map_or(Ok(()), Err);
     // SAFETY: as above.
     let status = unsafe {
         match callback {
@@ -75,7 +74,7 @@ pub unsafe extern "C" fn fmi3DoStep(
             Some(callback) => step_with_callback(instance, (point, size), callback, check, &mut end),
         }
     };
-    if let Some(returned) = returned {
+    if let Ok(returned) = &returned {
         if status == Status::Error as FmiStatus {
             // SAFETY: as above.
             let borrowed = unsafe { shared(instance) }.and_then(|shared| shared.instance.try_borrow().ok());
