@@ -2,7 +2,7 @@
 //!
 //! The Python modules beside it check arguments, make arrays of what they are given and results of what comes back; here
 //! computations run. Each runs in a thread of its own, so that Python's other threads go on and Ctrl-C is heard
-//! ([`background`]).
+//! (`background.rs`).
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// Oldest Python that the pinned requirements can be installed in.
 const OLDEST_PYTHON: (u32, u32) = (3, 9);
@@ -34,8 +35,14 @@ pub fn python() -> PathBuf {
 }
 
 /// Python of a virtual environment in which the package `vibro_impact` is installed from a wheel, with the packaged FMUs inside and
-/// what its tests need beside. The wheel is built without the optimisations of a release, on which no bit depends.
+/// what its tests need beside. The wheel is built without the optimisations of a release, on which no bit depends, and once in a
+/// process: no test's package is replaced while it runs.
 pub fn python_with_wheel() -> PathBuf {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(install_wheel).clone()
+}
+
+fn install_wheel() -> PathBuf {
     let python = python_with(&["tests/fmpy/requirements.txt", "tests/python/requirements.txt"]);
     let programs = python.parent().expect("a program is in a folder");
     let folder = programs.parent().expect("an environment is a folder");
