@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Endings of files whose text is read, by people.
-const TEXTS: [&str; 8] = ["rs", "py", "md", "toml", "html", "ts", "yml", "cff"];
+const TEXTS: [&str; 10] = ["rs", "py", "md", "toml", "html", "ts", "js", "mjs", "yml", "cff"];
 /// Folders that are made, fetched or another program's input.
 const PASSED_OVER: [&str; 6] = ["target", ".git", "corpus", "node_modules", "snapshots", "vibro-out"];
 

@@ -87,6 +87,19 @@ pub fn spectrum(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<
 /// # Errors
 /// As [`spectrum`].
 pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Convergence> {
+    convergence_while(simulator, options, &mut || true)
+}
+
+/// As [`convergence`], as long as `go_on`, which is asked before each drive period, says so: for a computation that a person may
+/// break off, and to show how far it is. What was counted until then is the outcome.
+///
+/// # Errors
+/// As [`spectrum`].
+pub fn convergence_while(
+    simulator: &mut Simulator,
+    options: &SpectrumOptions,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Convergence> {
     let p = *simulator.parameters();
     if p.drive_frequency == 0.0 {
         return Err(Error::Undefined {
@@ -106,9 +119,12 @@ pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Resu
     };
     let (begin, length) = (simulator.time(), p.period());
     let (mut impacts, mut rests) = (0, false);
-    let mut running = Vec::with_capacity(options.periods as usize);
+    let mut running = Vec::new();
     let mut settled = false;
     for i in 1..=options.align + options.periods {
+        if !go_on() {
+            break;
+        }
         smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
             impacts += u64::from(matches!(piece.end, PieceEnd::Impact { .. }));
             rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;

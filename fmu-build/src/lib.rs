@@ -7,6 +7,7 @@
 //!          platforms (compile), licences, date ──┘                                     │
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
 //!       picture ◀──┘
+//! explorer (a nested cargo runs explorer-build) ─▶ the live page in package, where asked for
 //! ```
 
 pub mod archive;
@@ -15,6 +16,7 @@ pub mod compile;
 pub mod date;
 pub mod describe;
 mod error;
+pub mod explorer;
 pub mod fmi3;
 pub mod host;
 pub mod icon;

@@ -29,20 +29,21 @@ const TOOLCHAIN: [&str; 4] = [
 /// Name of the list of what is linked.
 pub const LIST: &str = "README.txt";
 
-/// The texts of an archive by their paths in its folder of licences: our own, those of every crate linked, and a list of them.
+/// The texts of an archive by their paths in its folder of licences: our own, those of every crate linked into the binaries and,
+/// where it is packed, into the live page, and a list of them.
 ///
 /// # Errors
 /// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot be read.
-pub fn texts() -> Result<Content> {
+pub fn texts(live: bool) -> Result<Content> {
     let mut content = Content::new();
     for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
         let path = workspace().join(name);
         let text = fs::read(&path).map_err(Error::file("reading", &path))?;
         content.insert(name.to_owned(), text);
     }
-    let mut list =
-        String::from("Linked into the binaries of this FMU, beside its own code (MIT OR Apache-2.0):\n");
-    for package in linked()? {
+    let into = if live { "binaries and the live page" } else { "binaries" };
+    let mut list = format!("Linked into the {into} of this FMU, beside its own code (MIT OR Apache-2.0):\n");
+    for package in linked(live)? {
         let (name, version) = (text(&package["name"]), text(&package["version"]));
         list += &format!("\n{name} {version}: {}", text(&package["license"]));
         let folder = Path::new(text(&package["manifest_path"])).parent().unwrap_or(Path::new("."));
@@ -83,19 +84,12 @@ fn text(value: &Value) -> &str {
 
 /// Packages of the normal dependency tree on any platform, without ourselves and without what only runs while compiling,
 /// sorted by name.
-fn linked() -> Result<Vec<Value>> {
-    let mut tree = cargo();
-    tree.args(["tree", "--package", "vibro-fmi", "--edges", "normal,no-proc-macro"]);
-    tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);
-    tree.args(PLATFORMS.iter().flat_map(|p| p.targets).flat_map(|target| ["--target", target]));
-    // A line reads `name vVERSION` and perhaps `(…)`.
-    let names: BTreeSet<(String, String)> = output(&mut tree)?
-        .lines()
-        .filter_map(|line| {
-            let mut words = line.split(' ');
-            Some((words.next()?.to_owned(), words.next()?.trim_start_matches('v').to_owned()))
-        })
-        .collect();
+fn linked(live: bool) -> Result<Vec<Value>> {
+    let targets: Vec<&str> = PLATFORMS.iter().flat_map(|p| p.targets).copied().collect();
+    let mut names = tree("vibro-fmi", &targets)?;
+    if live {
+        names.extend(tree("vibro-explorer", &["wasm32-unknown-unknown"])?);
+    }
     let mut metadata = cargo();
     metadata.args(["metadata", "--format-version", "1", "--locked"]);
     let metadata: Value = serde_json::from_str(&output(&mut metadata)?).map_err(|e| Error::Cargo {
@@ -112,6 +106,20 @@ fn linked() -> Result<Vec<Value>> {
         .collect();
     packages.sort_by_key(|p| (text(&p["name"]).to_owned(), text(&p["version"]).to_owned()));
     Ok(packages)
+}
+
+/// Names and versions in the dependency tree of one of our packages.
+fn tree(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)>> {
+    let mut tree = cargo();
+    tree.args(["tree", "--package", package, "--edges", "normal,no-proc-macro"]);
+    tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);
+    tree.args(targets.iter().flat_map(|target| ["--target", target]));
+    // A line reads `name vVERSION` and perhaps `(…)`.
+    let entry = |line: &str| {
+        let mut words = line.split(' ');
+        Some((words.next()?.to_owned(), words.next()?.trim_start_matches('v').to_owned()))
+    };
+    Ok(output(&mut tree)?.lines().filter_map(entry).collect())
 }
 
 fn licence_files(folder: &Path) -> Result<BTreeSet<String>> {

@@ -5,7 +5,7 @@ use fmu_build::archive::Content;
 use fmu_build::picture::picture;
 use fmu_build::table::Table;
 use fmu_build::version::Version;
-use fmu_build::{archive, compile, package, platforms, reference, run};
+use fmu_build::{archive, compile, explorer, package, platforms, reference, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibro::figures::canvas;
@@ -30,6 +30,9 @@ struct Arguments {
     /// Make a third archive, of FMI 3.0 with a clock of impacts; several importers break on one
     #[arg(long)]
     clocked: bool,
+    /// Pack the live page too (documentation/explorer.html), and say what it needs where it cannot be made
+    #[arg(long)]
+    explorer: bool,
     /// Build only
     #[arg(long)]
     no_run: bool,
@@ -83,18 +86,25 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     if arguments.clocked {
         versions.push(Version::Clocked);
     }
-    let left_out = match arguments.all_platforms {
-        true => package::build_all(&output, &versions)?,
-        false => package::write(&output, &versions, &platforms::own()?).map(|()| Vec::new())?,
+    let (live, missing) = match arguments.explorer.then(explorer::page).transpose() {
+        Ok(page) => (page, None),
+        Err(left_out) => (None, Some(left_out)),
     };
+    let mut left_out = match arguments.all_platforms {
+        true => package::build_all(&output, &versions, live.as_deref())?,
+        false => {
+            package::write(&output, &versions, &platforms::own()?, live.as_deref()).map(|()| Vec::new())?
+        }
+    };
+    left_out.extend(missing);
     for version in versions {
         println!("{}", version.beside(&output).display());
     }
     if !arguments.no_run {
         show(&output, arguments.periods)?;
     }
-    for platform in left_out {
-        println!("{platform}");
+    for part in left_out {
+        println!("{part}");
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::platforms::{self, Binaries, LeftOut};
 use crate::sketch::Sketch;
 use crate::version::Version;
-use crate::{date, icon, licences, page, reference, terminals};
+use crate::{date, explorer, icon, licences, page, reference, terminals};
 use std::path::{Path, PathBuf};
 use vibro::figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
@@ -50,17 +50,18 @@ pub fn described() -> Result<Content> {
     files.into_iter().map(text).collect()
 }
 
-/// Everything the archive of a version holds, around binaries compiled before.
+/// Everything the archive of a version holds, around binaries compiled before, with the live page where there is one.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) when a licence cannot be read, and as [`Version::description`] and [`icon()`].
-pub fn content(version: Version, binaries: &Binaries) -> Result<Content> {
+pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Result<Content> {
     let mut content = Content::from([
         ("modelDescription.xml".to_owned(), version.description(date::of_sources())?.into_bytes()),
-        ("documentation/index.html".to_owned(), page::page().into_bytes()),
+        ("documentation/index.html".to_owned(), page::page(live.is_some()).into_bytes()),
         // Nothing is read from it; hosts hand over its place all the same.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
     ]);
+    content.extend(live.map(|page| (explorer::PATH.to_owned(), page.to_vec())));
     content.insert("documentation/fmi-ls-ref.txt".to_owned(), reference::EXPLANATION.as_bytes().to_vec());
     for (folder, files) in
         [("terminalsAndIcons", terminals::files()?), (reference::FOLDER, reference::files()?)]
@@ -71,7 +72,9 @@ pub fn content(version: Version, binaries: &Binaries) -> Result<Content> {
         Version::Fmi2 => {
             content.insert("model.png".to_owned(), icon()?);
             content.extend(
-                licences::texts()?.into_iter().map(|(name, text)| (format!("licenses/{name}"), text)),
+                licences::texts(live.is_some())?
+                    .into_iter()
+                    .map(|(name, text)| (format!("licenses/{name}"), text)),
             );
         }
         // FMI 3.0.2, 2.5.1: the files of these names have these meanings.
@@ -81,7 +84,7 @@ pub fn content(version: Version, binaries: &Binaries) -> Result<Content> {
             content.insert("documentation/externalDependencies.txt".to_owned(), NEEDS.as_bytes().to_vec());
             let place =
                 |name: &str| if name == licences::LIST { "license.txt".to_owned() } else { name.to_owned() };
-            let texts = licences::texts()?.into_iter();
+            let texts = licences::texts(live.is_some())?.into_iter();
             content
                 .extend(texts.map(|(name, text)| (format!("documentation/licenses/{}", place(&name)), text)));
         }
@@ -100,16 +103,16 @@ and later); on macOS libSystem.\n";
 /// # Errors
 /// Everything that can go wrong on the way.
 pub fn build(output: &Path) -> Result<()> {
-    write(output, &Version::USUAL, &platforms::own()?)
+    write(output, &Version::USUAL, &platforms::own()?, None)
 }
 
 /// Writes archives around binaries compiled before.
 ///
 /// # Errors
 /// As [`content`], and [`Error::File`](crate::Error::File) where a file cannot be written.
-pub fn write(output: &Path, versions: &[Version], binaries: &Binaries) -> Result<()> {
+pub fn write(output: &Path, versions: &[Version], binaries: &Binaries, live: Option<&[u8]>) -> Result<()> {
     for version in versions {
-        archive::write(&content(*version, binaries)?, &version.beside(output))?;
+        archive::write(&content(*version, binaries, live)?, &version.beside(output))?;
     }
     Ok(())
 }
@@ -118,8 +121,8 @@ pub fn write(output: &Path, versions: &[Version], binaries: &Binaries) -> Result
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_all(output: &Path, versions: &[Version]) -> Result<Vec<LeftOut>> {
+pub fn build_all(output: &Path, versions: &[Version], live: Option<&[u8]>) -> Result<Vec<LeftOut>> {
     let (binaries, left_out) = platforms::all()?;
-    write(output, versions, &binaries)?;
+    write(output, versions, &binaries, live)?;
     Ok(left_out)
 }

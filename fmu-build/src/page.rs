@@ -13,9 +13,14 @@ static RUN: &str = include_str!("../../modelDescription/documentation/run.svg");
 static SKETCH: &str = include_str!("../../modelDescription/documentation/sketch.svg");
 static RESPONSE: &str = include_str!("../../modelDescription/documentation/response.svg");
 
-/// The page.
-pub fn page() -> String {
+/// What leads to the live page.
+const EXPLORER: &str = "<p><a href=\"explorer.html\">The machine, live</a>: move it, hear it hit, see where it settles. It opens in a \
+browser, needs JavaScript and WebAssembly, and loads nothing.</p>";
+
+/// The page, with a link to the live page where that is packed too.
+pub fn page(explorer: bool) -> String {
     TEMPLATE
+        .replace("{{explorer}}", if explorer { EXPLORER } else { "" })
         .replace("{{name}}", MODEL_IDENTIFIER)
         .replace("{{version}}", MODEL_VERSION)
         .replace("{{description}}", &escape(MODEL_DESCRIPTION))

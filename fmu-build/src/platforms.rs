@@ -75,10 +75,10 @@ impl Binaries {
     }
 }
 
-/// A platform that could not be built as it should, and why.
+/// A part of the archive, a platform or the live page, that could not be built as it should, and why.
 #[derive(Debug)]
 pub struct LeftOut {
-    /// Its folder.
+    /// Its folder, or its path.
     pub folder: &'static str,
     /// What was in the way, and what to do.
     pub reason: String,

@@ -56,7 +56,7 @@ fn entries_carry_nothing_of_the_moment() {
 fn packing_twice_gives_the_same_bytes() {
     let binaries = || Binaries::own(vec![7; 10_000]);
     for version in [Version::Fmi2, Version::Fmi3, Version::Clocked] {
-        let pack = || archive::to_bytes(&package::content(version, &binaries()).unwrap()).unwrap();
+        let pack = || archive::to_bytes(&package::content(version, &binaries(), None).unwrap()).unwrap();
         assert!(pack() == pack(), "{version:?}");
     }
 }

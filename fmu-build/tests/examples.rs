@@ -2,7 +2,27 @@
 
 mod common;
 
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use vibro_analysis::ParameterSet;
+use vibro_analysis::orbits::{Orbit, OrbitWord, System};
+
+/// A folder with what `vibro orbit --word U- --set f10=2.3` writes: the symmetric motion past its loss of stability.
+fn orbit() -> PathBuf {
+    let mut set = ParameterSet::basic();
+    set.apply(&["f10=2.3"]).expect("an allowed value");
+    let system = System::new(set.parameters()).expect("an allowed machine");
+    let word = OrbitWord::new("U", -1, 1).expect("a word");
+    let orbit = Orbit::find(&system, &word, &[5.0]).expect("the orbit");
+    assert!(orbit.is_certified() && !orbit.is_stable());
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("unstable-orbit");
+    fs::create_dir_all(&folder).expect("target can be written");
+    for (name, text) in vibro::studies::orbit(&set, &orbit, 0).expect("tables").tables {
+        fs::write(folder.join(format!("{name}.csv")), text).expect("target can be written");
+    }
+    folder
+}
 
 #[test]
 #[ignore = "installs dask, pyarrow, matplotlib and mypy: cargo test --test examples -- --ignored"]
@@ -11,6 +31,6 @@ fn the_scripts_do_what_they_say() {
     let mut pytest = Command::new(common::python::python_with(&requirements));
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/examples"]);
     pytest.current_dir(common::python::root()).env("PYTHONDONTWRITEBYTECODE", "1");
-    pytest.env("VIBRO_IMPACT_FMU", common::python::fmu());
+    pytest.env("VIBRO_IMPACT_FMU", common::python::fmu()).env("VIBRO_ORBIT", orbit());
     println!("{}", common::python::run("pytest tests/examples", &mut pytest));
 }

@@ -1,11 +1,16 @@
 //! The documentation page: complete, self-contained, well-formed; and, where asked for, as Chromium shows it.
 
-use fmu_build::page::page;
+use fmu_build::page;
 use quick_xml::events::Event;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use vibro_fmi::component::variables::{Kind, VARIABLES, find};
+
+/// The page of an archive without the live page.
+fn page() -> String {
+    page::page(false)
+}
 
 #[test]
 fn every_variable_has_name_unit_range_and_meaning() {
@@ -95,6 +100,16 @@ fn the_page_needs_nothing_from_outside() {
     assert!(links.is_subset(&ids), "{:?}", links.difference(&ids));
     assert_eq!(pictures, 3, "sketch, run, response");
     assert!(formulas > 10, "{formulas}");
+}
+
+#[test]
+fn the_live_page_is_linked_where_it_is_packed_and_nothing_else_changes() {
+    let (with, without) = (page::page(true), page());
+    let link = "<a href=\"explorer.html\">";
+    assert_eq!((with.matches(link).count(), without.matches(link).count()), (1, 0));
+    let rest: String = with.lines().filter(|line| !line.contains(link)).collect();
+    assert_eq!(rest, without.replace('\n', ""));
+    assert!(!with.contains("<script"));
 }
 
 /// Where Chromium is, by `CHROMIUM` or on the path.

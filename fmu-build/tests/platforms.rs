@@ -31,7 +31,7 @@ const PER_PERIOD: u32 = 20;
 fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
     let folder = tempfile::tempdir().unwrap();
     let fmu = folder.path().join("x.fmu");
-    let left_out = package::build_all(&fmu, &Version::USUAL).unwrap();
+    let left_out = package::build_all(&fmu, &Version::USUAL, None).unwrap();
     for platform in &left_out {
         println!("{platform}");
     }

@@ -9,7 +9,8 @@ use std::path::Path;
 use std::process::Command;
 
 /// Shell commands of the README and what runs them.
-const COVERED: [(&str, &str); 8] = [
+const COVERED: [(&str, &str); 12] = [
+    ("pip install ./python", "fmu-build/tests/wheel.rs does the same by way of a wheel"),
     ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     ("cargo test --workspace", "is running now"),
     (TARGETS, "the test below compares it with the platforms"),
@@ -20,6 +21,12 @@ const COVERED: [(&str, &str); 8] = [
     ),
     ("cargo test -p fmu-build --test examples -- --ignored", "fmu-build/tests/examples.rs, asked for"),
     ("cargo test -p fmu-build --test page -- --ignored", "fmu-build/tests/page.rs, asked for"),
+    ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
+    (
+        "cargo run --release -p fmu-build -- --explorer",
+        "explorer-build/tests/page.rs makes the page, zip_rules.rs packs one",
+    ),
+    ("cargo test -p explorer-build --test page -- --ignored", "explorer-build/tests/page.rs, asked for"),
     (
         "cargo test -p fmu-build --test platforms -- --ignored --nocapture",
         "fmu-build/tests/platforms.rs, asked for",
@@ -59,7 +66,10 @@ fn every_code_block_works() {
     for (language, text) in blocks {
         match language.as_str() {
             "python" => {
-                let mut python = Command::new(common::python::python());
+                let of_package = text.contains("vibro_impact");
+                let program =
+                    if of_package { common::python::python_with_wheel() } else { common::python::python() };
+                let mut python = Command::new(program);
                 let printed = common::python::run(
                     "a Python block of README.md",
                     python.args(["-c", &text]).current_dir(&folder),

@@ -2,7 +2,7 @@
 
 use fmu_build::platforms::Binaries;
 use fmu_build::version::Version;
-use fmu_build::{archive, package};
+use fmu_build::{archive, explorer, package};
 use std::collections::BTreeSet;
 
 /// A reader of little-endian numbers.
@@ -68,7 +68,7 @@ fn archives_keep_the_rules_of_the_standard() {
     const ENCRYPTED: u16 = 1;
     const DESCRIPTOR: u16 = 8;
     for version in [Version::Fmi2, Version::Fmi3, Version::Clocked] {
-        let content = package::content(version, &Binaries::own(vec![7; 10_000])).unwrap();
+        let content = package::content(version, &Binaries::own(vec![7; 10_000]), None).unwrap();
         let zip = archive::to_bytes(&content).unwrap();
         let (bytes, entries) = (Bytes(&zip), entries(&zip));
         let names: BTreeSet<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
@@ -95,11 +95,29 @@ fn archives_keep_the_rules_of_the_standard() {
     }
 }
 
+/// The live page comes with the licences of what is in it.
+#[test]
+fn archives_with_the_live_page_hold_it_and_its_licences() {
+    for version in Version::USUAL {
+        let content = package::content(version, &Binaries::own(vec![7]), Some(b"<!DOCTYPE html>")).unwrap();
+        assert_eq!(content[explorer::PATH], b"<!DOCTYPE html>");
+        let page = String::from_utf8(content["documentation/index.html"].clone()).unwrap();
+        assert!(page.contains("href=\"explorer.html\""));
+        for package in ["wasm-bindgen", "rayon", "nalgebra"] {
+            let text = format!("/{package}-");
+            assert!(
+                content.keys().any(|name| name.contains("icenses/") && name.contains(&text)),
+                "{package}"
+            );
+        }
+    }
+}
+
 /// FMI 3.0.2, 2.5.1: the folders and files of these names, and none beside them at the top.
 #[test]
 fn archives_of_fmi3_have_its_structure() {
     for version in [Version::Fmi3, Version::Clocked] {
-        let content = package::content(version, &Binaries::own(vec![7])).unwrap();
+        let content = package::content(version, &Binaries::own(vec![7]), None).unwrap();
         let top: BTreeSet<&str> = content.keys().map(|name| name.split('/').next().unwrap()).collect();
         let allowed =
             ["binaries", "documentation", "extra", "modelDescription.xml", "resources", "terminalsAndIcons"];

@@ -21,10 +21,11 @@ pub fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     even + u * odd
 }
 
-/// a b + c, with one rounding where the machine has the instruction.
+/// a b + c, with one rounding where the machine has the instruction. WebAssembly has none, and there `f64::mul_add` would be
+/// a call of a function of some hundred operations.
 #[inline(always)]
 pub fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
-    if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
+    if S::IS_SCALAR || cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
 /// `Σ_j columns[j] x_j` in vectors, of which only the first `W/F64_LANES` of V count; as two sums side by side, which takes
@@ -38,6 +39,20 @@ fn combine<S: Simd, const W: usize, const V: usize>(
     let vectors = W / S::F64_LANES;
     let zero = simd.splat_f64s(0.0);
     let (mut first, mut second) = ([zero; V], [zero; V]);
+    if cfg!(target_family = "wasm") {
+        // Vectors of two numbers and few registers: both sums of one vector at a time stay in registers, those of all do not.
+        let x = x.map(|x| simd.splat_f64s(x));
+        for (v, sum) in first.iter_mut().enumerate().take(vectors) {
+            let at = |j: usize| S::as_simd_f64s(&columns[j]).0[v];
+            let (mut even, mut odd) = (simd.mul_f64s(at(0), x[0]), simd.mul_f64s(at(1), x[1]));
+            for j in 1..4 {
+                even = simd.mul_add_e_f64s(at(2 * j), x[2 * j], even);
+                odd = simd.mul_add_e_f64s(at(2 * j + 1), x[2 * j + 1], odd);
+            }
+            *sum = simd.add_f64s(even, odd);
+        }
+        return first;
+    }
     for j in 0..4 {
         let (even, _) = S::as_simd_f64s(&columns[2 * j]);
         let (odd, _) = S::as_simd_f64s(&columns[2 * j + 1]);

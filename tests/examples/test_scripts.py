@@ -85,6 +85,26 @@ def test_step_to_impacts(fmu):
     assert len(lines) > 5 and {line.split()[1] for line in lines[1:]} == {"upper", "lower"}
 
 
+def test_unstable_orbit(fmu, tmp_path):
+    """Against the largest multiplier, which `vibro orbit` has from the exact flow: the FMU knows nothing of it."""
+    orbit, picture = Path(os.environ["VIBRO_ORBIT"]), tmp_path / "unstable.png"
+    out = run("unstable_orbit.py", "--fmu", fmu, "--orbit", orbit, "--output", picture)
+    growth = [float(line.split()[-1]) for line in out.splitlines() if line.startswith("growth per period")]
+    assert growth[1] == pytest.approx(growth[0], rel=1e-3) and growth[0] > 2.0
+    stays, expected = (float(line.split()[-3]) for line in out.splitlines() if line.endswith(" drive periods"))
+    assert 0.5 * expected < stays < 1.5 * expected
+    assert drawn(picture)
+
+
+def test_a_stable_orbit_is_not_left(fmu, tmp_path):
+    for name in ("orbit-start.csv", "orbit-multipliers.csv"):
+        text = (Path(os.environ["VIBRO_ORBIT"]) / name).read_text()
+        (tmp_path / name).write_text(text.replace("1.49163", "0.49163"))
+    command = [sys.executable, str(EXAMPLES / "unstable_orbit.py"), "--fmu", fmu, "--orbit", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 2 and "is stable (largest multiplier 0.49163" in done.stderr
+
+
 def test_events_fmi3(fmu):
     *lines, sum_up = run("events_fmi3.py", "--fmu", vibro.fmi3_beside(fmu), "--periods", 6).splitlines()
     assert len(lines) > 8 and all("impact, " in line and " yes " in line for line in lines[1:]), lines

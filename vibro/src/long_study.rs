@@ -10,6 +10,7 @@ use vibro_analysis::basin;
 use vibro_analysis::bifurcation::{self, Sweep};
 use vibro_analysis::design_sweep;
 use vibro_analysis::isoperiodic;
+use vibro_analysis::orbits::{ConstantLoads, Family, Span, TreeOptions, tree_in_parts};
 use vibro_analysis::parts::Task;
 
 /// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
@@ -41,6 +42,9 @@ pub enum StudyKind {
         sweep: Sweep,
         /// Values at which spectra are listed and running exponents shown.
         at: Vec<f64>,
+        /// How the branches of periodic orbits over it are followed, if they are.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        orbits: Option<TreeOptions>,
     },
     /// Basins over two initial values.
     Basin(basin::Request),
@@ -48,6 +52,15 @@ pub enum StudyKind {
     Isoperiodic(isoperiodic::Request),
     /// Measures of motions over any number of parameters.
     DesignSweep(design_sweep::Request),
+    /// All branches of periodic orbits over a parameter.
+    Orbits {
+        /// The parameter and its range.
+        span: Span,
+        /// Constant loads on the bodies.
+        loads: ConstantLoads,
+        /// What is traced.
+        options: TreeOptions,
+    },
 }
 
 /// The form of parts whose manifest does not tell it.
@@ -65,7 +78,10 @@ impl LongStudy {
     /// Stems of the files of its results.
     pub fn results(&self) -> Vec<String> {
         let mut names = vec![self.name.clone()];
-        if let StudyKind::Sweep { sweep: Sweep { exponents: Some(_), .. }, at } = &self.kind
+        if let StudyKind::Sweep { orbits: Some(_), .. } = &self.kind {
+            names.push(format!("{}-orbits", self.name));
+        }
+        if let StudyKind::Sweep { sweep: Sweep { exponents: Some(_), .. }, at, .. } = &self.kind
             && !at.is_empty()
         {
             names.extend(["spectra", "running"].map(|what| format!("{}-{what}", self.name)));
@@ -73,13 +89,14 @@ impl LongStudy {
         names
     }
 
-    /// Number of parts.
+    /// Number of parts; 0 where it shows in the course of the work alone.
     pub fn count(&self) -> usize {
         match &self.kind {
             StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
             StudyKind::Basin(request) => basin::count(request),
             StudyKind::Isoperiodic(request) => isoperiodic::count(request),
             StudyKind::DesignSweep(request) => request.count(),
+            StudyKind::Orbits { .. } => 0,
         }
     }
 
@@ -95,15 +112,34 @@ impl LongStudy {
     /// Computes the parts of the shard; the tables and pictures too where all parts are there.
     ///
     /// # Errors
-    /// As [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`] and [`design_sweep::fill`].
+    /// As [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`], [`design_sweep::fill`] and [`tree_in_parts`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
+        self.run_telling(task, &|_, _| ())
+    }
+
+    /// The same; where the number of parts is not known beforehand, `tell` hears of what is done, and of what is known to be in all.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_telling(
+        &self,
+        task: &Task,
+        tell: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Option<Vec<Study>>> {
         match &self.kind {
-            StudyKind::Sweep { at, .. } => {
+            StudyKind::Sweep { at, orbits, .. } => {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
                 let mut found = vec![studies::sweep(&self.set, &sweep, &diagram, &self.name)?];
+                let follow = |options| studies::DiagramOrbits::new(&self.set, &sweep, &diagram, options);
+                let orbits = orbits.as_ref().map(follow).transpose()?;
+                if let Some(orbits) = &orbits {
+                    let name = format!("{}-orbits", self.name);
+                    found.push(orbits.study(&self.set, &sweep, &diagram, &name)?);
+                }
                 if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
                     let (along, stem) = (sweep.axis.name, &self.name);
-                    found.push(studies::spectra(&sweep, &diagram, at, &format!("{stem}-spectra"))?.1);
+                    let name = format!("{stem}-spectra");
+                    found.push(studies::spectra(&self.set, &sweep, &diagram, at, orbits.as_ref(), &name)?.1);
                     let name = format!("{stem}-running");
                     found.push(studies::running(&self.set, along, at, sweep.discard, options, &name)?);
                 }
@@ -123,6 +159,12 @@ impl LongStudy {
                 let is_complete = design_sweep::fill(&self.set, request, task)?;
                 let study = || studies::design_sweep(&self.set, request, task, &self.name).map(|s| vec![s]);
                 is_complete.then(study).transpose()
+            }
+            StudyKind::Orbits { span, loads, options } => {
+                let family = Family::new(&self.set, *loads, *span)?;
+                let told = |done, waiting| tell(done, done + waiting);
+                let found = tree_in_parts(&family, options, task.store, &told)?;
+                Ok(Some(vec![studies::orbits(&self.set, &family, &found.branches)?]))
             }
         }
     }

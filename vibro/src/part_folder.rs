@@ -203,6 +203,11 @@ fn lock(folder: &Path) -> Result<File> {
     }
 }
 
+/// So many parts of all, where it is known how many these are: `3 of 8 parts`.
+pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
+    if count == 0 { format!("{kept} {parts}") } else { format!("{kept} of {count} {parts}") }
+}
+
 /// The refusal to mix parts of two studies; `there` is in the folder and `here` is asked for.
 pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
     if let Some(format) = format_of(there).filter(|format| *format != FORMAT) {
@@ -210,10 +215,10 @@ pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
     }
     let count = there.long_study.as_ref().map_or(0, |s| s.count());
     let problem = format!(
-        "holds {} of {count} finished parts of another run\n  there: {}\n  here:  {}\n  they differ in {}\n  allowed: \
+        "holds {} of another run\n  there: {}\n  here:  {}\n  they differ in {}\n  allowed: \
          another --out; to finish that run first by its command line; `vibro merge` if it is a share of a study; or \
          --discard-unfinished, which deletes its parts",
-        PartFolder::kept(folder),
+        parts_in_words(PartFolder::kept(folder), count, "finished parts"),
         there.in_words(),
         here.in_words(),
         there.differences_in_words(here)

@@ -8,7 +8,7 @@ mod statements;
 pub use statement::{Statement, Verdict};
 
 use super::long_study::{LongStudy, StudyKind};
-use super::studies::{self, Study};
+use super::studies::{self, DiagramOrbits, Study};
 use crate::part_folder::PartFolder;
 use crate::table::Table;
 use crate::{Error, Result};
@@ -17,6 +17,7 @@ use vibro_analysis::basin::{self, InitialValueRange};
 use vibro_analysis::bifurcation::{Diagram, Sweep};
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::maxima::Displacement;
+use vibro_analysis::orbits::TreeOptions;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
 use vibro_analysis::{Name, ParameterSet, find_group};
@@ -36,7 +37,7 @@ const RUNNING: [f64; 4] = [0.6, 1.5, 2.44, 3.6];
 /// Mass ratios of figure 17.
 const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
 /// Names of the studies that the report consists of and whose parameters are those given.
-const NAMES: [&str; 19] = [
+const NAMES: [&str; 20] = [
     "manifold-2",
     "manifold-7",
     "manifold-9",
@@ -50,6 +51,7 @@ const NAMES: [&str; 19] = [
     "figure-13",
     "figure-14",
     "figure-14-fine",
+    "figure-14-orbits",
     "table-2",
     "exponents-running",
     "figure-15",
@@ -57,8 +59,10 @@ const NAMES: [&str; 19] = [
     "compare-17",
     "report",
 ];
+/// The study of branches.
+const ORBITS: &str = "figure-14-orbits";
 /// Steps of the progress bar besides the parts of long studies: one for each group of figures.
-const SHORT: usize = 8;
+const SHORT: usize = 9;
 
 /// What is going to be computed.
 #[derive(Clone, Debug)]
@@ -68,6 +72,7 @@ pub struct Plan {
     coarse: LongStudy,
     fine: LongStudy,
     basin: LongStudy,
+    orbits: TreeOptions,
 }
 
 /// What has been found.
@@ -92,7 +97,7 @@ impl Plan {
         let sweep = |name: &str, range, count| -> Result<LongStudy> {
             let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
             let sweep = Sweep { axis, discard, keep, exponents: Some(options), of: Displacement::X2 };
-            Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new() }, set))
+            Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new(), orbits: None }, set))
         };
         let cells = if quick { 40 } else { 200 };
         let initial = |range: &str| Ok::<_, Error>(range.parse::<InitialValueRange>()?.cells(cells));
@@ -104,6 +109,7 @@ impl Plan {
             coarse: sweep("figure-14", (0.5, 5.0), if quick { 91 } else { 451 })?,
             fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
             basin: LongStudy::new("basin", StudyKind::Basin(basin::Request { x, y, discard }), &there),
+            orbits: if quick { quick_orbits() } else { TreeOptions::default() },
         })
     }
 
@@ -139,7 +145,9 @@ impl Plan {
         all.push(thirteen);
         done(false);
         let (coarse, fine) = (diagram(&self.coarse, coarse, done)?, diagram(&self.fine, fine, done)?);
-        let (table, sweeps) = self.sweeps(&coarse, &fine)?;
+        let orbits = DiagramOrbits::new(set, &coarse.0, &coarse.1, &self.orbits);
+        done(false);
+        let (table, sweeps) = self.sweeps(&coarse, &fine, &orbits)?;
         all.extend(sweeps);
         let accuracy = studies::accuracy(set, &EPSILONS)?;
         let errors = accuracy.tables.first().map(|t| t.1.clone()).unwrap_or_default();
@@ -152,6 +160,7 @@ impl Plan {
             set,
             coarse: &coarse.1,
             fine: &fine.1,
+            orbits: orbits.as_ref().ok(),
             modulation,
             errors: &errors,
         })?;
@@ -194,9 +203,10 @@ impl Plan {
         &self,
         (sweep, coarse): &(Sweep, Diagram),
         (fine_sweep, fine): &(Sweep, Diagram),
+        orbits: &Result<DiagramOrbits>,
     ) -> Result<(Table, Vec<Study>)> {
         let (set, force) = (&self.set, Name::Group(find_group("f10")?));
-        let (table, spectra) = studies::spectra(sweep, coarse, &TABLE, "table-2")?;
+        let (table, spectra) = studies::spectra(set, sweep, coarse, &TABLE, orbits.as_ref().ok(), "table-2")?;
         let options = sweep.exponents.unwrap_or_default();
         let running = studies::running(set, force, &RUNNING, sweep.discard, &options, "exponents-running")?;
         let mut overlay = studies::overlay(set, sweep, coarse, "figure-16")?;
@@ -204,12 +214,29 @@ impl Plan {
         let all = vec![
             studies::sweep(set, sweep, coarse, "figure-14")?,
             studies::sweep(set, fine_sweep, fine, "figure-14-fine")?,
+            match orbits {
+                Ok(orbits) => orbits.study(set, sweep, coarse, ORBITS)?,
+                // A machine whose orbits phases do not determine, such as one with a free block, has all other figures.
+                Err(e) => Study::without_figure(ORBITS, format!("no branches of periodic orbits: {e}")),
+            },
             spectra,
             running,
             studies::portraits(set, force, fine, &PORTRAITS)?,
             overlay,
         ];
         Ok((table, all))
+    }
+}
+
+/// Branches of the quick look: no long words.
+fn quick_orbits() -> TreeOptions {
+    TreeOptions {
+        seeds: 46,
+        settle: 600,
+        depth: 4,
+        longest_period: 4,
+        most_letters: 16,
+        ..TreeOptions::default()
     }
 }
 
@@ -233,6 +260,9 @@ impl Report {
             count(Verdict::Partly),
             count(Verdict::Differs)
         );
+        for remark in self.studies.iter().filter(|s| s.name == ORBITS).flat_map(|s| &s.remarks) {
+            text.push_str(&format!("\n  {remark}"));
+        }
         for s in &self.statements {
             text.push_str(&format!("\n  [{}] {}: {}", s.verdict.name(), s.place, s.found));
         }

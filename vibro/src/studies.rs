@@ -3,6 +3,7 @@
 mod basin;
 mod compare;
 mod design_sweep;
+mod diagram_orbits;
 mod isoperiodic;
 mod lengths;
 mod locus;
@@ -22,6 +23,8 @@ mod sweep;
 pub use basin::basins;
 pub use compare::{accuracy, force_overlay, histories};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};
+pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
+pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};
 pub use isoperiodic::isoperiodic;
 pub use locus::loci;
 pub use manifold::{branches, families, shapes};
@@ -72,7 +75,7 @@ impl Study {
     }
 
     /// A study without a table and a figure; `what` says why there is none.
-    fn without_figure(name: &str, what: impl Into<String>) -> Self {
+    pub(crate) fn without_figure(name: &str, what: impl Into<String>) -> Self {
         let (tables, files, remarks) = (Vec::new(), Vec::new(), Vec::new());
         Self {
             name: name.into(),

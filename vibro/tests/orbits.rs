@@ -4,7 +4,9 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{drawn, folder, refused, table};
+use command::{command as vibro, drawn, folder, refused, table};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 /// Fifteen digits are written, and points are located to about as many.
 const LOCATION: f64 = 1e-11;
@@ -51,6 +53,59 @@ fn a_tree_has_the_same_bytes_for_any_number_of_threads() {
     assert_eq!(bytes("1"), bytes("3"));
 }
 
+/// A tree of many rounds, each a fraction of a second.
+const TREE: [&str; 8] = ["orbits", "--tree", "--vary", "f10=2:3", "--seeds", "5", "--depth", "3"];
+/// Far more than a round takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+#[test]
+fn an_interrupted_tree_goes_on_to_the_same_bytes() {
+    let (out, whole) = (folder("orbits-interrupted"), folder("orbits-whole"));
+    let mut child = vibro(&out, &[&TREE[..], &["--threads", "1"]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("vibro starts");
+    let parts = || {
+        let entries = std::fs::read_dir(out.join("orbits.parts")).into_iter().flatten().flatten();
+        entries.filter(|e| e.path().extension().is_some_and(|x| x == "part")).count()
+    };
+    let begin = Instant::now();
+    while parts() < 2 {
+        assert!(begin.elapsed() < PATIENCE, "no parts in {PATIENCE:?}");
+        assert!(child.try_wait().unwrap().is_none(), "it has ended already");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let kept = parts();
+    assert!(kept >= 2 && !out.join("branches.csv").exists());
+    // Another tree is refused and leaves the parts.
+    let other = [&TREE[..], &["--mark", "2.5"]].concat();
+    let refusal = vibro(&out, &other).output().expect("vibro runs");
+    let message = String::from_utf8_lossy(&refusal.stderr).into_owned();
+    let words = format!("holds {kept} finished parts of another run");
+    assert!(refusal.status.code() == Some(2) && message.contains(&words), "{message}");
+    drawn(&out, &TREE);
+    drawn(&whole, &TREE);
+    for name in ["branches.csv", "special-points.csv", "orbits.svg"] {
+        assert!(std::fs::read(out.join(name)).unwrap() == std::fs::read(whole.join(name)).unwrap(), "{name}");
+    }
+    assert!(!out.join("orbits.parts").exists());
+}
+
+#[test]
+fn marked_values_are_rows_of_the_table() {
+    let out = folder("orbits-marks");
+    drawn(&out, &["orbits", "--word", "U-", "--vary", "f10=0.5:3", "--mark", "1.7,2.5", "--mark", "1.5"]);
+    let rows = table(&out, "special-points.csv");
+    let marked = rows.iter().filter(|r| r["label"] == "UZ").map(|r| r["value"].parse::<f64>().unwrap());
+    let mut marked: Vec<f64> = marked.collect();
+    marked.sort_by(f64::total_cmp);
+    marked.dedup();
+    assert_eq!(marked, [1.5, 1.7, 2.5]);
+}
+
 #[test]
 fn one_orbit_with_its_impacts_and_multipliers() {
     let out = folder("orbit-three");
@@ -78,6 +133,9 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["orbits", "--vary", "kappa=0.5:1.5"], "kappa = 1.5"),
         (&["orbits", "--vary", "f10=1:2:10"], "without a count"),
         (&["orbits", "--load", "stop=1"], "box, block, secondary"),
+        (&["orbits", "--mark", "7"], "must lie in the range 0.5 to 5"),
+        (&["orbits", "--mark", "one"], "`one`"),
+        (&["orbits", "--step", "0"], "1e-5 to 0.2"),
         (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "no.csv"),
         (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2"], "two, e.g."),
     ] {

@@ -226,13 +226,29 @@ const EXPONENTS: [&str; 13] = [
 ];
 const ISOPERIODIC: [&str; 9] =
     ["isoperiodic", "--pair", "kappa,f10", "--pair", "sigma1,f10", "--resolution", "12", "--periods", "100"];
+const ORBITS: [&str; 10] = [
+    "bifurcation",
+    "--orbits",
+    "--range",
+    "f10=2.3:2.45",
+    "--resolution",
+    "16",
+    "--discard",
+    "200",
+    "--keep",
+    "50",
+];
 const BASIN: [&str; 7] = ["basin", "--set", "f10=2.48", "--resolution", "24", "--discard", "150"];
 
 #[test]
 fn second_method_shards_merged_and_threads_give_the_same_bytes() {
-    for (name, work) in
-        [("sweep", &SWEEP[..]), ("exponents", &EXPONENTS), ("basin", &BASIN), ("isoperiodic", &ISOPERIODIC)]
-    {
+    for (name, work) in [
+        ("sweep", &SWEEP[..]),
+        ("orbits", &ORBITS),
+        ("exponents", &EXPONENTS),
+        ("basin", &BASIN),
+        ("isoperiodic", &ISOPERIODIC),
+    ] {
         let whole = folder(&format!("{name}-whole"));
         drawn(&whole, &[work, &["--threads", "1"]].concat());
         for file in files(&whole).iter().filter(|f| f.0.ends_with(".png")) {
@@ -315,6 +331,13 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
     let (one, two) = (folder("report-1"), folder("report-2"));
     let text = drawn(&one, &["reproduce", "--quick", "--threads", "1"]);
     assert!(text.contains("statements of the paper") && text.contains("[agrees]"), "{text}");
+    // The branches explain the diagram, and bound its windows to more digits than its grid.
+    assert!(
+        text.contains("periodic rows of both directions whose transient has ended lie on a stable branch"),
+        "{text}"
+    );
+    assert!(text.contains("0.95–2.8 (NS 0.9146596632 – PD 2.8022054392)"), "{text}");
+    assert!(text.contains("PD of 1T at 2.3730753708, PD of 2T at 2.4930216604"), "{text}");
     drawn(&two, &["reproduce", "--quick", "--threads", "2"]);
     assert_same(&one, &two);
     let html = std::fs::read_to_string(one.join("report.html")).unwrap();
@@ -327,7 +350,16 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
     let drawn_files: Vec<_> = files(&one).into_iter().filter(|f| f.0.ends_with(".png")).collect();
     assert_eq!((pictures, html.matches("<img").count()), (drawn_files.len(), drawn_files.len()));
     assert!(!html.contains("src=\"http") && !html.contains("<script") && !html.contains("<link"));
-    for name in ["figure-13", "figure-14", "figure-14-fine", "figure-15", "figure-16", "table-2", "basin"] {
+    for name in [
+        "figure-13",
+        "figure-14",
+        "figure-14-fine",
+        "figure-14-orbits",
+        "figure-15",
+        "figure-16",
+        "table-2",
+        "basin",
+    ] {
         assert!(html.contains(&format!("id=\"{name}\"")), "{name}");
         assert!(one.join(format!("{name}.csv")).exists(), "{name}");
     }

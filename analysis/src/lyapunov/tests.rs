@@ -48,6 +48,21 @@ fn closed_form_of_the_linear_damped_system() {
 }
 
 #[test]
+fn invariant_a_spectrum_that_is_broken_off_is_the_beginning_of_the_whole() {
+    let p = groups(3.6, 0.75);
+    let start = settled_simulator(&p, &moving_block(&p), 20.0).unwrap();
+    let options = SpectrumOptions { align: 5, periods: 40, ..SpectrumOptions::default() };
+    let whole = convergence(&mut start.clone(), &options).unwrap();
+    let mut asked = 0;
+    let mut go_on = || {
+        asked += 1;
+        asked <= 25
+    };
+    let part = convergence_while(&mut start.clone(), &options, &mut go_on).unwrap();
+    assert_eq!((part.spectrum.periods, part.running.as_slice()), (20, &whole.running[..20]));
+}
+
+#[test]
 fn invariant_sum_is_divergence_and_determinants() {
     for (f10, kappa) in
         [(0.6, 0.75), (1.5, 0.75), (2.7, 0.75), (3.6, 0.75), (4.5, 0.75), (3.0, 0.9), (1.5, 0.5)]

@@ -5,9 +5,10 @@ use super::orbit::Orbit;
 use super::word::OrbitWord;
 use crate::error::Result;
 use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
 
 /// What is special at a point of a branch; the names are those of the field's programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Label {
     /// LP: the branch turns round in the parameter.
@@ -54,7 +55,7 @@ impl std::fmt::Display for Label {
 }
 
 /// What is special at a point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Special {
     /// Its kind.
     pub label: Label,
@@ -71,13 +72,14 @@ impl Special {
 }
 
 /// One orbit of a branch.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// The parameter.
     pub value: f64,
     /// Phases of the drive at the impacts, rad.
     pub phases: Vec<f64>,
     /// The multipliers, largest first; at a touch those of the orbit without it.
+    #[serde(with = "super::stored::multipliers")]
     pub multipliers: [Complex<f64>; 6],
     /// Whether the piece of the branch from here to the next point is stable; at the last point the piece before it.
     pub stable: bool,

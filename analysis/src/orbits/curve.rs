@@ -3,7 +3,7 @@
 
 use super::obstacle::Obstacle;
 use super::orbit::STEP_ROUNDING;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{ComplexField, DMatrix, DVector};
 
 /// Most Newton steps of a correction.
 const STEPS: usize = 8;
@@ -88,32 +88,19 @@ pub(super) fn tangent(
 ) -> Result<DVector<f64>, Obstacle> {
     let matrix = equations.linearize(u, None)?.matrix;
     let square = matrix.clone().insert_row(matrix.nrows(), 0.0);
-    let svd = square.svd(false, true);
-    let null = svd.v_t.and_then(|v| {
-        let least = svd.singular_values.imin();
-        v.row_iter().nth(least).map(|row| row.transpose())
-    });
-    let null = null.filter(|v| v.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)?;
+    let null = least_vectors(square).ok_or(Obstacle::NoConvergence)?.1;
     Ok(if null.dot(towards) < 0.0 { -null } else { null })
 }
 
-/// The point at which one more condition holds, by Newton's method from a guess. `condition` gives its value and its gradient.
-pub(super) fn meet(
-    equations: &impl Equations,
+/// The solution of as many equations as unknowns, by Newton's method from a guess, with steps of bounded length.
+pub(super) fn solve(
     guess: &DVector<f64>,
-    condition: impl Fn(&DVector<f64>) -> Result<(f64, DVector<f64>), Obstacle>,
+    linearize: impl Fn(&DVector<f64>) -> Result<Linearization, Obstacle>,
 ) -> Result<DVector<f64>, Obstacle> {
     let mut u = guess.clone();
     for _ in 0..CONDITION_STEPS {
-        let Linearization { value, matrix } = equations.linearize(&u, None)?;
-        let (last, gradient) = condition(&u)?;
-        let scale = gradient.norm();
-        if !(scale > 0.0 && scale.is_finite()) {
-            return Err(Obstacle::NoConvergence);
-        }
-        let right = -value.push(last / scale);
-        let step =
-            bordered(&matrix, &(gradient / scale)).lu().solve(&right).ok_or(Obstacle::NoConvergence)?;
+        let Linearization { value, matrix } = linearize(&u)?;
+        let step = matrix.lu().solve(&-value).ok_or(Obstacle::NoConvergence)?;
         let size = step.norm();
         if !size.is_finite() {
             return Err(Obstacle::NoConvergence);
@@ -124,6 +111,40 @@ pub(super) fn meet(
         }
     }
     Err(Obstacle::NoConvergence)
+}
+
+/// The point at which one more condition holds, from a guess. `condition` gives its value and its gradient.
+pub(super) fn meet(
+    equations: &impl Equations,
+    guess: &DVector<f64>,
+    condition: impl Fn(&DVector<f64>) -> Result<(f64, DVector<f64>), Obstacle>,
+) -> Result<DVector<f64>, Obstacle> {
+    solve(guess, |u| {
+        let Linearization { value, matrix } = equations.linearize(u, None)?;
+        let (last, gradient) = condition(u)?;
+        let scale = gradient.norm();
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Obstacle::NoConvergence);
+        }
+        Ok(Linearization { value: value.push(last / scale), matrix: bordered(&matrix, &(gradient / scale)) })
+    })
+}
+
+/// Most sweeps of a decomposition by singular values: some for each of them suffice.
+const SWEEPS: usize = 100_000;
+
+/// The left and the right singular vector of the least singular value of a square matrix: the null vectors where it is singular.
+/// `None` where numbers are not finite, on which the sweeps would not end.
+pub(super) fn least_vectors<T: ComplexField<RealField = f64>>(
+    matrix: DMatrix<T>,
+) -> Option<(DVector<T>, DVector<T>)> {
+    if !matrix.iter().all(ComplexField::is_finite) {
+        return None;
+    }
+    let svd = matrix.try_svd(true, true, 5.0 * f64::EPSILON, SWEEPS)?;
+    let least = svd.singular_values.imin();
+    let (u, v) = (svd.u?, svd.v_t?);
+    Some((u.column(least).into_owned(), v.row(least).adjoint()))
 }
 
 /// The unit vector along one unknown.
@@ -147,4 +168,19 @@ pub(super) fn gradient(
     };
     let components: Result<Vec<f64>, Obstacle> = (0..u.len()).map(component).collect();
     Ok(DVector::from_vec(components?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_null_vectors() {
+        let (left, right) = least_vectors(DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 4.0])).unwrap();
+        assert!((left[0] + 2.0 * left[1]).abs() + (right[0] + 2.0 * right[1]).abs() < 1e-14);
+        // Rows and columns of numbers that are none end at once.
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert!(least_vectors(DMatrix::from_row_slice(2, 2, &[1.0, bad, 0.0, 1.0])).is_none());
+        }
+    }
 }

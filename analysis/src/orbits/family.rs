@@ -8,6 +8,7 @@ use super::word::OrbitWord;
 use crate::error::Error;
 use crate::parameter_set::{Name, ParameterSet};
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// Step of the differences with respect to the parameter, in its unit of the curve: it sets the speed of convergence and never the
 /// result.
@@ -17,7 +18,7 @@ const DIFFERENCE: f64 = 1e-5;
 const UNITS: f64 = 5.0;
 
 /// A parameter with its range.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span {
     /// The parameter.
     pub name: Name,
@@ -87,6 +88,8 @@ impl Family {
     }
 
     fn over(set: &ParameterSet, loads: ConstantLoads, spans: Vec<Span>) -> Result<Self, Error> {
+        // A span has public fields, so that it need not come from `Span::new`.
+        spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
         let family = Self { set: set.clone(), loads, spans };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
         family.system(&from)?;
@@ -182,6 +185,7 @@ fn difference(below: &[f64], above: &[f64], step: f64) -> DVector<f64> {
 }
 
 /// The equations of contact of a word over a family: as many as impacts.
+#[derive(Clone, Copy)]
 pub(super) struct Contacts<'a> {
     pub family: &'a Family,
     pub word: &'a OrbitWord,

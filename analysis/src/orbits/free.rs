@@ -37,8 +37,8 @@ pub(super) fn towards_clear(family: &Family, u: &DVector<f64>) -> Option<f64> {
 /// A branch with the touches at its points.
 pub(super) type FreeBranch = (Branch, Vec<(usize, Contact)>);
 
-/// The branches without impacts over the range, with the touches at which they end.
-pub(super) fn branches(family: &Family) -> Result<Vec<FreeBranch>> {
+/// The branches without impacts over the range, with the touches at which they end; points at the values `marks` are labelled UZ.
+pub(super) fn branches(family: &Family, marks: &[f64]) -> Result<Vec<FreeBranch>> {
     let span = *family.span();
     let value = |i: usize| span.from + (span.to - span.from) * i as f64 / NODES as f64;
     let clear: Vec<bool> = (0..=NODES).map(|i| clearance(family, value(i)) >= 0.0).collect();
@@ -56,8 +56,16 @@ pub(super) fn branches(family: &Family) -> Result<Vec<FreeBranch>> {
         let last = (i..=NODES).take_while(|j| clear[*j]).last().unwrap_or(i);
         let before = if i > 0 { touch(i - 1) } else { None };
         let after = if last < NODES { touch(last) } else { None };
-        let values = before.into_iter().chain((i..=last).map(value)).chain(after);
-        let mut points = values.map(|v| point(family, v)).collect::<Result<Vec<_>>>()?;
+        let mut values: Vec<f64> = before.into_iter().chain((i..=last).map(value)).chain(after).collect();
+        let (first, end) = (values[0], values[values.len() - 1]);
+        let marked: Vec<f64> = marks.iter().copied().filter(|mark| (first..=end).contains(mark)).collect();
+        values.extend(&marked);
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let mut points = values.iter().map(|v| point(family, *v)).collect::<Result<Vec<_>>>()?;
+        for point in points.iter_mut().filter(|p| marked.contains(&p.value)) {
+            point.special = Some(Special::of(Label::UserValue));
+        }
         let end = points.len() - 1;
         let mut contacts = Vec::new();
         for (at, touches) in [(0, before.is_some()), (end, after.is_some())] {
@@ -65,7 +73,7 @@ pub(super) fn branches(family: &Family) -> Result<Vec<FreeBranch>> {
             let mut special = Special::of(label);
             if touches {
                 let contact = contact(family, points[at].value)?;
-                special.longer = contact.longer(family).into_iter().next().map(|t| t.longer);
+                special.longer = contact.longer(family, 1).into_iter().next().map(|t| t.longer);
                 contacts.push((at, contact));
             }
             points[at].special = Some(special);

@@ -1,22 +1,24 @@
 //! Grazing: an orbit that touches a stop with speed zero belongs to two words, with and without that impact (docs/theory.md,
 //! section 14).
 
-use super::curve::meet;
+use super::curve::{Equations, Linearization, solve};
 use super::cycle::{Cycle, Functional};
 use super::family::{Contacts, Family};
 use super::flights::{self, PENETRATION_ROUNDING};
 use super::obstacle::Obstacle;
 use super::word::OrbitWord;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// An orbit that touches a stop, in the word that lists the touch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Touch {
     /// The word with the touch.
     pub longer: OrbitWord,
     /// Its place in the word.
     pub index: usize,
     /// Phases and parameters as a point of a curve of the longer word.
+    #[serde(with = "super::stored::vector")]
     pub u: DVector<f64>,
     /// Other impacts of the word that have no speed there: where a repeated orbit touches a stop in each round.
     pub also: Vec<usize>,
@@ -71,29 +73,44 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     found
 }
 
-/// The approach speed of an impact of a word at a point of a curve, with its gradient.
-pub(super) fn approach(
-    contacts: &Contacts,
-    index: usize,
-    u: &DVector<f64>,
-) -> Result<(f64, DVector<f64>), Obstacle> {
-    let n = contacts.word.len();
-    let system = contacts.family.system_at(u)?;
-    let cycle = Cycle::new(&system, contacts.word, &u.as_slice()[..n])?;
-    let flight = cycle.flight_to(index);
-    let side = contacts.word.side(flight + 1);
-    let by_phases = cycle.derivative(Functional::Rate, 1.0).ok_or(Obstacle::Singular)?;
-    let by_parameters = contacts.family.by_parameters(u, &cycle, |c| vec![c.rates[flight]])?;
-    let row: Vec<f64> =
-        by_phases.row(flight).iter().copied().chain(by_parameters.iter().map(|c| c[0])).collect();
-    let gradient = DVector::from_vec(row) * side;
-    Ok((cycle.speed(index), gradient))
+/// The equations (109) of docs/theory.md: those of contact of a word, and no approach speed of one of its impacts.
+pub(super) struct Touching<'a> {
+    pub contacts: Contacts<'a>,
+    pub index: usize,
+}
+
+impl Equations for Touching<'_> {
+    fn linearize(&self, u: &DVector<f64>, _: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
+        let Contacts { family, word } = self.contacts;
+        let n = word.len();
+        let system = family.system_at(u)?;
+        let cycle = Cycle::new(&system, word, &u.as_slice()[..n])?;
+        let flight = cycle.flight_to(self.index);
+        let side = word.side(flight + 1);
+        let speed = |c: &Cycle| side * c.rates[flight];
+        let [gap, rate] = [Functional::Gap, Functional::Rate].map(|f| cycle.derivative(f, 1.0));
+        let (gap, rate) = gap.zip(rate).ok_or(Obstacle::Singular)?;
+        let mut matrix = DMatrix::zeros(n + 1, u.len());
+        matrix.view_mut((0, 0), (n, n)).copy_from(&gap);
+        matrix.view_mut((n, 0), (1, n)).copy_from(&(rate.row(flight) * side));
+        let both = |c: &Cycle| c.residual.iter().copied().chain([speed(c)]).collect();
+        for (k, column) in family.by_parameters(u, &cycle, both)?.iter().enumerate() {
+            matrix.set_column(n + k, column);
+        }
+        Ok(Linearization { value: cycle.residual_vector().push(speed(&cycle)), matrix })
+    }
+}
+
+/// The gradient of the approach speed of an impact at a point of a curve.
+pub(super) fn speed_gradient(touching: &Touching, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
+    let matrix = touching.linearize(u, None)?.matrix;
+    Ok(matrix.row(matrix.nrows() - 1).transpose())
 }
 
 /// The point at which the touch has no speed: regular equations on the longer word, whichever branch led there.
 pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
-    let contacts = Contacts { family, word: &touch.longer };
-    let u = meet(&contacts, &touch.u, |u| approach(&contacts, touch.index, u))?;
+    let touching = Touching { contacts: Contacts { family, word: &touch.longer }, index: touch.index };
+    let u = solve(&touch.u, |u| touching.linearize(u, None))?;
     Ok(Touch { u, ..touch.clone() })
 }
 

@@ -1,15 +1,16 @@
 //! Curves of bifurcations and of touches in two parameters (docs/theory.md, section 14).
 
+mod equations;
+
+use self::equations::{Border, Condition, Locus};
 use super::branch::Label;
-use super::curve::{CurvePoint, Equations, Linearization, axis, correct, meet, tangent};
+use super::curve::{CurvePoint, axis, correct, meet, tangent};
 use super::cycle::{Cycle, Functional};
-use super::family::{Contacts, Family};
-use super::grazing;
+use super::family::Family;
 use super::obstacle::Obstacle;
-use super::orbit::is_clear;
 use super::word::OrbitWord;
 use crate::error::{Error, Result as Outcome};
-use nalgebra::{Complex, ComplexField, DMatrix, DVector};
+use nalgebra::{Complex, DVector};
 use std::f64::consts::PI;
 
 /// First, least and longest step, in rad and fifths of the parameters' ranges.
@@ -19,8 +20,6 @@ const MOST_POINTS: usize = 600;
 /// A step's correction is at most this part of it, and the cosine of its turn at least this.
 const CORRECTION: f64 = 0.3;
 const COSINE: f64 = 0.9;
-/// Step of the differences of the condition that defines the curve: it sets the speed of convergence and never the result.
-const DIFFERENCE: f64 = 1e-6;
 /// Points after which a curve can have closed, and the distance from its first point, in steps, at which it has.
 const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
@@ -83,152 +82,6 @@ impl LocusEnd {
     }
 }
 
-/// A matrix's smallness in one direction, bordered by two vectors: zero where it is singular, and of the size of the least singular
-/// value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, 2000).
-fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Border<T>) -> Option<T> {
-    let n = matrix.nrows();
-    let mut whole = matrix.clone().resize(n + 1, n + 1, T::zero());
-    whole.view_mut((0, n), (n, 1)).copy_from(&border.left);
-    whole.view_mut((n, 0), (1, n)).copy_from(&border.right.adjoint());
-    let mut right = DVector::from_element(n + 1, T::zero());
-    right[n] = T::one();
-    Some(whole.lu().solve(&right)?[n].clone())
-}
-
-/// The singular vectors of the least singular value.
-#[derive(Clone, Debug)]
-struct Border<T: ComplexField> {
-    left: DVector<T>,
-    right: DVector<T>,
-}
-
-impl<T: ComplexField<RealField = f64>> Border<T> {
-    fn of(matrix: DMatrix<T>) -> Option<Self> {
-        let svd = matrix.svd(true, true);
-        let least = svd.singular_values.imin();
-        let (u, v) = (svd.u?, svd.v_t?);
-        Some(Self { left: u.column(least).into_owned(), right: v.row(least).adjoint() })
-    }
-}
-
-/// What holds along a curve.
-#[derive(Clone, Debug)]
-enum Condition {
-    /// A multiplier ±1: the factor with which variations close, and the borders.
-    Real(f64, Border<f64>),
-    /// A pair of multipliers on the unit circle, whose angle is one of the unknowns.
-    Complex(Border<Complex<f64>>),
-    /// An impact without speed.
-    Touch(usize),
-}
-
-/// The equations of a curve. A point holds the phases, the angle of the multipliers where it is an unknown, and the two
-/// parameters.
-struct Locus<'a> {
-    family: &'a Family,
-    word: &'a OrbitWord,
-    condition: Condition,
-}
-
-impl Locus<'_> {
-    fn n(&self) -> usize {
-        self.word.len()
-    }
-
-    /// The values of a bifurcation's condition at a point.
-    fn tests(&self, u: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
-        let system = self.family.system_at(u)?;
-        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
-        let found = match &self.condition {
-            Condition::Real(factor, border) => {
-                let matrix = cycle.derivative(Functional::Gap, *factor).ok_or(Obstacle::Singular)?;
-                smallness(&matrix, border).map(|g| vec![g])
-            }
-            Condition::Complex(border) => {
-                let matrix = cycle.complex_derivative(Complex::cis(u[self.n()])).ok_or(Obstacle::Singular)?;
-                smallness(&matrix, border).map(|g| vec![g.re, g.im])
-            }
-            Condition::Touch(_) => Some(Vec::new()),
-        };
-        found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
-    }
-
-    /// The borders adapted to a point, where the condition has some.
-    fn adapted(&self, u: &DVector<f64>) -> Result<Condition, Obstacle> {
-        let system = self.family.system_at(u)?;
-        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
-        let adapted = match &self.condition {
-            Condition::Real(factor, _) => {
-                let matrix = cycle.derivative(Functional::Gap, *factor);
-                matrix.and_then(Border::of).map(|border| Condition::Real(*factor, border))
-            }
-            Condition::Complex(_) => {
-                let matrix = cycle.complex_derivative(Complex::cis(u[self.n()]));
-                matrix.and_then(Border::of).map(Condition::Complex)
-            }
-            Condition::Touch(index) => Some(Condition::Touch(*index)),
-        };
-        adapted.ok_or(Obstacle::NoConvergence)
-    }
-
-    /// Whether a point is an orbit of the machine, but for the touch that defines the curve.
-    fn is_orbit(&self, u: &DVector<f64>) -> Result<bool, Obstacle> {
-        let system = self.family.system_at(u)?;
-        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
-        let exempt = |i: usize| matches!(self.condition, Condition::Touch(index) if index == i);
-        Ok((0..self.n()).all(|i| exempt(i) || cycle.speed(i) > 0.0) && is_clear(&cycle))
-    }
-
-    fn point(&self, u: &DVector<f64>, end: Option<LocusEnd>) -> LocusPoint {
-        let values = self.family.values(u);
-        let angle = matches!(self.condition, Condition::Complex(_)).then(|| u[self.n()]);
-        LocusPoint { values: [values[0], values[1]], phases: u.as_slice()[..self.n()].to_vec(), angle, end }
-    }
-}
-
-impl Equations for Locus<'_> {
-    fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
-        let (n, columns) = (self.n(), u.len());
-        let contacts = Contacts { family: self.family, word: self.word };
-        let system = self.family.system_at(u)?;
-        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..n])?;
-        let mut matrix = DMatrix::zeros(columns - 1, columns);
-        let mut value = DVector::zeros(columns - 1);
-        value.rows_mut(0, n).copy_from(&cycle.residual_vector());
-        let by_phases = cycle.derivative(Functional::Gap, 1.0).ok_or(Obstacle::Singular)?;
-        matrix.view_mut((0, 0), (n, n)).copy_from(&by_phases);
-        let by_parameters = self.family.by_parameters(u, &cycle, |c| c.residual.clone())?;
-        for (k, column) in by_parameters.iter().enumerate() {
-            matrix.view_mut((0, columns - 2 + k), (n, 1)).copy_from(column);
-        }
-        if let Condition::Touch(index) = self.condition {
-            let (speed, gradient) = grazing::approach(&contacts, index, u)?;
-            value[n] = speed;
-            matrix.set_row(n, &gradient.transpose());
-            return Ok(Linearization { value, matrix });
-        }
-        let tests = self.tests(u)?;
-        tests.iter().enumerate().for_each(|(i, test)| value[n + i] = *test);
-        if let Some(known) = known {
-            let rows = columns - 1 - n;
-            matrix.rows_mut(n, rows).copy_from(&known.rows(n, rows));
-            return Ok(Linearization { value, matrix });
-        }
-        for k in 0..columns {
-            let at = |by: f64| {
-                let mut moved = u.clone();
-                moved[k] += by;
-                self.tests(&moved)
-            };
-            let (below, above) = (at(-DIFFERENCE)?, at(DIFFERENCE)?);
-            for (i, (a, b)) in below.iter().zip(&above).enumerate() {
-                matrix[(n + i, k)] = (b - a) / (2.0 * DIFFERENCE);
-            }
-        }
-        Ok(Linearization { value, matrix })
-    }
-}
-
 /// The curve in the two parameters of a family on which the orbit has the bifurcation of a start, in both directions from it.
 ///
 /// ```
@@ -260,17 +113,30 @@ pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
         return Err(Error::Form { text, expected: "a start within the ranges of both parameters" });
     }
     let system = family.system(&start.values)?;
+    if start.word.closing() < 0 && !family.is_symmetric() {
+        return Err(Obstacle::Asymmetric.error(&system, &start.word));
+    }
     let failed = |obstacle: Obstacle| obstacle.error(&system, &start.word);
     let (locus, u) = first_point(family, start)?.map_err(failed)?;
     let both = axis(u.len(), u.len() - 1) + axis(u.len(), u.len() - 2);
     let along = tangent(&locus, &u, &both).map_err(failed)?;
-    let forward = follow(&locus, &u, along.clone());
-    let closed = forward.last().is_some_and(|p| p.end == Some(LocusEnd::Closed));
-    let backward = if closed { Vec::new() } else { follow(&locus, &u, -along) };
+    let (forward, end) = follow(&locus, &u, along.clone());
+    let (backward, begin) =
+        if end == LocusEnd::Closed { (Vec::new(), LocusEnd::Closed) } else { follow(&locus, &u, -along) };
     let mut points: Vec<LocusPoint> = backward.into_iter().rev().collect();
-    points.push(locus.point(&u, None));
+    points.push(point(&locus, &u, None));
     points.extend(forward);
+    // The start itself is an end where no step could be taken.
+    let last = points.len() - 1;
+    points[0].end = Some(begin);
+    points[last].end = Some(end);
     Ok(points)
+}
+
+fn point(locus: &Locus, u: &DVector<f64>, end: Option<LocusEnd>) -> LocusPoint {
+    let values = locus.family.values(u);
+    let angle = matches!(locus.condition, Condition::Complex(_)).then(|| u[locus.n()]);
+    LocusPoint { values: [values[0], values[1]], phases: u.as_slice()[..locus.n()].to_vec(), angle, end }
 }
 
 /// The point of the curve next to a start: the second parameter is held.
@@ -337,8 +203,8 @@ fn first_point<'a>(
     Ok(found())
 }
 
-/// Follows a curve in one direction; the first point is left out.
-fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> Vec<LocusPoint> {
+/// Follows a curve in one direction and tells how it ends; the first point is left out.
+fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> (Vec<LocusPoint>, LocusEnd) {
     let [mut step, least, longest] = STEPS;
     let mut points = Vec::new();
     let mut last = CurvePoint { u: start.clone(), tangent: along.clone(), steps: 0 };
@@ -354,9 +220,9 @@ fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> Vec<Locus
                     && (from - &way * part).norm() < CLOSED * way.norm()
                     && next.tangent.dot(&along) > COSINE;
                 let end = if closes { Some(LocusEnd::Closed) } else { end };
-                points.push(locus.point(&next.u, end));
-                if end.is_some_and(|e| e != LocusEnd::Cusp) {
-                    return points;
+                points.push(point(&locus, &next.u, end));
+                if let Some(end) = end.filter(|e| *e != LocusEnd::Cusp) {
+                    return (points, end);
                 }
                 step = if next.steps <= 4 { (1.4 * step).min(longest) } else { step };
                 if let Ok(condition) = locus.adapted(&next.u) {
@@ -365,20 +231,11 @@ fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> Vec<Locus
                 last = next;
             }
             Err(_) if step > least => step *= 0.5,
-            Err(obstacle) => {
-                let end = if matches!(obstacle, Obstacle::Order) {
-                    LocusEnd::Touch
-                } else {
-                    LocusEnd::NoConvergence
-                };
-                if let Some(last) = points.last_mut() {
-                    last.end = Some(end);
-                }
-                return points;
-            }
+            Err(Obstacle::Order) => return (points, LocusEnd::Touch),
+            Err(_) => break,
         }
     }
-    points
+    (points, LocusEnd::NoConvergence)
 }
 
 /// One step; the loss of certification counts as a loss of the impacts' order.

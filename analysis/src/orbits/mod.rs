@@ -4,19 +4,23 @@
 //! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns, whatever it does in between.
 
 mod branch;
+mod coverage;
 mod curve;
 mod cycle;
 mod family;
 mod flights;
 mod free;
 mod grazing;
+mod grower;
 mod locus;
 mod obstacle;
 mod orbit;
 mod path;
+mod ranges;
 mod search;
 mod settled;
 mod special;
+mod stored;
 mod switching;
 mod system;
 mod test_functions;
@@ -27,12 +31,14 @@ mod word;
 mod tests;
 
 pub use branch::{Branch, Label, Point, Special};
+pub use coverage::{Covering, TreeOrbit};
 pub use family::{Family, Span};
 pub use locus::{LocusEnd, LocusPoint, LocusStart, locus};
 pub use orbit::Orbit;
 pub use path::PathOptions;
+pub use ranges::{Doubling, RangeEnd, StableRange, doubling_ratios, doubling_sequences};
 pub use search::search;
 pub use settled::{orbit_of, settle};
 pub use system::{ConstantLoads, System};
-pub use tree::{Tree, TreeOptions, branch, tree};
+pub use tree::{Tree, TreeOptions, branch, tree, tree_in_parts};
 pub use word::OrbitWord;

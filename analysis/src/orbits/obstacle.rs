@@ -11,6 +11,8 @@ pub(super) enum Obstacle {
     Order,
     /// The motion without impacts has a neutral direction: σI - M is singular.
     Singular,
+    /// A symmetric orbit is asked of a machine that is not symmetric.
+    Asymmetric,
     /// Newton's method did not converge.
     NoConvergence,
     /// The parameters make no machine.
@@ -37,6 +39,10 @@ impl Obstacle {
             Self::NoConvergence => {
                 no_orbit("Newton's method does not converge; a nearer guess of the phases may help")
             }
+            Self::Asymmetric => no_orbit(
+                "a word that closes with - is half of a symmetric orbit, which a machine under constant loads does not have; give the \
+                 whole word, closing with +",
+            ),
             Self::Singular => {
                 let (name, value, allowed) = system.neutral_parameter();
                 let needed_by = "impact phases of a periodic orbit as unknowns";

@@ -61,12 +61,16 @@ impl Orbit {
     /// [`is_certified`](Self::is_certified).
     ///
     /// # Errors
-    /// [`Error::NoOrbit`] when Newton's method does not converge; an error with the parameter's name where
+    /// [`Error::NoOrbit`] when Newton's method does not converge, for a guess of another length than the word's, and for a symmetric
+    /// orbit of a machine under loads; an error with the parameter's name where
     /// phases do not determine the orbit: a block without a spring, an undamped mode in resonance.
     pub fn find(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Self, Error> {
         let found = || {
             if guess.len() != word.len() {
                 return Err(Obstacle::Order);
+            }
+            if word.closing() < 0 && !system.is_symmetric() {
+                return Err(Obstacle::Asymmetric);
             }
             let phases = newton(system, word, guess)?;
             Self::at(system, word, &phases)
@@ -255,7 +259,12 @@ pub(super) fn same_phases(word: &OrbitWord, a: &[f64], b: &[f64], mirror: bool, 
 
 /// The phases of the word passed twice.
 pub(super) fn unfolded_phases(word: &OrbitWord, phases: &[f64]) -> Vec<f64> {
-    phases.iter().copied().chain(phases.iter().map(|phase| phase + word.span())).collect()
+    repeated_phases(word, phases, 2)
+}
+
+/// The phases of the word passed k times.
+pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec<f64> {
+    (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
 }
 
 /// Whether it is proved that the block keeps within the stops in all flights.

@@ -1,27 +1,27 @@
 //! One branch of orbits followed along a parameter, with the special points on it.
 
+mod between;
+mod step;
+
 use super::branch::{Label, Point, Special};
-use super::curve::{CurvePoint, correct};
+use super::curve::CurvePoint;
 use super::cycle::Cycle;
 use super::family::{Contacts, Family, Span};
 use super::grazing::{self, Touch};
 use super::obstacle::Obstacle;
-use super::orbit::{Orbit, eigenvalues, newton};
-use super::special;
-use super::switching::{Contact, Departure};
-use super::test_functions::{DOUBLING, PAIR, Sample, SignedLog, TESTS, UNIT, test};
+use super::orbit::eigenvalues;
+use super::switching::Departure;
+use super::test_functions::{DOUBLING, Sample, SignedLog, TESTS, UNIT, test};
 use super::word::OrbitWord;
+use crate::error::Error;
 use nalgebra::{Complex, DVector};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Least step: a branch that needs a smaller one ends without convergence.
 const LEAST_STEP: f64 = 1e-7;
-/// A step's correction is at most this part of it.
-const CORRECTION: f64 = 0.3;
 /// The least cosine of the angle by which the tangent turns in a step.
 const COSINE: f64 = 0.95;
-/// How far ahead, in steps, a branch that cannot be followed is looked for its birth.
-const BEYOND: f64 = 2.0;
 /// Growth of the step after few Newton steps, and its reduction after many.
 const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
@@ -29,6 +29,8 @@ const REDUCTION: f64 = 1.5;
 const SHORTEST_LOOP: usize = 10;
 /// Distance from the first point, in steps, at which a branch counts as closed.
 const CLOSED: f64 = 0.05;
+/// Difference of two values of the parameter, in its unit of the curve, that is rounding.
+const MARK: f64 = 1e-12;
 
 /// How branches are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +41,21 @@ pub struct PathOptions {
     pub most_points: usize,
 }
 
+impl PathOptions {
+    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck, and in longer ones two special points
+    /// of one kind may hide each other.
+    pub const STEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.2;
+
+    /// Refuses a step that is not allowed.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        if Self::STEPS.contains(&self.longest_step) {
+            return Ok(());
+        }
+        let text = format!("longest step {}", self.longest_step);
+        Err(Error::Form { text, expected: "a length from 1e-5 to 0.2" })
+    }
+}
+
 impl Default for PathOptions {
     fn default() -> Self {
         Self { longest_step: 0.05, most_points: 3000 }
@@ -46,7 +63,7 @@ impl Default for PathOptions {
 }
 
 /// How a path ends.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum PathEnd {
     /// Its last point's label says how.
     Plain,
@@ -55,7 +72,7 @@ pub(super) enum PathEnd {
     /// At a touch.
     Touch(Box<Touch>),
     /// At the branch from which it is born by doubling: that branch's word, phases and parameter.
-    Primary(OrbitWord, DVector<f64>),
+    Primary(OrbitWord, #[serde(with = "super::stored::vector")] DVector<f64>),
 }
 
 /// A path with its end.
@@ -81,13 +98,6 @@ struct Advance {
     next: Position,
     label: Option<Special>,
     end: Option<PathEnd>,
-}
-
-/// A special point within a step.
-struct Found {
-    arc: f64,
-    at: CurvePoint,
-    label: Label,
 }
 
 pub(super) struct Follower<'a> {
@@ -170,13 +180,21 @@ impl Follower<'_> {
         u[self.word.len()] * self.span().unit()
     }
 
+    /// Whether a value of the parameter is a mark but for rounding.
+    fn is_at(&self, value: f64, mark: f64) -> bool {
+        (value - mark).abs() <= MARK * self.span().unit()
+    }
+
     fn point(&self, position: &Position, special: Option<Special>) -> Point {
+        let value = self.value(&position.u);
+        let mark =
+            self.marks.iter().copied().find(|mark| self.is_at(value, *mark)).filter(|_| special.is_none());
         Point {
-            value: self.value(&position.u),
+            value: mark.unwrap_or(value),
             phases: position.u.as_slice()[..self.word.len()].to_vec(),
             multipliers: position.multipliers,
             stable: position.stable,
-            special,
+            special: special.or(mark.map(|_| Special::of(Label::UserValue))),
         }
     }
 
@@ -217,127 +235,11 @@ impl Follower<'_> {
         Ok((Position { u, tangent, steps, multipliers, stable, tests }, touches))
     }
 
-    /// One step, to the next point or to the path's end before it.
-    fn advance(&self, last: &Position, step: f64) -> Result<Advance, Obstacle> {
-        let predicted = &last.u + &last.tangent * step;
-        if !self.span().contains(self.value(&predicted)) {
-            return self.advance_to_end(last, self.value(&predicted));
-        }
-        let follows = |curve: &CurvePoint| {
-            let turned = curve.tangent.dot(&last.tangent) < COSINE;
-            !turned && (&curve.u - &predicted).norm() <= CORRECTION * step
-        };
-        let Some(curve) = correct(&self.contacts(), &predicted, &last.tangent).ok().filter(follows) else {
-            // Next to the branch from which this one is born, the corrector may end on that one.
-            let beyond = &last.u + &last.tangent * (BEYOND * step);
-            let primary = special::primary(self.family, self.word, &last.u, &beyond)?;
-            return self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?);
-        };
-        if !self.span().contains(self.value(&curve.u)) {
-            return self.advance_to_end(last, self.value(&curve.u));
-        }
-        self.arrive(last, curve, None)
-    }
-
-    /// The step to the end of the parameter's range that lies before `beyond`.
-    fn advance_to_end(&self, last: &Position, beyond: f64) -> Result<Advance, Obstacle> {
-        let n = self.word.len();
-        let end = if beyond < self.span().from { self.span().from } else { self.span().to };
-        let arc = (end / self.span().unit() - last.u[n]) / last.tangent[n];
-        if !(arc.is_finite() && arc >= 0.0) {
-            return Err(Obstacle::NoConvergence);
-        }
-        let predicted = &last.u + &last.tangent * arc;
-        let phases = newton(&self.family.system(&[end])?, self.word, &predicted.as_slice()[..n])?;
-        let u = self.family.point(&phases, &[end]);
-        if (&u - &predicted).norm() > CORRECTION * arc + LEAST_STEP {
-            return Err(Obstacle::NoConvergence);
-        }
-        let tangent = super::curve::tangent(&self.contacts(), &u, &last.tangent)?;
-        let curve = CurvePoint { u, tangent, steps: 3 };
-        self.arrive(last, curve, Some(Label::EndPoint))
-    }
-
-    /// Takes a point as the next one, unless the path ends before it.
-    fn arrive(&self, last: &Position, curve: CurvePoint, label: Option<Label>) -> Result<Advance, Obstacle> {
-        let (next, touches) = self.look(curve)?;
-        if let Some(touches) = touches {
-            return self.end_at_touch(last, &next, touches);
-        }
-        if let Some(primary) = special::primary(self.family, self.word, &last.u, &next.u)? {
-            return self.end_at_primary(last, primary);
-        }
-        let between = self.between(last, &next)?;
-        let end = label.map(|_| PathEnd::Plain);
-        Ok(Advance { between, next, label: label.map(Special::of), end })
-    }
-
-    /// Ends the path at the first of the touches that are met on the way to `next`.
-    fn end_at_touch(
-        &self,
-        last: &Position,
-        next: &Position,
-        touches: Vec<Touch>,
-    ) -> Result<Advance, Obstacle> {
-        let length = last.tangent.dot(&(&next.u - &last.u));
-        let arc = |touch: &Touch| {
-            let way = touch.on_branch() - &last.u;
-            let arc = last.tangent.dot(&way);
-            let aside = (way - &last.tangent * arc).norm();
-            let near = aside <= CORRECTION * length + LEAST_STEP;
-            (near && arc >= -LEAST_STEP && arc <= length + LEAST_STEP).then_some(arc)
-        };
-        let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
-        let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
-        // Of two at one point, as where a repeated orbit touches in each round, the impact that the word lists is taken out.
-        let order = |a: &(f64, Touch), b: &(f64, Touch)| {
-            if (a.0 - b.0).abs() < LEAST_STEP {
-                b.1.from_longer.cmp(&a.1.from_longer)
-            } else {
-                a.0.total_cmp(&b.0)
-            }
-        };
-        let (_, touch) = placed.min_by(order).ok_or(Obstacle::NoConvergence)?;
-        let (touch, is_orbit, pressed) = grazing::examine(self.family, touch)?;
-        if !is_orbit {
-            return Err(Obstacle::NoConvergence);
-        }
-        let u = touch.on_branch();
-        let system = self.family.system_at(&u)?;
-        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.word.len()])?;
-        let tests = [test(&cycle, UNIT), test(&cycle, DOUBLING), None];
-        let without = Contact::of(self.family, &touch);
-        let phases = &without.u.as_slice()[..without.shorter.len()];
-        let multipliers = Orbit::at(&system, &without.shorter, phases)?.multipliers();
-        let tangent = last.tangent.clone();
-        let at = Position { u, tangent, steps: 3, multipliers, stable: false, tests };
-        let between = self.between(last, &at)?;
-        let label = if pressed { Label::Chatter } else { Label::Grazing };
-        let special = Special { longer: Some(touch.longer.clone()), ..Special::of(label) };
-        let end = if pressed { PathEnd::Plain } else { PathEnd::Touch(Box::new(touch)) };
-        Ok(Advance { between, next: at, label: Some(special), end: Some(end) })
-    }
-
-    /// Ends the path at the branch from which it is born by doubling.
-    fn end_at_primary(
-        &self,
-        last: &Position,
-        (word, u): (OrbitWord, DVector<f64>),
-    ) -> Result<Advance, Obstacle> {
-        let n = word.len();
-        let phases = super::orbit::unfolded_phases(&word, &u.as_slice()[..n]);
-        let values = self.family.values(&u);
-        let doubled = self.family.point(&phases, &values);
-        let system = self.family.system(&values)?;
-        let cycle = Cycle::new(&system, self.word, &phases)?;
-        let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
-        // The test for doubling changes its sign on the way if it does; that for a multiplier 1 touches zero at the end.
-        let tests = [None, test(&cycle, DOUBLING), None];
-        let tangent = last.tangent.clone();
-        let next = Position { u: doubled, tangent, steps: 3, multipliers, stable: false, tests };
-        let between = self.between(last, &next)?;
-        let label = if word.closing() < 0 { Label::BranchPoint } else { Label::PeriodDoubling };
-        Ok(Advance { between, next, label: Some(Special::of(label)), end: Some(PathEnd::Primary(word, u)) })
+    /// Looks at a point within a step between two certified points: where it is not certified itself, stops are touched twice in the
+    /// step, which is too long.
+    fn look_certified(&self, curve: CurvePoint) -> Result<Position, Obstacle> {
+        let (position, touches) = self.look(curve)?;
+        if touches.is_some() { Err(Obstacle::NoConvergence) } else { Ok(position) }
     }
 
     /// Whether a step passes the first point again.
@@ -358,91 +260,5 @@ impl Follower<'_> {
             let same_way = rates.dot(&next.tangent) > COSINE;
             (0.0..=1.0).contains(&part) && aside < CLOSED * length && same_way
         })
-    }
-
-    /// The special points between two points, in order, with the stability of the pieces that follow them.
-    fn between(&self, last: &Position, next: &Position) -> Result<Vec<Point>, Obstacle> {
-        let mut found = Vec::new();
-        for index in 0..TESTS {
-            if let (Some(a), Some(b)) = (last.tests[index], next.tests[index])
-                && a.sign * b.sign < 0.0
-            {
-                found.extend(self.zero(last, next, index, a)?);
-            }
-        }
-        found.extend(self.marks.iter().filter_map(|mark| self.mark(last, next, *mark)));
-        found.sort_by(|a, b| a.arc.total_cmp(&b.arc));
-        let length = last.tangent.dot(&(&next.u - &last.u));
-        let ends: Vec<f64> = found.iter().skip(1).map(|f| f.arc).chain([length]).collect();
-        let mut points = Vec::new();
-        for (Found { arc, at, label }, end) in found.into_iter().zip(ends) {
-            let middle = self.at_arc(last, next, 0.5 * (arc + end))?;
-            let stable = self.look(middle)?.0.stable;
-            let position = self.look(at)?.0;
-            points.push(Point { stable, ..self.point(&position, Some(Special::of(label))) });
-        }
-        Ok(points)
-    }
-
-    /// The branch's point in the plane across the last tangent at a distance from the last point.
-    fn at_arc(&self, last: &Position, next: &Position, arc: f64) -> Result<CurvePoint, Obstacle> {
-        let way = &next.u - &last.u;
-        let length = last.tangent.dot(&way);
-        let part = arc / length;
-        // The parabola through both points that leaves along the tangent.
-        let predicted = &last.u + &last.tangent * arc + (way - &last.tangent * length) * (part * part);
-        correct(&self.contacts(), &predicted, &last.tangent)
-    }
-
-    /// The bifurcation at the zero of a test function between two points, if it is one.
-    fn zero(
-        &self,
-        last: &Position,
-        next: &Position,
-        index: usize,
-        unit: SignedLog,
-    ) -> Result<Option<Found>, Obstacle> {
-        let length = last.tangent.dot(&(&next.u - &last.u));
-        let value = |arc: f64| -> Result<f64, Obstacle> {
-            let at = self.at_arc(last, next, arc)?;
-            let system = self.family.system_at(&at.u)?;
-            let cycle = Cycle::new(&system, self.word, &at.u.as_slice()[..self.word.len()])?;
-            let found = test(&cycle, index).ok_or(Obstacle::NoConvergence)?;
-            Ok(found.relative_to(unit))
-        };
-        let ends = next.tests[index].map_or(f64::NAN, |b| b.relative_to(unit));
-        let Some(arc) = special::zero(value, length, (unit.sign, ends)) else {
-            return Err(Obstacle::NoConvergence);
-        };
-        let at = self.at_arc(last, next, arc)?;
-        let turns = last.tangent[self.word.len()] * next.tangent[self.word.len()] < 0.0;
-        let label = match index {
-            UNIT if turns => Label::Fold,
-            UNIT => Label::BranchPoint,
-            DOUBLING if self.word.closing() > 0 => Label::PeriodDoubling,
-            DOUBLING => Label::BranchPoint,
-            _ => Label::NeimarkSacker,
-        };
-        if index == PAIR && !special::is_torus(self.family, self.word, &at.u)? {
-            return Ok(None);
-        }
-        Ok(Some(Found { arc, at, label }))
-    }
-
-    /// The point at a value of the parameter, where the step passes it.
-    fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<Found> {
-        let n = self.word.len();
-        let [from, to] = [&last.u, &next.u].map(|u| self.value(u));
-        if (from - mark) * (to - mark) >= 0.0 {
-            return None;
-        }
-        let part = (mark - from) / (to - from);
-        let guess = &last.u + (&next.u - &last.u) * part;
-        let system = self.family.system(&[mark]).ok()?;
-        let phases = newton(&system, self.word, &guess.as_slice()[..n]).ok()?;
-        let u = self.family.point(&phases, &[mark]);
-        let arc = last.tangent.dot(&(&u - &last.u));
-        let at = CurvePoint { u, tangent: last.tangent.clone(), steps: 3 };
-        Some(Found { arc, at, label: Label::UserValue })
     }
 }

@@ -14,17 +14,15 @@ use vibro_impact::numerics::roots::brent;
 /// The difference of the halves of an orbit (rad) that counts as rounding.
 const BIRTH: f64 = 1e-9;
 
-/// Accuracy in the arc to which a zero is enclosed: rounding of the points themselves is of this size.
-const LOCATION: f64 = 1e-14;
-
 /// Step of the differences of a test function, whose gradient sets the speed of convergence and never the result.
 const DIFFERENCE: f64 = 1e-6;
 
-/// The arc in (0, length) at which a test function is zero; its values at the ends are known.
+/// The arc in (0, length) at which a test function is zero, to `tolerance`; its values at the ends are known.
 pub(super) fn zero(
-    value: impl Fn(f64) -> Result<f64, Obstacle>,
+    value: &impl Fn(f64) -> Result<f64, Obstacle>,
     length: f64,
     ends: (f64, f64),
+    tolerance: f64,
 ) -> Option<f64> {
     let failed = Cell::new(false);
     let of = |arc: f64| {
@@ -39,7 +37,7 @@ pub(super) fn zero(
             f64::NAN
         })
     };
-    brent(of, 0.0, length, LOCATION).filter(|_| !failed.get())
+    brent(of, 0.0, length, tolerance).filter(|_| !failed.get())
 }
 
 /// Whether a complex pair of multipliers is on the unit circle.

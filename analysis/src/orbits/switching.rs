@@ -1,12 +1,12 @@
 //! Where branches begin: at settled orbits, at bifurcations of another branch, at touches.
 
 use super::branch::{Label, Special};
-use super::curve::{axis, tangent};
+use super::curve::{axis, least_vectors, tangent};
 use super::cycle::{Cycle, Functional};
 use super::family::{Contacts, Family};
-use super::grazing::{self, Touch};
+use super::grazing::{self, Touch, Touching};
 use super::obstacle::Obstacle;
-use super::orbit::{Orbit, canonical, unfolded_phases};
+use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
 use super::settled::REPETITION;
 use super::word::OrbitWord;
 use nalgebra::{Complex, DVector};
@@ -79,23 +79,26 @@ impl Contact {
         }
     }
 
-    /// The words that list the touch: once in a passage, and for a symmetric orbit, which touches both stops, at one of them
-    /// alone.
-    pub fn longer(&self, family: &Family) -> Vec<Touch> {
-        let insert = |word: OrbitWord, phases: Vec<f64>, index: usize| {
-            let mut phases = phases;
+    /// The words that list the touch: once in a passage, and for a symmetric orbit, which touches both stops, at one of them alone.
+    /// With `repetitions` above 1 also up to so many passages with the touch in one of them, which are orbits of a longer period.
+    pub fn longer(&self, family: &Family, repetitions: u32) -> Vec<Touch> {
+        let phases = &self.u.as_slice()[..self.shorter.len()];
+        let index = if phases.is_empty() { 0 } else { self.flight + 1 };
+        let touch = |word: &OrbitWord, mut phases: Vec<f64>| {
             phases.insert(index, self.phase);
             let u = family.point(&phases, &family.values(&self.u));
             Touch { longer: word.inserted(index, self.side), index, u, also: Vec::new(), from_longer: false }
         };
-        let n = self.shorter.len();
-        let phases = self.u.as_slice()[..n].to_vec();
-        let index = if n == 0 { 0 } else { self.flight + 1 };
-        let mut found = vec![insert(self.shorter.clone(), phases.clone(), index)];
-        if self.shorter.closing() < 0 {
-            found.push(insert(self.shorter.unfolded(), unfolded_phases(&self.shorter, &phases), index));
-        }
-        found
+        let unfolded = (self.shorter.closing() < 0)
+            .then(|| (self.shorter.unfolded(), unfolded_phases(&self.shorter, phases)));
+        let own = (self.shorter.clone(), phases.to_vec());
+        let passages = |(word, phases): (OrbitWord, Vec<f64>)| {
+            // A symmetric orbit is one after an odd number of passages.
+            let step = if word.closing() < 0 { 2 } else { 1 };
+            let repeated = |k| touch(&word.repeated(k), repeated_phases(&word, &phases, k));
+            (1..=repetitions as usize).step_by(step).map(repeated).collect::<Vec<_>>()
+        };
+        std::iter::once(own).chain(unfolded).flat_map(passages).collect()
     }
 
     /// Where the branch without the touch leaves: on the side on which the block keeps clear of the stop.
@@ -136,7 +139,7 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
     let n = touch.longer.len();
     let contacts = Contacts { family, word: &touch.longer };
     let along = tangent(&contacts, &touch.u, &axis(n + 1, n))?;
-    let (_, gradient) = grazing::approach(&contacts, touch.index, &touch.u)?;
+    let gradient = grazing::speed_gradient(&Touching { contacts, index: touch.index }, &touch.u)?;
     let tangent = if gradient.dot(&along) > 0.0 { along } else { -along };
     let system = family.system_at(&touch.u)?;
     let without = touch.without();
@@ -163,9 +166,7 @@ pub(super) fn doubled(
     let phases = &u.as_slice()[..n];
     let cycle = Cycle::new(&system, word, phases)?;
     let matrix = cycle.derivative(Functional::Gap, -1.0).ok_or(Obstacle::Singular)?;
-    let svd = matrix.svd(false, true);
-    let least = svd.singular_values.imin();
-    let null = svd.v_t.as_ref().and_then(|v| v.row_iter().nth(least)).ok_or(Obstacle::NoConvergence)?;
+    let null = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
     let size = std::f64::consts::SQRT_2;
     let direction = DVector::from_fn(2 * n + 1, |i, _| match i {
         i if i < n => null[i] / size,

@@ -83,9 +83,9 @@ impl System {
         self.rest[1] - self.rest[0]
     }
 
-    /// Whether the mirror image of a motion is one too: without an offset.
+    /// Whether the mirror image of a motion is one too: without loads.
     pub fn is_symmetric(&self) -> bool {
-        self.offset() == 0.0
+        self.loads == ConstantLoads::NONE
     }
 
     /// |H|, the amplitude of the block in the box without impacts, units of L.

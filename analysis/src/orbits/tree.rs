@@ -1,35 +1,25 @@
 //! All branches that can be reached: from settled motions over the whole range, from the motion without impacts, and from every
 //! special point of every branch.
 
-use super::branch::{Branch, Label, Point, Special};
+use super::branch::{Branch, Point};
 use super::family::Family;
 use super::free;
+use super::grower::{Grower, Start};
 use super::obstacle::Obstacle;
-use super::orbit::{Orbit, canonical, newton, same_phases};
+use super::orbit::Orbit;
 use super::path::{Follower, PathEnd, PathOptions, follow};
 use super::settled;
-use super::switching::{self, Contact, Departure};
-use super::word::OrbitWord;
+use super::switching;
+use super::word::{MOST_LETTERS, OrbitWord};
 use crate::bifurcation::within_gap;
 use crate::error::Error;
+use crate::parts::{NoStore, PartStore, Task};
 use crate::stroboscopic::moving_block;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Starts that are traced together. It is fixed, so that the results do not depend on the number of threads.
-const TOGETHER: usize = 16;
-
-/// Values of the parameter, in units of a fifth of its range, that count as one place of the same kind of point.
-const SAME_PLACE: f64 = 1e-7;
-
-/// Phases (rad) that count as those of one orbit at one value of the parameter.
-const SAME_ORBIT: f64 = 1e-6;
-
-/// How far interpolated phases may be from an orbit's for the branch to be tried.
-const NEAR_ORBIT: f64 = 0.2;
-
 /// What is traced.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
     /// Values of the parameter at which motions are settled, in each direction.
     pub seeds: usize,
@@ -45,6 +35,32 @@ pub struct TreeOptions {
     pub longest_step: f64,
     /// Most points of a branch in one direction.
     pub most_points: usize,
+    /// At a touch the words that list it once in up to so many passages of the orbit without it are followed too: with 1 in every
+    /// passage alone.
+    pub repetitions: u32,
+    /// Values of the parameter at which each branch has a point, labelled UZ.
+    pub marks: Vec<f64>,
+}
+
+/// Most repetitions of a word, and the longest period, that are followed.
+const MOST_REPETITIONS: u32 = 64;
+const LONGEST_PERIOD: u32 = 1 << 12;
+
+impl TreeOptions {
+    /// Refuses what would not end or not fit into memory.
+    fn check(&self) -> Result<(), Error> {
+        let refused = |text: String, expected| Err(Error::Form { text, expected });
+        if !(1..=MOST_REPETITIONS).contains(&self.repetitions) {
+            return refused(format!("{} repetitions", self.repetitions), "1 to 64");
+        }
+        if self.longest_period > LONGEST_PERIOD {
+            return refused(format!("longest period {}", self.longest_period), "up to 4096 drive periods");
+        }
+        if self.most_letters > MOST_LETTERS {
+            return refused(format!("{} letters", self.most_letters), "up to 1024");
+        }
+        Ok(())
+    }
 }
 
 impl Default for TreeOptions {
@@ -58,6 +74,8 @@ impl Default for TreeOptions {
             most_letters: 64,
             longest_step,
             most_points,
+            repetitions: 1,
+            marks: Vec::new(),
         }
     }
 }
@@ -71,58 +89,75 @@ pub struct Tree {
     pub failures: usize,
 }
 
-/// A place from which a branch may be traced.
-#[derive(Clone, Debug)]
-struct Start {
-    depth: u32,
-    parent: Option<(usize, usize)>,
-    word: OrbitWord,
-    departures: Vec<Departure>,
-}
-
-/// A branch that was traced, with how its ends continue.
-struct Traced {
-    start: Start,
-    points: Vec<Point>,
-    closed: bool,
+/// What was found from a start: the points of a branch, with how its ends continue.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Traced {
+    pub points: Vec<Point>,
+    pub closed: bool,
     /// Indices of points with what continues there.
-    ends: Vec<(usize, PathEnd)>,
+    pub ends: Vec<(usize, PathEnd)>,
 }
 
-/// Traces the tree of a family with one parameter; `done` hears of the starts that were traced and those that wait.
+/// Traces the tree of a family with one parameter; `done` hears of the starts that were traced and those that are known to wait,
+/// which may become more.
 ///
 /// # Errors
-/// What the machines of the family refuse.
+/// [`Error::Form`] for a step outside [`PathOptions::STEPS`], repetitions outside 1 to 64, more than 1024 letters, and periods above 4096
+/// drive periods; what the machines of the family refuse.
 pub fn tree(
     family: &Family,
     options: &TreeOptions,
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Tree, Error> {
+    tree_in_parts(family, options, &NoStore, done)
+}
+
+/// The same with finished parts kept: the settled motions, then the branches of each round of starts. How many rounds there are
+/// shows in their course. A tree that was interrupted goes on from the parts in the store, which must be of the same family and
+/// options, and becomes the same to the bit.
+///
+/// # Errors
+/// As [`tree`]; what the store refuses.
+pub fn tree_in_parts(
+    family: &Family,
+    options: &TreeOptions,
+    store: &dyn PartStore,
+    done: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Tree, Error> {
+    let task = Task { store, ..Task::ALL };
     let mut grower = Grower::new(family, options);
-    for (branch, contacts) in free::branches(family)? {
+    options.check()?;
+    grower.path.check()?;
+    for (branch, contacts) in free::branches(family, &options.marks)? {
         let id = grower.tree.branches.len();
         grower.tree.branches.push(branch);
         for (point, contact) in contacts {
             grower.offer_longer(&contact, 0, (id, point));
         }
     }
-    for orbit in settled_orbits(family, options)? {
-        let (word, phases, value) = orbit;
+    let settled = task.part(0, |_| settled_orbits(family, options))?.unwrap_or_default();
+    for (word, phases, value) in settled {
         if let Ok((word, both)) = switching::both_ways(family, &word, &phases, value) {
             grower.queue.push(Start { depth: 0, parent: None, word, departures: both.to_vec() });
         }
     }
     let mut traced = 0;
-    while !grower.queue.is_empty() {
+    for round in 1.. {
+        if grower.queue.is_empty() {
+            break;
+        }
         let batch = grower.next_batch();
         traced += batch.len();
         let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
-        let found: Vec<_> =
-            batch.into_par_iter().map(|start| trace(family, &grower.path, &[], start)).collect();
-        for branch in found {
+        let trace_all = |_| -> Result<Vec<Option<Traced>>, Error> {
+            let trace = |start: &Start| trace(family, &grower.path, &options.marks, start).ok();
+            Ok(batch.par_iter().map(trace).collect())
+        };
+        let found = task.part(round, trace_all)?.unwrap_or_default();
+        for (start, branch) in batch.into_iter().zip(found) {
             match branch {
-                Ok(branch) => grower.add(branch),
-                Err(_) => grower.tree.failures += 1,
+                Some(branch) => grower.add(start, branch),
+                None => grower.tree.failures += 1,
             }
         }
         done(traced, grower.queue.len());
@@ -146,7 +181,8 @@ pub fn tree(
 /// ```
 ///
 /// # Errors
-/// [`Error::NoOrbit`] when there is no orbit near `phases` at the value, or none of the machine; what the machine refuses.
+/// [`Error::Form`] for a step that is not allowed and a value outside the family's range; [`Error::NoOrbit`] when there is no orbit
+/// near `phases` at the value, or none of the machine; what the machine refuses.
 pub fn branch(
     family: &Family,
     word: &OrbitWord,
@@ -155,6 +191,11 @@ pub fn branch(
     options: &PathOptions,
     marks: &[f64],
 ) -> Result<Branch, Error> {
+    options.check()?;
+    if !family.span().contains(value) {
+        let text = format!("{}={value}", family.span().name.name());
+        return Err(Error::Form { text, expected: "a value within the range of the family" });
+    }
     let system = family.system(&[value])?;
     let orbit = Orbit::find(&system, word, phases)?;
     if !orbit.is_certified() {
@@ -168,21 +209,21 @@ pub fn branch(
     }
     if word.is_empty() {
         let around = |b: &Branch| b.points.windows(2).any(|p| (p[0].value..=p[1].value).contains(&value));
-        let found = free::branches(family)?.into_iter().map(|b| b.0).find(around);
+        let found = free::branches(family, marks)?.into_iter().map(|b| b.0).find(around);
         return found.ok_or_else(|| Obstacle::NoConvergence.error(&system, word));
     }
     let followed = || {
         let (word, both) = switching::both_ways(family, word, orbit.phases(), value)?;
         let start = Start { depth: 0, parent: None, word, departures: both.to_vec() };
-        trace(family, options, marks, start)
+        Ok((trace(family, options, marks, &start)?, start.word))
     };
-    let Traced { start, points, closed, .. } =
-        followed().map_err(|obstacle| obstacle.error(&system, word))?;
-    Ok(Branch { id: 0, parent: None, depth: 0, word: start.word, points, closed })
+    let (Traced { points, closed, .. }, word) =
+        followed().map_err(|obstacle: Obstacle| obstacle.error(&system, word))?;
+    Ok(Branch { id: 0, parent: None, depth: 0, word, points, closed })
 }
 
 /// Follows a start in all its directions.
-fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: Start) -> Result<Traced, Obstacle> {
+fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &Start) -> Result<Traced, Obstacle> {
     let follower = Follower { family, word: &start.word, options, marks };
     let mut departures = start.departures.iter();
     let first = departures.next().ok_or(Obstacle::NoConvergence)?;
@@ -201,7 +242,7 @@ fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: Start) ->
     }
     points.extend(forward.points);
     ends.push((points.len() - 1, forward.end));
-    Ok(Traced { start, points, closed, ends })
+    Ok(Traced { points, closed, ends })
 }
 
 /// An orbit's word, phases and parameter.
@@ -238,255 +279,4 @@ fn settled_orbits(family: &Family, options: &TreeOptions) -> Result<Vec<Place>, 
     };
     let (rising, falling) = rayon::join(|| chain(true), || chain(false));
     Ok([rising?, falling?].concat())
-}
-
-/// The tree as far as it has grown.
-struct Grower<'a> {
-    family: &'a Family,
-    options: &'a TreeOptions,
-    path: PathOptions,
-    tree: Tree,
-    queue: Vec<Start>,
-    /// Places from which branches were traced or at which they end: kind, canonical word, parameter.
-    known: Vec<(Label, OrbitWord, f64)>,
-}
-
-impl<'a> Grower<'a> {
-    fn new(family: &'a Family, options: &'a TreeOptions) -> Self {
-        let path = PathOptions { longest_step: options.longest_step, most_points: options.most_points };
-        let tree = Tree { branches: Vec::new(), failures: 0 };
-        Self { family, options, path, tree, queue: Vec::new(), known: Vec::new() }
-    }
-
-    /// The next starts of the queue, which is in order of depth and in each depth in order of discovery: of those of one word the
-    /// first alone, since others may lie on its branch.
-    fn next_batch(&mut self) -> Vec<Start> {
-        let (mut batch, mut rest): (Vec<Start>, Vec<Start>) = (Vec::new(), Vec::new());
-        for start in self.queue.drain(..) {
-            let first = batch.first().is_none_or(|b| b.depth == start.depth);
-            if first && batch.len() < TOGETHER && batch.iter().all(|b| b.word != start.word) {
-                batch.push(start);
-            } else {
-                rest.push(start);
-            }
-        }
-        self.queue = rest;
-        batch
-    }
-
-    /// Whether the orbit from which a start leaves is on a branch already.
-    fn tree_has(&self, start: &Start) -> bool {
-        let Some(departure) = start.departures.first().filter(|d| d.special.is_none()) else { return false };
-        let value = self.family.values(&departure.u)[0];
-        self.tree
-            .passing(self.family, &start.word, &departure.u.as_slice()[..start.word.len()], value)
-            .is_some()
-    }
-
-    /// Takes a branch into the tree, unless it is there, and queues what begins on it.
-    fn add(&mut self, traced: Traced) {
-        let Traced { start, points, closed, ends } = traced;
-        let Start { depth, parent, word, departures } = start;
-        if points.len() < 3 {
-            self.tree.failures += 1;
-            return;
-        }
-        let born = departures.len() == 1;
-        // Away from the ends, next to which several branches lie close together.
-        let middle = points.len() / 2;
-        let probe = points[middle..].iter().find(|p| p.special.is_none()).unwrap_or(&points[middle]);
-        if self.tree.passing(self.family, &word, &probe.phases, probe.value).is_some() {
-            return;
-        }
-        let id = self.tree.branches.len();
-        if let (true, Some(label)) = (born, points[0].label()) {
-            self.know(label, &word, points[0].value);
-        }
-        let starts: Vec<(usize, Label)> =
-            points.iter().enumerate().filter_map(|(i, p)| Some((i, p.label()?))).collect();
-        self.tree.branches.push(Branch { id, parent, depth, word: word.clone(), points, closed });
-        let end_points: Vec<usize> = ends.iter().map(|e| e.0).collect();
-        for (point, label) in starts {
-            let doubles = matches!(label, Label::PeriodDoubling | Label::BranchPoint);
-            if doubles && !end_points.contains(&point) && !(born && point == 0) {
-                self.offer_doubled(id, point, label);
-            }
-        }
-        for (point, end) in ends {
-            match end {
-                PathEnd::Touch(touch) => {
-                    let contact = Contact::of(self.family, &touch);
-                    let value = self.family.values(&touch.u)[0];
-                    let fold = self.is_fold(&contact, &touch);
-                    if let Some(special) = &mut self.tree.branches[id].points[point].special {
-                        special.fold = fold;
-                    }
-                    self.know(Label::Grazing, &word, value);
-                    self.offer_shorter(&contact, depth, (id, point));
-                    self.offer_longer(&contact, depth, (id, point));
-                }
-                PathEnd::Primary(primary, u) => {
-                    let label = self.tree.branches[id].points[point].label();
-                    let value = self.family.values(&u)[0];
-                    self.know(label.unwrap_or(Label::BranchPoint), &word, value);
-                    let phases = u.as_slice()[..primary.len()].to_vec();
-                    if let Ok((word, both)) = switching::both_ways(self.family, &primary, &phases, value) {
-                        self.offer(Start {
-                            depth: depth + 1,
-                            parent: Some((id, point)),
-                            word,
-                            departures: both.to_vec(),
-                        });
-                    }
-                }
-                PathEnd::Plain | PathEnd::Closed => {}
-            }
-        }
-    }
-
-    /// Whether the orbits with and without a touch exist on the same side of it.
-    fn is_fold(&self, contact: &Contact, touch: &super::grazing::Touch) -> Option<bool> {
-        let with = switching::with_touch(self.family, touch).ok()?;
-        let longer = with.tangent[touch.longer.len()];
-        let shorter = if contact.shorter.is_empty() {
-            free::towards_clear(self.family, &contact.u)?
-        } else {
-            contact.departure(self.family).ok()?.tangent[contact.shorter.len()]
-        };
-        Some(longer * shorter > 0.0)
-    }
-
-    fn key(&self, label: Label, word: &OrbitWord, value: f64) -> (Label, OrbitWord, f64) {
-        (label, word.canonical_turn(self.family.is_symmetric()).0, value / self.family.span().unit())
-    }
-
-    fn know(&mut self, label: Label, word: &OrbitWord, value: f64) {
-        let key = self.key(label, word, value);
-        self.known.push(key);
-    }
-
-    /// Remembers a place; false where it is known.
-    fn is_new(&mut self, label: Label, word: &OrbitWord, value: f64) -> bool {
-        let key = self.key(label, word, value);
-        let same =
-            |k: &(Label, OrbitWord, f64)| k.0 == key.0 && k.1 == key.1 && (k.2 - key.2).abs() < SAME_PLACE;
-        if self.known.iter().any(same) {
-            return false;
-        }
-        self.known.push(key);
-        true
-    }
-
-    /// Queues a start in the order of depth, unless it is out of bounds.
-    fn offer(&mut self, start: Start) {
-        let TreeOptions { depth, longest_period, most_letters, .. } = *self.options;
-        if start.depth > depth || start.word.period() > longest_period || start.word.len() > most_letters {
-            return;
-        }
-        let place = self.queue.partition_point(|s| s.depth <= start.depth);
-        self.queue.insert(place, start);
-    }
-
-    fn offer_doubled(&mut self, id: usize, point: usize, label: Label) {
-        let branch = &self.tree.branches[id];
-        let (at, depth, word) = (&branch.points[point], branch.depth, branch.word.clone());
-        let u = self.family.point(&at.phases, &[at.value]);
-        let value = at.value;
-        // A doubled branch's own crossing of another one is not a doubling.
-        let Ok((word, departure)) = switching::doubled(self.family, &word, &u, label) else { return };
-        if self.is_new(label, &word, value) {
-            let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
-            self.offer(Start {
-                depth: depth + 1,
-                parent: Some((id, point)),
-                word,
-                departures: vec![departure],
-            });
-        }
-    }
-
-    fn offer_longer(&mut self, contact: &Contact, depth: u32, parent: (usize, usize)) {
-        for touch in contact.longer(self.family) {
-            let value = self.family.values(&touch.u)[0];
-            if !self.is_new(Label::Grazing, &touch.longer, value) {
-                continue;
-            }
-            if let Ok(departure) = switching::with_touch(self.family, &touch) {
-                self.offer_born(&touch.longer, &departure, depth, parent, &touch.longer);
-            }
-        }
-    }
-
-    fn offer_shorter(&mut self, contact: &Contact, depth: u32, parent: (usize, usize)) {
-        let value = self.family.values(&contact.u)[0];
-        if contact.shorter.is_empty() || !self.is_new(Label::Grazing, &contact.shorter, value) {
-            return;
-        }
-        let longer = contact.longer(self.family).remove(0).longer;
-        if let Ok(departure) = contact.departure(self.family) {
-            self.offer_born(&contact.shorter, &departure, depth, parent, &longer);
-        }
-    }
-
-    fn offer_born(
-        &mut self,
-        word: &OrbitWord,
-        departure: &Departure,
-        depth: u32,
-        parent: (usize, usize),
-        longer: &OrbitWord,
-    ) {
-        let special = Special { longer: Some(longer.clone()), ..Special::of(Label::Grazing) };
-        let departure = Departure { special: Some(special), ..departure.clone() };
-        let (word, departure) = switching::reduced_departure(self.family, word, &departure);
-        let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
-        self.offer(Start { depth: depth + 1, parent: Some(parent), word, departures: vec![departure] });
-    }
-}
-
-impl Tree {
-    /// The branch that passes an orbit, if one does.
-    pub fn passing(&self, family: &Family, word: &OrbitWord, phases: &[f64], value: f64) -> Option<usize> {
-        let mirror = family.is_symmetric();
-        let (word, phases) = canonical(word, phases, mirror);
-        self.branches
-            .iter()
-            .find(|b| b.word == word && b.passes(family, &phases, value, mirror))
-            .map(|b| b.id)
-    }
-}
-
-impl Branch {
-    /// Whether it passes an orbit, which is of the family at a value of the parameter.
-    pub fn holds(&self, family: &Family, orbit: &Orbit, value: f64) -> bool {
-        let mirror = family.is_symmetric();
-        let (word, phases) = canonical(orbit.word(), orbit.phases(), mirror);
-        word == self.word && self.passes(family, &phases, value, mirror)
-    }
-
-    /// Whether the branch passes an orbit of its word.
-    fn passes(&self, family: &Family, phases: &[f64], value: f64, mirror: bool) -> bool {
-        let inside = |pair: &&[Point]| {
-            let (low, high) = (pair[0].value.min(pair[1].value), pair[0].value.max(pair[1].value));
-            (low - SAME_PLACE..=high + SAME_PLACE).contains(&value)
-        };
-        if self.word.is_empty() {
-            return self.points.windows(2).any(|pair| inside(&pair));
-        }
-        self.points.windows(2).filter(inside).any(|pair| {
-            let [a, b] = [&pair[0], &pair[1]];
-            let way = b.value - a.value;
-            let part = if way == 0.0 { 0.5 } else { ((value - a.value) / way).clamp(0.0, 1.0) };
-            let between: Vec<f64> = a.phases.iter().zip(&b.phases).map(|(a, b)| a + part * (b - a)).collect();
-            let near = |tolerance, found: &[f64]| same_phases(&self.word, phases, found, mirror, tolerance);
-            if !near(NEAR_ORBIT, &between) {
-                return false;
-            }
-            // Next to a fold or a birth the interpolation is poor, so that the ends are tried too.
-            let Ok(system) = family.system(&[value]) else { return false };
-            [&between, &a.phases, &b.phases]
-                .into_iter()
-                .any(|guess| newton(&system, &self.word, guess).is_ok_and(|found| near(SAME_ORBIT, &found)))
-        })
-    }
 }

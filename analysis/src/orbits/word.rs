@@ -4,6 +4,10 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
+/// Most letters and half periods of a word that is read: equations of more impacts need a memory of their square.
+pub(super) const MOST_LETTERS: usize = 1024;
+const MOST_HALF_PERIODS: u32 = 1 << 16;
+
 /// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 14).
 ///
 /// The orbit repeats itself after [`half_periods`](Self::half_periods) half drive periods: unchanged where
@@ -40,7 +44,7 @@ impl OrbitWord {
     /// A word of the letters U (upper stop) and L (lower stop); it may be empty.
     ///
     /// # Errors
-    /// [`Error::Form`] for other letters, a closing sign that is not ±1, and a length that does not go with it: a multiple of two
+    /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing sign that is not ±1, and a length that does not go with it: a multiple of two
     /// half periods for +1, an odd number of half periods for -1.
     pub fn new(text: &str, closing: i8, half_periods: u32) -> Result<Self> {
         let letter = |c| match c {
@@ -51,6 +55,9 @@ impl OrbitWord {
         let letters: Option<Vec<i8>> = text.trim().chars().map(letter).collect();
         let form = |expected| Error::Form { text: text.into(), expected };
         let letters = letters.ok_or_else(|| form("a word of the letters U and L, e.g. ULL"))?;
+        if letters.len() > MOST_LETTERS || half_periods > MOST_HALF_PERIODS {
+            return Err(form("at most 1024 letters in at most 65,536 half drive periods"));
+        }
         match (closing, half_periods % 2) {
             (1, 0) if half_periods > 0 => {}
             (-1, 1) => {}
@@ -117,6 +124,12 @@ impl OrbitWord {
         let again = self.letters.iter().map(|s| s * self.closing);
         let letters = self.letters.iter().copied().chain(again).collect();
         Self::of(letters, 1, 2 * self.half_periods)
+    }
+
+    /// The word passed k times; for a symmetric orbit k must be odd.
+    pub(super) fn repeated(&self, k: usize) -> Self {
+        let sides = (0..k * self.len()).map(|i| self.side(i) as i8);
+        Self::of(sides.collect(), self.closing, self.half_periods * k as u32)
     }
 
     /// The half word of which this one is the [unfolded](Self::unfolded) one; `None` where it is none.

@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// Oldest Python that the pinned requirements can be installed in.
 const OLDEST_PYTHON: (u32, u32) = (3, 9);
@@ -23,7 +24,7 @@ pub fn root() -> &'static Path {
 pub fn fmu() -> PathBuf {
     let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
     let versions = [Version::Fmi2, Version::Fmi3, Version::Clocked];
-    let built = platforms::own().and_then(|binaries| package::write(&path, &versions, &binaries));
+    let built = platforms::own().and_then(|binaries| package::write(&path, &versions, &binaries, None));
     built.unwrap_or_else(|error| panic!("{error}"));
     path
 }
@@ -31,6 +32,49 @@ pub fn fmu() -> PathBuf {
 /// Python of the virtual environment with the pinned requirements; made on first use, then reused.
 pub fn python() -> PathBuf {
     python_with(&["tests/fmpy/requirements.txt"])
+}
+
+/// Python of a virtual environment in which the package `vibro_impact` is installed from a wheel, with the packaged FMUs inside and
+/// what its tests need beside. The wheel is built without the optimisations of a release, on which no bit depends, and once in a
+/// process: no test's package is replaced while it runs.
+pub fn python_with_wheel() -> PathBuf {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(install_wheel).clone()
+}
+
+fn install_wheel() -> PathBuf {
+    let python = python_with(&["tests/fmpy/requirements.txt", "tests/python/requirements.txt"]);
+    let programs = python.parent().expect("a program is in a folder");
+    let folder = programs.parent().expect("an environment is a folder");
+    let lock = File::create(folder.with_extension("wheel-lock")).expect("target can be written");
+    lock.lock().expect("files under target can be locked");
+    // maturin is called by its name.
+    let usual = std::env::var_os("PATH").unwrap_or_default();
+    let paths: Vec<PathBuf> =
+        std::iter::once(programs.to_owned()).chain(std::env::split_paths(&usual)).collect();
+    let archives = fmu().parent().expect("a file is in a folder").to_owned();
+    let wheels = folder.join("wheels");
+    let pip = |arguments: &[&OsStr]| {
+        let mut pip = Command::new(&python);
+        pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check"]).args(arguments).current_dir(root());
+        pip.env("PATH", std::env::join_paths(&paths).expect("no path holds the separator"));
+        // In a folder of its own: what maturin tells the build of PyO3 differs from what cargo does, so that each would undo the other.
+        pip.env("CARGO_TARGET_DIR", fmu_build::compile::target().join("wheel"));
+        pip.env("VIBRO_IMPACT_ARCHIVES", &archives).env("MATURIN_PEP517_ARGS", "--profile dev");
+        pip
+    };
+    let build = ["wheel", "--no-deps", "--no-build-isolation", "./python", "--wheel-dir"].map(OsStr::new);
+    run("building the wheel", &mut pip(&[&build[..], &[wheels.as_os_str()]].concat()));
+    let made = fs::read_dir(&wheels).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let wheel = made.max().expect("a wheel");
+    let stamp = format!("{:016x}", fnv1a(&fs::read(&wheel).expect("it was made")));
+    let installed = folder.join("wheel");
+    if !fs::read_to_string(&installed).is_ok_and(|text| text == stamp) {
+        let install = ["install", "--no-deps", "--force-reinstall"].map(OsStr::new);
+        run("installing the wheel", &mut pip(&[&install[..], &[wheel.as_os_str()]].concat()));
+        fs::write(installed, stamp).expect("target can be written");
+    }
+    python
 }
 
 /// The same for other requirements.

@@ -22,7 +22,7 @@ td.n{text-align:right;white-space:nowrap}img{max-width:100%;height:auto;border:1
 .agrees{background:var(--yes)}.partly{background:var(--partly)}.differs{background:var(--no)}\
 .note{background:var(--note);padding:.8em 1em}small{color:var(--small)}";
 
-/// The whole page; `spectra` is the table of exponents, whose last column is a word.
+/// The whole page; `spectra` is the table of exponents.
 pub(super) fn page(
     set: &ParameterSet,
     quick: bool,
@@ -77,7 +77,7 @@ fn comparison(statements: &[Statement]) -> String {
     )
 }
 
-/// The table of exponents: the value, the numbers, the class.
+/// The table of exponents: the value, the numbers, the class, the ends of the stable range.
 fn exponents(spectra: &Table) -> String {
     let name = |name: &String| match name.as_str() {
         "f10" => "<th>f̂₁₀</th>".to_owned(),
@@ -86,7 +86,7 @@ fn exponents(spectra: &Table) -> String {
     let row = |row: &Vec<String>| {
         let cell = |(i, cell): (usize, &String)| match cell.parse() {
             Ok(value) if i == 0 => format!("<td>{}</td>", short(value)),
-            _ if i > 0 && i + 1 < row.len() => format!("<td class=\"n\">{}</td>", readable(cell)),
+            Ok(_) => format!("<td class=\"n\">{}</td>", readable(cell)),
             _ => format!("<td>{}</td>", escape(cell)),
         };
         format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>())

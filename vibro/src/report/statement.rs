@@ -1,6 +1,6 @@
 //! A statement of the paper, what it is compared with, and the outcome.
 
-use crate::studies::Modulation;
+use crate::studies::{DiagramOrbits, Modulation};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::Diagram;
 
@@ -52,6 +52,8 @@ pub(super) struct Found<'a> {
     pub(super) set: &'a ParameterSet,
     pub(super) coarse: &'a Diagram,
     pub(super) fine: &'a Diagram,
+    /// The branches over the coarse diagram, where orbits can be followed.
+    pub(super) orbits: Option<&'a DiagramOrbits>,
     pub(super) modulation: Modulation,
     /// The CSV of figure 17.
     pub(super) errors: &'a [u8],

@@ -6,9 +6,10 @@
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
 use super::statement::{Found, Statement, Verdict};
 use crate::Result;
-use crate::studies::periodic_ranges;
+use crate::studies::{doublings_in_words, end_in_words, periodic_ranges};
 use vibro_analysis::attractor::{MotionClass, ZERO_EXPONENT};
 use vibro_analysis::bifurcation::{Diagram, SweepPoint};
+use vibro_analysis::orbits::{Doubling, Label, doubling_sequences};
 use vibro_analysis::short;
 
 /// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
@@ -102,7 +103,10 @@ fn periodic_windows(found: &Found) -> Statement {
     let points = &found.coarse.up;
     let mut wide = periodic_ranges(points);
     wide.retain(|r| r.1 - r.0 >= END);
-    let words: Vec<_> = wide.iter().map(|r| format!("{}–{}", short(r.0), short(r.1))).collect();
+    let rising = ranges_in_words(found, 0, &wide);
+    let mut other = periodic_ranges(&found.coarse.down);
+    other.retain(|r| r.1 - r.0 >= END);
+    let falling = ranges_in_words(found, 1, &other);
     let mut quiet = points.iter().flatten().filter(|p| !meets(p)).map(|p| p.value);
     let still = match (quiet.next(), quiet.next_back()) {
         (Some(first), Some(last)) => {
@@ -120,9 +124,25 @@ fn periodic_windows(found: &Found) -> Statement {
     Statement {
         place: "section 4, figure 14a",
         paper: "The motion is mostly periodic for 0.9 ≤ f̂₁₀ ≤ 2.8, 2.9 ≤ f̂₁₀ ≤ 3.4 and 3.8 ≤ f̂₁₀ ≤ 4.",
-        found: format!("regular ranges wider than {END}, value rising: {}{still}", words.join(", ")),
+        found: format!(
+            "regular ranges wider than {END}, value rising: {rising}{still}; value falling: {falling}. In brackets the located \
+             ends of the stable branches on which their first and last periodic motions lie"
+        ),
         verdict: Verdict::of(matched == WINDOWS.len(), matched + covered.count() >= WINDOWS.len()),
     }
+}
+
+/// Ranges of values with the located ends of their stable orbits.
+fn ranges_in_words(found: &Found, direction: usize, ranges: &[(f64, f64)]) -> String {
+    let words = ranges.iter().map(|range| {
+        let located = found.orbits.and_then(|orbits| {
+            let (from, to) = orbits.bounds(direction, *range)?;
+            let [from, to] = [from, to].map(|end| end_in_words(found.set, orbits.family.span().name, end));
+            Some(format!(" ({from} – {to})"))
+        });
+        format!("{}–{}{}", short(range.0), short(range.1), located.unwrap_or_default())
+    });
+    words.collect::<Vec<_>>().join(", ")
 }
 
 fn chaos_around(found: &Found) -> Statement {
@@ -220,11 +240,28 @@ fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionC
     met
 }
 
+/// The sequence of doublings with which the symmetric motion with two impacts a period ends.
+fn doublings(found: &Found) -> Vec<Doubling> {
+    let Some(orbits) = found.orbits else { return Vec::new() };
+    let branches = &orbits.tree.branches;
+    let of_symmetric = |s: &Vec<Doubling>| {
+        let first = &s[0];
+        first.label == Label::BranchPoint && branches[first.branch].word.len() == 1
+    };
+    doubling_sequences(branches).into_iter().find(of_symmetric).unwrap_or_default()
+}
+
 fn route(found: &Found) -> Vec<Statement> {
     let met = order(&found.fine.up, 2.0, 2.95);
     let words: Vec<_> = met.iter().map(|m| format!("{} from {}", m.1.name(), short(m.0))).collect();
     let has = |n: u32| met.iter().any(|m| m.1 == MotionClass::Periodic(n));
-    let sequence = [1, 2, 4].iter().all(|n| has(*n));
+    let located = doublings(found);
+    let doubled = |n: u32| located.iter().any(|d| d.label == Label::PeriodDoubling && d.period == n);
+    let sequence = [1, 2, 4].iter().all(|n| has(*n)) || (doubled(1) && doubled(2));
+    let places = found.orbits.filter(|_| !located.is_empty()).map_or(String::new(), |orbits| {
+        let told = doublings_in_words(found.set, orbits.family.span().name, &located);
+        format!(". Located on the branches: {told}")
+    });
     let band: Vec<_> = Diagram::windows(&found.fine.up)
         .into_iter()
         .filter(|w| w.2 == MotionClass::Chaotic && w.0 > 2.0 && w.0 < 2.95)
@@ -248,7 +285,7 @@ fn route(found: &Found) -> Vec<Statement> {
         Statement {
             place: "section 4, table 2",
             paper: "With growing f̂₁₀ the symmetric two-impact motion loses its stability and a sequence of period doublings follows.",
-            found: words.join(", "),
+            found: words.join(", ") + &places,
             verdict: Verdict::of(sequence, has(2)),
         },
         Statement {

@@ -9,6 +9,7 @@ use crate::table::{CsvRows, exact};
 use std::f64::consts::TAU;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::orbits::Orbit;
+use vibro_impact::parameters::FIELDS;
 
 /// Points of a curve in a drive period.
 const SAMPLES: u32 = 400;
@@ -43,6 +44,7 @@ pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> 
         tables: vec![
             ("orbit-impacts".into(), impact_table(orbit)?),
             ("orbit-multipliers".into(), multiplier_table(orbit)?),
+            ("orbit-start".into(), start_table(orbit)?),
         ],
         figure: Some(figure),
         ..Study::without_figure("orbit", what).with_remarks(remarks)
@@ -59,9 +61,28 @@ fn impact_table(orbit: &Orbit) -> Result<Vec<u8>> {
 }
 
 fn multiplier_table(orbit: &Orbit) -> Result<Vec<u8>> {
-    let mut table = CsvRows::new(["real", "imaginary", "modulus"])?;
+    let mut table = CsvRows::new(["real", "imaginary", "modulus", "drive_periods"])?;
+    // Half the period of a symmetric orbit.
+    let periods = 0.5 * f64::from(orbit.word().half_periods());
     for m in orbit.multipliers() {
-        table.push([exact(m.re), exact(m.im), exact(m.norm())])?;
+        table.push([exact(m.re), exact(m.im), exact(m.norm()), exact(periods)])?;
+    }
+    table.text()
+}
+
+/// Parameters, loads and state at time 0 by the names of the FMU's variables: its start values for the motion on the orbit.
+fn start_table(orbit: &Orbit) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["variable", "unit", "start"])?;
+    let (parameters, start) = (orbit.system().parameters(), orbit.start_state());
+    for field in FIELDS {
+        table.push([field.name.to_owned(), field.unit.to_owned(), exact((field.get)(parameters))])?;
+    }
+    let bodies = ["box", "block", "secondary"];
+    let forces = orbit.system().loads().forces;
+    for (quantity, unit, values) in [("s", "m", start.x), ("v", "m/s", start.v), ("f", "N", forces)] {
+        for (body, value) in bodies.into_iter().zip(values) {
+            table.push([format!("{body}.{quantity}"), unit.to_owned(), exact(value)])?;
+        }
     }
     table.text()
 }

@@ -13,12 +13,12 @@ use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Span};
 /// Weights of X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
 /// Longest period that has a colour of its own.
-const COLOURED: usize = FAMILY.len();
-/// Most special points with a mark in the picture: more would cover the branches.
+pub(super) const COLOURED: usize = FAMILY.len();
+/// Most special points that are all marked in the picture: more would cover the branches.
 const MARKED: usize = 150;
 
 /// Marks of special points.
-const MARKS: [(Label, &str, Mark); 7] = [
+pub(super) const MARKS: [(Label, &str, Mark); 7] = [
     (Label::Fold, "LP fold", Mark::Disc),
     (Label::BranchPoint, "BP branch point", Mark::Square),
     (Label::PeriodDoubling, "PD period doubling", Mark::Triangle),
@@ -37,14 +37,17 @@ pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Resul
     let tops: Vec<Vec<f64>> = branches.par_iter().map(|b| largest(family, b)).collect();
     let specials = branches.iter().flat_map(|b| &b.points).filter(|p| p.special.is_some()).count();
     let points: usize = branches.iter().map(|b| b.points.len()).sum();
+    let marks = special_marks(branches, &tops);
+    let mut caption = vec!["Full: stable; dashed: unstable. One colour for each period.".into()];
+    if marks.of_stable_only {
+        caption.push("Marks: where a branch gains or loses its stability, or ends stable; special-points.csv has the others.".into());
+    }
+    caption.push(format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(family.loads())));
     let what = format!("{} branches of periodic orbits over {}", branches.len(), span.name.symbol());
     let figure = Figure {
         title: format!("Periodic orbits over {}", span.name.symbol()),
-        caption: vec![
-            "Full: stable; dashed: unstable. One colour for each period.".into(),
-            format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(family.loads())),
-        ],
-        panels: vec![panel(&span, branches, &tops)],
+        caption,
+        panels: vec![panel(&span, branches, &tops, marks)],
         columns: 1,
         panel: (2900, 1700),
         shared_legend: false,
@@ -83,7 +86,9 @@ fn remarks(branches: &[Branch], points: usize, specials: usize) -> Vec<String> {
     let counts: Vec<String> = labels.iter().map(|(label, count)| format!("{count} {label}")).collect();
     let stable = branches.iter().filter(|b| b.points.iter().any(|p| p.stable)).count();
     vec![
-        format!("{points} orbits, each certified; {stable} branches are stable somewhere"),
+        format!(
+            "{points} orbits, each certified but for the touch at GR; {stable} branches are stable somewhere"
+        ),
         format!("{specials} special points: {}", counts.join(", ")),
     ]
 }
@@ -142,7 +147,7 @@ fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<V
 }
 
 /// The special points alone, with what another study needs to start from them.
-fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
+pub(super) fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "label",
         "branch",
@@ -189,7 +194,7 @@ fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
 }
 
 /// The colour of a period.
-fn colour(period: u32) -> Colour {
+pub(super) fn colour(period: u32) -> Colour {
     FAMILY.get(period as usize - 1).copied().unwrap_or(GREY)
 }
 
@@ -217,18 +222,55 @@ fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> Pieces {
     found
 }
 
-fn panel(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Panel {
+/// The marks of special points.
+struct SpecialMarks {
+    layers: Vec<Layer>,
+    /// Whether only those that bound a stable piece are shown, since there are many.
+    of_stable_only: bool,
+}
+
+/// Whether a branch gains or loses its stability at a point, or ends there while stable.
+fn bounds_stability(branch: &Branch, point: usize) -> bool {
+    let (before, after) = branch.stability_around(point);
+    let ends = point == 0 || point + 1 == branch.points.len();
+    before != after || (ends && after)
+}
+
+fn special_marks(branches: &[Branch], tops: &[Vec<f64>]) -> SpecialMarks {
+    let marked = |label: Label, all: bool| -> Path {
+        let points = branches.iter().zip(tops).flat_map(|(b, tops)| {
+            b.points.iter().zip(tops).enumerate().map(move |(i, (p, top))| (b, i, p, *top))
+        });
+        points
+            .filter(|(b, i, p, top)| {
+                p.label() == Some(label) && top.is_finite() && (all || bounds_stability(b, *i))
+            })
+            .map(|(_, _, p, top)| (p.value, top))
+            .collect()
+    };
+    let count: usize = MARKS.iter().map(|(label, ..)| marked(*label, true).len()).sum();
+    let of_stable_only = count > MARKED;
+    let layers = MARKS.into_iter().filter_map(|(label, name, mark)| {
+        let points = marked(label, !of_stable_only);
+        (!points.is_empty()).then(|| Layer::marks(name, BLACK, mark, points).stroke(9))
+    });
+    SpecialMarks { layers: layers.collect(), of_stable_only }
+}
+
+fn panel(span: &Span, branches: &[Branch], tops: &[Vec<f64>], marks: SpecialMarks) -> Panel {
     let mut unstable = Vec::new();
     let mut stable = Vec::new();
     let mut periods: Vec<u32> = Vec::new();
-    for ((period, is_stable), paths) in pieces(branches, tops) {
+    // Short periods lie above long ones, which are many, and stable pieces above all.
+    for ((period, is_stable), paths) in pieces(branches, tops).into_iter().rev() {
         if !periods.contains(&period) {
-            periods.push(period);
+            periods.insert(0, period);
         }
         if is_stable {
             stable.push(Layer::lines("", colour(period), Dash::Solid, paths).stroke(LINE + 2));
         } else {
-            unstable.push(Layer::lines("", colour(period), Dash::Dashed, paths).stroke(THIN));
+            let width = if period as usize > COLOURED { THIN / 2 } else { THIN };
+            unstable.push(Layer::lines("", colour(period), Dash::Dashed, paths).stroke(width));
         }
     }
     let mut layers = unstable;
@@ -238,20 +280,7 @@ fn panel(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Panel {
         let name = if more { "longer".into() } else { format!("{period}T") };
         layers.push(Layer::lines(&name, colour(period), Dash::Solid, Vec::new()));
     }
-    let marked = |label: Label| -> Path {
-        let points = branches.iter().zip(tops).flat_map(|(b, tops)| b.points.iter().zip(tops));
-        points
-            .filter(|(p, t)| p.label() == Some(label) && t.is_finite())
-            .map(|(p, t)| (p.value, *t))
-            .collect()
-    };
-    let all: usize = MARKS.iter().map(|(label, ..)| marked(*label).len()).sum();
-    for (label, name, mark) in MARKS {
-        let points = marked(label);
-        if !points.is_empty() && all <= MARKED {
-            layers.push(Layer::marks(name, BLACK, mark, points).stroke(9));
-        }
-    }
+    layers.extend(marks.layers);
     let x = Axis::over(span.name.label(), span.from, span.to);
     Panel { title: String::new(), x, y: Axis::new("largest X₂ (units of L)"), layers }
 }

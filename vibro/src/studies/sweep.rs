@@ -1,6 +1,7 @@
 //! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
 
 use super::Study;
+use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, BLOCK, FAMILY, GREY, HERE, SKY};
@@ -80,7 +81,7 @@ fn letters(panels: &mut [Panel]) {
     }
 }
 
-fn method(sweep: &Sweep) -> String {
+pub(super) fn method(sweep: &Sweep) -> String {
     let mut text = format!(
         "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
         sweep.discard, sweep.keep, sweep.axis.count
@@ -141,7 +142,7 @@ fn cells(sweep: &Sweep, diagram: &Diagram, apart: &[bool], (y, length): ((f64, f
     Shape::Cells { x, y, columns, cells, colours }
 }
 
-fn maxima_panel(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, apart: &[bool]) -> Panel {
+pub(super) fn maxima_panel(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, apart: &[bool]) -> Panel {
     let (axis, lengths) = (&sweep.axis, Lengths::of(set));
     let symbol = lengths.displacement(sweep.of.symbol());
     let length = |p: &SweepPoint, x: f64| lengths.ratio(axis.name, p.value) * x;
@@ -202,7 +203,7 @@ fn impact_panel(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -> 
     }
 }
 
-const DIRECTIONS: [&str; 2] = ["rising", "falling"];
+pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
 /// Every maximum with its count.
 ///
@@ -278,30 +279,54 @@ fn window_remarks(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -
     lines
 }
 
-/// Table 2: spectra at selected values (the nearest of the sweep), value rising.
+/// Table 2: spectra at selected values (the nearest of the sweep), value rising; with the ends of the stable range of each motion's
+/// branch where branches were followed.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn spectra(sweep: &Sweep, diagram: &Diagram, values: &[f64], name: &str) -> Result<(Table, Study)> {
+pub fn spectra(
+    set: &ParameterSet,
+    sweep: &Sweep,
+    diagram: &Diagram,
+    values: &[f64],
+    orbits: Option<&DiagramOrbits>,
+    name: &str,
+) -> Result<(Table, Study)> {
     let mut header = vec![sweep.axis.name.name()];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7", "class"]);
-    let mut table = Table::new(&header);
+    let (mut table, mut page) = (Table::new(&header), Table::new(&header));
+    if orbits.is_some() {
+        table.header.extend(["stable_from", "label_from", "stable_to", "label_to"].map(String::from));
+        page.header.push("stable orbit between".into());
+    }
     let mut remarks = Vec::new();
     for value in values {
         let Some(point) = diagram.nearest(*value) else { continue };
         let Some(s) = &point.spectrum else { continue };
         let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
         let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
-        remarks.push(format!("{}: {}; {}", short(point.value), numbers.join(", "), point.class.name()));
+        let range = orbits.and_then(|orbits| orbits.range_at(0, point.value));
+        let between = range.map(|r| {
+            let end = |end| end_in_words(set, sweep.axis.name, end);
+            format!("{} and {}", end(r.from), end(r.to))
+        });
+        let told = between.as_ref().map_or(String::new(), |ends| format!(", stable between {ends}"));
+        remarks.push(format!("{}: {}; {}{told}", short(point.value), numbers.join(", "), point.class.name()));
         let mut row = vec![exact(point.value)];
         row.extend(s.exponents.map(exact));
         row.push(point.class.name());
-        table.rows.push(row);
+        let (mut own, mut shown) = (row.clone(), row);
+        if orbits.is_some() {
+            own.extend([range.map(|r| r.from), range.map(|r| r.to)].into_iter().flat_map(end_cells));
+            shown.push(between.unwrap_or_default());
+        }
+        table.rows.push(own);
+        page.rows.push(shown);
     }
     let what = "spectra of Lyapunov exponents at selected values as in table 2, per unit of τ";
     let tables = vec![(name.into(), table.csv()?)];
     let study = Study { tables, ..Study::without_figure(name, what).with_remarks(remarks) };
-    Ok((table, study))
+    Ok((page, study))
 }
 
 /// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10, which are in the table of the

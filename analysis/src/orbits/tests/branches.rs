@@ -99,7 +99,7 @@ fn special_points(tree: &Tree) -> Vec<(String, u32, &'static str, f64)> {
 #[test]
 fn second_method_special_points_by_half_the_step() {
     let options = TreeOptions { seeds: 5, depth: 1, settle: 600, ..TreeOptions::default() };
-    let half = TreeOptions { longest_step: 0.5 * options.longest_step, ..options };
+    let half = TreeOptions { longest_step: 0.5 * options.longest_step, ..options.clone() };
     let family = family(2.0, 3.0);
     let [whole, half] = [options, half].map(|o| grow(&family, o));
     let [whole, half] = [&whole, &half].map(special_points);
@@ -116,7 +116,7 @@ fn invariant_a_tree_does_not_depend_on_the_number_of_threads() {
     let options = TreeOptions { seeds: 4, depth: 2, settle: 400, ..TreeOptions::default() };
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| grow(&family, options)).branches
+        pool.install(|| grow(&family, options.clone())).branches
     };
     assert_eq!(with(1), with(3));
 }

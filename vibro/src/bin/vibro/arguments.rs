@@ -43,6 +43,7 @@ EXAMPLES
   vibro plane --config machine.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
   vibro sweep --config machine.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
   vibro orbits --tree --vary f10=0.5:5
+  vibro bifurcation --orbits --vary f10=2:3:101
   vibro orbit --word UUL --set f10=2.7
   vibro locus --from vibro-out/special-points.csv:3 --vary f10=0.5:3 --vary kappa=0.5:0.9
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
@@ -158,6 +159,10 @@ pub struct Bifurcation {
     /// Displacement whose local maxima are drawn: x1, x2, x3 or w
     #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
     pub of: Displacement,
+    /// Draws the exact branches of periodic orbits over the points too, stable and unstable, with their bifurcations, and tells
+    /// which rows of the diagram lie on them. `vibro orbits --tree` follows them alone, with more options
+    #[arg(long)]
+    pub orbits: bool,
     /// Drive periods kept at each value
     #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep: u32,

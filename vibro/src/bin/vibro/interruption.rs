@@ -4,7 +4,7 @@ use crate::invocation::as_typed;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::{Mutex, Once};
-use vibro::part_folder::PartFolder;
+use vibro::part_folder::{PartFolder, parts_in_words};
 
 /// Exit code of a program that Ctrl-C has ended, as shells have it: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
@@ -20,7 +20,7 @@ struct Work {
 static WORK: Mutex<Option<Work>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
 
-/// From now on Ctrl-C ends the program with the number of parts that are kept of `count`. They are in `folders`, which are
+/// From now on Ctrl-C ends the program with the number of parts that are kept of `count`, which is 0 where it is not known. They are in `folders`, which are
 /// `home` or are in it. Finished parts are whole files already, so nothing has to be saved then.
 pub fn announce(name: &str, home: PathBuf, folders: Vec<PathBuf>, count: usize) {
     if let Ok(mut work) = WORK.lock() {
@@ -43,8 +43,8 @@ fn end() {
 fn words(work: &Work) -> String {
     let kept: usize = work.folders.iter().map(|f| PartFolder::kept(f)).sum();
     format!(
-        "interrupted: {kept} of {} parts of `{}` are kept in {}; the same command line goes on from there:\n  {}",
-        work.count,
+        "interrupted: {} of `{}` are kept in {}; the same command line goes on from there:\n  {}",
+        parts_in_words(kept, work.count, "parts"),
         work.name,
         work.home.display(),
         as_typed()

@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::PartFolder;
-use vibro::report;
-use vibro::{Error, Result};
+use vibro::{Error, Result, report, studies};
 use vibro_analysis::basin;
 use vibro_analysis::bifurcation::Sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::maxima::Displacement;
+use vibro_analysis::orbits::TreeOptions;
 use vibro_analysis::parts::{PartStore, Shard, Task};
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group, numbers};
@@ -33,7 +33,8 @@ fn axis(set: &ParameterSet, a: &Bifurcation) -> Result<ParameterAxis> {
 }
 
 fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>, at: Vec<f64>) -> StudyKind {
-    StudyKind::Sweep { sweep: Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of }, at }
+    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of };
+    StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) }
 }
 
 /// The values at which spectra are listed: those given; else the one that was set; else what suits the axis.
@@ -57,8 +58,17 @@ fn name(study: &str, of: Displacement) -> String {
     if of == Displacement::X2 { study.into() } else { format!("{study}-{of}") }
 }
 
+/// Refuses a parameter that orbits cannot vary before work begins.
+fn check_orbits(set: &ParameterSet, kind: &StudyKind) -> Result<()> {
+    match kind {
+        StudyKind::Sweep { sweep, orbits: Some(_), .. } => studies::sweep_family(set, sweep).map(drop),
+        _ => Ok(()),
+    }
+}
+
 pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Result<()> {
     let kind = kind(axis(set, a)?, a, None, Vec::new());
+    check_orbits(set, &kind)?;
     perform(&LongStudy::new(&name("bifurcation", a.of), kind, set), common, a.share.shard)
 }
 
@@ -71,6 +81,7 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
         SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
     let axis = axis(set, &a.sweep)?;
     let kind = kind(axis, &a.sweep, Some(options), listed(set, &axis, &a.at)?);
+    check_orbits(set, &kind)?;
     perform(&LongStudy::new(&name("lyapunov", a.sweep.of), kind, set), common, a.sweep.share.shard)
 }
 
@@ -139,8 +150,8 @@ fn complete(
     let (count, home) = (study.count(), out.join(folder(study)));
     interruption::announce(&study.name, home.clone(), vec![home.clone()], count);
     let progress = Progress::new(count.div_ceil(shard.map_or(1, |s| s.count)), "parts");
-    let found =
-        study.run(&Task { store: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() })?;
+    let task = Task { store: &parts, shard: shard.unwrap_or(Shard::ALL), done: &|_| progress.step() };
+    let found = study.run_telling(&task, &|done, total| progress.at(done, total))?;
     drop(progress);
     match found {
         Some(studies) => {

@@ -81,7 +81,10 @@ fn run(arguments: &Arguments) -> Result<()> {
             return long::isoperiodic(&set, common, a, &axes);
         }
         Command::Sweep(a) => return sweep::sweep(&set, common, a),
-        Command::Orbits(a) => vec![orbits::orbits(&set, a)?],
+        Command::Orbits(a) => match orbits::orbits(&set, common, a)? {
+            Some(study) => vec![study],
+            None => return Ok(()),
+        },
         Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
         Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),

@@ -1,18 +1,20 @@
 //! `vibro orbits`, `vibro orbit`, `vibro locus`: from their arguments to the library's studies.
 
-use crate::progress::Progress;
+use crate::arguments::Common;
+use crate::long::perform_as;
 use crate::ranges::{ParameterRange, shown};
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
+use vibro::long_study::{LongStudy, StudyKind};
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_analysis::orbits::{
-    ConstantLoads, Family, Label, LocusStart, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions,
-    branch, locus, orbit_of, search, settle, tree,
+    Branch, ConstantLoads, Family, Label, LocusStart, Orbit, OrbitWord, PathOptions, Span, System,
+    TreeOptions, branch, locus, orbit_of, search, settle,
 };
 use vibro_analysis::stroboscopic::moving_block;
-use vibro_analysis::{Name, ParameterSet, find_group};
+use vibro_analysis::{Name, ParameterSet, find_group, numbers};
 
 /// Guesses of the phases from which the orbits of a word are sought.
 const TRIES: u32 = 400;
@@ -115,6 +117,12 @@ pub struct Orbits {
     /// Longest step along a branch: phases in rad, the parameter in fifths of its range
     #[arg(long, value_name = "X", default_value_t = 0.05)]
     pub step: f64,
+    /// At a touch, words that list it once in up to so many passages of the orbit are followed too, which have a longer period
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub repetitions: u32,
+    /// Values of the parameter at which every branch gets a point, labelled UZ; separated by commas, and may be repeated
+    #[arg(long, value_name = "VALUE", value_delimiter = ',', allow_hyphen_values = true)]
+    pub mark: Vec<String>,
 }
 
 /// Arguments of `locus`.
@@ -150,48 +158,73 @@ fn span(range: &ParameterRange) -> Result<Span> {
     Ok(Span::new(range.name, range.ends.0, range.ends.1)?)
 }
 
-pub fn orbits(set: &ParameterSet, a: &Orbits) -> Result<Study> {
+/// The family over the parameter of the command.
+fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
     let default = || Ok::<_, Error>(shown(set, Name::from(find_group("f10")?), (0.5, 5.0)));
     let range = a.vary.map_or_else(default, Ok)?;
-    if !(a.step > 0.0 && a.step <= 0.2) {
-        return Err(Error::form(format!("--step {}", a.step), "a length above 0 and up to 0.2"));
+    if !PathOptions::STEPS.contains(&a.step) {
+        return Err(Error::form(format!("--step {}", a.step), "a length from 1e-5 to 0.2"));
     }
-    let family = Family::new(set, a.which.loads(), span(&range)?)?;
+    Ok(Family::new(set, a.which.loads(), span(&range)?)?)
+}
+
+/// The values that are marked.
+fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
+    let texts: Vec<&str> = a.mark.iter().map(String::as_str).collect();
+    let marks = numbers(along.name, &texts)?;
+    match marks.iter().find(|mark| !(along.from..=along.to).contains(*mark)) {
+        None => Ok(marks),
+        Some(mark) => {
+            let what = format!("--mark {mark}");
+            let problem = format!("must lie in the range {} to {}", along.from, along.to);
+            Err(Error::Refused { what, problem })
+        }
+    }
+}
+
+/// All branches, in parts that are kept until they are finished.
+fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
+    let family = family(set, a)?;
+    let span = *family.span();
+    let options = TreeOptions {
+        seeds: a.seeds as usize,
+        depth: a.depth,
+        most_letters: a.letters as usize,
+        longest_step: a.step,
+        repetitions: a.repetitions,
+        marks: marks(a, &span)?,
+        ..TreeOptions::default()
+    };
+    let kind = StudyKind::Orbits { span, loads: a.which.loads(), options };
+    perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
+}
+
+/// The branches of single orbits; `None` where all branches are asked for, which are computed and written in parts.
+pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<Study>> {
     if a.tree {
-        let options = TreeOptions {
-            seeds: a.seeds as usize,
-            depth: a.depth,
-            most_letters: a.letters as usize,
-            longest_step: a.step,
-            ..TreeOptions::default()
-        };
-        // The number of starts is not known beforehand: those that wait are counted.
-        let progress = Progress::new(1, "branches");
-        let found = tree(&family, &options, &|_, _| progress.step())?;
-        drop(progress);
-        return studies::orbits(set, &family, &found.branches);
+        return whole_tree(set, common, a).map(|()| None);
     }
-    let value = range.name.value(set);
-    if !(range.ends.0..=range.ends.1).contains(&value) {
-        let what = format!("{} = {value}", range.name.name());
-        let problem = format!(
-            "the branch begins here, so it must lie in the range {} to {}",
-            range.ends.0, range.ends.1
-        );
+    let family = family(set, a)?;
+    let span = *family.span();
+    let value = span.name.value(set);
+    if !(span.from..=span.to).contains(&value) {
+        let what = format!("{} = {value}", span.name.name());
+        let problem =
+            format!("the branch begins here, so it must lie in the range {} to {}", span.from, span.to);
         return Err(Error::Refused { what, problem });
     }
     let orbits = a.which.orbits(&family.system(&[value])?)?;
     let options = PathOptions { longest_step: a.step, ..PathOptions::default() };
-    let mut branches = Vec::new();
+    let marks = marks(a, &span)?;
+    let mut branches: Vec<Branch> = Vec::new();
     for orbit in &orbits {
-        let known = branches.iter().any(|b: &vibro_analysis::orbits::Branch| b.holds(&family, orbit, value));
-        if !known {
-            let mut found = branch(&family, orbit.word(), orbit.phases(), value, &options, &[])?;
+        if !branches.iter().any(|b| b.holds(&family, orbit, value)) {
+            let mut found = branch(&family, orbit.word(), orbit.phases(), value, &options, &marks)?;
             found.id = branches.len();
             branches.push(found);
         }
     }
-    studies::orbits(set, &family, &branches)
+    studies::orbits(set, &family, &branches).map(Some)
 }
 
 pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {

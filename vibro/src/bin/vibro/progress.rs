@@ -46,6 +46,15 @@ impl Progress {
         }
     }
 
+    /// So many are done of a total that may grow in the course of the work.
+    pub fn at(&self, done: usize, total: usize) {
+        if self.begin.elapsed() > self.patience {
+            let bar = self.bar.get_or_init(|| self.bar());
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+        }
+    }
+
     fn bar(&self) -> ProgressBar {
         let target = self.target.lock().ok().and_then(|mut t| t.take());
         let bar =
@@ -88,6 +97,15 @@ mod tests {
         assert!(shown.contains("3/8 parts") && shown.ends_with("left"), "{shown}");
         drop(progress);
         assert_eq!(terminal.contents(), "");
+    }
+
+    #[test]
+    fn a_total_may_grow() {
+        let (terminal, progress) = after(0, Duration::ZERO);
+        progress.at(2, 5);
+        progress.at(3, 40);
+        progress.bar.get().expect("a bar").tick();
+        assert!(terminal.contents().contains("3/40 parts"), "{}", terminal.contents());
     }
 
     #[test]

@@ -77,7 +77,7 @@ pub fn names(command: &Command) -> Vec<String> {
         Command::Steady => vec!["steady".into()],
         Command::Run(_) => vec!["run".into()],
         Command::Plane(_) => vec!["plane".into()],
-        Command::Orbits(_) => vec!["orbits".into()],
+        Command::Orbits(a) if !a.tree => vec!["orbits".into()],
         Command::Orbit(_) => vec!["orbit".into()],
         Command::Locus(_) => vec!["locus".into()],
         Command::Response(a) => {

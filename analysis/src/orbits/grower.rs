@@ -1,0 +1,229 @@
+//! The growth of a tree: which starts wait, which places are known, and what begins on a branch that was traced.
+
+use super::branch::{Branch, Label, Special};
+use super::family::Family;
+use super::free;
+use super::grazing::Touch;
+use super::path::{PathEnd, PathOptions};
+use super::switching::{self, Contact, Departure};
+use super::tree::{Traced, Tree, TreeOptions};
+use super::word::OrbitWord;
+
+/// Starts that are traced together. It is fixed, so that the results do not depend on the number of threads.
+const TOGETHER: usize = 16;
+
+/// Values of the parameter, in units of a fifth of its range, that count as one place of the same kind of point.
+pub(super) const SAME_PLACE: f64 = 1e-7;
+
+/// A place from which a branch may be traced.
+#[derive(Clone, Debug)]
+pub(super) struct Start {
+    pub depth: u32,
+    pub parent: Option<(usize, usize)>,
+    pub word: OrbitWord,
+    pub departures: Vec<Departure>,
+}
+
+/// The tree as far as it has grown.
+pub(super) struct Grower<'a> {
+    family: &'a Family,
+    options: &'a TreeOptions,
+    pub path: PathOptions,
+    pub tree: Tree,
+    pub queue: Vec<Start>,
+    /// Places from which branches were traced or at which they end: kind, canonical word, parameter.
+    known: Vec<(Label, OrbitWord, f64)>,
+}
+
+impl<'a> Grower<'a> {
+    pub fn new(family: &'a Family, options: &'a TreeOptions) -> Self {
+        let path = PathOptions { longest_step: options.longest_step, most_points: options.most_points };
+        let tree = Tree { branches: Vec::new(), failures: 0 };
+        Self { family, options, path, tree, queue: Vec::new(), known: Vec::new() }
+    }
+
+    /// The next starts of the queue, which is in order of depth and in each depth in order of discovery: of those of one word the
+    /// first alone, since others may lie on its branch.
+    pub fn next_batch(&mut self) -> Vec<Start> {
+        let (mut batch, mut rest): (Vec<Start>, Vec<Start>) = (Vec::new(), Vec::new());
+        for start in self.queue.drain(..) {
+            let first = batch.first().is_none_or(|b| b.depth == start.depth);
+            if first && batch.len() < TOGETHER && batch.iter().all(|b| b.word != start.word) {
+                batch.push(start);
+            } else {
+                rest.push(start);
+            }
+        }
+        self.queue = rest;
+        batch
+    }
+
+    /// Whether the orbit from which a start leaves is on a branch already.
+    pub fn tree_has(&self, start: &Start) -> bool {
+        let Some(departure) = start.departures.first().filter(|d| d.special.is_none()) else { return false };
+        let value = self.family.values(&departure.u)[0];
+        self.tree
+            .passing(self.family, &start.word, &departure.u.as_slice()[..start.word.len()], value)
+            .is_some()
+    }
+
+    /// Takes a branch into the tree, unless it is there, and queues what begins on it.
+    pub fn add(&mut self, start: Start, traced: Traced) {
+        let Traced { points, closed, ends } = traced;
+        let Start { depth, parent, word, departures } = start;
+        if points.len() < 3 {
+            self.tree.failures += 1;
+            return;
+        }
+        let born = departures.len() == 1;
+        // Away from the ends, next to which several branches lie close together.
+        let middle = points.len() / 2;
+        let probe = points[middle..].iter().find(|p| p.special.is_none()).unwrap_or(&points[middle]);
+        if self.tree.passing(self.family, &word, &probe.phases, probe.value).is_some() {
+            return;
+        }
+        let id = self.tree.branches.len();
+        if let (true, Some(label)) = (born, points[0].label()) {
+            self.know(label, &word, points[0].value);
+        }
+        let starts: Vec<(usize, Label)> =
+            points.iter().enumerate().filter_map(|(i, p)| Some((i, p.label()?))).collect();
+        self.tree.branches.push(Branch { id, parent, depth, word: word.clone(), points, closed });
+        let end_points: Vec<usize> = ends.iter().map(|e| e.0).collect();
+        for (point, label) in starts {
+            let doubles = matches!(label, Label::PeriodDoubling | Label::BranchPoint);
+            if doubles && !end_points.contains(&point) && !(born && point == 0) {
+                self.offer_doubled(id, point, label);
+            }
+        }
+        for (point, end) in ends {
+            match end {
+                PathEnd::Touch(touch) => {
+                    let contact = Contact::of(self.family, &touch);
+                    let value = self.family.values(&touch.u)[0];
+                    let fold = self.is_fold(&contact, &touch);
+                    if let Some(special) = &mut self.tree.branches[id].points[point].special {
+                        special.fold = fold;
+                    }
+                    self.know(Label::Grazing, &word, value);
+                    self.offer_shorter(&contact, depth, (id, point));
+                    self.offer_longer(&contact, depth, (id, point));
+                }
+                PathEnd::Primary(primary, u) => {
+                    let label = self.tree.branches[id].points[point].label();
+                    let value = self.family.values(&u)[0];
+                    self.know(label.unwrap_or(Label::BranchPoint), &word, value);
+                    let phases = u.as_slice()[..primary.len()].to_vec();
+                    if let Ok((word, both)) = switching::both_ways(self.family, &primary, &phases, value) {
+                        self.offer(Start {
+                            depth: depth + 1,
+                            parent: Some((id, point)),
+                            word,
+                            departures: both.to_vec(),
+                        });
+                    }
+                }
+                PathEnd::Plain | PathEnd::Closed => {}
+            }
+        }
+    }
+
+    /// Whether the orbits with and without a touch exist on the same side of it.
+    fn is_fold(&self, contact: &Contact, touch: &Touch) -> Option<bool> {
+        let with = switching::with_touch(self.family, touch).ok()?;
+        let longer = with.tangent[touch.longer.len()];
+        let shorter = if contact.shorter.is_empty() {
+            free::towards_clear(self.family, &contact.u)?
+        } else {
+            contact.departure(self.family).ok()?.tangent[contact.shorter.len()]
+        };
+        Some(longer * shorter > 0.0)
+    }
+
+    fn key(&self, label: Label, word: &OrbitWord, value: f64) -> (Label, OrbitWord, f64) {
+        (label, word.canonical_turn(self.family.is_symmetric()).0, value / self.family.span().unit())
+    }
+
+    fn know(&mut self, label: Label, word: &OrbitWord, value: f64) {
+        let key = self.key(label, word, value);
+        self.known.push(key);
+    }
+
+    /// Remembers a place; false where it is known.
+    fn is_new(&mut self, label: Label, word: &OrbitWord, value: f64) -> bool {
+        let key = self.key(label, word, value);
+        let same =
+            |k: &(Label, OrbitWord, f64)| k.0 == key.0 && k.1 == key.1 && (k.2 - key.2).abs() < SAME_PLACE;
+        if self.known.iter().any(same) {
+            return false;
+        }
+        self.known.push(key);
+        true
+    }
+
+    /// Queues a start in the order of depth, unless it is out of bounds.
+    fn offer(&mut self, start: Start) {
+        let TreeOptions { depth, longest_period, most_letters, .. } = *self.options;
+        if start.depth > depth || start.word.period() > longest_period || start.word.len() > most_letters {
+            return;
+        }
+        let place = self.queue.partition_point(|s| s.depth <= start.depth);
+        self.queue.insert(place, start);
+    }
+
+    fn offer_doubled(&mut self, id: usize, point: usize, label: Label) {
+        let branch = &self.tree.branches[id];
+        let (at, depth, word) = (&branch.points[point], branch.depth, branch.word.clone());
+        let u = self.family.point(&at.phases, &[at.value]);
+        let value = at.value;
+        // A doubled branch's own crossing of another one is not a doubling.
+        let Ok((word, departure)) = switching::doubled(self.family, &word, &u, label) else { return };
+        if self.is_new(label, &word, value) {
+            let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
+            self.offer(Start {
+                depth: depth + 1,
+                parent: Some((id, point)),
+                word,
+                departures: vec![departure],
+            });
+        }
+    }
+
+    pub fn offer_longer(&mut self, contact: &Contact, depth: u32, parent: (usize, usize)) {
+        for touch in contact.longer(self.family, self.options.repetitions) {
+            let value = self.family.values(&touch.u)[0];
+            if !self.is_new(Label::Grazing, &touch.longer, value) {
+                continue;
+            }
+            if let Ok(departure) = switching::with_touch(self.family, &touch) {
+                self.offer_born(&touch.longer, &departure, depth, parent, &touch.longer);
+            }
+        }
+    }
+
+    fn offer_shorter(&mut self, contact: &Contact, depth: u32, parent: (usize, usize)) {
+        let value = self.family.values(&contact.u)[0];
+        if contact.shorter.is_empty() || !self.is_new(Label::Grazing, &contact.shorter, value) {
+            return;
+        }
+        let longer = contact.longer(self.family, 1).remove(0).longer;
+        if let Ok(departure) = contact.departure(self.family) {
+            self.offer_born(&contact.shorter, &departure, depth, parent, &longer);
+        }
+    }
+
+    fn offer_born(
+        &mut self,
+        word: &OrbitWord,
+        departure: &Departure,
+        depth: u32,
+        parent: (usize, usize),
+        longer: &OrbitWord,
+    ) {
+        let special = Special { longer: Some(longer.clone()), ..Special::of(Label::Grazing) };
+        let departure = Departure { special: Some(special), ..departure.clone() };
+        let (word, departure) = switching::reduced_departure(self.family, word, &departure);
+        let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
+        self.offer(Start { depth: depth + 1, parent: Some(parent), word, departures: vec![departure] });
+    }
+}

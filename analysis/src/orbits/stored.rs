@@ -1,0 +1,29 @@
+//! Vectors and multipliers as they are written down in the parts of a long study: plain lists of numbers, bit for bit.
+
+/// A vector.
+pub(super) mod vector {
+    use nalgebra::DVector;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(u: &DVector<f64>, to: S) -> Result<S::Ok, S::Error> {
+        u.as_slice().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<DVector<f64>, D::Error> {
+        Ok(DVector::from_vec(Vec::deserialize(from)?))
+    }
+}
+
+/// The six multipliers.
+pub(super) mod multipliers {
+    use nalgebra::Complex;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(all: &[Complex<f64>; 6], to: S) -> Result<S::Ok, S::Error> {
+        all.map(|m| (m.re, m.im)).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[Complex<f64>; 6], D::Error> {
+        Ok(<[(f64, f64); 6]>::deserialize(from)?.map(|(re, im)| Complex::new(re, im)))
+    }
+}

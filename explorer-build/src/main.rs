@@ -1,0 +1,202 @@
+//! Makes the live page: one HTML file around the library compiled to WebAssembly, which opens from disk and loads nothing.
+//!
+//! ```text
+//! explorer/ (Rust) ─▶ cargo, wasm32-unknown-unknown ─▶ wasm-bindgen ─▶ core_bg.wasm, core.js ─┐
+//! explorer/page/ (JavaScript) ────────────────────────────────────────▶ esbuild (node) ──────┴─▶ explorer.html
+//! ```
+//!
+//! It needs the Rust target wasm32-unknown-unknown, node and npm. The npm packages are those of `explorer/page/package-lock.json`, put
+//! under the target folder.
+
+use clap::Parser;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use wasm_bindgen_cli_support::Bindgen;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Makes the live page of the vibro-impact machine.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    /// Where the page goes [default: target/explorer/explorer.html]
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+    /// Compile the core faster, without link-time optimization
+    #[arg(long)]
+    quick: bool,
+    /// Compile the core without WebAssembly's vectors of 128 bits, to measure what they give
+    #[arg(long)]
+    scalar: bool,
+}
+
+/// What can go wrong; every message says what to do.
+#[derive(Debug, thiserror::Error)]
+enum Error {
+    /// A tool is not there.
+    #[error("{what} is missing: {advice}")]
+    Missing {
+        /// The tool.
+        what: &'static str,
+        /// What to install.
+        advice: &'static str,
+    },
+    /// A program failed.
+    #[error("`{command}` failed; its messages are above")]
+    Failed {
+        /// The command line.
+        command: String,
+    },
+    /// A file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// The generator of the doors failed.
+    #[error("wasm-bindgen: {0}")]
+    Bindings(String),
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match build(&arguments) {
+        Ok(page) => {
+            println!("{}", page.display());
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("explorer-build: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The workspace this program was compiled from.
+fn workspace() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here)
+}
+
+fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
+    check_tools()?;
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
+    let folder = target.join("explorer");
+    let page = arguments.output.clone().unwrap_or_else(|| folder.join("explorer.html"));
+    let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
+    bindings(&core(&folder, arguments)?, &doors)?;
+    let npm = packages(&folder)?;
+    let mut bundle = Command::new("node");
+    bundle.arg(workspace().join("explorer/page/bundle.mjs")).arg(&doors).arg(&npm).arg(&page);
+    run(&mut bundle)?;
+    Ok(page)
+}
+
+/// Whether all tools are there.
+fn check_tools() -> Result<(), Error> {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let asked = Command::new(rustc)
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .stderr(Stdio::null())
+        .output();
+    let found = asked.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_dir());
+    if !found {
+        let advice = "run `rustup target add wasm32-unknown-unknown`";
+        return Err(Error::Missing { what: "the Rust target wasm32-unknown-unknown", advice });
+    }
+    for what in ["node", "npm"] {
+        let there = Command::new(what).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+        if !there.is_ok_and(|status| status.success()) {
+            return Err(Error::Missing {
+                what,
+                advice: "install Node.js 18 or later with npm (Debian: apt install nodejs npm)",
+            });
+        }
+    }
+    Ok(())
+}
+
+fn run(command: &mut Command) -> Result<String, Error> {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let line = words.map(|w| w.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ");
+    let failed = || Error::Failed { command: line.clone() };
+    let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output().map_err(|_| failed())?;
+    if !output.status.success() {
+        eprint!("{}", String::from_utf8_lossy(&output.stdout));
+        return Err(failed());
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Compiles the core and returns its place.
+fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(workspace()).args([
+        "build",
+        "--package",
+        "vibro-explorer",
+        "--profile",
+        "explorer",
+        "--locked",
+    ]);
+    // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
+    let folder = folder.join(if arguments.scalar { "cargo-scalar" } else { "cargo" });
+    cargo.args(["--target", TARGET, "--target-dir"]).arg(&folder);
+    // No folder of this machine in the page.
+    let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
+    let mut flags = vec![remap(workspace(), "/vibro-impact")];
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    flags.extend(
+        home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")),
+    );
+    // Every browser that can unpack the page has them (since 2023).
+    flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
+    cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
+    if arguments.quick {
+        cargo.args([
+            "--config",
+            "profile.explorer.lto=false",
+            "--config",
+            "profile.explorer.codegen-units=16",
+        ]);
+    }
+    run(&mut cargo)?;
+    Ok(folder.join(TARGET).join("explorer/vibro_explorer.wasm"))
+}
+
+/// Writes the doors: `core.js`, `core.d.ts` and `core_bg.wasm`.
+fn bindings(core: &Path, folder: &Path) -> Result<(), Error> {
+    let problem = |e: &dyn std::fmt::Display| Error::Bindings(e.to_string());
+    let mut bindgen = Bindgen::new();
+    bindgen.input_path(core).out_name("core").typescript(true);
+    bindgen.remove_name_section(true).remove_producers_section(true);
+    bindgen.web(true).map_err(|e| problem(&e))?.generate(folder).map_err(|e| problem(&e))
+}
+
+/// Installs the npm packages of the lock file and returns their folder.
+fn packages(folder: &Path) -> Result<PathBuf, Error> {
+    let npm = folder.join("npm");
+    let file = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Error::File { path, source }
+    };
+    std::fs::create_dir_all(&npm).map_err(file(&npm))?;
+    let mut changed = !npm.join("node_modules").is_dir();
+    for name in ["package.json", "package-lock.json"] {
+        let (from, to) = (workspace().join("explorer/page").join(name), npm.join(name));
+        let text = std::fs::read(&from).map_err(file(&from))?;
+        if std::fs::read(&to).ok().as_ref() != Some(&text) {
+            std::fs::write(&to, text).map_err(file(&to))?;
+            changed = true;
+        }
+    }
+    if changed {
+        run(Command::new("npm")
+            .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])
+            .current_dir(&npm))?;
+    }
+    Ok(npm)
+}

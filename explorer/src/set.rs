@@ -1,0 +1,72 @@
+//! Parameters by name, with what a page needs to show them.
+
+use std::fmt::Write;
+use vibro_analysis::{Name, ParameterSet};
+use vibro_impact::parameters::{FIELDS, GROUPS};
+use wasm_bindgen::prelude::*;
+
+/// A parameter set: physical parameters and dimensionless groups, kept in step by the library.
+#[wasm_bindgen]
+#[derive(Clone, Debug)]
+pub struct Set(pub(crate) ParameterSet);
+
+#[wasm_bindgen]
+impl Set {
+    /// The default set (partly a reconstruction), or the strongly coupled one.
+    ///
+    /// # Errors
+    /// None for these two.
+    #[wasm_bindgen(constructor)]
+    pub fn new(strong: bool) -> Result<Set, JsError> {
+        Ok(Self(if strong { ParameterSet::strong()? } else { ParameterSet::basic() }))
+    }
+
+    /// The set with one parameter changed.
+    ///
+    /// # Errors
+    /// An unknown name, or the range that the value violates.
+    pub fn with(&self, name: &str, value: f64) -> Result<Set, JsError> {
+        let mut set = self.0.clone();
+        set.assign(&[(Name::find(name)?, value)])?;
+        Ok(Self(set))
+    }
+
+    /// The value of a parameter: SI unit or 1.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn value(&self, name: &str) -> Result<f64, JsError> {
+        Ok(Name::find(name)?.value(&self.0))
+    }
+
+    /// The 13 physical parameters and the 10 groups, in the order of [`catalogue`].
+    pub fn values(&self) -> Vec<f64> {
+        let names = FIELDS.iter().map(Name::Si).chain(GROUPS.iter().map(Name::Group));
+        names.map(|name| name.value(&self.0)).collect()
+    }
+
+    /// A copy, which the page frees by itself.
+    pub fn copy(&self) -> Set {
+        self.clone()
+    }
+}
+
+/// All parameters, a line each: name, symbol, unit, what is allowed, the range that sliders show, meaning; separated by tabs. The
+/// sliders of physical parameters run from nothing to three times the default.
+#[wasm_bindgen]
+pub fn catalogue() -> String {
+    let basic = ParameterSet::basic();
+    let mut text = String::new();
+    for name in FIELDS.iter().map(Name::Si).chain(GROUPS.iter().map(Name::Group)) {
+        let (low, high) = match name {
+            Name::Group(group) => group.shown,
+            Name::Si(field) if field.unit == "rad" => (0.0, std::f64::consts::TAU),
+            Name::Si(field) if field.range.max < f64::INFINITY => (field.range.min, field.range.max),
+            Name::Si(_) => (0.0, 3.0 * name.value(&basic)),
+        };
+        let words = [name.name(), name.symbol(), name.unit(), name.allowed()];
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{}\t{low}\t{high}\t{}", words.join("\t"), name.description());
+    }
+    text
+}

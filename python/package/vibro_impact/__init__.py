@@ -1,0 +1,51 @@
+"""A 3-DOF vibro-impact system on NumPy arrays: exact motions, studies, closed forms, periodic orbits.
+
+A box on a spring is driven near resonance, a block flies in it between two stops, a secondary oscillator hangs on the block.
+Between impacts the motion is propagated exactly, and every impact is located to round-off.
+
+>>> import vibro_impact as vi
+>>> machine = vi.Machine.from_groups(f10=1.5, kappa=0.75)
+>>> run = machine.simulate(periods=200)
+>>> run.s.shape
+(40001, 3)
+
+Lengths are in m, times in s, masses in kg, forces in N unless said otherwise. Long calls let other threads of Python run, end on
+Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkowski and J. Awrejcewicz, Nonlinear Dynamics 106 (2021)
+81-103; the default data set is a reconstruction, not the paper's own.
+"""
+
+from ._fmu import fmu_path
+from ._machine import Machine
+from ._motion import Ends, Load, Run, Section, simulate_many
+from ._native import __version__
+from ._orbits import LABELS, Branch, Orbit
+from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES
+from ._steady import SteadyState, SteadyStates
+from ._studies import MEASURES, Attractor, Basins, Diagram, Direction, Spectrum, basins, bifurcation
+
+__all__ = [
+    "GROUP_NAMES",
+    "LABELS",
+    "MEASURES",
+    "PARAMETERS",
+    "SI_NAMES",
+    "Attractor",
+    "Basins",
+    "Branch",
+    "Diagram",
+    "Direction",
+    "Ends",
+    "Load",
+    "Machine",
+    "Orbit",
+    "Run",
+    "Section",
+    "Spectrum",
+    "SteadyState",
+    "SteadyStates",
+    "__version__",
+    "basins",
+    "bifurcation",
+    "fmu_path",
+    "simulate_many",
+]

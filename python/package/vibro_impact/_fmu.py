@@ -1,0 +1,28 @@
+"""The FMU archives inside the package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ._arguments import whole
+
+_NAMES = {2: "VibroImpact3DOF.fmu", 3: "VibroImpact3DOF-FMI3.fmu"}
+
+
+def fmu_path(version: int = 2) -> Path:
+    """The path of the FMU of FMI 2.0 (version 2) or FMI 3.0 (version 3), the very same core: for FMPy and any other host.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For another version.
+    FileNotFoundError
+        Where the package was built without the archives.
+    """
+    path = Path(__file__).with_name("fmu") / _NAMES[whole("version", version, 2, 3)]
+    if not path.exists():
+        raise FileNotFoundError(
+            f"{path} is missing: the package was built without it. Make it by `cargo run --release -p fmu-build` and build the "
+            "package again by `pip install ./python`"
+        )
+    return path

@@ -1,0 +1,426 @@
+"""The machine: its parameters, and what can be asked of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
+import numpy as np
+
+from . import _native
+from ._arguments import MOST_PERIODS, MOST_ROWS, Start, array, choice, number, state, whole
+from ._motion import Load, Run, Section, load_list, run_of
+from ._orbits import Orbit, find_orbit
+from ._parameters import GROUP_NAMES, SI_NAMES, in_order, named, with_changes, written
+from ._progress import Bar
+from ._steady import SteadyStates, steady_states
+from ._studies import Spectrum, spectrum_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self, Unpack
+
+    from ._parameters import Groups, Parameters
+
+
+class Machine:
+    """A vibro-impact machine: box, block between two stops in it, secondary oscillator, drive. An immutable value.
+
+    Parameters are given by name, in SI (:data:`SI_NAMES`) or as dimensionless groups (:data:`GROUP_NAMES`), as in a parameter file of
+    `vibro`; the symbols of the paper (``m1``, ``kappa``) are understood too. First those in SI are set, then the groups, which leave
+    the other groups and the scales ``box_m``, ``box_k``, ``stop_gap`` as they are. What is not given comes from the default set, a
+    reconstruction of the paper's machine. Of ``alpha23`` and ``beta2``, two names of one coupling, the one set last is held when
+    ``epsilon`` changes, and ``secondary_m`` equals ``block_m`` until it or ``mu13`` is set.
+
+    A machine without a spring between box and ground (``box_k=0``) has no groups, and starts and studies in their units are refused.
+
+    Two machines are equal when their thirteen physical parameters are.
+
+    >>> Machine.from_groups(f10=2.5).replace(kappa=0.8)
+    Machine.from_groups(f10=2.5, kappa=0.8)
+    >>> Machine(box_m=12.0, box_k=48e3, stop_gap=0.0025).drive_frequency
+    1.04
+
+    Raises
+    ------
+    TypeError
+        For a name that is none, with the nearest one, and for what is no number.
+    ValueError
+        For a value out of its range.
+    """
+
+    box_m: float
+    "Mass of the box m1, kg."
+    box_k: float
+    "Stiffness between box and ground k1, N/m."
+    box_c: float
+    "Viscous damping between box and ground c1, N.s/m."
+    block_m: float
+    "Mass of the block m2, kg."
+    secondary_m: float
+    "Mass of the secondary oscillator m3, kg."
+    secondary_k: float
+    "Stiffness between secondary oscillator and ground k3, N/m."
+    secondary_c: float
+    "Viscous damping between secondary oscillator and ground c3, N.s/m."
+    coupling_k: float
+    "Stiffness between block and secondary oscillator k23, N/m."
+    stop_gap: float
+    "Gap L on either side of the centred block, m."
+    stop_restitution: float
+    "Restitution coefficient of the stops, 1."
+    drive_amplitude: float
+    "Amplitude F10 of the harmonic force on the box, N."
+    drive_frequency: float
+    "Angular frequency omega1 of that force, rad/s."
+    drive_phase: float
+    "Phase of that force at time 0, rad."
+    epsilon: float
+    "Mass ratio m2/m1."
+    kappa: float
+    "Restitution coefficient."
+    f10: float
+    "F10/(k1 L epsilon)."
+    sigma1: float
+    "Detuning of the drive: omega1/omega10 = 1 + epsilon sigma1 with omega10 = sqrt(k1/m1)."
+    gamma1: float
+    "c1/(m1 omega10 epsilon)."
+    alpha23: float
+    "Weak coupling k23/(k1 epsilon^2)."
+    beta2: float
+    "Coupling k23/(m2 omega10^2) = epsilon alpha23."
+    sigma30: float
+    "Detuning of the secondary oscillator: k3/(m3 omega10^2) = 1 + epsilon sigma30."
+    gamma3: float
+    "c3/(m3 omega10 epsilon)."
+    mu13: float
+    "Mass ratio m1/m3."
+
+    _system: _native.System
+    _si: dict[str, float]
+    _groups: dict[str, float]
+
+    def __init__(self, **parameters: Unpack[Parameters]) -> None:
+        si, groups = named(parameters)
+        self._fill(in_order(si), groups)
+
+    @classmethod
+    def from_groups(cls, **groups: Unpack[Groups]) -> Self:
+        """The machine with these dimensionless groups, in the scales of the default set (m1 = 1 kg, k1 = 1 N/m, L = 1 m).
+
+        Raises
+        ------
+        TypeError, ValueError
+            As the class; a physical parameter is no group.
+        """
+        si, found = named(groups)
+        if si:
+            raise TypeError(f"{next(iter(si))} is a physical parameter: allowed are {', '.join(GROUP_NAMES)}")
+        return cls(**found)
+
+    def replace(self, **parameters: Unpack[Parameters]) -> Self:
+        """The same machine with some parameters changed.
+
+        A group leaves the other groups as they are, a physical parameter the other physical parameters; a physical parameter that
+        follows groups makes of the machine one in SI, all of whose physical parameters are given.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As the class.
+        """
+        si, groups = named(parameters)
+        before = {name: getattr(self, name) for name in SI_NAMES} if si and self._groups else self._si
+        kept = {} if si else self._groups
+        made = type(self).__new__(type(self))
+        made._fill(in_order(with_changes(before, si)), with_changes(kept, groups))
+        return made
+
+    def _fill(self, si: dict[str, float], groups: dict[str, float]) -> None:
+        system = _native.System(list(si.items()), list(groups.items()))
+        vars(self).update(zip(SI_NAMES + GROUP_NAMES, system.values()))
+        vars(self).update(_system=system, _si=si, _groups=groups)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a machine is immutable: {name} is changed by replace({name}=...), which makes another")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError("a machine is immutable")
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            try:
+                found = _native.find(name)
+            except TypeError as error:
+                raise AttributeError(str(error)) from None
+            if found == name:
+                raise AttributeError(f"{name} is not defined: box_k = {self.box_k}, and the dimensionless form needs box_k > 0")
+            return getattr(self, found)
+
+    def __repr__(self) -> str:
+        if self._si:
+            return f"Machine({written({**self._si, **self._groups})})"
+        return f"Machine.from_groups({written(self._groups)})" if self._groups else "Machine()"
+
+    def _physical(self) -> tuple[float, ...]:
+        return tuple(getattr(self, name) for name in SI_NAMES)
+
+    def __eq__(self, other: object) -> bool:
+        return self._physical() == other._physical() if isinstance(other, Machine) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._physical())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_unpickled, (type(self), self._si, self._groups))
+
+    @property
+    def period(self) -> float:
+        """Period of the drive 2 pi/omega1, s; infinite for a constant force."""
+        return self._system.period()
+
+    def _needs_period(self, what: str) -> None:
+        if not np.isfinite(self.period):
+            raise ValueError(
+                f"drive_frequency = {self.drive_frequency}: {what} goes by drive periods and needs drive_frequency > 0, whose period "
+                "a double can hold"
+            )
+
+    def simulate(
+        self,
+        start: Start = None,
+        *,
+        periods: int = 200,
+        per_period: int = 200,
+        t: Optional[ArrayLike] = None,
+        begin: float = 0.0,
+        loads: Iterable[Load] = (),
+        progress: bool = False,
+    ) -> Run:
+        """The exact motion with all its impacts, reported at equal steps of the drive's period or at times of one's own.
+
+        Steps are for reporting only: the result does not depend on them but for round-off (docs/numerics.md). The bits are those of the
+        FMU that is asked for the same times.
+
+        Parameters
+        ----------
+        start
+            The state at `begin`: a mapping of coordinates, ``x1, x2, x3`` (units of L), ``v1, v2, v3`` (L omega10) or ``box_s,
+            block_s, secondary_s`` (m), ``box_v, block_v, secondary_v`` (m/s), all others zero; or the six last ones as numbers.
+            Without it everything rests in the middle but the block, which moves up with L omega10.
+        periods, per_period
+            Drive periods from `begin` on and reports in each; ``periods * per_period + 1`` instants in all.
+        t
+            Instants instead, shape (n,), s, ascending from `begin` on.
+        begin
+            The time of the start, s. The phase of the drive is ``drive_frequency * time + drive_phase``.
+        loads
+            Force histories on the bodies.
+        progress
+            Whether a bar shows how far it is.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range; with `periods` for a machine whose drive has no frequency.
+        RuntimeError
+            For a motion that does not get on: a block that bounces without end.
+        """
+        begin = number("begin", begin)
+        if t is None:
+            self._needs_period("a run over periods")
+            whole("periods", periods, 0, MOST_PERIODS)
+            rows = whole("per_period", per_period, 1, MOST_ROWS) * periods + 1
+            whole("periods * per_period + 1", rows, 1, MOST_ROWS)
+            if not np.isfinite(begin + self.period * rows):
+                raise ValueError(f"periods = {periods}: allowed is an end of the run that a double can hold")
+            times = begin + self.period * np.arange(rows) / per_period
+        else:
+            times = array("t", t, "an array of shape (n,) of times in s, ascending")
+            if len(times) and (times[0] < begin or (np.diff(times) < 0).any()):
+                raise ValueError("t does not ascend from begin on: allowed are times in s, ascending from begin on")
+        with Bar(progress, len(times), "instants") as bar:
+            found = _native.simulate(
+                self._system, state("start", start, self._system), begin, times, load_list(loads), bar.report
+            )
+        return run_of(self, times, found)
+
+    def poincare(
+        self,
+        start: Start = None,
+        *,
+        at: str = "phase",
+        phase: float = 0.0,
+        periods: int = 2000,
+        settle: int = 400,
+        progress: bool = False,
+    ) -> Section:
+        """A Poincaré section: states at a phase of the drive, or just after the impacts at a stop.
+
+        Parameters
+        ----------
+        start
+            As of :meth:`simulate`, at time 0.
+        at
+            ``"phase"``, ``"upper"`` or ``"lower"``.
+        phase
+            The phase of the drive (rad) for ``at="phase"``.
+        periods, settle
+            Drive periods of the section, and those before it in which the transient dies out.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        self._needs_period("a section")
+        stop = {"phase": 0, "upper": 1, "lower": -1}[choice("at", at, ("phase", "upper", "lower"))]
+        periods = whole("periods", periods, 0, MOST_ROWS)
+        settle = whole("settle", settle, 0, MOST_PERIODS)
+        with Bar(progress, periods + settle, "periods") as bar:
+            found = _native.poincare(
+                self._system,
+                state("start", start, self._system),
+                stop,
+                number("phase", phase),
+                settle,
+                periods,
+                bar.report,
+            )
+        return Section(self, at, found["t"], found["s"], found["v"], found["phase"], found["speed"])
+
+    def lyapunov(
+        self, start: Start = None, *, periods: int = 1500, settle: int = 400, progress: bool = False
+    ) -> Spectrum:
+        """The seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 13).
+
+        Parameters
+        ----------
+        start
+            As of :meth:`simulate`, at time 0.
+        periods, settle
+            Drive periods counted, and those before in which the transient dies out.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        self._needs_period("a Lyapunov spectrum")
+        periods = whole("periods", periods, 1, 10_000_000)
+        settle = whole("settle", settle, 0, MOST_PERIODS)
+        with Bar(progress, periods + 50, "periods") as bar:
+            found = _native.lyapunov(
+                self._system, state("start", start, self._system), settle, periods, bar.report
+            )
+        return spectrum_of(self, found)
+
+    def measure(
+        self,
+        measures: Sequence[str],
+        start: Start = None,
+        *,
+        periods: int = 64,
+        settle: int = 400,
+        progress: bool = False,
+    ) -> dict[str, float | str | None]:
+        """Measures of the settled motion by name: :data:`MEASURES` has all, with units.
+
+        A number is exact for the motion, not for samples of it; the measure ``class`` is a text, and one that is not defined for the
+        machine is None.
+
+        Parameters
+        ----------
+        measures
+            Names such as ``"amplitude.x1"``, ``"impacts"``, ``"power.input"``.
+        start
+            As of :meth:`simulate`, at time 0.
+        periods, settle
+            Drive periods that are measured, and those before in which the transient dies out.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`; for a name that is none, with the nearest one.
+        """
+        self._needs_period("a measure")
+        if isinstance(measures, str) or not all(isinstance(name, str) for name in measures):
+            raise TypeError(f"measures = {measures!r}: allowed is a sequence of names, e.g. ['amplitude.x1']")
+        names = list(measures)
+        with Bar(progress, 1, "motions") as bar:
+            numbers, kind = _native.measure(
+                self._system,
+                state("start", start, self._system),
+                names,
+                whole("settle", settle, 0, MOST_PERIODS),
+                whole("periods", periods, 1, MOST_PERIODS),
+                bar.report,
+            )
+        return {name: kind if name == "class" else value for name, value in zip(names, numbers)}
+
+    def steady(self, *, sheet: str = "upper") -> SteadyStates:
+        """The symmetric motion with two impacts a drive period in closed form, by three theories (docs/theory.md, sections 6 to 9).
+
+        Parameters
+        ----------
+        sheet
+            Which of the two solutions: ``"upper"``, of the larger amplitude, or ``"lower"``.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For another word.
+        """
+        return steady_states(self, choice("sheet", sheet, ("upper", "lower")))
+
+    def orbit(
+        self,
+        word: Optional[str] = None,
+        *,
+        start: Start = None,
+        period: int = 1,
+        symmetric: bool = False,
+        settle: int = 1000,
+        tries: int = 64,
+        progress: bool = False,
+    ) -> Orbit:
+        """A periodic orbit by the order of its impacts, stable or not; or the one on which a motion has settled.
+
+        It is solved for its impact phases by Newton's method and certified: no impact that the word does not list
+        (docs/theory.md, section 14).
+
+        Parameters
+        ----------
+        word
+            The stops in order over `period` drive periods, letters U and L; without it the orbit of the motion from `start` after
+            `settle` drive periods.
+        period
+            Drive periods until the word repeats itself.
+        symmetric
+            Whether the word is half of a symmetric orbit and closes with the opposite sign; it then takes ``period`` half drive
+            periods, an odd number.
+        tries
+            Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        RuntimeError
+            Where none is found.
+        """
+        self._needs_period("a periodic orbit")
+        settle = whole("settle", settle, 0, MOST_PERIODS)
+        period = whole("period", period, 1, 1000)
+        tries = whole("tries", tries, 1, 1_000_000)
+        return find_orbit(self, word, start, period, bool(symmetric), settle, tries, progress)
+
+
+def _unpickled(cls: type[Machine], si: dict[str, float], groups: dict[str, float]) -> Machine:
+    made = cls.__new__(cls)
+    made._fill(si, groups)
+    return made

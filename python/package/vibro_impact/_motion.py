@@ -1,0 +1,270 @@
+"""Motions and loads."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import MOST_PERIODS, Floats, Start, array, choice, state, whole
+from ._progress import Bar
+from ._result import Result
+
+if TYPE_CHECKING:
+    import pandas
+    from numpy.typing import ArrayLike, NDArray
+
+    from . import _returned
+    from ._machine import Machine
+
+#: Impacts: time (s), stop (+1 upper, -1 lower), |w'| before (m/s), impulse on the box in the direction of the stop (N.s).
+IMPACT = np.dtype([("t", "f8"), ("stop", "i1"), ("speed", "f8"), ("impulse", "f8")])
+#: Beginnings or ends of resting contact: time (s), stop (+1 upper, -1 lower).
+CONTACT = np.dtype([("t", "f8"), ("stop", "i1")])
+#: Energy accounts since the start, J: mechanical = its first value + input - damped - impact.
+ENERGY = np.dtype([("mechanical", "f8"), ("input", "f8"), ("damped", "f8"), ("impact", "f8")])
+
+
+class Load:
+    """A measured force on one body: straight lines or monotone cubics between samples, zero before the first and from the last on.
+
+    The motion is exact for that interpolant. An immutable value.
+
+    Parameters
+    ----------
+    body
+        ``"box"``, ``"block"`` or ``"secondary"``.
+    t
+        Times of the samples, shape (n,), s, strictly ascending, two at least.
+    force
+        Forces, shape (n,), N.
+    interpolation
+        ``"linear"``, or ``"cubic"``: the scheme known as PCHIP, which never passes the samples' range.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For arguments of another shape, and for the first sample that is not allowed.
+    """
+
+    __slots__ = ("_native", "body", "force", "interpolation", "t")
+    body: str
+    t: Floats
+    force: Floats
+    interpolation: str
+    _native: _native.Load
+
+    def __init__(self, body: str, t: ArrayLike, force: ArrayLike, interpolation: str = "linear") -> None:
+        choice("body", body, ("box", "block", "secondary"))
+        choice("interpolation", interpolation, ("linear", "cubic"))
+        times, forces = (
+            array(name, given, f"an array of shape (n,) of {what}").copy()
+            for name, given, what in (("t", t, "times in s"), ("force", force, "forces in N"))
+        )
+        if times.shape != forces.shape:
+            raise ValueError(f"force has the shape {forces.shape}: allowed is that of t, {times.shape}")
+        times.flags.writeable = forces.flags.writeable = False
+        load = _native.Load(body, times, forces, interpolation == "cubic")
+        values = {"body": body, "t": times, "force": forces, "interpolation": interpolation, "_native": load}
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __call__(self, t: ArrayLike) -> Floats:
+        """The force (N) at times (s), shape (n,)."""
+        return self._native.at(array("t", t, "an array of shape (n,) of times in s"))
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("a load is immutable")
+
+    def __repr__(self) -> str:
+        return f"Load({self.body!r}, t={self.t.tolist()}, force={self.force.tolist()}, interpolation={self.interpolation!r})"
+
+    def _key(self) -> tuple[Any, ...]:
+        return (self.body, self.interpolation, tuple(self.t.tolist()), tuple(self.force.tolist()))
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, Load) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Load, (self.body, self.t, self.force, self.interpolation))
+
+
+def load_list(loads: Iterable[Load]) -> list[_native.Load]:
+    """The native loads."""
+    if isinstance(loads, Load):
+        return [loads._native]
+    try:
+        found = list(loads)
+    except TypeError:
+        raise TypeError(f"loads = {loads!r}: allowed is a sequence of Load") from None
+    for index, load in enumerate(found):
+        if not isinstance(load, Load):
+            raise TypeError(f"loads[{index}] = {load!r} is of type {type(load).__name__}: allowed is Load")
+    return [load._native for load in found]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Run(Result):
+    """A motion."""
+
+    machine: Machine
+    "Whose motion it is."
+    t: Floats
+    "Instants, shape (n,), s."
+    s: Floats
+    "Displacements x1, x2, x3 of box, block and secondary oscillator, shape (n, 3), m."
+    v: Floats
+    "Velocities, shape (n, 3), m/s; just after an impact at that instant."
+    energy: NDArray[np.void]
+    "Energy accounts since the start, shape (n,), fields mechanical, input, damped, impact, J."
+    impacts: NDArray[np.void]
+    "All impacts between the instants, fields t (s), stop (+1, -1), speed (m/s), impulse (N.s)."
+    rests: NDArray[np.void]
+    "Where chatter ended in resting contact, fields t (s), stop."
+    releases: NDArray[np.void]
+    "Where the block let go of a stop, fields t (s), stop."
+
+    @property
+    def w(self) -> Floats:
+        """Displacement of the block in the box x2 - x1, shape (n,), m: within +-stop_gap."""
+        found: Floats = self.s[:, 1] - self.s[:, 0]
+        return found
+
+    @property
+    def end(self) -> Floats:
+        """The state at the last instant as a start for another run, shape (6,)."""
+        return np.concatenate([self.s[-1], self.v[-1]])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The samples as a table of pandas, which must be installed: columns as the FMU's variables, times as index."""
+        import pandas
+
+        bodies = ("box", "block", "secondary")
+        columns = {f"{b}.{q}": a[:, i] for q, a in (("s", self.s), ("v", self.v)) for i, b in enumerate(bodies)}
+        columns |= {f"energy.{name}": self.energy[name] for name in ENERGY.names or ()}
+        return pandas.DataFrame(columns, index=pandas.Index(self.t, name="time"))
+
+
+def _records(kind: np.dtype[np.void], parts: Any) -> NDArray[np.void]:
+    found = np.empty(len(parts["t"]), kind)
+    for name in kind.names or ():
+        found[name] = parts[name]
+    return found
+
+
+def run_of(machine: Machine, t: Floats, found: _returned.Run) -> Run:
+    """A run from what the computation returns."""
+    energy = np.empty(len(t), ENERGY)
+    for index, name in enumerate(ENERGY.names or ()):
+        energy[name] = found["energy"][:, index]
+    impacts = _records(IMPACT, found["impacts"])
+    rests, releases = _records(CONTACT, found["rests"]), _records(CONTACT, found["releases"])
+    return Run(machine, t, found["s"], found["v"], energy, impacts, rests, releases)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Section(Result):
+    """A Poincaré section."""
+
+    machine: Machine
+    "Whose motion it is."
+    at: str
+    "Where it is taken: phase, upper or lower."
+    t: Floats
+    "Times, shape (n,), s."
+    s: Floats
+    "Displacements x1, x2, x3, shape (n, 3), m."
+    v: Floats
+    "Velocities, shape (n, 3), m/s; just after the impact at a stop."
+    phase: Floats
+    "Phase of the drive, shape (n,), rad in [0, 2 pi)."
+    speed: Floats
+    "|w'| before the impact, shape (n,), m/s; zero for a section at a phase."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Ends(Result):
+    """The ends of many motions."""
+
+    t: Floats
+    "Times of the ends, shape (n,), s."
+    s: Floats
+    "Displacements x1, x2, x3, shape (n, 3), m."
+    v: Floats
+    "Velocities, shape (n, 3), m/s."
+
+    @property
+    def states(self) -> Floats:
+        """The states as starts of further motions, shape (n, 6)."""
+        return np.concatenate([self.s, self.v], axis=1)
+
+
+def simulate_many(
+    machines: Union[Machine, Iterable[Machine]],
+    starts: Union[Start, Sequence[Start]] = None,
+    *,
+    periods: int = 400,
+    progress: bool = False,
+) -> Ends:
+    """Many motions over whole drive periods from time 0, side by side in the processor's vectors and on all cores.
+
+    Each ends as accurately as by :meth:`Machine.simulate`, but not on the same bits; they do not depend on the other motions, nor on the
+    number of threads (docs/numerics.md, section 8).
+
+    Parameters
+    ----------
+    machines
+        Machines, or one for all starts. Neighbours that are equal share their tables.
+    starts
+        A start as of :meth:`Machine.simulate` for all machines, a sequence of starts, or an array of shape (n, 6).
+    periods
+        Drive periods, each machine's own.
+
+    Raises
+    ------
+    ValueError, TypeError, RuntimeError
+        As :meth:`Machine.simulate`, with the motion's index; for numbers of machines and starts that differ.
+    """
+    from ._machine import Machine
+
+    several = list(machines) if isinstance(machines, Iterable) else [machines]
+    for index, machine in enumerate(several):
+        if not isinstance(machine, Machine):
+            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Machine")
+    periods = whole("periods", periods, 0, MOST_PERIODS)
+    rows = _rows(several, starts)
+    if len(several) == 1:
+        several *= len(rows)
+    if len(rows) != len(several):
+        raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
+    for index, machine in enumerate(several):
+        try:
+            machine._needs_period("a motion over periods")
+        except ValueError as error:
+            raise ValueError(f"machines[{index}]: {error}") from None
+    with Bar(progress, len(several), "motions") as bar:
+        s, v = _native.simulate_many([m._system for m in several], rows, periods, bar.report)
+    return Ends(np.array([periods * m.period for m in several]), s, v)
+
+
+def _rows(machines: list[Machine], starts: Any) -> Floats:
+    """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
+    if isinstance(starts, np.ndarray) and starts.ndim == 2:
+        found = array("starts", starts, "an array of shape (n, 6)", 2)
+        if found.shape[1] != 6:
+            raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
+        return found
+    one = starts is None or isinstance(starts, dict) or np.ndim(starts) == 1 and np.asarray(starts).dtype.kind in "iuf"
+    if one:
+        return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
+    several = list(starts)
+    if len(machines) not in (1, len(several)):
+        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(machines)} machines")
+    own = machines if len(machines) == len(several) else machines * len(several)
+    return np.array([state(f"starts[{i}]", s, m._system) for i, (s, m) in enumerate(zip(several, own))]).reshape(-1, 6)

@@ -1,0 +1,125 @@
+"""Types of the native part."""
+
+from collections.abc import Callable, Sequence
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _returned
+
+_Floats = NDArray[np.float64]
+_Complex = NDArray[np.complex128]
+_Progress = Callable[[int], object] | None
+
+__all__ = [
+    "Load",
+    "Orbit",
+    "System",
+    "__version__",
+    "basins",
+    "bifurcation",
+    "find",
+    "follow",
+    "lyapunov",
+    "measure",
+    "measures",
+    "orbit",
+    "parameters",
+    "poincare",
+    "settled_orbit",
+    "simulate",
+    "simulate_many",
+    "steady",
+    "steady_motion",
+]
+
+__version__: str
+
+@final
+class System:
+    def __new__(cls, si: Sequence[tuple[str, float]], groups: Sequence[tuple[str, float]]) -> System: ...
+    def values(self) -> list[float]: ...
+    def period(self) -> float: ...
+    def dimensional(self, coordinates: Sequence[float]) -> list[float]: ...
+
+@final
+class Load:
+    def __new__(cls, body: str, t: _Floats, force: _Floats, cubic: bool) -> Load: ...
+    def at(self, t: _Floats) -> _Floats: ...
+
+@final
+class Orbit:
+    def __new__(cls, system: System, word: str, closing: int, half_periods: int, phases: _Floats) -> Orbit: ...
+    @property
+    def word(self) -> str: ...
+    @property
+    def closing(self) -> int: ...
+    @property
+    def half_periods(self) -> int: ...
+    @property
+    def period(self) -> int: ...
+    @property
+    def phases(self) -> _Floats: ...
+    @property
+    def speeds(self) -> _Floats: ...
+    @property
+    def multipliers(self) -> _Complex: ...
+    @property
+    def stable(self) -> bool: ...
+    def motion(self, theta: _Floats) -> tuple[_Floats, _Floats]: ...
+    def maxima(self, weights: Sequence[float]) -> _Floats: ...
+
+def find(name: str) -> str: ...
+def parameters() -> tuple[int, list[tuple[str, str, str, str, str]]]: ...
+def simulate(
+    system: System, start: Sequence[float], begin: float, t: _Floats, loads: Sequence[Load], progress: _Progress = None
+) -> _returned.Run: ...
+def simulate_many(
+    systems: Sequence[System], starts: _Floats, periods: int, progress: _Progress = None
+) -> tuple[_Floats, _Floats]: ...
+def poincare(
+    system: System,
+    start: Sequence[float],
+    stop: int,
+    phase: float,
+    discard: int,
+    periods: int,
+    progress: _Progress = None,
+) -> _returned.Section: ...
+def bifurcation(
+    system: System,
+    name: str,
+    ends: tuple[float, float],
+    count: int,
+    discard: int,
+    keep: int,
+    of: str,
+    exponents: int | None,
+    progress: _Progress = None,
+) -> _returned.BothDirections: ...
+def lyapunov(
+    system: System, start: Sequence[float], discard: int, periods: int, progress: _Progress = None
+) -> _returned.Spectrum: ...
+def basins(
+    system: System,
+    x: tuple[int, float, float, int],
+    y: tuple[int, float, float, int],
+    discard: int,
+    progress: _Progress = None,
+) -> _returned.Basins: ...
+def measures() -> list[tuple[str, str, str]]: ...
+def measure(
+    system: System, start: Sequence[float], names: Sequence[str], discard: int, periods: int, progress: _Progress = None
+) -> tuple[list[float | None], str | None]: ...
+def steady(system: System, theory: str, upper: bool) -> tuple[_returned.Closed | None, str | None]: ...
+def steady_motion(system: System, theory: str, upper: bool, theta: _Floats) -> tuple[_Floats, _Floats]: ...
+def orbit(
+    system: System, word: str, closing: int, half_periods: int, tries: int, progress: _Progress = None
+) -> list[Orbit]: ...
+def settled_orbit(
+    system: System, start: Sequence[float], discard: int, progress: _Progress = None
+) -> Orbit: ...
+def follow(
+    orbit: Orbit, name: str, ends: tuple[float, float], weights: tuple[float, float, float], progress: _Progress = None
+) -> _returned.Branch: ...

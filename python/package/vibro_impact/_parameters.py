@@ -1,0 +1,78 @@
+"""The parameters of a machine by name: their types, and what is given made one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import _native
+from ._arguments import number
+
+if TYPE_CHECKING:
+    from typing_extensions import TypedDict
+
+    class Groups(TypedDict, total=False):
+        """The dimensionless groups."""
+
+        epsilon: float
+        kappa: float
+        f10: float
+        sigma1: float
+        gamma1: float
+        alpha23: float
+        beta2: float
+        sigma30: float
+        gamma3: float
+        mu13: float
+
+    class Parameters(Groups, total=False):
+        """All parameters by name."""
+
+        box_m: float
+        box_k: float
+        box_c: float
+        block_m: float
+        secondary_m: float
+        secondary_k: float
+        secondary_c: float
+        coupling_k: float
+        stop_gap: float
+        stop_restitution: float
+        drive_amplitude: float
+        drive_frequency: float
+        drive_phase: float
+
+
+_COUNT, _TOLD = _native.parameters()
+#: Every parameter by name: label of an axis, unit, what it is, what is allowed.
+PARAMETERS = {name: about for name, *about in _TOLD}
+#: Names of the physical parameters and of the groups.
+SI_NAMES = tuple(told[0] for told in _TOLD[:_COUNT])
+GROUP_NAMES = tuple(told[0] for told in _TOLD[_COUNT:])
+
+
+def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
+    """Parameters under their own names: those in SI, the groups."""
+    si: dict[str, float] = {}
+    groups: dict[str, float] = {}
+    for given, value in parameters.items():
+        name = _native.find(given)
+        part = si if name in SI_NAMES else groups
+        if name in part:
+            raise TypeError(f"{given} is given twice: {name} is another name of it")
+        part[name] = number(given, value)
+    return si, groups
+
+
+def with_changes(values: dict[str, float], changes: dict[str, float]) -> dict[str, float]:
+    """The values with others set after them: of two groups that are tied the one set last is held."""
+    return {**{name: value for name, value in values.items() if name not in changes}, **changes}
+
+
+def in_order(si: dict[str, float]) -> dict[str, float]:
+    """Physical parameters in their order, on which nothing depends."""
+    return {name: si[name] for name in SI_NAMES if name in si}
+
+
+def written(values: dict[str, float]) -> str:
+    """Values as the arguments of a call."""
+    return ", ".join(f"{name}={value!r}" for name, value in values.items())

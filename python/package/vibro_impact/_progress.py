@@ -1,0 +1,44 @@
+"""A bar that shows how far a long call has come."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any, Callable, Optional
+
+
+class Bar:
+    """A bar of tqdm where that is installed, else a line on standard error."""
+
+    def __init__(self, wanted: bool, total: int, unit: str) -> None:
+        self.total = total
+        self.shown = 0
+        self.bar: Any = None
+        self.wanted = wanted
+        if wanted:
+            try:
+                from tqdm.auto import tqdm
+            except ImportError:
+                return
+            self.bar = tqdm(total=total, unit=unit)
+
+    @property
+    def report(self) -> Optional[Callable[[int], None]]:
+        """What the computation calls with the number of parts that are done."""
+        return self._show if self.wanted else None
+
+    def _show(self, done: int) -> None:
+        if self.bar is not None:
+            self.bar.update(done - self.shown)
+        elif 100 * done // max(self.total, 1) != 100 * self.shown // max(self.total, 1):
+            sys.stderr.write(f"\r{100 * done // max(self.total, 1):3d} %")
+            sys.stderr.flush()
+        self.shown = done
+
+    def __enter__(self) -> Bar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.close()
+        elif self.wanted:
+            sys.stderr.write("\n")

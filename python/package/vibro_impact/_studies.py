@@ -1,0 +1,298 @@
+"""Bifurcation diagrams, Lyapunov spectra, basins of attraction."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import COORDINATES, MOST_PERIODS, Floats, array, choice, number, whole
+from ._progress import Bar
+from ._result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from . import _returned
+    from ._machine import Machine
+
+#: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
+MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
+
+#: Most values of a diagram, and most cells of a plane in one direction.
+_MOST_VALUES = 1_000_000
+_MOST_CELLS = 20_000
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Direction(Result):
+    """The settled motions of one direction of a diagram."""
+
+    value: Floats
+    "The parameter, shape (n,), in its unit, rising."
+    kind: NDArray[np.str_]
+    "Class of each motion, shape (n,): 1T, 2T, ..., aperiodic, with exponents quasi-periodic or chaotic; refused where there is none."
+    period: NDArray[np.int32]
+    "Period in drive periods, shape (n,); 0 where it has none up to 32."
+    impacts: Floats
+    "Impacts per drive period at the upper and at the lower stop, shape (n, 2)."
+    rests: NDArray[np.bool_]
+    "Whether the block rests at a stop in its course, shape (n,)."
+    maxima: Floats
+    "Local maxima of the displacement, each value once, shape (k,), units of L, to six digits after the point."
+    at: NDArray[np.int64]
+    "The index in `value` of each maximum, shape (k,)."
+    met: NDArray[np.uint32]
+    "How often it was met, shape (k,)."
+    exponents: Optional[Floats]
+    "Lyapunov exponents, largest first, shape (n, 7), in units of omega10, where they were asked for; 0 where refused."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Diagram(Result):
+    """A bifurcation diagram in both directions."""
+
+    machine: Machine
+    "The machine whose parameter varies."
+    name: str
+    "The parameter."
+    of: str
+    "The displacement whose maxima are kept."
+    up: Direction
+    "With the value rising."
+    down: Direction
+    "With the value falling, in the order of rising values."
+    hysteresis: NDArray[np.bool_]
+    "Where the two end on attractors that are neither the same nor mirror images, shape (n,)."
+
+
+def bifurcation(
+    machine: Machine,
+    *,
+    periods: tuple[int, int] = (400, 800),
+    of: str = "x2",
+    exponents: Union[bool, int] = False,
+    progress: bool = False,
+    **parameter: ArrayLike,
+) -> Diagram:
+    """A bifurcation diagram: local maxima, classes and impacts of settled motions over a parameter, upwards and downwards.
+
+    As in the paper, section 4: the last state at a value is the start of the next one. Maxima are exact, not samples. All cores are used;
+    the result does not depend on their number.
+
+    Parameters
+    ----------
+    machine
+        All other parameters.
+    **parameter
+        The parameter by name with its values, equally spaced and rising: ``f10=np.linspace(0.5, 5, 451)``.
+    periods
+        Drive periods discarded and kept at each value.
+    of
+        The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``.
+    exponents
+        Whether Lyapunov exponents are computed as well, over 1500 drive periods or so many.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For arguments out of their range.
+    """
+    from ._machine import Machine
+
+    _is_machine(machine, Machine)
+    machine._needs_period("a bifurcation diagram")
+    if len(parameter) != 1:
+        raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
+    ((given, values),) = parameter.items()
+    name = _native.find(given)
+    ends, count = _axis(given, values)
+    try:
+        discard, keep = periods
+    except (TypeError, ValueError):
+        raise TypeError(f"periods = {periods!r}: allowed is a pair of whole numbers: discarded, kept") from None
+    discard = whole("periods[0]", discard, 0, MOST_PERIODS)
+    keep = whole("periods[1]", keep, 1, MOST_PERIODS)
+    over = None if exponents is False else 1500 if exponents is True else whole("exponents", exponents, 1, 10_000_000)
+    # Eight values make a part.
+    with Bar(progress, 2 * -(-count // 8), "parts") as bar:
+        found = _native.bifurcation(
+            machine._system, name, ends, count, discard, keep, choice("of", of, ("x1", "x2", "x3", "w")), over, bar.report
+        )
+    return Diagram(machine, name, of, _direction(found["up"]), _direction(found["down"]), found["hysteresis"])
+
+
+def _direction(found: _returned.Direction) -> Direction:
+    return Direction(
+        found["value"],
+        np.array(found["classes"], dtype=np.str_),
+        found["period"],
+        found["impacts"],
+        found["rests"],
+        found["maxima"],
+        found["maxima_at"],
+        found["maxima_met"],
+        found["exponents"],
+    )
+
+
+def _axis(name: str, given: ArrayLike) -> tuple[tuple[float, float], int]:
+    """Ends and number of equally spaced values."""
+    allowed = "an array of shape (n,), n >= 2, of rising, equally spaced values, e.g. np.linspace(0.5, 5, 451)"
+    values = array(name, given, allowed)
+    whole(f"len({name})", len(values), 2, _MOST_VALUES)
+    first, last = float(values[0]), float(values[-1])
+    off = np.abs(values - np.linspace(first, last, len(values)))
+    if not first < last or not (off <= 1e-9 * (last - first)).all():
+        raise ValueError(f"{name} is not equally spaced: allowed is {allowed}")
+    return (first, last), len(values)
+
+
+def _is_machine(machine: object, kind: type) -> None:
+    if not isinstance(machine, kind):
+        raise TypeError(f"machine is of type {type(machine).__name__}: allowed is Machine")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Result):
+    """A Lyapunov spectrum."""
+
+    machine: Machine
+    "Whose motion it is."
+    exponents: Floats
+    "The exponents, largest first, shape (7,), 1/s; -inf for directions lost in rest or at plastic impacts."
+    deviation: float
+    "Largest standard deviation of the running exponents over the last 200 periods, 1/s."
+    running: Floats
+    "Running exponents after each drive period, in the order of the directions, shape (periods, 7), 1/s."
+    impacts: int
+    "Impacts in these periods."
+    rests: bool
+    "Whether the block rested."
+
+    @property
+    def dimensionless(self) -> Floats:
+        """The exponents per unit of the dimensionless time, in units of omega10, shape (7,)."""
+        found: Floats = self.exponents / np.sqrt(self.machine.box_k / self.machine.box_m)
+        return found
+
+
+def spectrum_of(machine: Machine, found: _returned.Spectrum) -> Spectrum:
+    """A spectrum from what the computation returns."""
+    return Spectrum(
+        machine, found["exponents"], found["deviation"], found["running"], found["impacts"], found["rests"]
+    )
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Attractor(Result):
+    """A settled motion as it is recognized."""
+
+    kind: str
+    "Its class: 1T, 2T, ..., aperiodic."
+    period: Optional[int]
+    "Its period in drive periods, up to 32."
+    impacts: Floats
+    "Impacts per drive period at the upper and at the lower stop, shape (2,)."
+    rests: bool
+    "Whether the block rests at a stop in its course."
+    symmetric: bool
+    "Whether it is its own mirror image."
+    states: Floats
+    "States at whole drive periods, one for each of its period, shape (p, 6): x1, x2, x3 (units of L), v1, v2, v3 (L omega10)."
+    mirror_states: Floats
+    "The same of its mirror image."
+    sizes: Floats
+    "Root mean squares of x1, x2, x3 at whole and half drive periods, shape (3,), units of L."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Basins(Result):
+    """Basins of attraction over two initial values."""
+
+    machine: Machine
+    "The machine."
+    names: tuple[str, str]
+    "The initial values across and up."
+    x: Floats
+    "Centres of the cells across, shape (nx,), units of L or L omega10."
+    y: Floats
+    "Centres of the cells up, shape (ny,)."
+    attractors: tuple[Attractor, ...]
+    "The attractors in the order in which the cells meet them."
+    cells: NDArray[np.int32]
+    "Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx); -1 for a start outside the stops."
+    mirror: NDArray[np.bool_]
+    "Whether it is the attractor's mirror image, shape (ny, nx)."
+    edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
+    "Ends of the plane: left, right, bottom, top."
+
+
+def basins(
+    machine: Machine, *, periods: int = 400, progress: bool = False, **ranges: tuple[float, float, int]
+) -> Basins:
+    """Basins of attraction: where motions from a plane of two initial values end, with the attractors that coexist.
+
+    Parameters
+    ----------
+    machine
+        The machine.
+    **ranges
+        Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), the first across, each as (from, to, cells); the others are zero:
+        ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
+    periods
+        Drive periods before a motion is recognized.
+
+    Raises
+    ------
+    ValueError, TypeError, RuntimeError
+        For arguments out of their range; what the simulator refuses, starts outside the stops apart.
+    """
+    from ._machine import Machine
+
+    _is_machine(machine, Machine)
+    machine._needs_period("a plane of basins")
+    if len(ranges) != 2:
+        raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")
+    (x_name, y_name), (x, y) = tuple(ranges), (_range(name, given) for name, given in ranges.items())
+    periods = whole("periods", periods, 0, MOST_PERIODS)
+    with Bar(progress, y[3], "rows") as bar:
+        found = _native.basins(machine._system, x, y, periods, bar.report)
+    attractors = tuple(_attractor(a) for a in found["attractors"])
+    edges = (x[1], x[2], y[1], y[2])
+    return Basins(
+        machine, (x_name, y_name), _centres(x), _centres(y), attractors, found["cells"], found["mirror"], edges
+    )
+
+
+def _range(name: str, given: Any) -> tuple[int, float, float, int]:
+    index = COORDINATES.index(choice("a name of a range", name, COORDINATES))
+    try:
+        first, last, cells = given
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {given!r}: allowed is (from, to, cells), e.g. (-2, 2, 100)") from None
+    low, high = number(f"{name}[0]", first), number(f"{name}[1]", last)
+    if not low < high:
+        raise ValueError(f"{name} = {given!r}: allowed is from < to")
+    return index, low, high, whole(f"{name}[2]", cells, 1, _MOST_CELLS)
+
+
+def _centres(axis: tuple[int, float, float, int]) -> Floats:
+    _, low, high, count = axis
+    found: Floats = low + (high - low) * (np.arange(count) + 0.5) / count
+    return found
+
+
+def _attractor(found: _returned.Settled) -> Attractor:
+    return Attractor(
+        found["class_name"],
+        found["period"],
+        found["impacts"],
+        found["rests"],
+        found["symmetric"],
+        found["states"],
+        found["mirror_states"],
+        found["sizes"],
+    )

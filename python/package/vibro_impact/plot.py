@@ -1,0 +1,223 @@
+"""Pictures by matplotlib: each function draws one result into axes and returns them.
+
+``axes`` is where to draw; without it the current axes are taken, as matplotlib's own functions do. Bodies have the colours of the
+pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple.
+
+>>> from vibro_impact import Machine, plot
+>>> axes = plot.portrait(Machine().simulate(periods=20), of="x2")
+
+Needs matplotlib: ``pip install vibro-impact[plot]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Optional, Union
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+
+from ._arguments import Floats, choice
+from ._motion import Run, Section
+from ._orbits import Branch
+from ._parameters import PARAMETERS
+from ._studies import Basins, Diagram, Direction
+
+#: Colours of x1, x2, x3 and w = x2 - x1.
+COLOURS = {"x1": "#004696", "x2": "#c84b00", "x3": "#14a073", "w": "#a52882"}
+#: Names of the displacements in legends and on axes.
+_SYMBOLS = {"x1": "$x_1$", "x2": "$x_2$", "x3": "$x_3$", "w": "$w$"}
+_BODIES = {"x1": "box", "x2": "block", "x3": "secondary oscillator", "w": "block in the box"}
+#: Colours of areas (Okabe and Ito).
+_AREAS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+
+__all__ = ["COLOURS", "basins", "bifurcation", "branch", "history", "portrait", "section"]
+
+
+def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
+    """Displacement (m) and velocity (m/s) of x1, x2, x3 or w."""
+    if of == "w":
+        return result.s[:, 1] - result.s[:, 0], result.v[:, 1] - result.v[:, 0]
+    index = int(choice("of", of, tuple(COLOURS))[1]) - 1
+    return result.s[:, index], result.v[:, index]
+
+
+def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
+    """The stops, where the block's displacement in the box is drawn."""
+    for stop in (-gap, gap):
+        line = axes.axhline if horizontal else axes.axvline
+        line(stop, color="black", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
+
+
+def history(run: Run, axes: Optional[Axes] = None, *, of: Union[str, Sequence[str]] = ("x1", "x2", "x3")) -> Axes:
+    """Displacements (m) over time (s).
+
+    Parameters
+    ----------
+    of
+        Some of x1, x2, x3 and w = x2 - x1; with w the stops are dashed.
+    """
+    axes = axes or plt.gca()
+    names = [of] if isinstance(of, str) else list(of)
+    for name in names:
+        axes.plot(run.t, _columns(run, name)[0], color=COLOURS[name], linewidth=1.2, label=f"{_SYMBOLS[name]} {_BODIES[name]}")
+    if "w" in names:
+        _stops(axes, run.machine.stop_gap, horizontal=True)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("displacement (m)" if len(names) > 1 else f"{_SYMBOLS[names[0]]} (m)")
+    axes.margins(x=0)
+    if len(names) > 1:
+        # Above the axes, where no line is.
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(names), frameon=False)
+    return axes
+
+
+def portrait(run: Run, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
+    """Velocity (m/s) over displacement (m): the line is interrupted at impacts, where the velocity jumps.
+
+    Parameters
+    ----------
+    of
+        One of x1, x2, x3 and w = x2 - x1; with w the stops are dashed.
+    """
+    axes = axes or plt.gca()
+    place, rate = _columns(run, of)
+    jumps = np.unique(np.searchsorted(run.t, run.impacts["t"]))
+    if of == "x3":
+        jumps = jumps[:0]  # its velocity does not jump
+    jumps = jumps[(jumps > 0) & (jumps < len(run.t))]
+    axes.plot(np.insert(place, jumps, np.nan), np.insert(rate, jumps, np.nan), color=COLOURS[of], linewidth=0.9)
+    if of == "w":
+        _stops(axes, run.machine.stop_gap, horizontal=False)
+    axes.set_xlabel(f"{_SYMBOLS[of]} (m)")
+    axes.set_ylabel(f"rate of {_SYMBOLS[of]} (m/s)")
+    return axes
+
+
+def section(section: Section, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
+    """The points of a Poincaré section: velocity (m/s) over displacement (m) at a phase, speed (m/s) over phase (rad) at a stop."""
+    axes = axes or plt.gca()
+    if section.at == "phase":
+        place, rate = _columns(section, of)
+        axes.set_xlabel(f"{_SYMBOLS[of]} (m)")
+        axes.set_ylabel(f"rate of {_SYMBOLS[of]} (m/s)")
+    else:
+        place, rate = section.phase, section.speed
+        axes.set_xlim(0, 2 * np.pi)
+        axes.set_xticks(np.pi / 2 * np.arange(5), ["0", "π/2", "π", "3π/2", "2π"])
+        axes.set_xlabel("phase of the drive (rad)")
+        axes.set_ylabel(f"speed of impact at the {section.at} stop (m/s)")
+    axes.plot(place, rate, linestyle="none", marker=".", markersize=2, markeredgewidth=0, color=COLOURS[of], rasterized=True)
+    return axes
+
+
+def bifurcation(diagram: Diagram, axes: Optional[Axes] = None, *, direction: str = "up") -> Axes:
+    """The maxima of a bifurcation diagram (units of L) over its parameter.
+
+    Parameters
+    ----------
+    direction
+        ``"up"``, ``"down"``, or ``"both"``: then the falling direction is grey, below the rising one.
+    """
+    axes = axes or plt.gca()
+    choice("direction", direction, ("up", "down", "both"))
+    if direction == "both":
+        _dots(axes, diagram.down, "#8c8c8c", "falling")
+    shown = diagram.down if direction == "down" else diagram.up
+    _dots(axes, shown, COLOURS[diagram.of], "falling" if direction == "down" else "rising")
+    axes.set_xlabel(PARAMETERS[diagram.name][0])
+    axes.set_ylabel(f"maxima of {_SYMBOLS[diagram.of]} (L)")
+    axes.margins(x=0.01)
+    if direction == "both":
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False, markerscale=5)
+    return axes
+
+
+def _dots(axes: Axes, shown: Direction, colour: str, label: str) -> None:
+    axes.plot(
+        shown.value[shown.at],
+        shown.maxima,
+        linestyle="none",
+        marker=".",
+        markersize=2,
+        markeredgewidth=0,
+        color=colour,
+        label=label,
+        rasterized=True,
+    )
+
+
+def basins(basins: Basins, axes: Optional[Axes] = None) -> Axes:
+    """Basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white."""
+    axes = axes or plt.gca()
+    colours, handles = ["white"], []
+    for number, attractor in enumerate(basins.attractors):
+        colour = _AREAS[number % len(_AREAS)]
+        light = _lighter(colour)
+        colours += [colour, light]
+        upper, lower = attractor.impacts
+        words = f"{attractor.kind}, {upper:.3g} upper + {lower:.3g} lower impacts a period"
+        handles.append(Patch(facecolor=colour, label=words))
+        if basins.mirror[basins.cells == number].any():
+            handles.append(Patch(facecolor=light, label="its mirror image"))
+    shown = np.where(basins.cells < 0, 0, 1 + 2 * basins.cells + basins.mirror)
+    axes.imshow(
+        shown,
+        cmap=ListedColormap(colours),
+        vmin=-0.5,
+        vmax=len(colours) - 0.5,
+        extent=basins.edges,
+        origin="lower",
+        aspect="auto",
+        interpolation="nearest",
+    )
+    labels = [f"start of {_start(name)}" for name in basins.names]
+    axes.set_xlabel(labels[0])
+    axes.set_ylabel(labels[1])
+    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, fontsize="small")
+    return axes
+
+
+def _start(name: str) -> str:
+    """A start's coordinate with its unit."""
+    return f"$x_{name[1]}$ (L)" if name[0] == "x" else f"$\\dot x_{name[1]}$ (L$\\,\\omega_{{10}}$)"
+
+
+def _lighter(colour: str) -> str:
+    """A colour mixed half and half with white."""
+    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{(part + 255) // 2:02x}" for part in parts)
+
+
+def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
+    """The largest maximum (m) along a branch of periodic orbits: solid where stable, dashed where not, special points with labels."""
+    axes = axes or plt.gca()
+    top = np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
+    colour = COLOURS[branch.of]
+    # A piece goes from a point to the next, whose stability is that of its first point.
+    for stable, style in ((True, "-"), (False, (0, (3, 2)))):
+        begins = np.flatnonzero(branch.stable[:-1] == stable)
+        label = "stable" if stable else "unstable"
+        for run in np.split(begins, np.flatnonzero(np.diff(begins) > 1) + 1):
+            points = np.append(run, run[-1:] + 1)
+            axes.plot(branch.value[points], top[points], color=colour, linewidth=1.4, linestyle=style, label=label)
+            label = "_"  # one entry of the legend for all runs
+    for index in np.flatnonzero(branch.labels != ""):
+        if branch.labels[index] == "EP":
+            continue
+        axes.plot(branch.value[index], top[index], "o", color="black", markersize=3.5)
+        axes.annotate(
+            str(branch.labels[index]),
+            (branch.value[index], top[index]),
+            (7, -11),
+            textcoords="offset points",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3},
+        )
+    axes.margins(y=0.1)
+    axes.set_xlabel(PARAMETERS[branch.name][0])
+    axes.set_ylabel(f"largest maximum of {_SYMBOLS[branch.of]} (m)")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    return axes

@@ -1,0 +1,99 @@
+//! Computations in a thread of their own, while the calling thread hears signals and shows progress.
+
+use crate::failure::Failure;
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// How often signals are looked for: a person who presses Ctrl-C notices a tenth of a second.
+const POLL: Duration = Duration::from_millis(30);
+
+/// What the thread that computes and the one that waits tell each other.
+#[derive(Debug, Default)]
+pub struct Control {
+    cancelled: AtomicBool,
+    done: AtomicUsize,
+}
+
+impl Control {
+    /// Ends a computation for which nobody waits any more.
+    ///
+    /// # Errors
+    /// [`Failure::Cancelled`] then.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.is_cancelled() { Err(Failure::Cancelled) } else { Ok(()) }
+    }
+
+    /// Whether nobody waits any more.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Counts parts that are done.
+    pub fn add(&self, parts: usize) {
+        self.done.fetch_add(parts, Ordering::Relaxed);
+    }
+}
+
+/// Computes in another thread without Python's lock and waits for the result. A signal's exception, and one of `progress`, which is
+/// called with the number of parts done, ends the wait at once; the thread ends where it next looks at its [`Control`], and what it
+/// computes is dropped.
+pub fn compute<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Control) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<T> {
+    let control = Arc::new(Control::default());
+    let (sender, mut receiver) = channel();
+    let theirs = Arc::clone(&control);
+    let work = move || {
+        // Nobody receives after a signal.
+        let _ = sender.send(work(&theirs));
+    };
+    let thread = std::thread::Builder::new().name("vibro_impact".into()).spawn(work);
+    thread.map_err(|error| Failure::Threads(error.to_string()))?;
+    let report = || progress.map_or(Ok(()), |f| f.call1((control.done.load(Ordering::Relaxed),)).map(|_| ()));
+    loop {
+        let outcome;
+        (outcome, receiver) = py.detach(move || (receiver.recv_timeout(POLL), receiver));
+        match outcome {
+            Ok(result) => {
+                let result = result?;
+                report()?;
+                return Ok(result);
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                if let Err(exception) = py.check_signals().and_then(|()| report()) {
+                    control.cancelled.store(true, Ordering::Relaxed);
+                    return Err(exception);
+                }
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                const WORDS: &str =
+                    "the computation failed by a mistake of the library; please report the lines above";
+                return Err(pyo3::exceptions::PyRuntimeError::new_err(WORDS));
+            }
+        }
+    }
+}
+
+/// The threads of this process for work in parallel. A process made by fork has none of its parent's threads, and would wait for
+/// them without end: it gets its own.
+pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
+    static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    if let Some((owner, threads)) = &*pool
+        && *owner == process
+    {
+        return Ok(Arc::clone(threads));
+    }
+    let made = ThreadPoolBuilder::new().build().map_err(|error| Failure::Threads(error.to_string()))?;
+    let made = Arc::new(made);
+    // The parent's threads cannot be told to end from here.
+    std::mem::forget(pool.replace((process, Arc::clone(&made))));
+    Ok(made)
+}

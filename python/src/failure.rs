@@ -1,0 +1,88 @@
+//! What can go wrong, as Python's exceptions: ValueError for what was asked for, RuntimeError for what has no answer.
+
+use pyo3::PyErr;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
+use vibro_analysis::Error;
+use vibro_impact::parameters::FIELDS;
+
+/// Why a computation did not come to its end.
+#[derive(Debug)]
+pub enum Failure {
+    /// The library refuses.
+    Library(Error),
+    /// One of several motions is refused.
+    Motion(usize, Error),
+    /// The result does not fit into memory.
+    Memory,
+    /// Nobody waits for the result any more.
+    Cancelled,
+    /// The system gave no thread.
+    Threads(String),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Library(error)
+    }
+}
+
+impl From<vibro_impact::Error> for Failure {
+    fn from(error: vibro_impact::Error) -> Self {
+        Self::Library(Error::Model(error))
+    }
+}
+
+impl From<std::collections::TryReserveError> for Failure {
+    fn from(_: std::collections::TryReserveError) -> Self {
+        Self::Memory
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Library(error) => exception(has_no_answer(&error), &error.to_string()),
+            Failure::Motion(index, error) => {
+                let message = format!("motion {index}: {error}");
+                exception(has_no_answer(&error), &message)
+            }
+            Failure::Memory => PyMemoryError::new_err("the result does not fit into memory"),
+            Failure::Cancelled => PyKeyboardInterrupt::new_err(()),
+            Failure::Threads(reason) => PyRuntimeError::new_err(format!("no thread to compute in: {reason}")),
+        }
+    }
+}
+
+/// Whether nothing is wrong with what was given: the computation found no result.
+fn has_no_answer(error: &Error) -> bool {
+    use vibro_impact::Error::{NoConvergence, WorkLimit};
+    match error {
+        Error::Model(error) => matches!(error, NoConvergence { .. } | WorkLimit { .. }),
+        Error::NoOrbit { .. } | Error::NoPeriodicMotion { .. } | Error::Store(_) => true,
+        _ => false,
+    }
+}
+
+fn exception(no_answer: bool, message: &str) -> PyErr {
+    let message = in_python(message);
+    if no_answer { PyRuntimeError::new_err(message) } else { PyValueError::new_err(message) }
+}
+
+/// The same words with the names of parameters, coordinates and loads as Python's arguments have them: `box_m` for `box.m`.
+pub fn in_python(message: &str) -> String {
+    const OTHERS: [&str; 9] = [
+        "box.s",
+        "block.s",
+        "secondary.s",
+        "box.v",
+        "block.v",
+        "secondary.v",
+        "box.f",
+        "block.f",
+        "secondary.f",
+    ];
+    // The longest first: `box.c` begins no other name, but `stop.restitution` must not become that of a shorter one.
+    let mut names: Vec<&str> = FIELDS.iter().map(|f| f.name).chain(OTHERS).collect();
+    names.sort_by_key(|name| std::cmp::Reverse(name.len()));
+    names.iter().fold(message.to_owned(), |text, name| text.replace(name, &name.replace('.', "_")))
+}

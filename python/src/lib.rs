@@ -1,0 +1,48 @@
+//! The native part of the Python package `vibro_impact`: the library's entry points on NumPy arrays.
+//!
+//! The Python modules beside it check arguments, make arrays of what they are given and results of what comes back; here
+//! computations run. Each runs in a thread of its own, so that Python's other threads go on and Ctrl-C is heard
+//! (`background.rs`).
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `system.rs` | a machine's parameters, and loads, as Python objects |
+//! | `motion.rs` | motions: sampled, many at once, sections |
+//! | `studies.rs` | bifurcation diagrams, exponents, basins, measures |
+//! | `steady.rs` | closed forms |
+//! | `orbits.rs` | periodic orbits and branches of them |
+//! | `background.rs` | the thread that computes, and the one that waits for it |
+//! | `failure.rs` | errors as Python's exceptions |
+//! | `arrays.rs` | arrays from rows |
+
+mod arrays;
+mod background;
+mod failure;
+mod motion;
+mod orbits;
+mod steady;
+mod studies;
+mod system;
+
+/// The native part of `vibro_impact`; the package's Python modules are its interface.
+#[pyo3::pymodule]
+mod _native {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::motion::{poincare, simulate, simulate_many};
+    #[pymodule_export]
+    use super::orbits::{Orbit, follow, orbit, settled_orbit};
+    #[pymodule_export]
+    use super::steady::{steady, steady_motion};
+    #[pymodule_export]
+    use super::studies::{basins, bifurcation, lyapunov, measure, measures};
+    #[pymodule_export]
+    use super::system::{Load, System, find_name, parameters};
+
+    /// The package's version is the workspace's.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

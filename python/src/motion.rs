@@ -1,0 +1,268 @@
+//! Motions: sampled with their events, many at once, and as sections.
+
+use crate::arrays::{Column, Table, column, numbers, rows_of_states, state, states, table};
+use crate::background::{Control, compute, pool};
+use crate::failure::Failure;
+use crate::system::{Load, System};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use std::f64::consts::TAU;
+use vibro_analysis::trajectories::{Start, propagate};
+use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
+use vibro_impact::{Parameters, Simulator, State, load};
+
+/// Motions of one call to the library, for each thread: enough to fill its vectors, few enough for progress to be seen.
+const MOTIONS_A_THREAD: usize = 64;
+
+/// Impacts in order of time, an array for each quantity.
+#[derive(IntoPyObject)]
+struct Impacts<'py> {
+    t: Column<'py, f64>,
+    stop: Column<'py, i8>,
+    speed: Column<'py, f64>,
+    impulse: Column<'py, f64>,
+}
+
+/// Captures or releases in order of time.
+#[derive(IntoPyObject)]
+struct Contacts<'py> {
+    t: Column<'py, f64>,
+    stop: Column<'py, i8>,
+}
+
+/// A sampled motion with its events.
+#[derive(IntoPyObject)]
+pub struct Run<'py> {
+    s: Table<'py, f64>,
+    v: Table<'py, f64>,
+    energy: Table<'py, f64>,
+    impacts: Impacts<'py>,
+    rests: Contacts<'py>,
+    releases: Contacts<'py>,
+}
+
+/// What is collected along a motion.
+#[derive(Debug, Default)]
+struct Record {
+    states: Vec<State>,
+    energy: Vec<[f64; 4]>,
+    events: Events,
+}
+
+/// Events by kind.
+#[derive(Debug, Default)]
+struct Events {
+    impacts: Vec<(f64, i8, f64, f64)>,
+    rests: Vec<(f64, i8)>,
+    releases: Vec<(f64, i8)>,
+}
+
+impl Events {
+    fn take(&mut self, event: &Event) {
+        match *event {
+            Event::Impact { time, side, speed, impulse } => self.impacts.push((time, side, speed, impulse)),
+            Event::Rest { time, side } => self.rests.push((time, side)),
+            Event::Release { time, side } => self.releases.push((time, side)),
+        }
+    }
+}
+
+fn contacts<'py>(py: Python<'py>, found: &[(f64, i8)]) -> Contacts<'py> {
+    let (t, stop): (Vec<f64>, Vec<i8>) = found.iter().copied().unzip();
+    Contacts { t: column(py, &t), stop: column(py, &stop) }
+}
+
+/// The motion from a state (m, m/s) at `begin` (s) under loads, reported at ascending times (s).
+#[pyfunction]
+#[pyo3(signature = (system, start, begin, t, loads, progress = None))]
+pub fn simulate<'py>(
+    py: Python<'py>,
+    system: &System,
+    start: [f64; 6],
+    begin: f64,
+    t: PyReadonlyArray1<'_, f64>,
+    loads: Vec<PyRef<'_, Load>>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Run<'py>> {
+    let (p, times) = (*system.parameters(), numbers(&t)?);
+    let loads: Vec<load::Load> = loads.iter().map(|l| l.load().clone()).collect();
+    let found = compute(py, progress, move |control| sampled(control, &p, &start, begin, &times, &loads))?;
+    let (s, v) = states(py, &found.states)?;
+    let impacts = &found.events.impacts;
+    let part = |f: fn(&(f64, i8, f64, f64)) -> f64| column(py, &impacts.iter().map(f).collect::<Vec<_>>());
+    Ok(Run {
+        s,
+        v,
+        energy: table(py, &found.energy)?,
+        impacts: Impacts {
+            t: part(|i| i.0),
+            stop: column(py, &impacts.iter().map(|i| i.1).collect::<Vec<_>>()),
+            speed: part(|i| i.2),
+            impulse: part(|i| i.3),
+        },
+        rests: contacts(py, &found.events.rests),
+        releases: contacts(py, &found.events.releases),
+    })
+}
+
+/// The same as plain data: an advance to each time in turn, so that it has the bits of a host that steps so.
+fn sampled(
+    control: &Control,
+    p: &Parameters,
+    start: &[f64; 6],
+    begin: f64,
+    times: &[f64],
+    loads: &[load::Load],
+) -> Result<Record, Failure> {
+    let mut simulator = Simulator::new(p, &state(start), begin)?;
+    let mut found = Record::default();
+    found.states.try_reserve_exact(times.len())?;
+    found.energy.try_reserve_exact(times.len())?;
+    for &time in times {
+        control.check()?;
+        let mut observer = |event: &Event| found.events.take(event);
+        if loads.is_empty() {
+            simulator.advance_observed(time, &mut observer)?;
+        } else {
+            simulator.advance_under(loads, time, Pause::Never, Some(&mut observer))?;
+        }
+        found.states.push(simulator.state());
+        let e = simulator.energy_accounts();
+        found.energy.push([e.mechanical, e.input, e.damped, e.impact]);
+        control.add(1);
+    }
+    Ok(found)
+}
+
+/// The states of many machines after a number of whole drive periods, from a state each at time 0.
+#[pyfunction]
+#[pyo3(signature = (systems, starts, periods, progress = None))]
+pub fn simulate_many<'py>(
+    py: Python<'py>,
+    systems: Vec<PyRef<'_, System>>,
+    starts: PyReadonlyArray2<'_, f64>,
+    periods: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Table<'py, f64>, Table<'py, f64>)> {
+    let pairs = systems.iter().zip(rows_of_states(&starts)?);
+    let starts: Vec<Start> =
+        pairs.map(|(system, state)| Start { parameters: *system.parameters(), state }).collect();
+    let ends = compute(py, progress, move |control| together(control, &starts, periods))?;
+    states(py, &ends)
+}
+
+fn together(control: &Control, starts: &[Start], periods: u32) -> Result<Vec<State>, Failure> {
+    let pool = pool()?;
+    let mut ends = Vec::new();
+    ends.try_reserve_exact(starts.len())?;
+    for some in starts.chunks(MOTIONS_A_THREAD * pool.current_num_threads()) {
+        control.check()?;
+        let found = pool.install(|| propagate(some, periods, &|| control.add(1)));
+        for end in found {
+            ends.push(end.map_err(|error| Failure::Motion(ends.len(), error))?);
+        }
+    }
+    Ok(ends)
+}
+
+/// A Poincaré section.
+#[derive(IntoPyObject)]
+pub struct Section<'py> {
+    t: Column<'py, f64>,
+    s: Table<'py, f64>,
+    v: Table<'py, f64>,
+    phase: Column<'py, f64>,
+    speed: Column<'py, f64>,
+}
+
+/// One point of a section: time, state, phase of the drive, speed of the impact.
+type Point = (f64, State, f64, f64);
+
+/// States at a phase of the drive (`stop` = 0), or just after the impacts at a stop (+1 or -1), over `periods` drive periods
+/// after `discard`, from a state at time 0.
+#[pyfunction]
+#[pyo3(signature = (system, start, stop, phase, discard, periods, progress = None))]
+#[allow(clippy::too_many_arguments)]
+pub fn poincare<'py>(
+    py: Python<'py>,
+    system: &System,
+    start: [f64; 6],
+    stop: i8,
+    phase: f64,
+    discard: u32,
+    periods: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Section<'py>> {
+    let p = *system.parameters();
+    let found = compute(py, progress, move |control| {
+        let simulator = Simulator::new(&p, &state(&start), 0.0)?.without_energy_accounts();
+        if stop == 0 {
+            at_phase(control, simulator, phase, (discard, periods))
+        } else {
+            at_stop(control, simulator, stop, (discard, periods))
+        }
+    })?;
+    let part = |f: fn(&Point) -> f64| column(py, &found.iter().map(f).collect::<Vec<_>>());
+    let (s, v) = states(py, &found.iter().map(|point| point.1).collect::<Vec<_>>())?;
+    Ok(Section { t: part(|point| point.0), s, v, phase: part(|point| point.2), speed: part(|point| point.3) })
+}
+
+/// States at a phase of the drive, rad. The drive's phase is reached a part of a period after each whole one.
+fn at_phase(
+    control: &Control,
+    mut simulator: Simulator,
+    phase: f64,
+    (discard, periods): (u32, u32),
+) -> Result<Vec<Point>, Failure> {
+    let p = *simulator.parameters();
+    let part = ((phase - p.drive_phase) / TAU).rem_euclid(1.0);
+    let mut found = Vec::new();
+    found.try_reserve_exact(periods as usize)?;
+    for i in 0..u64::from(discard) + u64::from(periods) {
+        control.check()?;
+        simulator.advance_to((part + i as f64) * p.period())?;
+        control.add(1);
+        if i >= u64::from(discard) {
+            let phase = simulator.drive_phase().rem_euclid(TAU);
+            found.push((simulator.time(), simulator.state(), phase, 0.0));
+        }
+    }
+    Ok(found)
+}
+
+/// States just after the impacts at a stop.
+fn at_stop(
+    control: &Control,
+    mut simulator: Simulator,
+    stop: i8,
+    (discard, periods): (u32, u32),
+) -> Result<Vec<Point>, Failure> {
+    let period = simulator.parameters().period();
+    let mut found = Vec::new();
+    for i in 1..=u64::from(discard) + u64::from(periods) {
+        control.check()?;
+        let end = i as f64 * period;
+        if i <= u64::from(discard) {
+            simulator.advance_to(end)?;
+        } else {
+            while simulator.time() < end {
+                let mut impact = None;
+                let mut observer = |event: &Event| {
+                    if let Event::Impact { side, speed, .. } = *event {
+                        impact = Some((side, speed));
+                    }
+                };
+                let outcome = simulator.advance_until(end, Pause::AfterImpact, Some(&mut observer))?;
+                if let Some((_, speed)) = impact.filter(|(side, _)| *side == stop) {
+                    let phase = simulator.drive_phase().rem_euclid(TAU);
+                    found.push((simulator.time(), simulator.state(), phase, speed));
+                }
+                if outcome == AdvanceOutcome::End {
+                    break;
+                }
+            }
+        }
+        control.add(1);
+    }
+    Ok(found)
+}

@@ -1,0 +1,200 @@
+//! Periodic orbits by the order of their impacts, and branches of them along a parameter.
+
+use crate::arrays::{Column, Table, column, numbers, state, states, table};
+use crate::background::compute;
+use crate::failure::Failure;
+use crate::system::{System, find};
+use nalgebra::Complex;
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use vibro_analysis::ParameterSet;
+use vibro_analysis::orbits::{self, ConstantLoads, Family, OrbitWord, PathOptions, Span};
+
+/// A certified periodic orbit.
+#[pyclass(frozen, module = "vibro_impact._native")]
+#[derive(Clone, Debug)]
+pub struct Orbit {
+    set: ParameterSet,
+    orbit: orbits::Orbit,
+}
+
+#[pymethods]
+impl Orbit {
+    /// The orbit whose phases (rad) are known.
+    #[new]
+    fn new(
+        system: &System,
+        word: &str,
+        closing: i8,
+        half_periods: u32,
+        phases: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Self> {
+        let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
+        let machine = orbits::System::new(system.parameters()).map_err(Failure::from)?;
+        let orbit = orbits::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
+        Ok(Self { set: system.set().map_err(Failure::from)?.clone(), orbit })
+    }
+
+    /// The stops in order, letters U and L.
+    #[getter]
+    fn word(&self) -> String {
+        self.orbit.word().to_string()
+    }
+
+    /// +1, or -1 for a symmetric orbit whose word is half of it.
+    #[getter]
+    fn closing(&self) -> i8 {
+        self.orbit.word().closing()
+    }
+
+    /// Half drive periods until the word closes.
+    #[getter]
+    fn half_periods(&self) -> u32 {
+        self.orbit.word().half_periods()
+    }
+
+    /// The period in drive periods.
+    #[getter]
+    fn period(&self) -> u32 {
+        self.orbit.word().period()
+    }
+
+    /// Phases of the drive at the impacts, rad.
+    #[getter]
+    fn phases<'py>(&self, py: Python<'py>) -> Column<'py, f64> {
+        column(py, self.orbit.phases())
+    }
+
+    /// Approach speeds at the impacts, m/s.
+    #[getter]
+    fn speeds<'py>(&self, py: Python<'py>) -> Column<'py, f64> {
+        let p = self.set.parameters();
+        let speeds: Vec<f64> =
+            self.orbit.speeds().iter().map(|s| s * p.drive_frequency * p.stop_gap).collect();
+        column(py, &speeds)
+    }
+
+    /// The six multipliers, largest first.
+    #[getter]
+    fn multipliers<'py>(&self, py: Python<'py>) -> Column<'py, Complex<f64>> {
+        column(py, &self.orbit.multipliers())
+    }
+
+    /// Whether it attracts its neighbourhood.
+    #[getter]
+    fn stable(&self) -> bool {
+        self.orbit.is_stable()
+    }
+
+    /// Displacements (m) and velocities (m/s) at phases of the drive, rad.
+    fn motion<'py>(
+        &self,
+        py: Python<'py>,
+        theta: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<(Table<'py, f64>, Table<'py, f64>)> {
+        let at = |theta: &f64| self.orbit.state(*theta);
+        states(py, &numbers(&theta)?.iter().map(at).collect::<Vec<_>>())
+    }
+
+    /// Local maxima of a sum of x1, x2, x3 with weights, m.
+    fn maxima<'py>(&self, py: Python<'py>, weights: [f64; 3]) -> Column<'py, f64> {
+        let gap = self.set.parameters().stop_gap;
+        let found: Vec<f64> = self.orbit.maxima(weights).into_iter().map(|x| x * gap).collect();
+        column(py, &found)
+    }
+}
+
+/// The certified orbits with a word that a search finds.
+#[pyfunction]
+#[pyo3(signature = (system, word, closing, half_periods, tries, progress = None))]
+pub fn orbit(
+    py: Python<'_>,
+    system: &System,
+    word: &str,
+    closing: i8,
+    half_periods: u32,
+    tries: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Orbit>> {
+    let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
+    let set = system.set().map_err(Failure::from)?.clone();
+    compute(py, progress, move |_| {
+        let found = orbits::search(&orbits::System::new(set.parameters())?, &word, tries)?;
+        Ok(found.into_iter().map(|orbit| Orbit { set: set.clone(), orbit }).collect())
+    })
+}
+
+/// The orbit on which the motion from a state has settled after `discard` drive periods.
+#[pyfunction]
+#[pyo3(signature = (system, start, discard, progress = None))]
+pub fn settled_orbit(
+    py: Python<'_>,
+    system: &System,
+    start: [f64; 6],
+    discard: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Orbit> {
+    let set = system.set().map_err(Failure::from)?.clone();
+    compute(py, progress, move |control| {
+        let machine = orbits::System::new(set.parameters())?;
+        let settled = orbits::settle(&machine, &state(&start), discard)?;
+        control.check()?;
+        Ok(Orbit { orbit: orbits::orbit_of(&machine, &settled)?, set })
+    })
+}
+
+/// A branch of orbits along a parameter.
+#[derive(IntoPyObject)]
+pub struct Branch<'py> {
+    word: String,
+    closing: i8,
+    period: u32,
+    closed: bool,
+    value: Column<'py, f64>,
+    phases: Vec<Column<'py, f64>>,
+    multipliers: Table<'py, Complex<f64>>,
+    stable: Column<'py, bool>,
+    labels: Vec<&'static str>,
+    maxima: Vec<Column<'py, f64>>,
+}
+
+/// The branch of an orbit over a range of a parameter, in both directions, with local maxima of a displacement in m.
+#[pyfunction]
+#[pyo3(signature = (orbit, name, ends, weights, progress = None))]
+pub fn follow<'py>(
+    py: Python<'py>,
+    orbit: &Orbit,
+    name: &str,
+    ends: (f64, f64),
+    weights: [f64; 3],
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Branch<'py>> {
+    let name = find(name)?;
+    let (set, word, phases) = (orbit.set.clone(), orbit.orbit.word().clone(), orbit.orbit.phases().to_vec());
+    let span = Span::new(name, ends.0, ends.1).map_err(Failure::from)?;
+    let value = name.value(&set);
+    let (branch, maxima) = compute(py, progress, move |_| {
+        let family = Family::new(&set, ConstantLoads::NONE, span)?;
+        let found = orbits::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
+        let mut maxima = found.maxima(&family, weights);
+        for (maxima, point) in maxima.iter_mut().zip(&found.points) {
+            let gap = family.parameter_set(&[point.value])?.parameters().stop_gap;
+            maxima.iter_mut().for_each(|x| *x *= gap);
+        }
+        Ok((found, maxima))
+    })?;
+    let points = &branch.points;
+    let multipliers: Vec<[Complex<f64>; 6]> = points.iter().map(|p| p.multipliers).collect();
+    Ok(Branch {
+        word: branch.word.to_string(),
+        closing: branch.word.closing(),
+        period: branch.word.period(),
+        closed: branch.closed,
+        value: column(py, &points.iter().map(|p| p.value).collect::<Vec<_>>()),
+        phases: points.iter().map(|p| column(py, &p.phases)).collect(),
+        multipliers: table(py, &multipliers)?,
+        stable: column(py, &points.iter().map(|p| p.stable).collect::<Vec<_>>()),
+        labels: points.iter().map(|p| p.label().map_or("", |label| label.name())).collect(),
+        maxima: maxima.iter().map(|m| column(py, m)).collect(),
+    })
+}

@@ -1,0 +1,304 @@
+//! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled motions.
+
+use crate::arrays::{Column, Table, column, state, table};
+use crate::background::{Control, compute, pool};
+use crate::failure::{Failure, in_python};
+use crate::system::{System, find};
+use numpy::PyArrayMethods;
+use pyo3::prelude::*;
+use vibro_analysis::attractor::{Attractor, MotionClass};
+use vibro_analysis::basin::{self, Destination, InitialValueAxis};
+use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
+use vibro_analysis::lyapunov::{SpectrumOptions, convergence_while};
+use vibro_analysis::maxima::Displacement;
+use vibro_analysis::measures::{Measure, measure as measured};
+use vibro_analysis::motion::settled_simulator;
+use vibro_analysis::parts::{PartStore, Shard, Task};
+use vibro_analysis::plane::ParameterAxis;
+use vibro_impact::Simulator;
+
+/// Keeps nothing, and refuses to go on once nobody waits for the study.
+struct Cancelling<'a>(&'a Control);
+
+/// What ends a study for which nobody waits.
+#[derive(Debug, Clone, Copy)]
+struct NobodyWaits;
+
+impl std::fmt::Display for NobodyWaits {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("cancelled")
+    }
+}
+
+impl std::error::Error for NobodyWaits {}
+
+impl PartStore for Cancelling<'_> {
+    fn load(&self, _: usize) -> Option<Vec<u8>> {
+        None
+    }
+
+    fn save(&self, _: usize, _: &[u8]) -> vibro_analysis::Result<()> {
+        if self.0.is_cancelled() { Err(vibro_analysis::Error::store(NobodyWaits)) } else { Ok(()) }
+    }
+}
+
+/// A study in parts, on all threads. All parts belong to it, so that it is whole.
+fn in_parts<T: Send>(
+    control: &Control,
+    study: impl FnOnce(&Task) -> vibro_analysis::Result<Option<T>> + Send,
+) -> Result<T, Failure> {
+    let done = |_| control.add(1);
+    let task = Task { store: &Cancelling(control), shard: Shard::ALL, done: &done };
+    let found = pool()?.install(|| study(&task))?;
+    control.check()?;
+    found.ok_or(Failure::Cancelled)
+}
+
+/// The motions of one direction of a diagram, an entry for each value.
+#[derive(IntoPyObject)]
+struct Direction<'py> {
+    value: Column<'py, f64>,
+    classes: Vec<String>,
+    period: Column<'py, i32>,
+    impacts: Table<'py, f64>,
+    rests: Column<'py, bool>,
+    maxima: Column<'py, f64>,
+    maxima_at: Column<'py, i64>,
+    maxima_met: Column<'py, u32>,
+    exponents: Option<Table<'py, f64>>,
+}
+
+/// A diagram in both directions.
+#[derive(IntoPyObject)]
+pub struct BothDirections<'py> {
+    up: Direction<'py>,
+    down: Direction<'py>,
+    hysteresis: Column<'py, bool>,
+}
+
+/// Maxima, classes and impacts over a parameter, with rising and with falling values.
+#[pyfunction]
+#[pyo3(signature = (system, name, ends, count, discard, keep, of, exponents, progress = None))]
+#[allow(clippy::too_many_arguments)]
+pub fn bifurcation<'py>(
+    py: Python<'py>,
+    system: &System,
+    name: &str,
+    ends: (f64, f64),
+    count: usize,
+    discard: u32,
+    keep: u32,
+    of: &str,
+    exponents: Option<u32>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<BothDirections<'py>> {
+    let axis = ParameterAxis::new(find(name)?, ends, count).map_err(Failure::from)?;
+    let of: Displacement = of.parse().map_err(Failure::from)?;
+    let exponents = exponents.map(|periods| SpectrumOptions { periods, ..SpectrumOptions::default() });
+    let (sweep, set) =
+        (Sweep { axis, discard, keep, exponents, of }, system.set().map_err(Failure::from)?.clone());
+    let found = compute(py, progress, move |control| in_parts(control, |task| diagram(&set, &sweep, task)))?;
+    let Diagram { up, down } = &found;
+    Ok(BothDirections {
+        up: direction(py, &axis, up, exponents.is_some())?,
+        down: direction(py, &axis, down, exponents.is_some())?,
+        hysteresis: column(py, &found.hysteresis()),
+    })
+}
+
+fn direction<'py>(
+    py: Python<'py>,
+    axis: &ParameterAxis,
+    points: &[Option<SweepPoint>],
+    with_exponents: bool,
+) -> PyResult<Direction<'py>> {
+    let each = |f: &dyn Fn(&SweepPoint) -> [f64; 2]| -> Vec<[f64; 2]> {
+        points.iter().map(|p| p.as_ref().map_or([0.0; 2], f)).collect()
+    };
+    let values: Vec<f64> = (0..points.len()).map(|i| axis.value(i)).collect();
+    let class = |p: &Option<SweepPoint>| p.as_ref().map_or_else(|| "refused".into(), |p| p.class.name());
+    let period = |p: &Option<SweepPoint>| p.as_ref().and_then(|p| p.attractor.period).map_or(0, |n| n as i32);
+    let tops = points.iter().enumerate().flat_map(|(i, p)| {
+        p.iter().flat_map(move |p| p.maxima.iter().map(move |(value, met)| (i as i64, *value, *met)))
+    });
+    let (mut maxima_at, mut maxima, mut maxima_met) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, value, met) in tops {
+        maxima_at.push(i);
+        maxima.push(value);
+        maxima_met.push(met);
+    }
+    let spectrum = |p: &Option<SweepPoint>| {
+        p.as_ref().and_then(|p| p.spectrum.as_ref()).map_or([0.0; 7], |s| s.exponents)
+    };
+    let exponents: Vec<[f64; 7]> = points.iter().map(spectrum).collect();
+    Ok(Direction {
+        value: column(py, &values),
+        classes: points.iter().map(class).collect(),
+        period: column(py, &points.iter().map(period).collect::<Vec<_>>()),
+        impacts: table(py, &each(&|p| p.attractor.impacts))?,
+        rests: column(
+            py,
+            &points.iter().map(|p| p.as_ref().is_some_and(|p| p.attractor.rests)).collect::<Vec<_>>(),
+        ),
+        maxima: column(py, &maxima),
+        maxima_at: column(py, &maxima_at),
+        maxima_met: column(py, &maxima_met),
+        exponents: with_exponents.then(|| table(py, &exponents)).transpose()?,
+    })
+}
+
+/// A Lyapunov spectrum with its values on the way.
+#[derive(IntoPyObject)]
+pub struct Spectrum<'py> {
+    exponents: Column<'py, f64>,
+    deviation: f64,
+    periods: u32,
+    impacts: u64,
+    rests: bool,
+    running: Table<'py, f64>,
+}
+
+/// The seven Lyapunov exponents of the motion after `discard` drive periods from a state.
+#[pyfunction]
+#[pyo3(signature = (system, start, discard, periods, progress = None))]
+pub fn lyapunov<'py>(
+    py: Python<'py>,
+    system: &System,
+    start: [f64; 6],
+    discard: u32,
+    periods: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Spectrum<'py>> {
+    let p = *system.parameters();
+    let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
+    let found = compute(py, progress, move |control| {
+        let mut simulator = settled(control, &p, &start, discard)?;
+        let mut go_on = || {
+            control.add(1);
+            !control.is_cancelled()
+        };
+        Ok(convergence_while(&mut simulator, &options, &mut go_on)?)
+    })?;
+    let spectrum = found.spectrum;
+    Ok(Spectrum {
+        exponents: column(py, &spectrum.exponents),
+        deviation: spectrum.deviation,
+        periods: spectrum.periods,
+        impacts: spectrum.impacts,
+        rests: spectrum.rests,
+        running: table(py, &found.running)?,
+    })
+}
+
+/// The motion after whole drive periods from a state.
+fn settled(
+    control: &Control,
+    p: &vibro_impact::Parameters,
+    start: &[f64; 6],
+    discard: u32,
+) -> Result<Simulator, Failure> {
+    let simulator = settled_simulator(p, &state(start), f64::from(discard))?;
+    control.check()?;
+    Ok(simulator)
+}
+
+/// A settled motion as it is recognized.
+#[derive(IntoPyObject)]
+struct Settled<'py> {
+    class_name: String,
+    period: Option<u32>,
+    impacts: Column<'py, f64>,
+    rests: bool,
+    symmetric: bool,
+    states: Table<'py, f64>,
+    mirror_states: Table<'py, f64>,
+    sizes: Column<'py, f64>,
+}
+
+fn attractor<'py>(py: Python<'py>, found: &Attractor) -> PyResult<Settled<'py>> {
+    Ok(Settled {
+        class_name: MotionClass::of(found, None).name(),
+        period: found.period,
+        impacts: column(py, &found.impacts),
+        rests: found.rests,
+        symmetric: found.is_symmetric(),
+        states: table(py, &found.states)?,
+        mirror_states: table(py, &found.mirror_states)?,
+        sizes: column(py, &found.sizes),
+    })
+}
+
+/// Attractors with the cells of starts that lead to them.
+#[derive(IntoPyObject)]
+pub struct Basins<'py> {
+    attractors: Vec<Settled<'py>>,
+    cells: Table<'py, i32>,
+    mirror: Table<'py, bool>,
+}
+
+/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the stops, with whether it is the
+/// mirror image; rows of constant y.
+#[pyfunction]
+#[pyo3(signature = (system, x, y, discard, progress = None))]
+pub fn basins<'py>(
+    py: Python<'py>,
+    system: &System,
+    x: (usize, f64, f64, usize),
+    y: (usize, f64, f64, usize),
+    discard: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Basins<'py>> {
+    let axis = |(coordinate, from, to, count)| InitialValueAxis { coordinate, from, to, count };
+    let request = basin::Request { x: axis(x), y: axis(y), discard };
+    let p = *system.set().map_err(Failure::from)?.parameters();
+    let found =
+        compute(py, progress, move |control| in_parts(control, |task| basin::basin(&p, &request, task)))?;
+    let cell = |cell: &Destination| match cell {
+        Destination::Attractor(number) => (i32::from(*number), false),
+        Destination::Mirror(number) => (i32::from(*number), true),
+        Destination::Outside => (-1, false),
+    };
+    let (cells, mirror): (Vec<i32>, Vec<bool>) = found.cells.iter().map(cell).unzip();
+    let attractors = found.attractors.iter().map(|a| attractor(py, a)).collect::<PyResult<_>>()?;
+    Ok(Basins { attractors, cells: plane(py, &cells, y.3, x.3)?, mirror: plane(py, &mirror, y.3, x.3)? })
+}
+
+fn plane<'py, T: numpy::Element + Copy>(
+    py: Python<'py>,
+    cells: &[T],
+    rows: usize,
+    columns: usize,
+) -> PyResult<Table<'py, T>> {
+    let array = numpy::PyArray2::zeros(py, [rows, columns], false);
+    array.try_readwrite()?.as_slice_mut()?.copy_from_slice(cells);
+    Ok(array)
+}
+
+/// Every measure as (name, unit, what it is).
+#[pyfunction]
+pub fn measures() -> Vec<(String, &'static str, String)> {
+    Measure::all().map(|m| (m.name(), m.unit(), in_python(&m.description()))).collect()
+}
+
+/// Measures of the motion after `discard` drive periods from a state, over the next `periods`: a number or, for the class, a text.
+#[pyfunction]
+#[pyo3(signature = (system, start, names, discard, periods, progress = None))]
+pub fn measure(
+    py: Python<'_>,
+    system: &System,
+    start: [f64; 6],
+    names: Vec<String>,
+    discard: u32,
+    periods: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Vec<Option<f64>>, Option<String>)> {
+    let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
+    let (named, p) = (named.map_err(Failure::from)?, *system.parameters());
+    let found = compute(py, progress, move |control| {
+        let mut simulator = Simulator::new(&p, &state(&start), 0.0)?;
+        simulator.advance_to(f64::from(discard) * p.period())?;
+        control.check()?;
+        Ok(measured(&mut simulator, &named, periods)?)
+    })?;
+    Ok((found.numbers, found.class.map(MotionClass::name)))
+}

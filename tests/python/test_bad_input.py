@@ -1,0 +1,111 @@
+"""What is refused, with the argument's name, its value and what is allowed."""
+
+import numpy as np
+import pytest
+import vibro_impact as vi
+
+M = vi.Machine()
+NAN = float("nan")
+
+REFUSED = [
+    (lambda: vi.Machine(kapa=0.5), TypeError, "no parameter is named `kapa`; the nearest is `kappa`"),
+    (lambda: vi.Machine(box_mass=0.5), TypeError, "the nearest is `box_m`: Mass of the box"),
+    (lambda: vi.Machine(box_m=-1), ValueError, "box_m = -1: allowed is a finite number > 0"),
+    (lambda: vi.Machine(box_m=NAN), ValueError, "box_m = nan: allowed is a finite number"),
+    (lambda: vi.Machine(box_m=10**400), ValueError, "allowed is a finite number"),
+    (lambda: vi.Machine(box_m="2"), TypeError, "box_m = '2' is of type str: allowed is a finite number"),
+    (lambda: vi.Machine(box_m=True), TypeError, "box_m = True is of type bool"),
+    (lambda: vi.Machine(box_m=np.zeros(2)), TypeError, "is of type ndarray"),
+    (lambda: vi.Machine(stop_restitution=1.5), ValueError, "stop_restitution = 1.5: allowed is 0 <= stop_restitution <= 1"),
+    (lambda: vi.Machine(box_k=0.0, kappa=0.5), ValueError, "box_k = 0: the dimensionless form needs box_k > 0"),
+    (lambda: vi.Machine(m1=1.0, box_m=2.0), TypeError, "box_m is given twice"),
+    (lambda: vi.Machine.from_groups(box_m=1.0), TypeError, "box_m is a physical parameter: allowed are epsilon, kappa"),
+    (lambda: M.replace(sigma1=-11.0), ValueError, "sigma1 = -11: allowed is a finite number > -1/epsilon"),
+    (lambda: M.box_mas, AttributeError, "the nearest is `box_m`"),
+    (lambda: M.simulate(periods=1.5), TypeError, "periods = 1.5 is of type float: allowed is a whole number"),
+    (lambda: M.simulate(periods=-1), ValueError, "periods = -1: allowed is a whole number from 0 to"),
+    (lambda: M.simulate(periods=10**9, per_period=10**8), ValueError, "periods \\* per_period \\+ 1"),
+    (lambda: M.simulate(t=[1.0, 0.5]), ValueError, "t does not ascend from begin on"),
+    (lambda: M.simulate(t=[-1.0]), ValueError, "t does not ascend from begin on"),
+    (lambda: M.simulate(t=[[1.0]]), ValueError, r"t has the shape \(1, 1\): allowed is an array of shape \(n,\)"),
+    (lambda: M.simulate(t=["a"]), TypeError, "t has the dtype <U1: allowed is"),
+    (lambda: M.simulate(t=[1.0, NAN]), ValueError, r"t\[1\] = nan: allowed is"),
+    (lambda: M.simulate(t=[[1.0], [1.0, 2.0]]), ValueError, "t makes no array"),
+    (lambda: M.simulate({"x4": 1.0}), ValueError, "a name in start = 'x4': allowed is one of 'x1'"),
+    (lambda: M.simulate({"blok_s": 1.0}), ValueError, "the nearest is 'block_s'"),
+    (lambda: M.simulate({"x1": "a"}), TypeError, r"start\['x1'\] = 'a' is of type str"),
+    (lambda: M.simulate([0.0] * 5), ValueError, r"start has the shape \(5,\): allowed is \(6,\): box_s, block_s"),
+    (lambda: M.simulate({"x2": 1.5}), ValueError, "block_s - box_s = 1.5 m: allowed is -stop_gap <="),
+    (lambda: M.simulate(begin=1e300), ValueError, "time times the fastest rate"),
+    (lambda: M.simulate(loads=[1]), TypeError, r"loads\[0\] = 1 is of type int: allowed is Load"),
+    (lambda: M.simulate(loads=3), TypeError, "loads = 3: allowed is a sequence of Load"),
+    (lambda: M.simulate(loads=[vi.Load("box", [0, 1], [1e300, 1e300])]), ValueError, "load over its body's mass"),
+    (lambda: M.replace(drive_frequency=0.0).simulate(), ValueError, "drive_frequency = 0.0: a run over periods"),
+    (lambda: M.replace(drive_frequency=1e-310).simulate(), ValueError, "drive_frequency = 1e-310: .* whose period a double can hold"),
+    (lambda: M.replace(drive_frequency=1e-305).simulate(), ValueError, "periods = 200: allowed is an end of the run"),
+    (lambda: M.replace(drive_frequency=0.0).lyapunov(), ValueError, "drive_frequency = 0.0"),
+    (lambda: vi.simulate_many([M.replace(drive_frequency=0.0)]), ValueError, r"machines\[0\]: drive_frequency = 0.0"),
+    (lambda: vi.Load("boxx", [0, 1], [0, 1]), ValueError, "body = 'boxx': allowed is one of 'box', 'block', 'secondary'; the nearest is 'box'"),
+    (lambda: vi.Load("box", [0, 1], [0, 1, 2]), ValueError, r"force has the shape \(3,\): allowed is that of t, \(2,\)"),
+    (lambda: vi.Load("box", [0, 0], [0, 1]), ValueError, "a time later than that of the sample before"),
+    (lambda: vi.Load("box", [0], [0]), ValueError, "samples"),
+    (lambda: vi.Load("box", [0, 1], [0, 1], "spline"), ValueError, "interpolation = 'spline'"),
+    (lambda: vi.simulate_many([M, 1]), TypeError, r"machines\[1\] is of type int: allowed is Machine"),
+    (lambda: vi.simulate_many([M, M], np.zeros((3, 6))), ValueError, "starts has 3 rows"),
+    (lambda: vi.simulate_many([M, M], np.zeros((2, 5))), ValueError, r"starts has the shape \(2, 5\): allowed is \(n, 6\)"),
+    (lambda: vi.simulate_many([M, M], [{"x2": 0.1}, {"x2": 2.0}]), ValueError, "motion 1: block_s - box_s = 2 m"),
+    (lambda: M.poincare(at="top"), ValueError, "at = 'top': allowed is one of 'phase', 'upper', 'lower'"),
+    (lambda: M.poincare(phase=NAN), ValueError, "phase = nan"),
+    (lambda: M.lyapunov(periods=0), ValueError, "periods = 0: allowed is a whole number from 1"),
+    (lambda: M.measure(["amplitude.x9"]), ValueError, "no output is named `amplitude.x9`; the nearest is"),
+    (lambda: M.measure("impacts"), TypeError, "measures = 'impacts': allowed is a sequence of names"),
+    (lambda: M.steady(sheet="uper"), ValueError, "sheet = 'uper': allowed is one of 'upper', 'lower'; the nearest is 'upper'"),
+    (lambda: M.orbit("UX"), ValueError, "a word of the letters U and L"),
+    (lambda: M.orbit(3), TypeError, "word = 3: allowed is a word"),
+    (lambda: M.orbit("U", period=2, symmetric=True), ValueError, "an odd number of half periods"),
+    (lambda: M.orbit("UUUUL", tries=3), RuntimeError, "no orbit with the word UUUUL"),
+    (lambda: M.orbit("UL").follow("f10", 2.0, 3.0), ValueError, "allowed is a range that holds f10 = "),
+    (lambda: M.orbit("UL").follow("f11", 1.0, 3.0), TypeError, "the nearest is `f10`"),
+    (lambda: vi.bifurcation(1, f10=[1, 2]), TypeError, "machine is of type int: allowed is Machine"),
+    (lambda: vi.bifurcation(M), TypeError, "allowed is exactly one with its values"),
+    (lambda: vi.bifurcation(M, f10=[1, 2], kappa=[0, 1]), TypeError, "allowed is exactly one"),
+    (lambda: vi.bifurcation(M, f11=[1, 2]), TypeError, "no parameter is named `f11`; the nearest is `f10`"),
+    (lambda: vi.bifurcation(M, f10=[1, 2, 4]), ValueError, "f10 is not equally spaced: allowed is"),
+    (lambda: vi.bifurcation(M, f10=[2, 1]), ValueError, "f10 is not equally spaced"),
+    (lambda: vi.bifurcation(M, f10=[1]), ValueError, r"len\(f10\) = 1: allowed is a whole number from 2"),
+    (lambda: vi.bifurcation(M, kappa=[0.5, 1.5]), ValueError, "kappa = 1.5: allowed is 0 <= kappa <= 1"),
+    (lambda: vi.bifurcation(M, f10=[1, 2], periods=3), TypeError, "periods = 3: allowed is a pair of whole numbers"),
+    (lambda: vi.bifurcation(M, f10=[1, 2], of="y"), ValueError, "of = 'y': allowed is one of 'x1'"),
+    (lambda: vi.basins(M, v2=(-1, 1, 3)), TypeError, "allowed are two of x1, x2"),
+    (lambda: vi.basins(M, v2=(-1, 1, 3), v4=(-1, 1, 3)), ValueError, "a name of a range = 'v4'"),
+    (lambda: vi.basins(M, v2=(1, -1, 3), v1=(-1, 1, 3)), ValueError, "allowed is from < to"),
+    (lambda: vi.basins(M, v2=(-1, 1), v1=(-1, 1, 3)), TypeError, r"allowed is \(from, to, cells\)"),
+    (lambda: vi.fmu_path(1), ValueError, "version = 1: allowed is a whole number from 2 to 3"),
+    (lambda: M.steady().exact_orbit.motion([[0.0]]), ValueError, "theta has the shape"),
+]
+
+
+@pytest.mark.parametrize("call, kind, words", REFUSED, ids=[words for *_, words in REFUSED])
+def test_refused(call, kind, words):
+    with pytest.raises(kind, match=words):
+        call()
+
+
+def test_a_motion_that_does_not_get_on_says_what_to_do():
+    # A constant force presses the box against an elastic block, whose bounces are just too high to be closed.
+    machine = vi.Machine(
+        stop_restitution=1.0,
+        box_k=0.0,
+        coupling_k=0.0,
+        drive_frequency=0.0,
+        drive_phase=np.pi / 2,
+        drive_amplitude=-100.0,
+    )
+    with pytest.raises(RuntimeError, match="Remedy: advance again from there.*or set stop_restitution below 0.999"):
+        machine.simulate({"x2": 1.0, "block_v": -3e-5}, t=[30.0])
+
+
+def test_a_missing_archive_is_named_with_the_command(monkeypatch):
+    monkeypatch.setattr(vi._fmu, "_NAMES", {2: "none.fmu", 3: "none.fmu"})
+    with pytest.raises(FileNotFoundError, match="none.fmu is missing.*cargo run --release -p fmu-build"):
+        vi.fmu_path()

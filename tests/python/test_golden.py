@@ -1,0 +1,92 @@
+"""The package against sets in 60 digits (golden files: tests/data, made by the scripts there)."""
+
+import csv
+
+import numpy as np
+import pytest
+import vibro_impact as vi
+from conftest import ROOT
+
+# Round-off of the gap after a flight of up to one and a half periods, states of order one: as tests/golden.rs.
+GAP_ROUNDING = 2e-14
+# Of times and states, in the system's scales, after up to 150 impacts of a chatter run: as tests/golden.rs.
+CHATTER = 1e-12
+# A rounding multiplied by 50 impacts, some of them nearly grazing: as tests/golden.rs.
+TWENTY_PERIODS = 5e-11
+
+FIELDS = {
+    "box_mass": "box_m",
+    "box_stiffness": "box_k",
+    "box_damping": "box_c",
+    "block_mass": "block_m",
+    "secondary_mass": "secondary_m",
+    "secondary_stiffness": "secondary_k",
+    "secondary_damping": "secondary_c",
+    "coupling_stiffness": "coupling_k",
+}
+
+
+def rows(name):
+    with open(ROOT / "tests" / "data" / name, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def machine(row):
+    names = [*FIELDS, *(n for n in vi.SI_NAMES if n not in FIELDS.values())]
+    return vi.Machine(**{FIELDS.get(name, name): float(row[name]) for name in names})
+
+
+def state(row, prefix=""):
+    return [float(row[prefix + name]) for name in ("x1", "x2", "x3", "v1", "v2", "v3")]
+
+
+def test_every_graze_is_found_at_its_time_and_none_invented():
+    found = 0
+    for row in rows("grazing.csv"):
+        begin, end = float(row["t0"]), float(row["t_end"])
+        run = machine(row).simulate(state(row), begin=begin, t=[end])
+        assert len(run.impacts) == int(row["contact"]), row["id"]
+        loosened = 1.0
+        for impact in run.impacts:
+            speed = float(row["speed"])
+            late = impact["t"] - begin - float(row["delay"])
+            assert abs(late) < 4 * np.finfo(float).eps * abs(impact["t"]) + GAP_ROUNDING / speed, row["id"]
+            assert impact["stop"] == int(row["side"])
+            loosened += 10 / speed
+            found += 1
+        np.testing.assert_allclose(run.end, state(row, "e_"), rtol=0, atol=10 * GAP_ROUNDING * loosened, err_msg=row["id"])
+    assert found > 250
+
+
+def test_every_chatter_ends_in_rest_and_lets_go_at_its_time():
+    for row in rows("chatter.csv"):
+        m, begin = machine(row), float(row["t0"])
+        rate = max(m.drive_frequency, np.sqrt(m.box_k / m.box_m))
+        run = m.simulate(state(row), begin=begin, t=[float(row["t_end"])])
+        if row["kind"] != "start":
+            (rest,) = run.rests
+            assert rest["stop"] == int(row["side"])
+            assert abs(rest["t"] - begin - float(row["rest"])) * rate < CHATTER, row["id"]
+        assert len(run.releases) == bool(row["release"]), row["id"]
+        if row["release"]:
+            assert abs(run.releases["t"][0] - begin - float(row["release"])) * rate < CHATTER, row["id"]
+        scale = m.stop_gap * np.array([1, 1, 1, rate, rate, rate])
+        assert (np.abs(run.end - state(row, "e_")) < CHATTER * scale).all(), row["id"]
+
+
+def test_standard_work_over_twenty_periods():
+    m = vi.Machine.from_groups(epsilon=0.1, kappa=0.75, f10=1.5, sigma1=0.0, gamma1=0.4, alpha23=0.2, sigma30=0.0, gamma3=0.4)
+    expected, impacts = rows("standard_double_periods.csv"), rows("standard_double_impacts.csv")
+    run = m.simulate({"x2": 0.9, "v2": 0.5}, t=[float(row["t"]) for row in expected])
+    np.testing.assert_allclose(np.hstack([run.s, run.v]), [state(row) for row in expected], rtol=0, atol=TWENTY_PERIODS)
+    assert len(run.impacts) == len(impacts) == 50
+    for field, column in (("t", "t"), ("speed", "speed"), ("stop", "side")):
+        np.testing.assert_allclose(run.impacts[field], [float(row[column]) for row in impacts], rtol=0, atol=TWENTY_PERIODS)
+
+
+def test_special_points_in_thirty_digits():
+    # The symmetric two-impact orbit of the default set along f10: tests/theory/orbits.py has the digits.
+    branch = vi.Machine.from_groups(f10=1.5).orbit("U", symmetric=True).follow("f10", 0.5, 3.0)
+    special = dict(branch.special)
+    assert special["BP"] == pytest.approx(2.039588865238, abs=1e-11)
+    assert "GR" in special and branch.word in ("U", "L") and branch.symmetric

@@ -1,0 +1,82 @@
+"""The Python blocks of docs/python.md and python/README.md run, print what is told, and draw the pictures shown.
+
+`VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
+"""
+
+import contextlib
+import io
+import os
+import re
+import shutil
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from conftest import ROOT
+
+matplotlib.use("agg")
+
+# Part of full brightness by which a picture may differ on average: another processor has another chaos, and sets the dots elsewhere.
+SAME_PICTURE = 0.02
+
+
+def blocks(page):
+    return re.findall(r"```(\w*)\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
+
+
+def run(page, folder):
+    names, printed, count = {}, None, 0
+    with contextlib.chdir(folder) if hasattr(contextlib, "chdir") else _folder(folder):
+        for language, text in blocks(page):
+            if language == "python":
+                out = io.StringIO()
+                with contextlib.redirect_stdout(out):
+                    exec(compile(text, f"block {count} of {page}", "exec"), names)
+                printed, count = out.getvalue(), count + 1
+            elif language == "text":
+                assert printed == text, f"{page} says\n{text}\nand the block prints\n{printed}"
+    return count
+
+
+@contextlib.contextmanager
+def _folder(path):
+    before = Path.cwd()
+    os.chdir(path)
+    try:
+        yield
+    finally:
+        os.chdir(before)
+
+
+def test_the_tutorial_prints_and_draws_what_it_shows(tmp_path):
+    (tmp_path / "python").mkdir()
+    assert run("docs/python.md", tmp_path) >= 8
+    made = {path.name for path in (tmp_path / "python").iterdir()}
+    shown = set(re.findall(r"\]\(python/(\w+\.png)\)", (ROOT / "docs/python.md").read_text(encoding="utf-8")))
+    assert made == shown
+    kept = os.environ.get("VIBRO_IMPACT_PICTURES")
+    for name in made:
+        if kept:
+            Path(kept).mkdir(exist_ok=True)
+            shutil.copy(tmp_path / "python" / name, kept)
+        committed = ROOT / "docs" / "python" / name
+        if os.environ.get("VIBRO_IMPACT_UPDATE") == "1":
+            committed.parent.mkdir(exist_ok=True)
+            shutil.copy(tmp_path / "python" / name, committed)
+        before, now = (matplotlib.image.imread(path) for path in (committed, tmp_path / "python" / name))
+        assert before.shape == now.shape, f"docs/python/{name} is another picture; VIBRO_IMPACT_UPDATE=1 writes it anew"
+        assert np.abs(before - now).mean() < SAME_PICTURE, f"docs/python/{name} is stale; VIBRO_IMPACT_UPDATE=1 writes it anew"
+
+
+def test_the_readme_of_the_package_runs(tmp_path):
+    assert run("python/README.md", tmp_path) == 1
+
+
+def test_the_examples_of_the_docstrings_are_right():
+    import doctest
+
+    import vibro_impact as vi
+
+    for module in (vi, vi._machine):
+        found = doctest.testmod(module)
+        assert found.attempted and not found.failed

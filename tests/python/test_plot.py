@@ -1,0 +1,72 @@
+"""Pictures: what is drawn is the result's, into the axes that are given."""
+
+import matplotlib
+import numpy as np
+import pytest
+import vibro_impact as vi
+
+matplotlib.use("agg")
+import matplotlib.pyplot as plt
+from vibro_impact import plot
+
+M = vi.Machine.from_groups(f10=1.5)
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    yield
+    plt.close("all")
+
+
+def results():
+    run = M.simulate(periods=5)
+    diagram = vi.bifurcation(M, f10=np.linspace(1, 3, 9), periods=(50, 20))
+    return {
+        plot.history: run,
+        plot.portrait: run,
+        plot.section: M.poincare(periods=50),
+        plot.bifurcation: diagram,
+        plot.basins: vi.basins(M.replace(f10=2.5), v2=(-2, 2, 5), x1=(-1.2, 1.2, 5), periods=100),
+        plot.branch: M.orbit("UL").follow("f10", 1.4, 1.6),
+    }
+
+
+def test_every_function_draws_into_the_axes_given_or_the_current_ones():
+    for function, result in results().items():
+        _, (other, axes) = plt.subplots(1, 2)
+        assert function(result, axes) is axes
+        assert axes.has_data() and not other.has_data() and axes.get_xlabel() and axes.get_ylabel()
+        plt.sca(other)
+        assert function(result) is other and other.has_data()
+
+
+def test_lines_are_the_results_numbers_in_the_bodies_colours():
+    run = M.simulate(periods=3)
+    axes = plot.history(run, of=("x1", "w"))
+    box, block, *stops = axes.lines
+    np.testing.assert_array_equal(box.get_ydata(), run.s[:, 0])
+    np.testing.assert_array_equal(block.get_ydata(), run.w)
+    assert (box.get_color(), block.get_color()) == ("#004696", "#a52882")
+    assert sorted(line.get_ydata()[0] for line in stops) == [-1.0, 1.0]
+
+
+def test_portraits_are_interrupted_at_impacts():
+    run = M.simulate(periods=3)
+    (line,) = plot.portrait(run, of="x2").lines
+    assert np.isnan(line.get_xdata()).sum() == len(run.impacts)
+    (line,) = plot.portrait(run, plt.figure().gca(), of="x3").lines
+    assert not np.isnan(line.get_xdata()).any()
+
+
+def test_colours_are_those_of_vibro():
+    from conftest import ROOT
+
+    palette = (ROOT / "vibro/src/figures/canvas/palette.rs").read_text()
+    for name, constant in {"x1": "BOX", "x2": "BLOCK", "x3": "SECONDARY", "w": "RELATIVE"}.items():
+        parts = palette.split(f"pub const {constant}: Colour = Colour(")[1].split(")")[0].split(",")
+        assert plot.COLOURS[name] == "#" + "".join(f"{int(part):02x}" for part in parts)
+
+
+def test_other_displacements_are_refused():
+    with pytest.raises(ValueError, match="of = 'x4': allowed is one of 'x1', 'x2', 'x3', 'w'"):
+        plot.history(M.simulate(periods=1), of="x4")

@@ -1,0 +1,110 @@
+"""Threads, processes, signals, progress."""
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+import vibro_impact as vi
+
+# A person notices a fifth of a second.
+PROMPT = 0.2
+
+LONG = {
+    "simulate": lambda m, **more: m.simulate(periods=400_000, per_period=10, **more),
+    "poincare": lambda m, **more: m.poincare(periods=50_000_000, **more),
+    "lyapunov": lambda m, **more: m.lyapunov(periods=400_000, **more),
+    "many": lambda m, **more: vi.simulate_many(m, np.zeros((300_000, 6)), periods=100, **more),
+    "bifurcation": lambda m, **more: vi.bifurcation(m, f10=np.linspace(0.5, 4, 2000), periods=(100, 100), **more),
+    "basins": lambda m, **more: vi.basins(m, v2=(-2, 2, 200), x1=(-1, 1, 2000), **more),
+}
+
+
+@pytest.fixture
+def signals():
+    """Python's own handler: a process that was started in the background may have been told to ignore Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+@pytest.mark.parametrize("name", LONG)
+def test_a_signal_ends_a_long_call_at_once(name, signals):
+    delays = []
+    # The least of three: another process may hold the processor when the signal comes.
+    for _ in range(3):
+        sent = []
+
+        def interrupt():
+            sent.append(time.perf_counter())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Timer(0.3, interrupt).start()
+        with pytest.raises(KeyboardInterrupt):
+            LONG[name](vi.Machine.from_groups(f10=2.8))
+        delays.append(time.perf_counter() - sent[0])
+        if delays[-1] < PROMPT:
+            break
+    assert min(delays) < PROMPT, delays
+
+
+def test_other_threads_run_while_one_computes():
+    machine, ticks = vi.Machine(), 0
+    thread = threading.Thread(target=lambda: machine.simulate(periods=30_000, per_period=4))
+    thread.start()
+    while thread.is_alive():
+        time.sleep(0.002)
+        ticks += 1
+    assert ticks > 10, "the thread that computes holds the interpreter's lock"
+
+
+def test_threads_find_what_one_finds():
+    machines = [vi.Machine.from_groups(f10=f10) for f10 in (0.6, 1.5, 2.8, 3.6)]
+    found = {}
+
+    def run(machine):
+        diagram = vi.bifurcation(machine, kappa=np.linspace(0.3, 0.8, 6), periods=(20, 20))
+        found[machine] = (machine.simulate(periods=50).end, diagram.up.maxima)
+
+    threads = [threading.Thread(target=run, args=[m]) for m in machines]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    together = dict(found)
+    for machine in machines:
+        run(machine)
+        for a, b in zip(found[machine], together[machine]):
+            np.testing.assert_array_equal(a, b)
+
+
+def _end(machine):
+    return vi.simulate_many([machine] * 40, periods=20).s[0]
+
+
+@pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
+def test_processes_made_in_any_way(method):
+    machines = [vi.Machine.from_groups(f10=f10) for f10 in (1.0, 2.0)]
+    expected = [_end(m) for m in machines]  # the parent has its threads
+    with multiprocessing.get_context(method).Pool(2) as pool:
+        found = pool.map_async(_end, machines).get(timeout=120)
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_progress_is_shown_and_its_errors_end_the_call(capsys, monkeypatch):
+    vi.bifurcation(vi.Machine(), f10=np.linspace(1, 2, 30), periods=(20, 20), progress=True)
+    assert "8/8" in capsys.readouterr().err
+    # Without tqdm.
+    monkeypatch.setitem(__import__("sys").modules, "tqdm.auto", None)
+    vi.Machine().simulate(periods=100, progress=True)
+    assert "100 %" in capsys.readouterr().err
+
+    def refuse(done):
+        raise KeyError("stop")
+
+    with pytest.raises(KeyError):
+        vi._native.simulate(vi.Machine()._system, [0.0] * 6, 0.0, np.arange(10.0), [], refuse)

@@ -1,0 +1,78 @@
+//! Runs the real `vibro bifurcation --orbits`: the branches over a diagram against the simulated motions of the diagram.
+
+#[path = "common/mod.rs"]
+mod command;
+
+use command::{drawn, folder, refused, table};
+use std::collections::HashMap;
+
+type Row = HashMap<String, String>;
+
+/// Curves are drawn between points of a branch, which are up to a twentieth of a unit of its arc apart: this is what lies between
+/// a chord and its curve, units of L.
+const CHORD: f64 = 3e-3;
+/// Places are located to rounding, and written with 15 digits.
+const LOCATION: f64 = 1e-11;
+
+fn number(row: &Row, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+}
+
+/// The maxima of the stable curves of a period at a value, by interpolation.
+fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
+    let pieces = curves.windows(2).filter(|pair| pair[0]["curve"] == pair[1]["curve"]);
+    let stable = pieces.filter(|pair| pair[0]["stable"] == "true" && pair[0]["period"] == period);
+    let crossed = stable.filter_map(|pair| {
+        let [a, b] = [0, 1].map(|i| (number(&pair[i], "f10"), number(&pair[i], "X2_maximum")));
+        let part = (value - a.0) / (b.0 - a.0);
+        (0.0..=1.0).contains(&part).then_some(a.1 + part * (b.1 - a.1))
+    });
+    crossed.collect()
+}
+
+#[test]
+fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
+    let out = folder("diagram-orbits");
+    // Off the doublings by some thousandths, so that transients die out; the last values are of another family.
+    let range = ["--range", "f10=2.2:2.56", "--resolution", "19", "--discard", "400", "--keep", "100"];
+    let said = drawn(&out, &[&["bifurcation", "--orbits"][..], &range].concat());
+    assert!(
+        said.contains("periodic rows of both directions whose transient has ended lie on a stable branch")
+    );
+    assert!(said.contains("PD of 1T at 2.3730753708, PD of 2T at 2.4930216604"), "{said}");
+    assert!(out.join("bifurcation.png").exists() && out.join("bifurcation-orbits.png").exists());
+    let (curves, rows) = (table(&out, "bifurcation-orbits.csv"), table(&out, "bifurcation-orbits-rows.csv"));
+    let (points, maxima) = (table(&out, "bifurcation-points.csv"), table(&out, "bifurcation.csv"));
+    let periodic: Vec<&Row> = points.iter().filter(|row| !row["period"].is_empty()).collect();
+    assert!(periodic.len() > 30 && rows.len() == periodic.len());
+    for (point, row) in periodic.iter().zip(&rows) {
+        assert_eq!(row["not_covered"], "", "{row:?}");
+        let (value, direction) = (number(point, "f10"), &point["direction"]);
+        let drawn = stable_maxima(&curves, &point["period"], value);
+        let simulated = maxima.iter().filter(|m| number(m, "f10") == value && m["direction"] == *direction);
+        for maximum in simulated.map(|m| number(m, "X2_maximum")) {
+            let apart = drawn.iter().map(|x| (x - maximum).abs()).fold(f64::INFINITY, f64::min);
+            assert!(apart < CHORD, "{value} {direction}: {maximum} is {apart} from every curve");
+        }
+    }
+    // The windows of the grid lie within the stable ranges of their rows, which reach no further than the next row.
+    let step = 0.02;
+    for window in table(&out, "bifurcation-orbits-windows.csv").iter().filter(|w| w["class"] == "2T") {
+        let [from, to, first, last] =
+            ["stable_from", "stable_to", "f10_from", "f10_to"].map(|c| number(window, c));
+        assert!(from <= first && last <= to && first - from < step, "{window:?}");
+        assert!((from - 2.373_075_370_806_15).abs() < LOCATION && window["label_from"] == "PD", "{window:?}");
+    }
+}
+
+#[test]
+fn what_orbits_cannot_vary_is_refused_by_name_before_work_begins() {
+    for (arguments, words) in [
+        (&["bifurcation", "--orbits", "--set", "coupling.k=0"][..], "coupling.k = 0"),
+        (&["lyapunov", "--orbits", "--set", "coupling.k=0", "--range", "kappa=0.5:0.9"], "coupling.k = 0"),
+        (&["bifurcation", "--orbits", "--range", "kappa=0.5:1.5"], "kappa = 1.5"),
+    ] {
+        let (code, message) = refused(arguments);
+        assert!(code == 2 && message.contains(words), "{arguments:?}: {code} {message}");
+    }
+}
