@@ -22,7 +22,7 @@ use vibro_impact::simulator::{Simulator, State, TOGETHER};
 
 /// Values in a part.
 const BLOCK: usize = 2 * TOGETHER;
-/// Maxima kept in a drive period, at most on average: each of them lies between two impacts, or belongs to one.
+/// Maxima in a drive period that the estimate of a diagram's size assumes; few motions have more.
 const MAXIMA_IN_A_PERIOD: usize = 4;
 /// Maxima are told apart by this, units of L: six digits after the point are kept.
 const RESOLUTION: f64 = 1e-6;
