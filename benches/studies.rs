@@ -1,5 +1,6 @@
-//! Whole studies, as ratios to the paper's method (RKF45 with bisection, 1e-12) on the bare motion in the same run; writes
-//! its table to `benches/STUDIES.md`. `cargo bench --bench studies`
+//! Whole studies, as ratios to the paper's method (RKF45 with bisection, 1e-12) on the bare motion in the same run; motions side by
+//! side as ratios to one by one; and the work of a drive period in counts, which need no quiet machine. Writes its tables to
+//! `benches/STUDIES.md`. `cargo bench --bench studies`, or only some of it, which writes nothing: `-- studies`, `-- lanes`, `-- work`
 //!
 //! Targets: the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of 1051 values
 //! ≤ 5 s, a spectrum of seven exponents over 1500 periods ≤ 10 ms.
@@ -13,11 +14,12 @@ use vibro_analysis::isoperiodic::{Request, StartRule, isoperiodic};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
-use vibro_analysis::stroboscopic::moving_block;
-use vibro_analysis::trajectories::{Start, propagate};
+use vibro_analysis::stroboscopic::{dimensional, moving_block};
+use vibro_analysis::trajectories::{Program, Start, Workspace, propagate};
 use vibro_analysis::{ParameterSet, find_group, lyapunov};
 use vibro_impact::reference::{Reference, Tolerance};
-use vibro_impact::{Parameters, Simulator};
+use vibro_impact::simulator::{LaneUse, Way};
+use vibro_impact::{Groups, Parameters, Scales, Simulator};
 
 const ROUNDS: usize = 5;
 /// Resolution of the processors' clock, s.
@@ -76,7 +78,7 @@ fn reference() -> f64 {
     sum / values.len() as f64
 }
 
-fn main() {
+fn studies() -> String {
     rayon::ThreadPoolBuilder::new().num_threads(THREADS).build_global().expect("threads");
     let base = reference();
     let mut table = String::from(
@@ -137,12 +139,172 @@ fn main() {
         1e4 * f64::from(periods),
         time,
     );
-    let text = format!(
-        "# Studies\n\nWritten by `cargo bench --bench studies` on {THREADS} threads: least times of {ROUNDS} rounds. The reference method is the \
-         paper's own\n(RKF45 with bisection, 1e-12), for the bare motion: without maxima and without variations; its mean time over\nthe diagram's values is {:.0} µs a period. Wall times hold for a quiet machine only; processor times hold anyway.\n\n{table}",
+    format!(
+        "The reference method is the paper's own\n(RKF45 with bisection, 1e-12), for the bare motion: without maxima and without variations; its mean time over\nthe diagram's values is {:.0} µs a period. Wall times hold for a quiet machine only; processor times hold anyway.\n\n{table}",
         1e6 * base
+    )
+}
+
+/// Motions of a study and what is done with each.
+struct Work {
+    name: &'static str,
+    starts: Vec<Start>,
+    program: Program,
+}
+
+/// Numbers in [0, 1) that are the same everywhere.
+fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// The motions of the studies that run side by side, fewer than in a study but of the same kinds.
+fn works() -> Vec<Work> {
+    const PLANE: usize = 20;
+    let axis = |name| {
+        let group = find_group(name).expect("a group");
+        ParameterAxis::new(group, group.shown, PLANE).expect("an axis")
+    };
+    let (x, y) = (axis("sigma1"), axis("f10"));
+    let start = |parameters: Parameters| Start { parameters, state: moving_block(&parameters) };
+    let point = |k: usize| {
+        let set = ParameterSet::basic().with(x.name, x.value(k % PLANE)).expect("allowed");
+        start(*set.with(y.name, y.value(k / PLANE)).expect("allowed").parameters())
+    };
+    let settled = Program { discard: 300, maxima: None, observed: true };
+    let p = at(2.45);
+    let cell = |k: usize| {
+        let part = |i: usize| (i as f64 + 0.5) / PLANE as f64;
+        let state = [2.0 * part(k % PLANE) - 1.0, 0.0, 0.0, 0.0, 4.0 * part(k / PLANE) - 2.0, 0.0];
+        Start { parameters: p, state: dimensional(&p, &state) }
+    };
+    let mut next = numbers(16);
+    let mut random = |k: usize| {
+        let mut between = |low: f64, high: f64| low + (high - low) * next();
+        let restitution = between(0.2, 0.95);
+        let groups = Groups::weak(
+            between(0.02, 0.3),
+            if k.is_multiple_of(10) { 0.0 } else { restitution },
+            between(0.5, 5.0),
+            between(-0.5, 0.5),
+            between(0.1, 1.0),
+            between(0.05, 1.0),
+            between(-0.5, 0.5),
+            between(0.1, 1.0),
+        );
+        start(groups.to_parameters(Scales::default()).expect("allowed"))
+    };
+    let keep = Program { discard: 0, maxima: Some((Displacement::X2, KEEP)), observed: true };
+    let all = PLANE * PLANE;
+    vec![
+        Work {
+            name: "classified plane over (sigma1, f10)",
+            starts: (0..all).map(point).collect(),
+            program: settled,
+        },
+        Work { name: "basins at f10 = 2.45", starts: (0..all).map(cell).collect(), program: settled },
+        Work {
+            name: "maxima of 800 periods over f10, observed",
+            starts: (0..96).map(|k| start(at(0.5 + 4.5 * k as f64 / 95.0))).collect(),
+            program: keep,
+        },
+        Work {
+            name: "random systems, a tenth with kappa = 0",
+            starts: (0..200).map(&mut random).collect(),
+            program: Program { discard: 400, maxima: None, observed: false },
+        },
+        Work {
+            name: "eight motions of the plane",
+            starts: (0..8).map(|k| point(50 * k)).collect(),
+            program: settled,
+        },
+    ]
+}
+
+/// Side by side and one by one in turns, on one thread: with the widest vectors of the machine, and with those of AVX2.
+fn lanes() -> String {
+    let mut table = String::from(
+        "| work | motions | vectors | one by one, µs a motion | side by side, µs a motion | ratio | lanes occupied | lanes that moved | sub-steps for each handed over |\n|---|---|---|---|---|---|---|---|---|\n",
     );
-    print!("{text}");
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/STUDIES.md");
-    std::fs::write(path, text).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let vectors =
+        [("widest", (Way::OneByOne, Way::Together)), ("AVX2", (Way::OneByOneAvx2, Way::TogetherAvx2))];
+    for Work { name, starts, program } in works() {
+        for (vectors, ways) in vectors {
+            let mut spaces = [Workspace::default(), Workspace::default()];
+            (spaces[0].way, spaces[1].way) = ways;
+            let mut best = [f64::INFINITY; 2];
+            for _ in 0..ROUNDS {
+                for (space, best) in spaces.iter_mut().zip(&mut best) {
+                    space.used = LaneUse::default();
+                    let begin = Instant::now();
+                    space.run(&mut starts.iter().copied(), &program, &mut |_, outcome| {
+                        let _ = black_box(outcome);
+                    });
+                    *best = best.min(begin.elapsed().as_secs_f64());
+                }
+            }
+            let used = spaces[1].used;
+            let [alone, together] = best.map(|time| 1e6 * time / starts.len() as f64);
+            let each = used.substeps as f64 / used.handed_over.max(1) as f64;
+            let (count, ratio) = (starts.len(), alone / together);
+            let (occupied, moved) = (used.occupation(), used.utilisation());
+            writeln!(
+                table,
+                "| {name} | {count} | {vectors} | {alone:.1} | {together:.1} | {ratio:.2} | {occupied:.2} | {moved:.2} | {each:.0} |"
+            )
+            .expect("memory");
+        }
+    }
+    format!(
+        "## Side by side and one by one\n\nThe same motions with the same reports on one thread, tables and the recognition of periods included: least times of {ROUNDS} rounds in \
+         which both ways run in turns.\nA lane is occupied while it has a motion; in a round it moves it, or hands it over to the code for a single one.\n\n{table}"
+    )
+}
+
+/// Counts of what a drive period takes, one by one: the same on every run of one instruction set.
+fn work() -> String {
+    const PERIODS: f64 = 200.0;
+    let mut table =
+        String::from("| motion | sub-steps | expansions | iterations | events |\n|---|---|---|---|---|\n");
+    let basic = |f10, kappa| {
+        Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).expect("allowed")
+    };
+    for (name, p) in [
+        ("few impacts, f10 = 0.3", basic(0.3, 0.75)),
+        ("two impacts, f10 = 1.5", basic(1.5, 0.75)),
+        ("chaos, f10 = 3.6", basic(3.6, 0.75)),
+        ("rest, f10 = 3, kappa = 0", basic(3.0, 0.0)),
+        ("low restitution, f10 = 2, kappa = 0.3", basic(2.0, 0.3)),
+    ] {
+        let mut s = Simulator::new(&p, &moving_block(&p), 0.0).expect("valid").without_energy_accounts();
+        s.advance_to(PERIODS * p.period()).expect("it arrives");
+        let w = s.work_counters();
+        let [a, b, c, d] = [w.substeps, w.expansions, w.iterations, w.events].map(|n| n as f64 / PERIODS);
+        writeln!(table, "| {name} | {a:.2} | {b:.2} | {c:.2} | {d:.2} |").expect("memory");
+    }
+    format!(
+        "## Work of a drive period\n\nOne by one, over the first {PERIODS} periods; counts, so that a loss shows on any machine.\n\n{table}"
+    )
+}
+
+fn main() {
+    let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let on = |name: &str| asked.is_empty() || asked.iter().any(|a| a == name);
+    let mut text = format!(
+        "# Studies\n\nWritten by `cargo bench --bench studies` on {THREADS} threads: least times of {ROUNDS} rounds. "
+    );
+    for (name, part) in [("studies", studies as fn() -> String), ("lanes", lanes), ("work", work)] {
+        if on(name) {
+            let part = part();
+            println!("{part}");
+            text += &part;
+            text += "\n";
+        }
+    }
+    if asked.is_empty() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/STUDIES.md");
+        std::fs::write(path, text.trim_end().to_owned() + "\n").unwrap_or_else(|e| panic!("{path}: {e}"));
+    }
 }

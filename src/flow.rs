@@ -9,7 +9,8 @@ use crate::model::{
     Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY,
     SECONDARY_RATE, SmoothMode,
 };
-use crate::numerics::simd::{PADDED, Rows, product, row, value};
+use crate::numerics::simd::{PADDED, Rows, product, row};
+use pulp::Simd;
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;
@@ -132,6 +133,70 @@ impl<const N: usize> Series<N> {
     }
 }
 
+/// [`polynomial`] with one coefficient for each order at the ends of the intervals of [0, 1], and with its bits for an even number N
+/// of orders: no operation is fused. The ends lie side by side in vectors.
+#[inline(always)]
+fn at_interval_ends<S: Simd, const N: usize>(simd: S, coefficients: &[f64; N]) -> [f64; INTERVALS] {
+    const { assert!(N.is_multiple_of(2)) };
+    let mut ends = [0.0; INTERVALS];
+    for (i, end) in ends.iter_mut().enumerate() {
+        *end = (i as f64 + 1.0) / INTERVALS as f64;
+    }
+    let mut values = [0.0; INTERVALS];
+    for (u, value) in S::as_simd_f64s(&ends).0.iter().zip(S::as_mut_simd_f64s(&mut values).0) {
+        let square = simd.mul_f64s(*u, *u);
+        let (mut even, mut odd) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
+        for pair in coefficients.as_chunks::<2>().0.iter().rev() {
+            even = simd.add_f64s(simd.mul_f64s(even, square), simd.splat_f64s(pair[0]));
+            odd = simd.add_f64s(simd.mul_f64s(odd, square), simd.splat_f64s(pair[1]));
+        }
+        *value = simd.add_f64s(even, simd.mul_f64s(*u, odd));
+    }
+    values
+}
+
+/// [`polynomial`] of augmented states at [`PLACES`] places, likewise with its bits. The places' chains of operations run side by side,
+/// where one alone would wait for each of its sums.
+#[inline(always)]
+fn at_places<S: Simd, const N: usize>(
+    simd: S,
+    coefficients: &[Augmented; N],
+    places: &[f64; PLACES],
+) -> [Augmented; PLACES] {
+    const { assert!(N.is_multiple_of(2)) };
+    let zero = simd.splat_f64s(0.0);
+    let mut states = [[0.0; LANES]; PLACES];
+    for v in 0..LANES / S::F64_LANES {
+        let (mut even, mut odd) = ([zero; PLACES], [zero; PLACES]);
+        for pair in coefficients.as_chunks::<2>().0.iter().rev() {
+            let (low, high) = (S::as_simd_f64s(&pair[0]).0[v], S::as_simd_f64s(&pair[1]).0[v]);
+            for (i, u) in places.iter().enumerate() {
+                let square = simd.splat_f64s(u * u);
+                even[i] = simd.add_f64s(simd.mul_f64s(even[i], square), low);
+                odd[i] = simd.add_f64s(simd.mul_f64s(odd[i], square), high);
+            }
+        }
+        for (i, u) in places.iter().enumerate() {
+            let value = simd.add_f64s(even[i], simd.mul_f64s(simd.splat_f64s(*u), odd[i]));
+            S::as_mut_simd_f64s(&mut states[i]).0[v] = value;
+        }
+    }
+    states
+}
+
+/// So many places at a time: their sums fit into registers.
+const PLACES: usize = 4;
+/// The places of the interval centres on [0, 1].
+const CENTRES: [[f64; PLACES]; INTERVALS / PLACES] = {
+    let mut places = [[0.0; PLACES]; INTERVALS / PLACES];
+    let mut i = 0;
+    while i < INTERVALS {
+        places[i / PLACES][i % PLACES] = (i as f64 + 0.5) / INTERVALS as f64;
+        i += 1;
+    }
+    places
+};
+
 /// `Σ_k coefficients[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
 pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
@@ -194,6 +259,7 @@ impl Local {
     }
 
     /// Fills it beside the `core` of flight over a sub-step `h`.
+    #[inline(always)]
     pub fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let mut gap = [[0.0; PADDED]; CORE];
@@ -227,6 +293,47 @@ impl Local {
     }
 }
 
+/// The rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight, as [`Table`] has the event functional.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct RateTable {
+    /// The rate at the interval ends, `[column][interval]`.
+    pub sample: [[f64; INTERVALS]; CORE],
+    /// The rate's second derivative is at most Σ_j bound_j |column_j| throughout the sub-step.
+    pub bound: [f64; CORE],
+}
+
+impl RateTable {
+    /// The table of the displacement with the weights a, b, c over a sub-step `h`.
+    #[inline(always)]
+    pub fn new<S: Simd>(simd: S, model: &Model, weights: &[f64; 3], h: f64) -> Self {
+        let mut table = Self { sample: [[0.0; INTERVALS]; CORE], bound: [0.0; CORE] };
+        for c in 0..CORE {
+            let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, h);
+            let mut rate = [0.0; WHOLE];
+            for (value, lane) in rate.iter_mut().zip(&series.lanes) {
+                *value = weighted_sum(weights, lane, BOX_RATE);
+            }
+            table.sample[c] = at_interval_ends(simd, &rate);
+            for places in &CENTRES {
+                for z in at_places(simd, &series.lanes, places) {
+                    let centre = Column { z, ..Column::unit(c) };
+                    let jerk = centre.rate(model, SmoothMode::Flight).rate(model, SmoothMode::Flight).z;
+                    table.bound[c] = table.bound[c].max(weighted_sum(weights, &jerk, BOX_RATE).abs());
+                }
+            }
+        }
+        table.bound = spread(model, SmoothMode::Flight, table.bound, 0.5 * h / INTERVALS as f64);
+        table
+    }
+}
+
+/// `Σ_i weights[i] z[first + i]`: a displacement from [`BOX`], its rate from [`BOX_RATE`].
+#[inline(always)]
+pub fn weighted_sum(weights: &[f64; 3], z: &Augmented, first: usize) -> f64 {
+    weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
+}
+
 /// One column of the whole system: a unit augmented coordinate or a unit load coefficient.
 #[derive(Clone, Copy)]
 pub struct Column {
@@ -237,6 +344,7 @@ pub struct Column {
 
 impl Column {
     /// A unit augmented coordinate for `index` under [`LANES`], else a unit load coefficient.
+    #[inline(always)]
     pub fn unit(index: usize) -> Self {
         let mut column = Self { z: [0.0; LANES], forces: [[0.0; 4]; 3] };
         if index < LANES {
@@ -247,11 +355,13 @@ impl Column {
         column
     }
 
+    #[inline(always)]
     fn values(&self) -> [f64; 3] {
         [self.forces[0][0], self.forces[1][0], self.forces[2][0]]
     }
 
     /// The time derivative.
+    #[inline(always)]
     fn rate(&self, model: &Model, mode: SmoothMode) -> Self {
         let (a, _) = model.acceleration(mode, &self.z, Some(self.values()));
         let z = &self.z;
@@ -271,6 +381,7 @@ impl Column {
     }
 
     /// The event functional: w in flight, the free relative acceleration in rest.
+    #[inline(always)]
     fn functional(&self, model: &Model, mode: SmoothMode) -> f64 {
         match mode {
             SmoothMode::Flight => self.z[RELATIVE],
@@ -278,6 +389,7 @@ impl Column {
         }
     }
 
+    #[inline(always)]
     fn entry(&self, index: usize) -> f64 {
         if index < LANES { self.z[index] } else { self.forces[(index - LANES) / 4][(index - LANES) % 4] }
     }
@@ -296,23 +408,29 @@ impl<const C: usize> Table<C> {
     }
 
     /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the loads).
-    fn propagate(&mut self, model: &Model, mode: SmoothMode, first: usize, h: f64) {
+    #[inline(always)]
+    fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
         for c in 0..C {
             let start = Column::unit(first + c);
             let series =
                 Series::<WHOLE>::expand(model, mode, &start.z, (first > 0).then_some(&start.forces), h);
-            for i in 0..INTERVALS {
-                let (mid, end) = ((i as f64 + 0.5) / INTERVALS as f64, (i as f64 + 1.0) / INTERVALS as f64);
-                let centre = Column { z: series.at(mid), forces: shifted(&start.forces, mid * h) };
-                let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
-                self.peak[c] = self.peak[c].max(second.abs());
-                self.centre[i][c] = centre.z;
-                let node = match mode {
-                    SmoothMode::Flight => value(&series.lanes.map(|l| l[RELATIVE]), end),
-                    SmoothMode::Rest => value(&series.free, end),
+            let mut functional = [0.0; WHOLE];
+            for (k, value) in functional.iter_mut().enumerate() {
+                *value = match mode {
+                    SmoothMode::Flight => series.lanes[k][RELATIVE],
+                    SmoothMode::Rest => series.free[k],
                 };
-                self.sample[c][i] = node;
+            }
+            self.sample[c] = at_interval_ends(simd, &functional);
+            for (places, centres) in CENTRES.iter().zip(self.centre.chunks_exact_mut(PLACES)) {
+                let states = at_places(simd, &series.lanes, places);
+                for ((mid, z), there) in places.iter().zip(states).zip(centres) {
+                    let centre = Column { z, forces: shifted(&start.forces, mid * h) };
+                    let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
+                    self.peak[c] = self.peak[c].max(second.abs());
+                    there[c] = centre.z;
+                }
             }
             self.full[c] = series.at(1.0);
         }
@@ -351,8 +469,9 @@ impl<const C: usize> Table<C> {
 
 impl Table<CORE> {
     /// The table of state and drive for `mode` over a sub-step `h`.
-    pub fn fill(&mut self, model: &Model, mode: SmoothMode, h: f64) {
-        self.propagate(model, mode, 0, h);
+    #[inline(always)]
+    pub fn fill<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, h: f64) {
+        self.propagate(simd, model, mode, 0, h);
         self.bound = spread(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
     }
 }
@@ -360,7 +479,7 @@ impl Table<CORE> {
 impl Table<LOAD> {
     /// The table of the load coefficients, beside the `core` of the same mode and sub-step.
     pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
-        self.propagate(model, mode, CORE, h);
+        self.propagate(pulp::Scalar, model, mode, CORE, h);
         let mut peak = [0.0; CORE + LOAD];
         peak[..CORE].copy_from_slice(&core.peak);
         peak[CORE..].copy_from_slice(&self.peak);
@@ -371,6 +490,7 @@ impl Table<LOAD> {
 
 /// Turns the largest functional'' at the centres into a bound between them: a row r at a centre is r·exp(Mδ) at a distance
 /// δ ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
+#[inline(always)]
 fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: f64) -> [f64; N] {
     let rates: [Column; N] = std::array::from_fn(|c| Column::unit(c).rate(model, mode));
     let (mut sum, mut term) = (row, row);

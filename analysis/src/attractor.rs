@@ -7,6 +7,7 @@ use super::error::Result;
 use super::lyapunov::Spectrum;
 use super::stroboscopic::{StroboscopicState, dimensionless};
 use serde::{Deserialize, Serialize};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Event, Simulator};
 
 /// Drive periods over which a motion is observed.
@@ -126,52 +127,95 @@ impl MotionClass {
 pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
     let p = *simulator.parameters();
     let (begin, length) = (simulator.time(), p.period());
-    let stroboscopic = |s: &Simulator| dimensionless(&p, &s.state());
-    let (mut periods, mut halves) = (Vec::new(), Vec::new());
-    let (mut impacts, mut rests, mut pattern) = ([0u32; 2], false, 1u64);
+    let mut record = StroboscopicRecord::default();
     for i in 1..=2 * OBSERVED {
-        simulator.advance_observed(begin + 0.5 * f64::from(i) * length, &mut |event| match *event {
+        let end = begin + 0.5 * f64::from(i) * length;
+        simulator.advance_observed(end, &mut |event| record.event(event))?;
+        record.sample(i, dimensionless(&p, &simulator.state()));
+    }
+    Ok(record.attractor(&p))
+}
+
+/// States at whole and half drive periods, and what happened between them.
+#[derive(Clone, Debug)]
+pub(crate) struct StroboscopicRecord {
+    periods: Vec<ObservedPeriod>,
+    /// The mirror images of the states at half periods.
+    halves: Vec<StroboscopicState>,
+    impacts: [u32; 2],
+    rests: bool,
+    pattern: u64,
+}
+
+impl Default for StroboscopicRecord {
+    fn default() -> Self {
+        let observed = OBSERVED as usize;
+        let (periods, halves) = (Vec::with_capacity(observed), Vec::with_capacity(observed));
+        Self { periods, halves, impacts: [0; 2], rests: false, pattern: 1 }
+    }
+}
+
+impl StroboscopicRecord {
+    /// Forgets all, but keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.periods.clear();
+        self.halves.clear();
+        (self.impacts, self.rests, self.pattern) = ([0; 2], false, 1);
+    }
+
+    pub(crate) fn event(&mut self, event: &Event) {
+        match *event {
             Event::Impact { side, .. } => {
                 let upper = side > 0;
-                impacts[usize::from(!upper)] += 1;
-                pattern = pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper));
+                self.impacts[usize::from(!upper)] += 1;
+                self.pattern = self.pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper));
             }
-            _ => rests = true,
-        })?;
-        if i % 2 == 1 {
-            halves.push(stroboscopic(simulator).map(|x| -x));
+            _ => self.rests = true,
+        }
+    }
+
+    /// The state after `number` half periods, counted from 1.
+    pub(crate) fn sample(&mut self, number: u32, state: StroboscopicState) {
+        if number % 2 == 1 {
+            self.halves.push(state.map(|x| -x));
         } else {
-            periods.push(ObservedPeriod { state: stroboscopic(simulator), pattern, impacts, rests });
-            (impacts, rests, pattern) = ([0; 2], false, 1);
+            let Self { impacts, rests, pattern, .. } = *self;
+            self.periods.push(ObservedPeriod { state, pattern, impacts, rests });
+            (self.impacts, self.rests, self.pattern) = ([0; 2], false, 1);
         }
     }
-    let period = period(&periods);
-    let kept = period.unwrap_or(1) as usize;
-    // Of a periodic motion only the last period is counted, so that a transient that died out during the observation is
-    // left out.
-    let settled = period.unwrap_or(OBSERVED);
-    let last = periods.len() - settled as usize;
-    let mut sizes = [0.0; 3];
-    for state in periods[last..].iter().map(|s| &s.state).chain(&halves[last..]) {
-        for (size, x) in sizes.iter_mut().zip(state) {
-            *size += x * x / f64::from(2 * settled);
+
+    /// What the motion is, after [`OBSERVED`] periods.
+    pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
+        let Self { periods, halves, .. } = self;
+        let period = period(periods);
+        let kept = period.unwrap_or(1) as usize;
+        // Of a periodic motion only the last period is counted, so that a transient that died out during the observation is
+        // left out.
+        let settled = period.unwrap_or(OBSERVED);
+        let last = periods.len() - settled as usize;
+        let mut sizes = [0.0; 3];
+        for state in periods[last..].iter().map(|s| &s.state).chain(&halves[last..]) {
+            for (size, x) in sizes.iter_mut().zip(state) {
+                *size += x * x / f64::from(2 * settled);
+            }
+        }
+        let counts = [0, 1].map(|side| periods[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
+        let rests = periods[last..].iter().any(|s| s.rests);
+        // Without impacts the flow is linear. Where every part of it is damped, for which the block needs the coupling, it has
+        // one limit, and so a motion that has not reached it is on its way there.
+        let damped = [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0);
+        let dies_out = damped && counts == [0; 2] && !rests;
+        Attractor {
+            period,
+            approaching: period.is_none() && (dies_out || approaches(periods)),
+            impacts: counts.map(|c| f64::from(c) / f64::from(settled)),
+            rests,
+            states: periods[periods.len() - kept..].iter().map(|s| s.state).collect(),
+            mirror_states: halves[halves.len() - kept..].to_vec(),
+            sizes: sizes.map(f64::sqrt),
         }
     }
-    let counts = [0, 1].map(|side| periods[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
-    let rests = periods[last..].iter().any(|s| s.rests);
-    // Without impacts the flow is linear. Where every part of it is damped, for which the block needs the coupling, it has
-    // one limit, and so a motion that has not reached it is on its way there.
-    let damped = [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0);
-    let dies_out = damped && counts == [0; 2] && !rests;
-    Ok(Attractor {
-        period,
-        approaching: period.is_none() && (dies_out || approaches(&periods)),
-        impacts: counts.map(|c| f64::from(c) / f64::from(settled)),
-        rests,
-        states: periods[periods.len() - kept..].iter().map(|s| s.state).collect(),
-        mirror_states: halves[halves.len() - kept..].to_vec(),
-        sizes: sizes.map(f64::sqrt),
-    })
 }
 
 /// The least n for which, over the last four times n drive periods, states return after n periods and the order of impacts
@@ -192,10 +236,16 @@ fn period(periods: &[ObservedPeriod]) -> Option<u32> {
 fn approaches(periods: &[ObservedPeriod]) -> bool {
     const EIGHTHS: usize = 8;
     (1..=LONGEST as usize).any(|lag| {
-        let gaps: Vec<f64> =
-            periods[lag..].iter().zip(periods).map(|(a, b)| distance(&a.state, &b.state)).collect();
-        let most = gaps.chunks(gaps.len().div_ceil(EIGHTHS)).map(|c| c.iter().copied().fold(0.0, f64::max));
-        most.collect::<Vec<_>>().windows(2).all(|w| w[1] < w[0])
+        let (later, earlier) = (&periods[lag..], &periods[..periods.len() - lag]);
+        let eighth = later.len().div_ceil(EIGHTHS);
+        let gap = |(a, b): (&ObservedPeriod, &ObservedPeriod)| distance(&a.state, &b.state);
+        let mut most = later
+            .chunks(eighth)
+            .zip(earlier.chunks(eighth))
+            .map(|(later, earlier)| later.iter().zip(earlier).map(gap).fold(0.0, f64::max));
+        let mut before = f64::INFINITY;
+        // It ends with the first eighth that does not fall.
+        most.all(|most| std::mem::replace(&mut before, most) > most)
     })
 }
 

@@ -1,13 +1,15 @@
 //! Basins of attraction over two initial values, and the attractors that coexist.
 
-use super::attractor::{Attractor, Relation, observe};
+use super::attractor::{Attractor, Relation};
 use super::error::{Error, Result};
 use super::parts::Task;
+use super::plane::check_cells;
 use super::stroboscopic::{COORDINATES, dimensional};
-use super::trajectories::{Start, propagate};
+use super::trajectories::{MOTIONS, Program, Start, Workspace};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Simulator, State};
 
 /// The range of an initial value, both ends finite and the lower one first; read from `name=from:to`.
 ///
@@ -101,7 +103,7 @@ pub enum Destination {
 }
 
 /// A plane of starts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Basin {
     /// The attractors, in the order in which the cells meet them.
     pub attractors: Vec<Attractor>,
@@ -128,52 +130,151 @@ fn start(p: &Parameters, request: &Request, column: usize, row: usize) -> State 
     dimensional(p, &s)
 }
 
-/// Number of parts: the rows.
+/// The rows of a part.
+fn rows(request: &Request, part: usize) -> Range<usize> {
+    let rows = MOTIONS.div_ceil(request.x.count.max(1));
+    part * rows..((part + 1) * rows).min(request.y.count)
+}
+
+/// Number of parts, each of some whole rows.
 pub fn count(request: &Request) -> usize {
-    request.y.count
+    request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
 }
 
 /// The basins, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on
 /// shards.
 ///
 /// # Errors
-/// [`Error::Form`] for two axes of one coordinate; what the simulator refuses, starts outside the stops apart.
+/// [`Error::Form`] for two axes of one coordinate, for a range that is empty or not finite and for no cells;
+/// [`Error::TooMany`] for a plane that does not fit into memory; what the simulator refuses, starts outside the stops apart.
 pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Basin>> {
-    if request.x.coordinate == request.y.coordinate {
-        let text = COORDINATES[request.x.coordinate].into();
+    let Request { x, y, .. } = request;
+    if x.coordinate == y.coordinate {
+        let text = COORDINATES[x.coordinate].into();
         return Err(Error::Form { text, expected: "two different initial values, e.g. v2 and x1" });
     }
-    let row = |j: usize| -> Result<Vec<Option<Attractor>>> {
-        let states = (0..request.x.count).map(|i| start(p, request, i, j));
-        let starts: Vec<Start> = states.map(|state| Start { parameters: *p, state }).collect();
-        let ends = propagate(&starts, request.discard, &|| ());
-        let system = Simulator::new(p, &State::default(), 0.0)?.without_energy_accounts();
-        ends.into_iter()
-            .map(|end| match end {
-                Ok(state) => observe(&mut system.with_state(&state, 0.0)?).map(Some),
-                Err(Error::Model(vibro_impact::Error::Penetration { .. })) => Ok(None),
-                Err(other) => Err(other),
-            })
-            .collect()
-    };
-    let Some(rows) = task.complete(count(request), row)? else { return Ok(None) };
-    let mut found = Basin { attractors: Vec::new(), cells: Vec::new() };
-    for cell in rows.into_iter().flatten() {
-        let Some(attractor) = cell else {
-            found.cells.push(Destination::Outside);
-            continue;
-        };
-        let known =
-            found.attractors.iter().zip(0..).find_map(|(known, number)| match known.relation(&attractor) {
-                Relation::Same => Some(Destination::Attractor(number)),
-                Relation::Mirror => Some(Destination::Mirror(number)),
-                Relation::Different => None,
-            });
-        let number = found.attractors.len() as u16;
-        found.cells.push(known.unwrap_or(Destination::Attractor(number)));
-        if known.is_none() {
-            found.attractors.push(attractor);
+    for axis in [x, y] {
+        if !(axis.from < axis.to && (axis.to - axis.from).is_finite() && axis.count > 0) {
+            let text =
+                format!("{}={}:{} in {} cells", COORDINATES[axis.coordinate], axis.from, axis.to, axis.count);
+            return Err(Error::Form { text, expected: "from < to, both finite, and at least 1 cell" });
         }
     }
+    check_cells("cells of the plane", (x.count, y.count), size_of::<Destination>())?;
+    let part = |workspace: &mut Workspace, part| cells(p, request, rows(request, part), workspace);
+    let Some(parts) = task.complete_with(count(request), part)? else { return Ok(None) };
+    let mut found = Basin::default();
+    parts.iter().for_each(|part| found.append(part));
     Ok(Some(found))
+}
+
+/// The cells of some rows, with the attractors that they meet. One system has one set of tables.
+fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Result<Basin> {
+    let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
+    let starts: Vec<Start> =
+        places.map(|(i, j)| Start { parameters: *p, state: start(p, request, i, j) }).collect();
+    let mut ends: Vec<Result<Option<Attractor>>> = starts.iter().map(|_| Ok(None)).collect();
+    let program = Program { discard: request.discard, maxima: None, observed: true };
+    workspace.run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
+        ends[number] = match outcome {
+            Ok(outcome) => Ok(outcome.attractor),
+            Err(Error::Model(vibro_impact::Error::Penetration { .. })) => Ok(None),
+            Err(other) => Err(other),
+        };
+    });
+    let mut found = Basin::default();
+    for end in ends {
+        let cell = end?.map_or(Destination::Outside, |attractor| found.destination(&attractor));
+        found.cells.push(cell);
+    }
+    Ok(found)
+}
+
+impl Basin {
+    /// Where a motion on `attractor` has ended: an attractor that is known, or a new one.
+    fn destination(&mut self, attractor: &Attractor) -> Destination {
+        let relation = |(known, number): (&Attractor, u16)| match known.relation(attractor) {
+            Relation::Same => Some(Destination::Attractor(number)),
+            Relation::Mirror => Some(Destination::Mirror(number)),
+            Relation::Different => None,
+        };
+        self.attractors.iter().zip(0..).find_map(relation).unwrap_or_else(|| {
+            self.attractors.push(attractor.clone());
+            Destination::Attractor((self.attractors.len() - 1) as u16)
+        })
+    }
+
+    /// Adds the cells of further rows, whose attractors have numbers of their own.
+    fn append(&mut self, rows: &Self) {
+        let known: Vec<Destination> = rows.attractors.iter().map(|a| self.destination(a)).collect();
+        let cell = |cell: &Destination| match *cell {
+            Destination::Attractor(number) => known[usize::from(number)],
+            Destination::Mirror(number) => known[usize::from(number)].mirrored(),
+            Destination::Outside => Destination::Outside,
+        };
+        self.cells.extend(rows.cells.iter().map(cell));
+    }
+}
+
+impl Destination {
+    /// Where the mirror image of a motion ends.
+    fn mirrored(self) -> Self {
+        match self {
+            Self::Attractor(number) => Self::Mirror(number),
+            Self::Mirror(number) => Self::Attractor(number),
+            Self::Outside => Self::Outside,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_without_width_or_cells_are_refused() {
+        let axis = |coordinate, from, to, count| InitialValueAxis { coordinate, from, to, count };
+        let good = axis(0, -1.0, 1.0, 4);
+        let bad = [
+            axis(4, 1.0, 1.0, 4),
+            axis(4, 1.0, -1.0, 4),
+            axis(4, f64::NAN, 1.0, 4),
+            axis(4, 0.0, f64::INFINITY, 4),
+            axis(4, 0.0, 1.0, 0),
+        ];
+        for y in bad {
+            for (x, y) in [(good, y), (y, good)] {
+                let error =
+                    basin(&Parameters::default(), &Request { x, y, discard: 1 }, &Task::ALL).unwrap_err();
+                assert!(error.to_string().contains("v2="), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn invariant_rows_put_together_are_the_whole() {
+        let attractor = |x: f64| Attractor {
+            period: Some(1),
+            approaching: false,
+            impacts: [1.0; 2],
+            rests: false,
+            states: vec![[x; 6]],
+            mirror_states: vec![[-x; 6]],
+            sizes: [1.0; 3],
+        };
+        let cells = [0.1, 0.2, -0.1, 0.3, -0.2, 0.1, -0.3, 0.3];
+        let whole = |cells: &[f64]| {
+            let mut found = Basin::default();
+            for x in cells {
+                let cell = found.destination(&attractor(*x));
+                found.cells.push(cell);
+            }
+            found
+        };
+        for cut in 0..=cells.len() {
+            let mut found = whole(&cells[..cut]);
+            found.append(&whole(&cells[cut..]));
+            assert_eq!(found, whole(&cells), "cut at {cut}");
+        }
+    }
 }

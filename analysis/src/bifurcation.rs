@@ -3,23 +3,27 @@
 //!
 //! As in the paper, section 4: at each value a number of drive periods is discarded and a number kept, and the last state is
 //! the start of the next value. The motion from value to value is one chain and cannot be divided. What is observed at each
-//! value is independent of the other values, so that threads and machines share that part.
+//! value is independent of the other values, so that threads and machines share that part, and the motions of some values run
+//! [side by side](Workspace::run).
 
-use super::attractor::{Attractor, MotionClass, Relation, observe};
+use super::attractor::{Attractor, LONGEST, MotionClass, Relation};
 use super::error::{Error, Result};
 use super::lyapunov::{self, Spectrum};
-use super::maxima::{Displacement, record_periods};
+use super::maxima::Displacement;
 use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
-use super::plane::ParameterAxis;
-use super::stroboscopic::moving_block;
+use super::plane::{ParameterAxis, check_count};
+use super::stroboscopic::{StroboscopicState, moving_block};
+use super::trajectories::{Outcome, Program, Start, Workspace};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Simulator, State};
+use vibro_impact::simulator::{Simulator, State, TOGETHER};
 
 /// Values in a part.
-const BLOCK: usize = 8;
+const BLOCK: usize = 2 * TOGETHER;
+/// Maxima in a drive period that the estimate of a diagram's size assumes; few motions have more.
+const MAXIMA_IN_A_PERIOD: usize = 4;
 /// Maxima are told apart by this, units of L: six digits after the point are kept.
 const RESOLUTION: f64 = 1e-6;
 
@@ -120,30 +124,64 @@ fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledS
     Ok(starts)
 }
 
-/// Observes the motion at one value; `None` where the simulator refuses.
-fn observe_at(start: &SettledStart, sweep: &Sweep) -> Result<Option<SweepPoint>> {
-    let Some(state) = &start.state else { return Ok(None) };
-    match point(start, state, sweep) {
-        Err(Error::Model(_)) => Ok(None),
-        other => other.map(Some),
-    }
+/// Observes the motions at some values, side by side; `None` where the simulator refuses.
+fn observe_all(
+    starts: &[SettledStart],
+    sweep: &Sweep,
+    workspace: &mut Workspace,
+) -> Result<Vec<Option<SweepPoint>>> {
+    let mut points: Vec<Option<SweepPoint>> = vec![None; starts.len()];
+    let there: Vec<(usize, Start)> = starts
+        .iter()
+        .enumerate()
+        .filter_map(|(index, s)| Some((index, Start { parameters: s.parameters, state: s.state? })))
+        .collect();
+    let program = Program { discard: 0, maxima: Some((sweep.of, sweep.keep)), observed: true };
+    let mut refused = Ok(());
+    workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
+        let (index, start) = there[number];
+        match outcome.and_then(|outcome| point(starts[index].value, &start.parameters, outcome, sweep)) {
+            Ok(point) => points[index] = point,
+            Err(Error::Model(_)) => {}
+            Err(other) => refused = Err(other),
+        }
+    });
+    refused.map(|()| points)
 }
 
-fn point(start: &SettledStart, state: &State, sweep: &Sweep) -> Result<SweepPoint> {
-    let p = &start.parameters;
-    let mut simulator = Simulator::new(p, state, 0.0)?.without_energy_accounts();
-    let mut tops: Vec<i64> = Vec::new();
-    record_periods(&mut simulator, sweep.of, sweep.keep, &mut |period| {
-        tops.extend(period.maxima.iter().map(|m| (m.value / p.stop_gap / RESOLUTION).round() as i64));
-    })?;
+fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
+    let Outcome { state, maxima, attractor: Some(attractor) } = outcome else { return Ok(None) };
+    let six_digits = |value: &f64| (value / p.stop_gap / RESOLUTION).round() as i64;
+    let mut tops: Vec<i64> = maxima.iter().map(six_digits).collect();
     tops.sort_unstable();
     let met = tops.chunk_by(|a, b| a == b);
     let maxima = met.map(|same| (same[0] as f64 * RESOLUTION, same.len() as u32)).collect();
-    let attractor = observe(&mut simulator)?;
-    let exponents = |options| Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum);
+    let exponents = |options| {
+        let mut simulator = Simulator::new(p, &state, 0.0)?.without_energy_accounts();
+        Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum)
+    };
     let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
     let class = MotionClass::of(&attractor, spectrum.as_ref());
-    Ok(SweepPoint { value: start.value, maxima, attractor, class, spectrum })
+    Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))
+}
+
+/// Refuses what cannot be met: periods that cannot be counted, and results that do not fit into memory.
+fn check(sweep: &Sweep) -> Result<()> {
+    let Sweep { axis, discard, keep, .. } = sweep;
+    if discard.checked_add(*keep).is_none() {
+        let count = f64::from(*discard) + f64::from(*keep);
+        return Err(Error::TooMany {
+            what: "drive periods at a value",
+            count,
+            most: u32::MAX as usize,
+            side: None,
+        });
+    }
+    let states = 2 * LONGEST as usize * size_of::<StroboscopicState>();
+    let maxima = MAXIMA_IN_A_PERIOD.saturating_mul(*keep as usize).saturating_mul(size_of::<(f64, u32)>());
+    let value = maxima.saturating_add(states + size_of::<Option<SweepPoint>>());
+    // Both directions.
+    check_count("values of the diagram", axis.count, value.saturating_mul(2))
 }
 
 /// Number of parts of a sweep.
@@ -155,8 +193,9 @@ pub fn count(sweep: &Sweep) -> usize {
 /// on threads nor on shards.
 ///
 /// # Errors
-/// Ranges that are not allowed; what the parts' folder refuses.
+/// Ranges that are not allowed; [`Error::TooMany`] for more periods or values than fit; what the parts' folder refuses.
 pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
+    check(sweep)?;
     // A sweep of which all parts are there needs no chain.
     let starts = std::sync::OnceLock::new();
     let chains = || -> Result<[Vec<SettledStart>; 2]> {
@@ -168,7 +207,7 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
         let _ = starts.set(chains()?);
     }
     let blocks = sweep.axis.count.div_ceil(BLOCK);
-    let make = |index: usize| -> Result<Vec<Option<SweepPoint>>> {
+    let make = |workspace: &mut Workspace, index: usize| -> Result<Vec<Option<SweepPoint>>> {
         let fresh;
         let both = match starts.get() {
             Some(both) => both,
@@ -181,9 +220,9 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
         let starts = &both[index / blocks];
         let from = index % blocks * BLOCK;
         let until = (from + BLOCK).min(starts.len());
-        starts[from..until].iter().map(|s| observe_at(s, sweep)).collect()
+        observe_all(&starts[from..until], sweep, workspace)
     };
-    let Some(mut all) = task.complete(count(sweep), make)? else { return Ok(None) };
+    let Some(mut all) = task.complete_with(count(sweep), make)? else { return Ok(None) };
     let down = all.split_off(blocks).concat();
     Ok(Some(Diagram { up: all.concat(), down }))
 }
@@ -222,5 +261,34 @@ impl Diagram {
             }
         }
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::find_group;
+
+    #[test]
+    fn diagrams_that_do_not_fit_are_refused_before_the_work_with_the_number_that_fits() {
+        let group = find_group("f10").unwrap();
+        let refused = |count, discard, keep| {
+            let axis = ParameterAxis::new(group, (1.0, 2.0), count).unwrap();
+            let sweep = Sweep { axis, discard, keep, exponents: None, of: Displacement::X2 };
+            match diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap_err() {
+                error @ Error::TooMany { most, .. } => {
+                    assert!(error.to_string().contains(&format!("no more than {most}")), "{error}");
+                    (sweep, most)
+                }
+                other => panic!("{other}"),
+            }
+        };
+        let (sweep, most) = refused(usize::MAX, 400, 800);
+        assert!(most > 2000);
+        let with = |count| Sweep { axis: ParameterAxis { count, ..sweep.axis }, ..sweep };
+        assert!(check(&with(most)).is_ok() && check(&with(most + 1)).is_err());
+        // A record that is too long for its values, and periods past all counting.
+        assert!(refused(2000, 400, u32::MAX - 400).1 < 2000);
+        assert_eq!(refused(2, 1, u32::MAX).1, u32::MAX as usize);
     }
 }

@@ -53,6 +53,18 @@ pub enum Error {
         /// The form, with an example.
         expected: &'static str,
     },
+    /// More results than fit into memory are asked for.
+    #[error("{what}: {count} asked for, but no more than {most} fit into memory{}", in_a_square(*.side))]
+    TooMany {
+        /// What is counted.
+        what: &'static str,
+        /// How many are asked for.
+        count: f64,
+        /// The most that fit.
+        most: usize,
+        /// The most to each side of a square, where it is a plane.
+        side: Option<usize>,
+    },
     /// No periodic orbit with an impact word was found.
     #[error("no orbit with the word {word}, closing {closing}, period {period}T: {reason}")]
     NoOrbit {
@@ -84,4 +96,9 @@ impl Error {
     pub fn store(reason: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Store(Box::new(reason))
     }
+}
+
+/// The side of a square in the words of [`Error::TooMany`].
+fn in_a_square(side: Option<usize>) -> String {
+    side.map_or_else(String::new, |side| format!(", that is {side} × {side} in a square"))
 }

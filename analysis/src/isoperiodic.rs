@@ -1,17 +1,18 @@
 //! Simulated motion over a plane of two parameters: its period, impacts and class (an isoperiodic diagram), beside the exact
 //! orbit with two symmetric impacts a period, which needs no simulation.
 //!
-//! Every point is a motion of its own, so that a whole row goes through [`propagate`] at once.
+//! Every point is a motion of its own, so that the motions of some rows run [side by side](Workspace::run).
 
-use super::attractor::{MotionClass, observe};
+use super::attractor::MotionClass;
 use super::error::{Error, Result};
 use super::lyapunov::{self, SpectrumOptions};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
-use super::plane::{self, ParameterAxis, SteadyStateClass, check_pair};
+use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells, check_pair};
 use super::stroboscopic::{COORDINATES, MOVING_BLOCK, StroboscopicState, dimensional, dimensionless};
-use super::trajectories::{Start, propagate};
+use super::trajectories::{MOTIONS, Outcome, Program, Start, Workspace};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
@@ -145,24 +146,33 @@ impl Isoperiodic {
     }
 }
 
-/// Number of parts: the rows.
+/// The rows of a part.
+fn rows(request: &Request, part: usize) -> Range<usize> {
+    let rows = MOTIONS.div_ceil(request.x.count.max(1));
+    part * rows..((part + 1) * rows).min(request.y.count)
+}
+
+/// Number of parts, each of some whole rows.
 pub fn count(request: &Request) -> usize {
-    request.y.count
+    request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
 }
 
 /// The plane, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on
 /// shards.
 ///
 /// # Errors
-/// [`Error::Form`] as [`check_pair`]; a start that the simulator refuses; what the parts' folder refuses.
+/// [`Error::Form`] as [`check_pair`]; [`Error::TooMany`] for a plane that does not fit into memory; a start that the
+/// simulator refuses; what the parts' folder refuses.
 pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
     check_pair(&request.x, &request.y)?;
+    check_cells("points of the plane", (request.x.count, request.y.count), size_of::<PlanePoint>())?;
     if let StartRule::State(start) = &request.start {
         let p = set.parameters();
         Simulator::new(p, &dimensional(p, start), 0.0)?;
     }
-    let rows = task.complete(count(request), |j| Ok(row(set, request, j)))?;
-    Ok(rows.map(|rows| Isoperiodic { points: rows.concat() }))
+    let part = |workspace: &mut Workspace, part| Ok(points(set, request, rows(request, part), workspace));
+    let parts = task.complete_with(count(request), part)?;
+    Ok(parts.map(|parts| Isoperiodic { points: parts.concat() }))
 }
 
 /// The system at one point of a row, before it is simulated.
@@ -189,35 +199,46 @@ fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Sit
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
 
-fn row(set: &ParameterSet, request: &Request, j: usize) -> Vec<PlanePoint> {
-    let sites: Vec<Site> = (0..request.x.count).map(|i| site(set, request, i, j)).collect();
-    let starts: Vec<Start> = sites.iter().filter_map(|s| s.start).collect();
-    let mut ends = propagate(&starts, request.discard, &|| ()).into_iter();
-    let point = |Site { theory, orbit, start }| {
-        // There is one end for each start, in the same order.
-        let end = start.and_then(|s| Some((s.parameters, ends.next()?.ok()?)));
-        let motion =
-            end.and_then(|(p, end)| motion(&p, &end, orbit.as_ref(), request.exponents.as_ref()).ok());
-        PlanePoint { theory, motion }
-    };
-    sites.into_iter().map(point).collect()
+/// The points of some rows. Neighbours in a row have similar motions, which take similar times in their lanes.
+fn points(
+    set: &ParameterSet,
+    request: &Request,
+    rows: Range<usize>,
+    workspace: &mut Workspace,
+) -> Vec<PlanePoint> {
+    let sites = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
+    let sites: Vec<Site> = sites.map(|(i, j)| site(set, request, i, j)).collect();
+    let mut points: Vec<PlanePoint> =
+        sites.iter().map(|site| PlanePoint { theory: site.theory, motion: None }).collect();
+    let there: Vec<(usize, Start)> =
+        sites.iter().enumerate().filter_map(|(index, site)| Some((index, site.start?))).collect();
+    let program = Program { discard: request.discard, maxima: None, observed: true };
+    workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
+        let (index, start) = there[number];
+        let (orbit, exponents) = (sites[index].orbit.as_ref(), request.exponents.as_ref());
+        let settled = outcome.and_then(|outcome| motion(&start.parameters, &outcome, orbit, exponents));
+        points[index].motion = settled.ok().flatten();
+    });
+    points
 }
 
 fn motion(
     p: &Parameters,
-    end: &State,
+    outcome: &Outcome<'_>,
     orbit: Option<&State>,
     exponents: Option<&SpectrumOptions>,
-) -> Result<SettledMotion> {
-    let mut simulator = Simulator::new(p, end, 0.0)?.without_energy_accounts();
-    let found = observe(&mut simulator)?;
+) -> Result<Option<SettledMotion>> {
+    let Some(found) = &outcome.attractor else { return Ok(None) };
     let asked = exponents.filter(|_| found.period.is_none() && !found.is_free());
-    let spectrum = asked.map(|options| lyapunov::dimensionless(&mut simulator, options)).transpose()?;
-    let spectrum = spectrum.map(|found| found.spectrum);
+    let exponents = |options| {
+        let mut simulator = Simulator::new(p, &outcome.state, 0.0)?.without_energy_accounts();
+        lyapunov::dimensionless(&mut simulator, options).map(|found| found.spectrum)
+    };
+    let spectrum = asked.map(exponents).transpose()?;
     let dies_out = found.is_free() && found.approaching;
     let symmetric = found.period.is_some() && found.is_symmetric();
-    Ok(SettledMotion {
-        class: if dies_out { MotionClass::Settling } else { MotionClass::of(&found, spectrum.as_ref()) },
+    Ok(Some(SettledMotion {
+        class: if dies_out { MotionClass::Settling } else { MotionClass::of(found, spectrum.as_ref()) },
         impacts: found.impacts,
         rests: found.rests,
         symmetric,
@@ -225,7 +246,7 @@ fn motion(
         on_orbit: found.period == Some(1)
             && symmetric
             && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
-    })
+    }))
 }
 
 #[cfg(test)]

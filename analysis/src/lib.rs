@@ -9,12 +9,12 @@
 //! | [`ParameterSet`] | physical parameters and dimensionless groups by name, kept in step | conversion there and back |
 //! | [`stroboscopic`] | states at whole drive periods in units of L and L ω10 | – |
 //! | [`motion`] | a motion as samples cut at impacts, its amplitudes and maxima | amplitudes of the exact orbit |
-//! | `smooth_pieces` | the smooth pieces of a motion and what ends them | through `maxima` and `lyapunov` |
+//! | `smooth_pieces` | the smooth pieces of a motion and what ends them | through `measures` and `lyapunov` |
 //! | [`maxima`] | local maxima of X2, from the flow | amplitude of the exact orbit; interpolated samples; closed forms of a free block and of one mode |
 //! | `variation` | transition matrices of variations, jumps at impacts | through `lyapunov` |
 //! | [`lyapunov`] | the seven Lyapunov exponents | a linear system; multipliers of the exact orbit; divergence and determinants |
 //! | [`attractor`] | period, impacts, symmetry and class of a settled motion | constructed sequences; the stable exact orbit; the limit without impacts |
-//! | [`trajectories`] | many independent motions at once | the same motions one by one |
+//! | [`trajectories`] | many independent motions side by side: transient, maxima, what they settle on | the same motions one by one; statistics in chaos |
 //! | [`parts`] | long studies in parts, shared and continued | interrupted and divided work against whole work |
 //! | [`bifurcation`] | maxima, classes and exponents over one parameter, both directions | exact orbit and its limits of stability (tests of `vibro`) |
 //! | [`basin`] | attractors over two initial values | single simulations (tests of `vibro`) |

@@ -1,19 +1,12 @@
-//! Local maxima of a displacement (x1, x2, x3, w or any sum of them with weights), found from the flow and not from samples.
-//!
-//! A displacement q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from above to below
-//! zero: at a root within a smooth piece, which [`first_crossing`] finds with the same proof as the simulator's events, or at
-//! an impact that reverses the rate. In the motion with two symmetric impacts a period every maximum of x2 is such a corner.
-//! A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
+//! Local maxima of a displacement (x1, x2, x3, w or any sum of them with weights), as the simulator reports them: found from the
+//! flow and not from samples, at smooth tops and at corners where an impact reverses the rate. In the motion with two symmetric
+//! impacts a period every maximum of x2 is such a corner. A maximum that lasts, of w while the block rests at the upper stop,
+//! counts once, where it ends.
 
 use super::error::{Error, Result};
-use super::smooth_pieces::{Piece, PieceEnd, TERMS, expand_along, smooth_pieces};
 use serde::{Deserialize, Serialize};
-use vibro_impact::events::first_crossing;
-use vibro_impact::flow::Series;
-use vibro_impact::model::Model;
-use vibro_impact::numerics::simd::value;
-use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Simulator, State};
+pub use vibro_impact::simulator::Maximum;
+use vibro_impact::simulator::{Contact, Event, MotionQueue, Plan, Reports, Simulator, State, advance_queue};
 
 /// A displacement: a coordinate, or a sum of them with weights.
 ///
@@ -73,12 +66,6 @@ impl Displacement {
             Self::Sum(_) => 4,
         }
     }
-
-    /// Weights of x1, w and x3, the coordinates of the flow: with x2 = x1 + w, docs/theory.md (5).
-    fn of_flow(self) -> [f64; 3] {
-        let [a, b, c] = self.weights();
-        [a + b, b, c]
-    }
 }
 
 impl std::str::FromStr for Displacement {
@@ -97,20 +84,6 @@ impl std::fmt::Display for Displacement {
     }
 }
 
-/// The rate changes sign at most this often in a series' piece; each change costs at least one of its twenty degrees.
-const MOST_TURNS: usize = TERMS;
-
-/// A local maximum.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Maximum {
-    /// When, s.
-    pub time: f64,
-    /// The displacement there, m.
-    pub value: f64,
-    /// Whether it is a corner: at an impact.
-    pub corner: bool,
-}
-
 /// What happened in one drive period.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeriodRecord {
@@ -124,65 +97,8 @@ pub struct PeriodRecord {
     pub rests: bool,
 }
 
-/// Follows the sign of a displacement's rate along a motion and collects its maxima.
-struct MaximumFinder {
-    /// Weights of x1, w and x3.
-    weights: [f64; 3],
-    rising: bool,
-}
-
-/// Σ weights z[first..first + 3]: the displacement from `first` = 0, its rate from 3.
-#[inline(always)]
-pub(crate) fn weighted_sum(weights: &[f64; 3], z: &[f64], first: usize) -> f64 {
-    weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
-}
-
-impl MaximumFinder {
-    /// Collects the maxima on a piece and at its end, by the best instruction set at hand. No operation is fused, so that
-    /// all instruction sets give the same bits.
-    fn search(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || self.search_as(model, piece, found),
-        );
-    }
-
-    #[inline(always)]
-    fn search_as(&mut self, model: &Model, piece: &Piece, found: &mut Vec<Maximum>) {
-        let (mut time, weights) = (piece.time, self.weights);
-        let visit = |series: &Series<TERMS>, radius: f64| {
-            let rate: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.lanes[k], 3));
-            let spread: f64 = rate[1..].iter().map(|c| c.abs()).sum();
-            let steady = rate[0].abs() > spread && (rate[0] > 0.0) == self.rising;
-            let mut from = 0.0;
-            for _ in 0..if steady { 0 } else { MOST_TURNS } {
-                let sought = if self.rising { rate.map(|c| -c) } else { rate };
-                let Some(u) = first_crossing(&sought, from, 1.0, &mut 0) else { break };
-                if self.rising {
-                    let q: [f64; TERMS] =
-                        std::array::from_fn(|k| weighted_sum(&weights, &series.lanes[k], 0));
-                    found.push(Maximum { time: time + u * radius, value: value(&q, u), corner: false });
-                }
-                self.rising = !self.rising;
-                from = u;
-            }
-            time += radius;
-        };
-        expand_along(model, piece.mode, &piece.start, piece.span, visit);
-        if let PieceEnd::Impact { after, .. } = &piece.end {
-            let rate = weighted_sum(&weights, after, 3);
-            if self.rising && rate < 0.0 {
-                let (time, value) = (piece.time + piece.span, weighted_sum(&weights, after, 0));
-                found.push(Maximum { time, value, corner: true });
-            }
-            // Where the rate is zero after the impact, the next piece decides.
-            self.rising = if rate == 0.0 { self.rising } else { rate > 0.0 };
-        }
-    }
-}
-
 /// Calls `visit` with a record of each of the next drive periods of a motion without loads, with the maxima of a displacement.
-/// The record is reused, so `visit` copies what it needs.
+/// The record is reused, so `visit` copies what it needs. No energy accounts are kept from now on.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and [`vibro_impact::Error::OutOfRange`] under loads.
@@ -192,28 +108,70 @@ pub fn record_periods(
     periods: u32,
     visit: &mut dyn FnMut(&PeriodRecord),
 ) -> vibro_impact::Result<()> {
-    let parameters: Parameters = *simulator.parameters();
-    let model = Model::new(&parameters)?;
-    let (begin, length) = (simulator.time(), parameters.period());
-    let weights = of.of_flow();
-    let rising = weighted_sum(&weights, &simulator.augmented(), 3) > 0.0;
-    let mut finder = MaximumFinder { weights, rising };
-    let mut period = PeriodRecord::default();
-    for i in 1..=periods {
-        period.maxima.clear();
-        period.impacts.clear();
-        period.rests = false;
-        smooth_pieces(simulator, &model, begin + length * f64::from(i), &mut |piece| {
-            finder.search(&model, piece, &mut period.maxima);
-            period.rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
-            if let PieceEnd::Impact { side, .. } = piece.end {
-                period.impacts.push(side > 0.0);
-            }
-        })?;
-        period.state = simulator.state();
-        visit(&period);
+    let (origin, step) = (simulator.time(), simulator.parameters().period());
+    let reports = Reports { origin, step, maxima_of: Some(of.weights()) };
+    let plan = Plan { simulator: 0, end: origin + step * f64::from(periods), reports: Some(reports) };
+    let mut queue = Periods {
+        plan: Some(plan),
+        reports,
+        resting: simulator.contact() != Contact::Flight,
+        period: PeriodRecord::default(),
+        later: Vec::new(),
+        visit,
+        result: Ok(()),
+    };
+    advance_queue(std::slice::from_mut(simulator), &mut queue);
+    queue.result
+}
+
+/// One motion, its reports divided into periods.
+struct Periods<'a> {
+    plan: Option<Plan>,
+    reports: Reports,
+    resting: bool,
+    period: PeriodRecord,
+    /// Maxima that were reported before the end of the period that they do not belong to.
+    later: Vec<Maximum>,
+    visit: &'a mut dyn FnMut(&PeriodRecord),
+    result: vibro_impact::Result<()>,
+}
+
+impl MotionQueue for Periods<'_> {
+    fn next(
+        &mut self,
+        _lane: usize,
+        _simulators: &mut [Simulator],
+        ended: Option<vibro_impact::Result<()>>,
+    ) -> Option<Plan> {
+        self.result = ended.unwrap_or(Ok(()));
+        self.period.rests = self.resting;
+        self.plan.take()
     }
-    Ok(())
+
+    fn sample(&mut self, _lane: usize, number: u32, state: &State) {
+        let end = self.reports.origin + f64::from(number) * self.reports.step;
+        let first_later = self.period.maxima.partition_point(|m| m.time <= end);
+        self.later.extend(self.period.maxima.drain(first_later..));
+        self.period.state = *state;
+        (self.visit)(&self.period);
+        self.period.maxima.clear();
+        self.period.maxima.append(&mut self.later);
+        self.period.impacts.clear();
+        self.period.rests = self.resting;
+    }
+
+    fn event(&mut self, _lane: usize, event: &Event) {
+        match *event {
+            Event::Impact { side, .. } => self.period.impacts.push(side > 0),
+            Event::Rest { .. } => self.resting = true,
+            Event::Release { .. } => self.resting = false,
+        }
+        self.period.rests |= self.resting;
+    }
+
+    fn maximum(&mut self, _lane: usize, maximum: &Maximum) {
+        self.period.maxima.push(*maximum);
+    }
 }
 
 #[cfg(test)]
@@ -221,6 +179,7 @@ mod tests {
     use super::*;
     use crate::motion::settled_simulator;
     use crate::stroboscopic::moving_block;
+    use vibro_impact::Parameters;
     use vibro_impact::steady::exact_orbit;
 
     /// The transient has died out to this part of L.

@@ -107,8 +107,22 @@ impl Task<'_> {
         count: usize,
         compute: impl Fn(usize) -> Result<T> + Sync,
     ) -> Result<Option<Vec<T>>> {
-        let part = |index| self.part(index, &compute);
-        let parts: Vec<Option<T>> = (0..count).into_par_iter().map(part).collect::<Result<_>>()?;
+        self.complete_with(count, |&mut (), index| compute(index))
+    }
+
+    /// [`complete`](Self::complete) with a workspace `W` that `compute` uses for one part after another. It must not change what
+    /// is computed.
+    ///
+    /// # Errors
+    /// As [`complete`](Self::complete).
+    pub fn complete_with<W: Default, T: Serialize + DeserializeOwned + Send>(
+        &self,
+        count: usize,
+        compute: impl Fn(&mut W, usize) -> Result<T> + Sync,
+    ) -> Result<Option<Vec<T>>> {
+        let part = |workspace: &mut W, index| self.part(index, |index| compute(workspace, index));
+        let parts: Vec<Option<T>> =
+            (0..count).into_par_iter().map_init(W::default, part).collect::<Result<_>>()?;
         Ok(parts.into_iter().collect())
     }
 
@@ -134,7 +148,7 @@ impl Task<'_> {
     pub fn part<T: Serialize + DeserializeOwned>(
         &self,
         index: usize,
-        compute: impl Fn(usize) -> Result<T>,
+        compute: impl FnOnce(usize) -> Result<T>,
     ) -> Result<Option<T>> {
         let Self { store, shard, done } = self;
         if let Some(part) = store.load(index).and_then(|bytes| postcard::from_bytes(&bytes).ok()) {

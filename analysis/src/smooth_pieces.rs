@@ -1,4 +1,4 @@
-//! A motion cut into its smooth pieces, for what needs more than states at communication points: maxima and variations.
+//! A motion cut into its smooth pieces, for what needs more than states at communication points: measures and variations.
 //!
 //! The simulator is used through its public methods. The state at the start of each piece is exact, so that the series of
 //! the flow (docs/theory.md (8)) gives the motion along the piece again.
@@ -40,8 +40,6 @@ pub(crate) enum PieceEnd {
 pub(crate) struct Piece {
     pub(crate) mode: SmoothMode,
     pub(crate) start: Augmented,
-    /// Time at its start, s.
-    pub(crate) time: f64,
     /// Its duration, s.
     pub(crate) span: f64,
     pub(crate) end: PieceEnd,
@@ -115,16 +113,16 @@ pub(crate) fn smooth_pieces(
             }),
         )?;
         if let Some(at) = release {
-            visit(&Piece { mode: way, start, time, span: at - time, end: PieceEnd::Release });
+            visit(&Piece { mode: way, start, span: at - time, end: PieceEnd::Release });
             start = expand_along(model, way, &start, at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
         let Some((at, side, speed, impulse)) = hit else {
-            visit(&Piece { mode: way, start, time, span: end - time, end: PieceEnd::End });
+            visit(&Piece { mode: way, start, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
         let after = simulator.augmented();
         let end = PieceEnd::Impact { side, rate: side * speed, impulse, after, rests };
-        visit(&Piece { mode: way, start, time, span: at - time, end });
+        visit(&Piece { mode: way, start, span: at - time, end });
     }
 }

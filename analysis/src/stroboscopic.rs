@@ -12,9 +12,27 @@ pub const COORDINATES: [&str; 6] = ["x1", "x2", "x3", "v1", "v2", "v3"];
 
 /// A state in SI in units of L and L ω10.
 pub fn dimensionless(p: &Parameters, state: &State) -> StroboscopicState {
-    let speed = p.stop_gap * p.box_frequency();
-    let (x, v) = (state.x.map(|x| x / p.stop_gap), state.v.map(|v| v / speed));
-    [x[0], x[1], x[2], v[0], v[1], v[2]]
+    Units::of(p).dimensionless(state)
+}
+
+/// The units of a [`StroboscopicState`], for many states of one system.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Units {
+    /// L, m.
+    length: f64,
+    /// L ω10, m/s.
+    speed: f64,
+}
+
+impl Units {
+    pub(crate) fn of(p: &Parameters) -> Self {
+        Self { length: p.stop_gap, speed: p.stop_gap * p.box_frequency() }
+    }
+
+    pub(crate) fn dimensionless(&self, state: &State) -> StroboscopicState {
+        let (x, v) = (state.x.map(|x| x / self.length), state.v.map(|v| v / self.speed));
+        [x[0], x[1], x[2], v[0], v[1], v[2]]
+    }
 }
 
 /// A state in units of L and L ω10 in SI.

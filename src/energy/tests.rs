@@ -41,7 +41,7 @@ fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, Table<CORE>, Gramian
     let model = Model::new(p).unwrap();
     let h = crate::flow::substep(&model);
     let mut core = Table::<CORE>::zero();
-    core.fill(&model, mode, h);
+    core.fill(pulp::Scalar, &model, mode, h);
     let mut energy = Gramians::zero();
     energy.set_powers(p, &model, mode);
     energy.work = None; // fills both parts

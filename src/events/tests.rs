@@ -213,3 +213,38 @@ fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
     }
     assert!(ended > 10_000);
 }
+
+/// The estimate that ends Newton's method early, against the same method in 60 digits where the estimate is tight, up to 7 % under
+/// and over the resolution: the same number of iterations, and the root to a few roundings.
+#[test]
+fn golden_newton_ends_where_its_estimate_says() {
+    /// The estimate allows ε |u|, and rounding of p, of the step and of u take as much again each.
+    const ERROR: f64 = 4.0 * f64::EPSILON;
+    let rows: Vec<&str> = include_str!("../../tests/data/newton.csv").lines().skip(1).collect();
+    assert!(rows.len() > 90);
+    for row in rows {
+        let numbers: Vec<f64> = row.split(',').map(|text| text.parse().unwrap()).collect();
+        let [_, c @ .., start, factor, _, _, expected, high, low] = &numbers[..] else { panic!("{row}") };
+        let c: [f64; 5] = c.try_into().unwrap();
+        // K is summed in another order.
+        let (known, own) = shape(&c);
+        assert!(known == Shape::Rising && (own - factor).abs() < 1e-10 * factor, "{row}: {own}");
+        let mut iterations = 0;
+        let u = refine(&c, (-1.0, 1.0), *start, *factor, &mut iterations);
+        assert_eq!(iterations as f64, *expected, "{row}");
+        assert!(((u - high) - low).abs() <= ERROR * u.abs(), "{row}: {u}");
+    }
+}
+
+/// At equality the estimate still ends the method: on a straight line all its numbers are exact.
+#[test]
+fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
+    // From u = 1 the step is 2⁻²⁰, and 4 K 2⁻⁴⁰ = 2⁻⁵².
+    let (step, factor) = (2f64.powi(-20), 2f64.powi(-14));
+    let line = [step - 1.0, 1.0, 0.0, 0.0, 0.0];
+    for (factor, expected) in [(factor, 1), (factor * (1.0 + f64::EPSILON), 2)] {
+        let mut iterations = 0;
+        assert_eq!(refine(&line, (-1.0, 1.0), 1.0, factor, &mut iterations), 1.0 - step);
+        assert_eq!(iterations, expected);
+    }
+}

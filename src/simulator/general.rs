@@ -60,7 +60,7 @@ impl Simulator {
     ) -> (Augmented, Option<f64>) {
         if self.hybrid.contact != Contact::Flight && !self.rest.core_ready {
             let rest = Arc::make_mut(&mut self.rest);
-            rest.core.fill(&self.model, SmoothMode::Rest, self.substep);
+            rest.core.fill(pulp::Scalar, &self.model, SmoothMode::Rest, self.substep);
             rest.core_ready = true;
         }
         let mut bound = self.tables().core.curvature(&z);

@@ -25,7 +25,10 @@ mod step;
 mod tables;
 mod types;
 
-pub use batch::advance_together;
+pub use batch::{
+    LaneUse, Maximum, MotionQueue, Plan, Reports, TOGETHER, Way, advance_queue, advance_queue_by,
+    advance_together,
+};
 pub use step::EventObserver;
 pub use types::{
     AdvanceOutcome, Contact, DueEvent, EnergyAccounts, Event, ImpactRecord, Loads, Pause, WorkCounters,
@@ -145,6 +148,39 @@ impl Simulator {
         let mut simulator = Self { hybrid, work: WorkCounters::default(), ..self.clone() };
         simulator.classify_contact();
         Ok(simulator)
+    }
+
+    /// Starts anew, with the bits of [`new`](Self::new), in the memory of this simulator: nothing is allocated unless another
+    /// simulator shares its tables, and with the parameters in force the tables are kept. Whether energy accounts are kept stays
+    /// as it is.
+    ///
+    /// ```
+    /// use vibro_impact::{Parameters, Simulator, State};
+    ///
+    /// let p = Parameters::default();
+    /// let mut one = Simulator::new(&p, &State::default(), 0.0)?;
+    /// one.advance_to(10.0)?;
+    /// let (other, start) = (Parameters { stop_restitution: 0.5, ..p }, State { x: [0.0, 0.4, 0.0], v: [0.0; 3] });
+    /// one.restart(&other, &start, 3.0)?;
+    /// assert_eq!(one.snapshot(), Simulator::new(&other, &start, 3.0)?.snapshot());
+    /// # Ok::<(), vibro_impact::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); nothing has changed then.
+    pub fn restart(&mut self, parameters: &Parameters, state: &State, time: f64) -> Result<()> {
+        let same = *parameters == self.parameters;
+        let model = if same { self.model } else { Model::new(parameters)? };
+        self.hybrid = HybridState::new(parameters, &model, state, time)?;
+        (self.pending, self.work) = (Pending::default(), WorkCounters::default());
+        if !same {
+            self.parameters = *parameters;
+            self.substep = flow::substep(&model);
+            self.model = model;
+            self.renew_tables();
+        }
+        self.classify_contact();
+        Ok(())
     }
 
     /// The same without the accounts of input and damped energy, for sweeps that do not ask for them.

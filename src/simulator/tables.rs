@@ -3,7 +3,7 @@
 use super::Simulator;
 use crate::energy::Gramians;
 use crate::flow::{CORE, LOAD, Local, Table};
-use crate::model::SmoothMode;
+use crate::model::{Model, SmoothMode};
 use std::sync::Arc;
 
 /// Tables of one mode; the load part is filled when loads first appear.
@@ -31,6 +31,22 @@ impl ModeTables {
             energy_ready: false,
         }
     }
+
+    /// Fills what flight needs by the best instruction set at hand. No operation is fused, so that all give the same bits.
+    fn fill_flight(&mut self, model: &Model, substep: f64) {
+        struct Fill<'a>(&'a mut ModeTables, &'a Model, f64);
+        impl pulp::WithSimd for Fill<'_> {
+            type Output = ();
+
+            #[inline(always)]
+            fn with_simd<S: pulp::Simd>(self, simd: S) {
+                let Self(tables, model, substep) = self;
+                tables.core.fill(simd, model, SmoothMode::Flight, substep);
+                tables.local.fill(&tables.core, model, substep);
+            }
+        }
+        pulp::Arch::new().dispatch(Fill(self, model, substep));
+    }
 }
 
 impl Simulator {
@@ -43,8 +59,7 @@ impl Simulator {
             tables.energy_ready = false;
             tables.core_ready = mode == SmoothMode::Flight;
             if tables.core_ready {
-                tables.core.fill(&self.model, mode, self.substep);
-                tables.local.fill(&tables.core, &self.model, self.substep);
+                tables.fill_flight(&self.model, self.substep);
             }
         }
         self.prepare_load_tables();
@@ -60,7 +75,7 @@ impl Simulator {
                 }
                 let tables = Arc::make_mut(tables);
                 if !tables.core_ready {
-                    tables.core.fill(&self.model, mode, self.substep);
+                    tables.core.fill(pulp::Scalar, &self.model, mode, self.substep);
                     tables.core_ready = true;
                 }
                 if !tables.load_ready {

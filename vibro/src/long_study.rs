@@ -13,6 +13,10 @@ use vibro_analysis::isoperiodic;
 use vibro_analysis::orbits::{ConstantLoads, Family, Span, TreeOptions, tree_in_parts};
 use vibro_analysis::parts::Task;
 
+/// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
+/// parts of another form are never put together. Before it was written down it was 1.
+pub const FORMAT: u32 = 2;
+
 /// One long study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LongStudy {
@@ -20,6 +24,9 @@ pub struct LongStudy {
     pub name: String,
     /// The version of the program: parts of different versions are not mixed.
     pub version: String,
+    /// The [form of its parts](FORMAT): parts of different forms are not mixed.
+    #[serde(default = "unwritten_format")]
+    pub format: u32,
     /// What is computed.
     pub kind: StudyKind,
     /// The parameters.
@@ -56,10 +63,16 @@ pub enum StudyKind {
     },
 }
 
+/// The form of parts whose manifest does not tell it.
+fn unwritten_format() -> u32 {
+    1
+}
+
 impl LongStudy {
     /// A study by this version of the program.
     pub fn new(name: &str, kind: StudyKind, set: &ParameterSet) -> Self {
-        Self { name: name.into(), version: env!("CARGO_PKG_VERSION").into(), kind, set: set.clone() }
+        let version = env!("CARGO_PKG_VERSION").into();
+        Self { name: name.into(), version, format: FORMAT, kind, set: set.clone() }
     }
 
     /// Stems of the files of its results.

@@ -136,6 +136,7 @@ impl Manifest {
         values.extend(self.si.iter().chain(&self.groups).map(|(k, v)| (k.clone(), v.to_string())));
         if let Some(study) = &self.long_study {
             values.insert("version".into(), study.version.clone());
+            values.insert("form of the parts".into(), study.format.to_string());
         }
         values
     }
@@ -146,6 +147,7 @@ impl Manifest {
         // One command may make several studies, all of which belong in one folder.
         values.remove("study");
         values.remove("version");
+        values.remove("form of the parts");
         let text: String = values.iter().map(|(k, v)| format!("{k}={v}\n")).collect();
         let hash = fnv1a(text.as_bytes());
         format!("{:08x}", (hash ^ (hash >> 32)) as u32)

@@ -5,6 +5,7 @@
 //! program at work holds. A file is written under another name and then renamed, so that a part is there whole or not at
 //! all. Parts of another study are kept unless the user asks to discard them, and files of others are never removed.
 
+use crate::long_study::FORMAT;
 use crate::manifest::Manifest;
 use crate::{Error, Result};
 use std::fs::{File, TryLockError};
@@ -43,9 +44,13 @@ impl PartFolder {
     /// refused, or removed if `discard` says so.
     ///
     /// # Errors
-    /// [`Error::Config`] where another program works in the folder, where it holds parts of another study and `discard`
-    /// is false, and where its manifest is damaged or is missing beside other files; [`Error::File`], [`Error::Output`].
+    /// [`Error::Config`] where another program works in the folder, where it holds parts of another study or of another
+    /// [form](FORMAT) and `discard` is false, for a study whose parts are of another form, and where its manifest is damaged or is missing beside other files; [`Error::File`], [`Error::Output`].
     pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
+        // Of a study that was read from a folder of shards.
+        if let Some(format) = format_of(manifest).filter(|format| *format != FORMAT) {
+            return Err(other_format(folder, format));
+        }
         // Refused before anything is made.
         if let (Occupancy::Foreign(there), false) = (Self::occupancy(folder, manifest)?, discard) {
             return Err(other_study(folder, &there, manifest));
@@ -205,6 +210,9 @@ pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
 
 /// The refusal to mix parts of two studies; `there` is in the folder and `here` is asked for.
 pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
+    if let Some(format) = format_of(there).filter(|format| *format != FORMAT) {
+        return other_format(folder, format);
+    }
     let count = there.long_study.as_ref().map_or(0, |s| s.count());
     let problem = format!(
         "holds {} of another run\n  there: {}\n  here:  {}\n  they differ in {}\n  allowed: \
@@ -214,6 +222,21 @@ pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
         there.in_words(),
         here.in_words(),
         there.differences_in_words(here)
+    );
+    Error::Config { path: folder.into(), problem }
+}
+
+/// The form of a study's parts.
+fn format_of(manifest: &Manifest) -> Option<u32> {
+    manifest.long_study.as_ref().map(|study| study.format)
+}
+
+/// The refusal of parts that were written by a build with another form of parts.
+fn other_format(folder: &Path, format: u32) -> Error {
+    let problem = format!(
+        "holds {} finished parts in form {format}, and this vibro reads and writes form {FORMAT}\n  allowed: another --out; to finish \
+         that run first by the vibro that began it; or --discard-unfinished, which deletes its parts",
+        PartFolder::kept(folder)
     );
     Error::Config { path: folder.into(), problem }
 }
@@ -251,7 +274,7 @@ mod tests {
 
     /// The manifest of a study over so many discarded periods.
     fn manifest(discard: u32) -> Manifest {
-        let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(4);
+        let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(32);
         let kind = StudyKind::Basin(Request { x: axis("x1=-1:1"), y: axis("v2=-1:1"), discard });
         let options = [("discard".to_owned(), discard.to_string())].into();
         let command_line = format!("vibro basin --discard {discard}");
@@ -305,7 +328,7 @@ mod tests {
         assert_eq!(open(&folder, 1).unwrap().missing(3), 0);
         let error = open(&folder, 2).unwrap_err();
         let text = error.to_string();
-        assert!(error.is_usage() && text.contains("holds 3 of 4 finished parts"), "{text}");
+        assert!(error.is_usage() && text.contains("holds 3 of 8 finished parts"), "{text}");
         for word in [
             "--discard: 1 there, 2 here",
             "vibro basin --discard 1",
@@ -316,6 +339,33 @@ mod tests {
         }
         assert_eq!(open(&folder, 1).unwrap().missing(3), 0);
         assert_eq!(PartFolder::open(&folder, &manifest(2), true).unwrap().missing(3), 3);
+    }
+
+    #[test]
+    fn parts_of_another_form_are_refused_and_kept_unless_discarded() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path().join("parts");
+        let store = open(&folder, 1).unwrap();
+        Task { store: &store, ..Task::ALL }.complete(3, square).unwrap();
+        drop(store);
+        // As a build before the form was written down left it.
+        let path = folder.join(MANIFEST);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let older = text.replace(&format!("format = {FORMAT}\n"), "");
+        assert!(older != text);
+        std::fs::write(&path, older).unwrap();
+        let read = PartFolder::manifest(&folder).unwrap();
+        // Asked for by this program, and by a merge of such shards.
+        for asked in [&manifest(1), &read] {
+            let error = PartFolder::open(&folder, asked, false).unwrap_err();
+            let text = error.to_string();
+            assert!(error.is_usage(), "{text}");
+            for word in ["3 finished parts in form 1", "writes form 2", "--discard-unfinished"] {
+                assert!(text.contains(word), "{word}: {text}");
+            }
+            assert_eq!(PartFolder::kept(&folder), 3);
+        }
+        assert_eq!(PartFolder::open(&folder, &manifest(1), true).unwrap().missing(3), 3);
     }
 
     #[test]

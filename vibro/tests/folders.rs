@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// A basin in some parts, each a fraction of a second.
 const BASIN: [&str; 5] = ["basin", "--resolution", "16", "--discard", "60"];
-const LONGER: [&str; 7] = ["basin", "--resolution", "48", "--discard", "300", "--threads", "1"];
+const LONGER: [&str; 7] = ["basin", "--resolution", "64", "--discard", "300", "--threads", "1"];
 /// Far more than a part takes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -28,6 +28,11 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         }
     }
     found
+}
+
+/// The same by their names in the folder.
+fn named(home: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    files(home).into_iter().map(|(p, b)| (p.strip_prefix(home).unwrap().into(), b)).collect()
 }
 
 /// Exit code and standard error.
@@ -53,11 +58,11 @@ fn by_default(home: &Path, arguments: &[&str]) -> String {
 }
 
 /// Starts a long study and waits for its first part.
-fn begun(out: &Path) -> Child {
-    let mut vibro = command(out, &LONGER);
+fn begun(out: &Path, arguments: &[&str], study: &str) -> Child {
+    let mut vibro = command(out, arguments);
     let mut child = vibro.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("vibro starts");
     let begin = Instant::now();
-    while kept(out) == 0 {
+    while kept(out, study) == 0 {
         assert!(begin.elapsed() < PATIENCE, "no part in {PATIENCE:?}");
         assert!(child.try_wait().unwrap().is_none(), "it has ended already");
         std::thread::sleep(Duration::from_millis(2));
@@ -65,8 +70,8 @@ fn begun(out: &Path) -> Child {
     child
 }
 
-fn kept(out: &Path) -> usize {
-    let entries = std::fs::read_dir(out.join("basin.parts"));
+fn kept(out: &Path, study: &str) -> usize {
+    let entries = std::fs::read_dir(out.join(format!("{study}.parts")));
     entries
         .into_iter()
         .flatten()
@@ -193,32 +198,63 @@ fn what_others_have_written_is_refused_by_name_and_never_removed() {
 fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
     use std::os::unix::process::ExitStatusExt;
     let (out, whole) = (folder("folders-interrupted"), folder("folders-whole"));
-    let child = begun(&out);
+    let child = begun(&out, &LONGER, LONGER[0]);
     let pid = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
     let output = child.wait_with_output().unwrap();
     let (code, error) = outcome(&output);
     assert_eq!((code, output.status.signal()), (Some(130), None), "{error}");
-    let count = format!("interrupted: {} of ", kept(&out));
+    let count = format!("interrupted: {} of ", kept(&out, LONGER[0]));
     assert!(error.starts_with(&count) && error.contains("parts of `basin` are kept in"), "{count}: {error}");
     let line = format!("vibro {} --out {}", LONGER.join(" "), out.display());
     assert!(error.trim_end().ends_with(&line), "{line}: {error}");
     drawn(&out, &LONGER);
     drawn(&whole, &LONGER);
-    let names = |home: &Path| -> BTreeMap<PathBuf, Vec<u8>> {
-        files(home).into_iter().map(|(p, b)| (p.strip_prefix(home).unwrap().into(), b)).collect()
+    assert!(named(&out) == named(&whole), "an interrupted study ends as one in one piece");
+}
+
+#[test]
+fn invariant_a_killed_plane_goes_on_to_the_same_bytes() {
+    const PLANE: [&str; 11] = [
+        "isoperiodic",
+        "--pair",
+        "sigma1,f10",
+        "--resolution",
+        "48",
+        "--discard",
+        "200",
+        "--periods",
+        "0",
+        "--threads",
+        "1",
+    ];
+    const NAME: &str = "isoperiodic-sigma1-f10";
+    let (out, whole) = (folder("folders-killed"), folder("folders-not-killed"));
+    let mut child = begun(&out, &PLANE, NAME);
+    // It has no chance to finish what it is at.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(kept(&out, NAME) > 0 && !out.join(format!("{NAME}.csv")).exists());
+    drawn(&out, &PLANE);
+    // In one piece and on other threads.
+    drawn(&whole, &PLANE[..9]);
+    let drawings = |home: &Path| {
+        let mut files = named(home);
+        files.retain(|name, _| name.extension().is_some_and(|ending| ending != "toml"));
+        files
     };
-    assert!(names(&out) == names(&whole), "an interrupted study ends as one in one piece");
+    let (killed, not_killed) = (drawings(&out), drawings(&whole));
+    assert!(killed == not_killed && killed.contains_key(&PathBuf::from(format!("{NAME}.csv"))));
 }
 
 #[test]
 fn a_second_program_in_the_folder_is_refused() {
     let out = folder("folders-two");
-    let mut first = begun(&out);
+    let mut first = begun(&out, &LONGER, LONGER[0]);
     let (code, error) = outcome(&command(&out, &LONGER).output().expect("vibro runs"));
     first.kill().unwrap();
     first.wait().unwrap();
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("basin.parts: another vibro is computing parts in this folder"), "{error}");
-    assert!(kept(&out) > 0);
+    assert!(kept(&out, LONGER[0]) > 0);
 }

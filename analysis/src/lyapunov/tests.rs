@@ -189,10 +189,11 @@ fn closed_form_variations_through_rest() {
         // Go on until a rest has been passed through.
         let start = simulator.snapshot();
         let from = simulator.time();
-        let mut passed = None;
+        let (mut now, mut passed) = (from, None);
         smooth_pieces(&mut simulator, &model, from + 20.0 * p.period(), &mut |piece| {
+            now += piece.span;
             if matches!(piece.end, PieceEnd::Release) && passed.is_none() {
-                passed = Some(piece.time + piece.span + 0.05);
+                passed = Some(now + 0.05);
             }
         })
         .unwrap();

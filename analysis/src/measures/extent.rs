@@ -1,10 +1,10 @@
 //! Extrema and mean square of one coordinate along the series of the flow.
 
 use super::Coordinate;
-use crate::maxima::weighted_sum;
 use crate::smooth_pieces::TERMS;
 use vibro_impact::events::first_crossing;
 use vibro_impact::flow::Series;
+use vibro_impact::flow::weighted_sum;
 use vibro_impact::numerics::simd::value;
 
 /// Gauss–Legendre nodes and weights on [0, 1]. Along a series, whose time times the model's rate is at most 1.2, squares grow

@@ -5,34 +5,26 @@
 //! is not free flight, is computed for each motion alone with the code of [`step`](super::super::step). Which of the two
 //! computes a sub-step is decided by the motion's own state, so its result does not depend on its neighbours.
 
+mod centres;
+mod maxima;
 mod passage;
+mod report;
 mod rows;
 mod substep;
 
 use super::super::step::{AdvanceState, RENEW};
-use super::super::{AdvanceOutcome, Contact, Pause, Simulator};
+use super::super::{Contact, Event, Pause, Simulator};
+use super::queue::{LaneUse, MotionQueue, Plan};
 use crate::error::Result;
 use crate::model::{Augmented, RELATIVE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
+use centres::Centres;
 use pulp::Simd;
-use rows::{LaneStates, LaneSystems};
+use report::{Piece, Reporter};
+use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
-
-/// A motion under way.
-pub(super) struct LaneMotion<'a> {
-    pub(super) simulator: &'a mut Simulator,
-    pub(super) advance: AdvanceState,
-    pub(super) end: DoubleDouble,
-    /// Where the result goes once the advance is over.
-    pub(super) result: &'a mut Result<()>,
-}
-
-/// The work of one thread, to be compiled once for each instruction set.
-pub(super) struct Lanes<'a> {
-    /// The motions without a lane; the next one is the last of them.
-    pub(super) waiting: Vec<LaneMotion<'a>>,
-}
+use substep::{Progress, SearchedIntervals};
 
 /// cos θ and sin θ are computed anew from the extended phase after this many sub-steps in a lane. The other coordinates are
 /// never renewed, and in so many sub-steps these two collect no more round-off than they do.
@@ -40,77 +32,177 @@ const RENEWAL: u32 = 64;
 /// On machines whose vectors have fewer lanes nothing is gained, and all motions are advanced alone.
 const FEWEST_LANES: usize = 4;
 
+/// The work of one thread, to be compiled once for each instruction set.
+pub(super) struct Lanes<'a> {
+    pub(super) simulators: &'a mut [Simulator],
+    pub(super) queue: &'a mut dyn MotionQueue,
+    pub(super) one_by_one: bool,
+}
+
 impl pulp::WithSimd for Lanes<'_> {
-    type Output = ();
+    type Output = LaneUse;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        if S::F64_LANES < FEWEST_LANES {
-            while let Some(mut motion) = self.waiting.pop() {
-                while motion.advance_alone(simd, None) {}
+    fn with_simd<S: Simd>(self, simd: S) -> LaneUse {
+        let lanes = if self.one_by_one || S::F64_LANES < FEWEST_LANES { 1 } else { ROW };
+        let mut rounds = Rounds {
+            work: self,
+            motions: [const { None }; ROW],
+            simulator_of: [0; ROW],
+            systems: Box::new(LaneSystems::zero()),
+            states: Box::new(LaneStates::zero()),
+            searched: Box::new(SearchedIntervals::zero(simd)),
+            samples: Box::new(Centres::new(simd)),
+            starts: Box::new(SubstepStarts::ZERO),
+            active: 0,
+            reporting: 0,
+            finding: 0,
+            used: LaneUse::default(),
+        };
+        for lane in 0..lanes {
+            rounds.take_next(lane, None);
+        }
+        while rounds.active != 0 {
+            if lanes == 1 {
+                rounds.hand_over(simd, 0, None);
+            } else {
+                rounds.round(simd);
             }
+        }
+        rounds.used
+    }
+}
+
+/// A motion under way.
+struct LaneMotion {
+    advance: AdvanceState,
+    end: DoubleDouble,
+    reporter: Option<Reporter>,
+}
+
+/// The motions under way, round after round.
+struct Rounds<'a> {
+    work: Lanes<'a>,
+    motions: [Option<LaneMotion>; ROW],
+    /// The index of the simulator of each lane's motion.
+    simulator_of: [usize; ROW],
+    systems: Box<LaneSystems>,
+    states: Box<LaneStates>,
+    searched: Box<SearchedIntervals>,
+    /// The states at the centres of the intervals in which samples lie.
+    samples: Box<Centres>,
+    starts: Box<SubstepStarts>,
+    /// The lanes that have a motion, those of them that report, and those that look for maxima.
+    active: LaneSet,
+    reporting: LaneSet,
+    finding: LaneSet,
+    used: LaneUse,
+}
+
+impl Rounds<'_> {
+    /// A sub-step of all lanes, and of each motion that they leave over at least one alone.
+    #[inline(always)]
+    fn round<S: Simd>(&mut self, simd: S) {
+        for lane in lanes_of(self.states.due_for_renewal(simd, f64::from(RENEWAL)) & self.active) {
+            self.renew(lane);
+        }
+        let sets = (self.active, self.reporting);
+        let Self { systems, states, searched, starts, .. } = self;
+        let done = substep::flight_substep(simd, systems, states, searched, sets, starts);
+        self.used.rounds += 1;
+        self.used.occupied += u64::from(self.active.count_ones());
+        self.used.substeps += u64::from(done.moved.count_ones());
+        if done.moved & self.reporting != 0 {
+            report_apart(simd, self, &done);
+        }
+        for lane in lanes_of(done.unproved | done.at_stop) {
+            let touched = (done.at_stop >> lane & 1 != 0).then_some(self.searched.side.0[lane]);
+            let simulator = &mut self.work.simulators[self.simulator_of[lane]];
+            let Some(motion) = &mut self.motions[lane] else { continue };
+            self.states.store_state(lane, simulator, &mut motion.advance);
+            self.hand_over(simd, lane, touched);
+        }
+    }
+
+    /// Renews the drive's phase of a motion and checks whether it gets on.
+    #[inline(never)]
+    fn renew(&mut self, lane: usize) {
+        let Some(motion) = &mut self.motions[lane] else { return };
+        let simulator = &mut self.work.simulators[self.simulator_of[lane]];
+        self.states.renew_phase(lane, simulator);
+        if self.states.substeps(lane) + simulator.work.substeps <= motion.advance.allowed {
             return;
         }
-        let mut lanes: [Option<LaneMotion<'_>>; ROW] = [const { None }; ROW];
-        let mut systems = Box::new(LaneSystems::zero());
-        let mut states = Box::new(LaneStates::zero());
-        let mut active: LaneSet = 0;
-        for (lane, place) in lanes.iter_mut().enumerate() {
-            if self.load_lane(false, &mut systems, &mut states, lane, place) {
-                active |= 1 << lane;
-            }
+        self.states.store_state(lane, simulator, &mut motion.advance);
+        match simulator.check_work(&mut motion.advance) {
+            Ok(()) => self.states.load_state(lane, simulator, &motion.advance),
+            refused => self.take_next(lane, Some(refused)),
         }
-        while active != 0 {
-            // Whether a motion gets on is checked as often as its phase is renewed.
-            for lane in lanes_of(states.due_for_renewal(simd, f64::from(RENEWAL)) & active) {
-                let Some(motion) = &mut lanes[lane] else { continue };
-                states.renew_phase(lane, motion.simulator);
-                if states.substeps(lane) + motion.simulator.work.substeps <= motion.advance.allowed {
+    }
+
+    /// Advances a motion alone and takes it back into its lane, or the next motion where it has ended.
+    #[inline(always)]
+    fn hand_over<S: Simd>(&mut self, simd: S, lane: usize, touched: Option<f64>) {
+        let Some(motion) = &mut self.motions[lane] else { return };
+        self.used.handed_over += 1;
+        let simulator = &mut self.work.simulators[self.simulator_of[lane]];
+        match advance_alone(simd, motion, simulator, (self.work.queue, lane), touched) {
+            None => {
+                self.states.load_state(lane, simulator, &motion.advance);
+                self.states.next_sample.0[lane] =
+                    motion.reporter.as_ref().map_or(f64::INFINITY, Reporter::next_sample);
+            }
+            ended => self.take_next(lane, ended),
+        }
+    }
+
+    /// Loads a lane with the next motion of the queue that can be advanced in lanes; those before it are advanced alone. Without
+    /// a next one the lane stays empty.
+    #[inline(never)]
+    fn take_next(&mut self, lane: usize, mut ended: Option<Result<()>>) {
+        let bit: LaneSet = 1 << lane;
+        (self.motions[lane], self.states.next_sample.0[lane]) = (None, f64::INFINITY);
+        for set in [&mut self.active, &mut self.reporting, &mut self.finding] {
+            *set &= !bit;
+        }
+        self.systems.release_tables(lane);
+        while let Some(plan) = self.work.queue.next(lane, self.work.simulators, ended.take()) {
+            let simulator = &mut self.work.simulators[plan.simulator];
+            let motion = match LaneMotion::begin(simulator, &plan) {
+                Ok(Some(motion)) => motion,
+                result => {
+                    ended = Some(result.map(|_| ()));
                     continue;
                 }
-                states.store_state(lane, motion.simulator, &mut motion.advance);
-                *motion.result = motion.simulator.check_work(&mut motion.advance);
-                let goes_on = motion.result.is_ok();
-                if !self.load_lane(goes_on, &mut systems, &mut states, lane, &mut lanes[lane]) {
-                    active &= !(1 << lane);
-                }
+            };
+            self.systems.load_system(lane, simulator, motion.end);
+            self.states.load_state(lane, simulator, &motion.advance);
+            self.active |= bit;
+            if let Some(reporter) = &motion.reporter {
+                self.reporting |= bit;
+                self.finding |= if reporter.maxima.is_some() { bit } else { 0 };
+                self.states.next_sample.0[lane] = reporter.next_sample();
             }
-            let left = substep::flight_substep(simd, &systems, &mut states, active);
-            for lane in lanes_of(left.unproved | left.at_stop) {
-                let Some(motion) = &mut lanes[lane] else { continue };
-                states.store_state(lane, motion.simulator, &mut motion.advance);
-                let touched = (left.at_stop >> lane & 1 != 0).then_some(left.side.0[lane]);
-                let goes_on = advance_alone(simd, motion, touched);
-                if !self.load_lane(goes_on, &mut systems, &mut states, lane, &mut lanes[lane]) {
-                    active &= !(1 << lane);
-                }
-            }
+            self.simulator_of[lane] = plan.simulator;
+            self.motions[lane] = Some(motion);
+            return;
         }
     }
 }
 
-impl<'a> Lanes<'a> {
-    /// Loads a lane with the motion in it if that `goes_on`, else with the next waiting one, if there is any. False when the lane
-    /// stays empty.
-    #[inline(always)]
-    fn load_lane(
-        &mut self,
-        goes_on: bool,
-        systems: &mut LaneSystems,
-        states: &mut LaneStates,
-        lane: usize,
-        place: &mut Option<LaneMotion<'a>>,
-    ) -> bool {
-        if !goes_on {
-            *place = self.waiting.pop();
+/// [`Rounds::report`] as a function of its own, so that its code takes no registers from the lanes' loop.
+#[inline(never)]
+fn report_apart<S: Simd>(simd: S, rounds: &mut Rounds<'_>, done: &Progress) {
+    struct Report<'a, 'w>(&'a mut Rounds<'w>, &'a Progress);
+    impl pulp::WithSimd for Report<'_, '_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.report(simd, self.1);
         }
-        let Some(motion) = place else { return false };
-        if !goes_on {
-            systems.load_system(lane, motion.simulator, motion.end);
-        }
-        states.load_state(lane, motion.simulator, &motion.advance);
-        true
     }
+    simd.vectorize(Report(rounds, done));
 }
 
 /// A set of lanes, the first lane's bit the lowest.
@@ -128,41 +220,84 @@ fn lanes_of(mut set: LaneSet) -> impl Iterator<Item = usize> {
 
 /// [`LaneMotion::advance_alone`] as a function of its own, so that its code takes no registers from the lanes' loop.
 #[inline(never)]
-fn advance_alone<S: Simd>(simd: S, motion: &mut LaneMotion<'_>, touched: Option<f64>) -> bool {
-    struct Alone<'m, 'a>(&'m mut LaneMotion<'a>, Option<f64>);
+fn advance_alone<'q, S: Simd>(
+    simd: S,
+    motion: &mut LaneMotion,
+    simulator: &mut Simulator,
+    report_to: (&mut (dyn MotionQueue + 'q), usize),
+    touched: Option<f64>,
+) -> Option<Result<()>> {
+    struct Alone<'m, 'q>(
+        &'m mut LaneMotion,
+        &'m mut Simulator,
+        (&'m mut (dyn MotionQueue + 'q), usize),
+        Option<f64>,
+    );
     impl pulp::WithSimd for Alone<'_, '_> {
-        type Output = bool;
+        type Output = Option<Result<()>>;
 
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> bool {
-            self.0.advance_alone(simd, self.1)
+        fn with_simd<S: Simd>(self, simd: S) -> Option<Result<()>> {
+            let Self(motion, simulator, report_to, touched) = self;
+            motion.advance_alone(simd, simulator, report_to, touched)
         }
     }
-    simd.vectorize(Alone(motion, touched))
+    simd.vectorize(Alone(motion, simulator, report_to, touched))
 }
 
-impl LaneMotion<'_> {
-    /// Advances this motion by the code for a single one until its next sub-step suits the lanes; false when the advance is
-    /// over and its result is set. Where the lanes have brought the block to the stop `touched` without applying the law
+impl LaneMotion {
+    /// Begins a motion. One that cannot be advanced in lanes is advanced to its end, and there is nothing to begin.
+    fn begin(simulator: &mut Simulator, plan: &Plan) -> Result<Option<Self>> {
+        let end = DoubleDouble::new(plan.end);
+        let rounded = simulator.check_end(end)?;
+        let reporter = plan.reports.map(|reports| Reporter::new(simulator, reports, plan.end)).transpose()?;
+        let alone = simulator.keeps_energy_accounts || simulator.loaded();
+        if rounded || alone {
+            return simulator.advance_until(end, Pause::Never, None).map(|_| None);
+        }
+        simulator.apply_due_event(None);
+        Ok(Some(Self { advance: simulator.begin_advance(), end, reporter }))
+    }
+
+    /// Advances this motion by the code for a single one until its next sub-step suits the lanes; returns how the advance has
+    /// ended if it is over. Where the lanes have brought the block to the stop `touched` without applying the law
     /// of the impact, it begins with that law.
     #[inline(always)]
-    fn advance_alone<S: Simd>(&mut self, simd: S, touched: Option<f64>) -> bool {
-        let Self { simulator, advance, end, result } = self;
+    fn advance_alone<S: Simd>(
+        &mut self,
+        simd: S,
+        simulator: &mut Simulator,
+        (queue, lane): (&mut (dyn MotionQueue + '_), usize),
+        touched: Option<f64>,
+    ) -> Option<Result<()>> {
+        let Self { advance, end, reporter } = self;
         // The lanes renew cos θ and sin θ less often than the code for a single motion does.
         advance.since_renewal = advance.since_renewal.min(RENEW);
-        let mut going = match touched {
-            Some(_) => simulator.finish_substep::<0>(advance, touched, Pause::Never, &mut None),
-            None => simulator.next_substep::<S, 0, false>(simd, advance, *end, Pause::Never, &mut None),
-        };
+        let mut law_is_due = touched.is_some();
         loop {
+            let from = Piece::from(simulator, advance);
+            let mut events = [None; 2]; // an impact, and that the block comes to rest
+            let mut keep = |event: &Event| {
+                let first_free = usize::from(events[0].is_some());
+                events[first_free] = Some(*event);
+            };
+            let mut observer: super::super::EventObserver<'_, '_> =
+                if reporter.is_some() { Some(&mut keep) } else { None };
+            let going = if law_is_due {
+                simulator.finish_substep::<0>(advance, touched, Pause::Never, &mut observer)
+            } else {
+                simulator.next_substep::<S, 0, false>(simd, advance, *end, Pause::Never, &mut observer)
+            };
+            law_is_due = false;
+            if let Some(reporter) = reporter {
+                reporter.report_alone(simulator, &from, &advance.z, events, (queue, lane));
+            }
             if let ControlFlow::Break(reason) = going {
-                **result = reason.map(|_: AdvanceOutcome| ());
-                return false;
+                return Some(reason.map(|_| ()));
             }
             if simulator.suits_lanes(&advance.z, *end) {
-                return true;
+                return None;
             }
-            going = simulator.next_substep::<S, 0, false>(simd, advance, *end, Pause::Never, &mut None);
         }
     }
 }

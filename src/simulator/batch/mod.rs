@@ -2,22 +2,73 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `mod.rs` | [`advance_together`]: which motions run in lanes |
+//! | `mod.rs` | [`advance_queue`] and, for motions that all exist at once, [`advance_together`] |
+//! | `queue.rs` | where motions come from, what is reported of them, how the lanes were used |
 //! | `lanes.rs` | the loop over sub-steps, and how a motion enters, leaves and comes back to its lane |
 //! | `lanes/rows.rs` | the motions' numbers, the same number of all motions side by side |
 //! | `lanes/substep.rs` | one sub-step of all lanes |
+//! | `lanes/centres.rs` | states at interval centres, motion by motion, read by vectors |
 //! | `lanes/passage.rs` | series of the free flight, the gap's first zero and the proofs about it, in lanes |
+//! | `lanes/report.rs` | samples and events of the motions in lanes and alone |
+//! | `lanes/maxima.rs` | local maxima of a displacement |
 //! | `vectors.rs` | vectors with operators |
 //!
 //! docs/numerics.md, "Many motions side by side", says why each part is right and what its bits agree with.
 
 mod lanes;
+mod queue;
 pub(crate) mod vectors;
 
-use self::lanes::{LaneMotion, Lanes};
-use super::{Pause, Simulator};
+pub use self::queue::{LaneUse, Maximum, MotionQueue, Plan, Reports};
+
+use self::lanes::Lanes;
+use super::Simulator;
 use crate::error::Result;
-use crate::numerics::double_double::DoubleDouble;
+
+/// The number of lanes: so many motions are under way at a time on one thread.
+pub const TOGETHER: usize = vectors::ROW;
+
+/// Advances the motions of a queue until it has no more. A lane whose motion has ended takes the next one. Nothing is allocated
+/// for a motion. A motion and its reports depend neither on the other motions nor on their order or number.
+///
+/// Motions that keep their energy accounts or are under loads are advanced one by one. Reports are made of motions without either:
+/// they switch the accounts off, and under loads they are refused, in `next`, with
+/// [`Error::OutOfRange`](crate::Error::OutOfRange).
+///
+/// # Panics
+/// Where a plan names a simulator that does not exist.
+pub fn advance_queue(simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
+    advance_queue_by(Way::Together, simulators, queue)
+}
+
+/// The ways to advance a queue, for comparisons of results and speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Way {
+    /// Side by side in the widest vectors of the machine, as [`advance_queue`] does.
+    #[default]
+    Together,
+    /// By the code for a single motion: one motion after another, all in lane 0. It is what [`advance_queue`] does on machines
+    /// without wide vectors.
+    OneByOne,
+    /// [`Together`](Self::Together) in the vectors of AVX2 on a machine that has wider ones.
+    TogetherAvx2,
+    /// [`OneByOne`](Self::OneByOne) with AVX2.
+    OneByOneAvx2,
+}
+
+/// [`advance_queue`] in a given way. Where the machine has no AVX2, it is left out.
+///
+/// # Panics
+/// As [`advance_queue`].
+pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
+    let one_by_one = matches!(way, Way::OneByOne | Way::OneByOneAvx2);
+    let lanes = Lanes { simulators, queue, one_by_one };
+    #[cfg(target_arch = "x86_64")]
+    if let (Way::TogetherAvx2 | Way::OneByOneAvx2, Some(avx2)) = (way, pulp::x86::V3::try_new()) {
+        return pulp::Simd::vectorize(avx2, lanes);
+    }
+    pulp::Arch::new().dispatch(lanes)
+}
 
 /// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in the simulators' order; an
 /// error of one motion does not touch the others.
@@ -45,24 +96,36 @@ use crate::numerics::double_double::DoubleDouble;
 /// # Ok::<(), vibro_impact::Error>(())
 /// ```
 pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -> f64) -> Vec<Result<()>> {
-    let mut results = Vec::with_capacity(simulators.len());
-    results.resize(simulators.len(), Ok(()));
-    let mut waiting = Vec::new();
-    for (simulator, result) in simulators.iter_mut().zip(&mut results).rev() {
-        let end = DoubleDouble::new(end(simulator));
-        let alone = simulator.keeps_energy_accounts || simulator.loaded();
-        match simulator.check_end(end) {
-            Ok(false) if !alone => {
-                simulator.apply_due_event(None);
-                let advance = simulator.begin_advance();
-                waiting.push(LaneMotion { simulator, advance, end, result });
+    /// Each simulator once, in order.
+    struct Each<F> {
+        end: F,
+        next: usize,
+        under_way: [usize; TOGETHER],
+        results: Vec<Result<()>>,
+    }
+
+    impl<F: Fn(&Simulator) -> f64> MotionQueue for Each<F> {
+        fn next(
+            &mut self,
+            lane: usize,
+            simulators: &mut [Simulator],
+            ended: Option<Result<()>>,
+        ) -> Option<Plan> {
+            if let Some(result) = ended {
+                self.results[self.under_way[lane]] = result;
             }
-            Ok(_) => *result = simulator.advance_until(end, Pause::Never, None).map(|_| ()),
-            Err(error) => *result = Err(error),
+            let index = self.next;
+            let end = (self.end)(simulators.get(index)?);
+            self.next += 1;
+            self.under_way[lane] = index;
+            Some(Plan { simulator: index, end, reports: None })
         }
     }
-    pulp::Arch::new().dispatch(Lanes { waiting });
-    results
+
+    let results = vec![Ok(()); simulators.len()];
+    let mut each = Each { end, next: 0, under_way: [0; TOGETHER], results };
+    advance_queue(simulators, &mut each);
+    each.results
 }
 
 #[cfg(test)]

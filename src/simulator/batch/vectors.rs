@@ -59,6 +59,17 @@ impl<S: Simd> Wide<S> {
         all
     }
 
+    /// The first, second, third and fourth of four numbers each of as many motions as a vector has lanes. Which lane a motion comes
+    /// to is the same for all four and depends on the instruction set.
+    #[inline(always)]
+    pub(crate) fn transposed(simd: S, motions: &[[f64; 4]]) -> [Self; 4] {
+        let mut vectors = [simd.splat_f64s(0.0); 4];
+        let there = S::as_simd_f64s(motions.as_flattened()).0;
+        vectors.copy_from_slice(&there[..4]);
+        let [a, b, c, d] = simd.deinterleave_shfl_f64s(vectors);
+        [Self { simd, x: a }, Self { simd, x: b }, Self { simd, x: c }, Self { simd, x: d }]
+    }
+
     /// Σ_j rows[j] x_j from vector `v` of each row, each product but the first added with one rounding.
     #[inline(always)]
     pub(crate) fn dot<const N: usize>(simd: S, rows: &[Row; N], v: usize, x: &[Self; N]) -> Self {

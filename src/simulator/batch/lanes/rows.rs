@@ -1,9 +1,10 @@
 //! The numbers of the motions under way, the same number of all motions side by side in a row.
 
 use super::LaneSet;
-use crate::flow::INTERVALS;
-use crate::model::{DRIVE_COS, DRIVE_SIN};
+use crate::flow::{CORE, INTERVALS, Table};
+use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN};
 use crate::numerics::double_double::DoubleDouble;
+use crate::parameters::Parameters;
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
 use crate::simulator::step::{AdvanceState, MAX_REACH};
 use crate::simulator::tables::ModeTables;
@@ -16,8 +17,10 @@ const GROUNDED: f64 = f64::INFINITY;
 
 /// What stays the same while a motion is under way.
 pub(super) struct LaneSystems {
-    /// The tables of the motion in each lane. A new motion with the same tables finds the rows filled.
-    pub(super) tables: [Option<Arc<ModeTables>>; ROW],
+    /// The parameters for which each lane is filled. A new motion with the same finds the rows filled.
+    parameters: [Option<Parameters>; ROW],
+    /// The tables of the motion in each lane.
+    tables: [Option<Arc<ModeTables>>; ROW],
     /// Weights of the coordinates in w at the end of each interval.
     pub(super) sample: [[Row; 8]; INTERVALS],
     /// Rows of the matrix that gives the state after a whole sub-step.
@@ -59,6 +62,7 @@ impl LaneSystems {
     pub(super) fn zero() -> Self {
         let row = Row::ZERO;
         Self {
+            parameters: [None; ROW],
             tables: [const { None }; ROW],
             sample: [[row; 8]; INTERVALS],
             full: [[row; 8]; 8],
@@ -85,13 +89,25 @@ impl LaneSystems {
         }
     }
 
+    /// Lets go of the tables of the motion in a lane, so that its simulator may fill them for another system without copying them.
+    pub(super) fn release_tables(&mut self, lane: usize) {
+        self.tables[lane] = None;
+    }
+
+    /// The table of the motion in a lane, if there is one.
+    #[inline(always)]
+    pub(super) fn table(&self, lane: usize) -> Option<&Table<CORE>> {
+        self.tables[lane].as_deref().map(|tables| &tables.core)
+    }
+
     /// Fills a lane for a motion to `end`.
     pub(super) fn load_system(&mut self, lane: usize, simulator: &Simulator, end: DoubleDouble) {
         (self.end[0].0[lane], self.end[1].0[lane]) = (end.hi, end.lo);
-        if self.tables[lane].as_ref().is_some_and(|tables| Arc::ptr_eq(tables, &simulator.flight)) {
+        self.tables[lane] = Some(Arc::clone(&simulator.flight));
+        if self.parameters[lane] == Some(simulator.parameters) {
             return;
         }
-        self.tables[lane] = Some(Arc::clone(&simulator.flight));
+        self.parameters[lane] = Some(simulator.parameters);
         let core = &simulator.flight.core;
         for j in 0..8 {
             for i in 0..INTERVALS {
@@ -155,6 +171,52 @@ pub(super) struct LaneStates {
     pub(super) substeps: Row,
     pub(super) expansions: Row,
     pub(super) iterations: Row,
+    /// When the next sample is due, s; infinite where none is asked for.
+    pub(super) next_sample: Row,
+}
+
+/// The state in a lane of the rows `z`, number by number: the rows are not copied.
+#[inline(always)]
+pub(super) fn state_in(rows: &[Row; 8], lane: usize) -> Augmented {
+    let mut z = [0.0; 8];
+    for (z, row) in z.iter_mut().zip(rows) {
+        *z = row.0[lane];
+    }
+    z
+}
+
+/// Where the latest sub-step of each motion that reports began.
+pub(super) struct SubstepStarts {
+    pub(super) z: [Row; 8],
+    /// Leading and trailing part, s.
+    pub(super) time: [Row; 2],
+}
+
+impl SubstepStarts {
+    pub(super) const ZERO: Self = Self { z: [Row::ZERO; 8], time: [Row::ZERO; 2] };
+
+    /// Copies the motions of vector `v`.
+    #[inline(always)]
+    pub(super) fn copy<S: Simd>(&mut self, simd: S, states: &LaneStates, v: usize) {
+        for (row, z) in self.z.iter_mut().zip(&states.z) {
+            Wide::load(simd, z, v).store(row, v);
+        }
+        for (row, time) in self.time.iter_mut().zip(&states.time) {
+            Wide::load(simd, time, v).store(row, v);
+        }
+    }
+
+    /// The state in a lane.
+    #[inline(always)]
+    pub(super) fn state(&self, lane: usize) -> Augmented {
+        state_in(&self.z, lane)
+    }
+
+    /// The time in a lane.
+    #[inline(always)]
+    pub(super) fn time(&self, lane: usize) -> DoubleDouble {
+        DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] }
+    }
 }
 
 impl LaneStates {
@@ -175,6 +237,7 @@ impl LaneStates {
             substeps: row,
             expansions: row,
             iterations: row,
+            next_sample: Row([f64::INFINITY; ROW]),
         }
     }
 
@@ -215,7 +278,7 @@ impl LaneStates {
         for (z, row) in advance.z.iter_mut().zip(&self.z) {
             *z = row.0[lane];
         }
-        hybrid.time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
+        hybrid.time = self.time(lane);
         advance.since_renewal = self.since_renewal.0[lane] as u32;
         let departing = self.departing.0[lane];
         if departing < GROUNDED {
@@ -240,6 +303,30 @@ impl LaneStates {
         self.substeps.0[lane] as u64
     }
 
+    /// The lanes that have come to the time of their next sample.
+    #[inline(always)]
+    pub(super) fn due_for_sample<S: Simd>(&self, simd: S) -> LaneSet {
+        let mut due = 0;
+        for v in 0..Row::vectors::<S>() {
+            let load = |row: &Row| Wide::load(simd, row, v);
+            let reached = load(&self.next_sample).at_most(load(&self.time[0]) + load(&self.time[1]));
+            due |= reached.bits() << (v * S::F64_LANES);
+        }
+        due
+    }
+
+    /// The state in a lane.
+    #[inline(always)]
+    pub(super) fn state(&self, lane: usize) -> Augmented {
+        state_in(&self.z, lane)
+    }
+
+    /// The time in a lane.
+    #[inline(always)]
+    pub(super) fn time(&self, lane: usize) -> DoubleDouble {
+        DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] }
+    }
+
     /// The lanes whose cos θ and sin θ have been rotated `often` times.
     #[inline(always)]
     pub(super) fn due_for_renewal<S: Simd>(&self, simd: S, often: f64) -> LaneSet {
@@ -254,7 +341,7 @@ impl LaneStates {
     /// Computes cos θ and sin θ of a lane anew from the extended phase.
     #[inline(never)]
     pub(super) fn renew_phase(&mut self, lane: usize, simulator: &Simulator) {
-        let time = DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] };
+        let time = self.time(lane);
         let (sin, cos) = simulator.hybrid.phase.angle(simulator.model.omega, time).sin_cos();
         (self.z[DRIVE_COS].0[lane], self.z[DRIVE_SIN].0[lane]) = (cos, sin);
         self.since_renewal.0[lane] = 0.0;

@@ -1,91 +1,90 @@
 //! One sub-step of all active lanes: free flight for the whole of it, or to its first impact and through that.
 
+use super::centres::Centres;
 use super::passage::{CentredFlights, REACH};
-use super::rows::{LaneStates, LaneSystems};
+use super::rows::{LaneStates, LaneSystems, SubstepStarts};
 use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
 use crate::model::{BOX_RATE, RELATIVE, RELATIVE_RATE};
-use crate::numerics::simd::product;
 use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
 use pulp::Simd;
 
-/// What a sub-step leaves to the motions' own code.
-pub(super) struct Unfinished {
+/// What a sub-step has done, and what it leaves to the motions' own code.
+pub(super) struct Progress {
+    /// These have moved.
+    pub(super) moved: LaneSet,
+    /// Those of them that went through an impact.
+    pub(super) through: LaneSet,
     /// The proof of the common case failed; these motions have not moved.
     pub(super) unproved: LaneSet,
-    /// These stand at a stop, before an impact that ends in rest, or may; its law is not yet applied.
+    /// These have moved to a stop and stand before an impact that ends in rest, or may; its law is not yet applied.
     pub(super) at_stop: LaneSet,
-    /// The stop of these.
-    pub(super) side: Row,
 }
 
-/// Advances each of the `active` motions by a sub-step, to its end or through its first impact.
+/// Advances each of the `active` motions by a sub-step, to its end or through its first impact. Where a motion of the set
+/// `reporting` moves, `starts` keeps where it was.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
     systems: &LaneSystems,
     states: &mut LaneStates,
-    active: LaneSet,
-) -> Unfinished {
+    searched: &mut SearchedIntervals,
+    (active, reporting): (LaneSet, LaneSet),
+    starts: &mut SubstepStarts,
+) -> Progress {
     let lanes = S::F64_LANES;
-    let mut searched = SearchedIntervals { index: Row::ZERO, side: Row::ZERO, centre: [Row::ZERO; 8] };
     let (mut ready, mut near, mut near_start) = (0, 0, 0);
     // The lanes of one vector.
-    let part = (1 << lanes) - 1;
+    let part: LaneSet = (1 << lanes) - 1;
     for v in 0..Row::vectors::<S>() {
         if active >> (v * lanes) & part == 0 {
             continue;
         }
-        let samples = sample_displacement(simd, systems, states, v, &mut searched);
+        let samples = sample_displacement(simd, systems, states, v, searched);
         ready |= samples.ready.bits() << (v * lanes);
         near |= samples.near.bits() << (v * lanes);
         near_start |= samples.near_start.bits() << (v * lanes);
     }
     ready &= active;
-    let searching = near & ready;
     let passing = ready & !near;
+    let searching = near & ready;
     for lane in lanes_of(searching & !near_start) {
-        searched.load_centre(simd, systems, states, lane);
+        let interval = searched.index.0[lane] as usize;
+        searched.centres.put(simd, systems, lane, interval, &states.z);
     }
-    let (mut arrived, mut at_stop) = (0, 0);
+    let (mut arrived, mut at_stop, mut through) = (0, 0, 0);
     for v in 0..Row::vectors::<S>() {
+        if (passing | searching) & reporting & part << (v * lanes) != 0 {
+            starts.copy(simd, states, v);
+        }
         if passing >> (v * lanes) & part != 0 {
             advance_whole_substep(simd, systems, states, v, passing >> (v * lanes) & part);
         }
         if searching >> (v * lanes) & part != 0 {
             let chosen = (searching >> (v * lanes) & part, near_start >> (v * lanes) & part);
-            let (there, before_law) = advance_in_interval(simd, systems, states, v, &searched, chosen);
-            arrived |= there << (v * lanes);
-            at_stop |= before_law << (v * lanes);
+            let found = advance_in_interval(simd, systems, states, v, searched, chosen);
+            arrived |= found.moved << (v * lanes);
+            at_stop |= found.at_stop << (v * lanes);
+            through |= found.through << (v * lanes);
         }
     }
-    Unfinished { unproved: active & !(passing | arrived), at_stop, side: searched.side }
+    let unproved = active & !ready | searching & !arrived;
+    Progress { moved: passing | arrived, through, unproved, at_stop }
 }
 
 /// Where each motion's gap comes near a stop first: the interval to be searched.
-struct SearchedIntervals {
+pub(super) struct SearchedIntervals {
     /// The interval's index; [`INTERVALS`] where there is none.
     index: Row,
     /// The stop.
-    side: Row,
+    pub(super) side: Row,
     /// The state at the interval's centre.
-    centre: [Row; 8],
+    centres: Centres,
 }
 
 impl SearchedIntervals {
-    /// Computes the state at the centre of a lane's interval from the tables of its own system; the matrix differs from
-    /// lane to lane with the interval's index.
-    #[inline(always)]
-    fn load_centre<S: Simd>(&mut self, simd: S, systems: &LaneSystems, states: &LaneStates, lane: usize) {
-        let Some(tables) = &systems.tables[lane] else { return };
-        let mut z = [0.0; 8];
-        for (z, row) in z.iter_mut().zip(&states.z) {
-            *z = row.0[lane];
-        }
-        let there = product(simd, &tables.core.centre[self.index.0[lane] as usize % INTERVALS], &z);
-        for (row, there) in self.centre.iter_mut().zip(there) {
-            row.0[lane] = there;
-        }
+    pub(super) fn zero<S: Simd>(simd: S) -> Self {
+        Self { index: Row::ZERO, side: Row::ZERO, centres: Centres::new(simd) }
     }
 }
 
@@ -198,8 +197,7 @@ fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
 }
 
 /// Advances the motions `chosen` in vector `v` through the impact in their searched interval, if it is proved to be the first,
-/// or past the stop, if that is proved. `near_start` are those whose interval begins with the sub-step. Returns the motions
-/// that have moved, and those of them that stand at the stop with the law of the impact not yet applied.
+/// or past the stop, if that is proved. `near_start` are those whose interval begins with the sub-step.
 #[inline(always)]
 fn advance_in_interval<S: Simd>(
     simd: S,
@@ -208,7 +206,7 @@ fn advance_in_interval<S: Simd>(
     v: usize,
     searched: &SearchedIntervals,
     (chosen, near_start): (LaneSet, LaneSet),
-) -> (LaneSet, LaneSet) {
+) -> Found {
     let load = |row: &Row| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
@@ -234,7 +232,14 @@ fn advance_in_interval<S: Simd>(
     add(simd, &mut states.expansions, v, moved.select(one, zero));
     add(simd, &mut states.iterations, v, arrival.found.select(arrival.iterations, zero));
     record_impact(simd, systems, states, v, through, (side, rebound.approach), later);
-    (moved.bits(), (arrival.found & !through).bits())
+    Found { moved: moved.bits(), through: through.bits(), at_stop: (arrival.found & !through).bits() }
+}
+
+/// What the search of an interval has done, as in [`Progress`] but for the lanes of one vector.
+struct Found {
+    moved: LaneSet,
+    through: LaneSet,
+    at_stop: LaneSet,
 }
 
 /// Where the flights in a searched interval lead.
@@ -270,7 +275,7 @@ fn arrive<S: Simd>(
     // From a start close to a stop the flight is expanded about the start itself. Off the stop, the gap's zero at the start is
     // divided out.
     let about_start = Mask::from_bits(simd, near_start);
-    let mut centre = Wide::load_each(simd, &searched.centre, v);
+    let mut centre = searched.centres.load(simd, v);
     for (centre, now) in centre.iter_mut().zip(now) {
         *centre = about_start.select(*now, *centre);
     }

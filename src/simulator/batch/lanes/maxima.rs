@@ -1,0 +1,211 @@
+//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples of it.
+//!
+//! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from above to below zero: at a root
+//! within a sub-step, which [`first_crossing`] finds with the same proof as the simulator's events, or at an impact that reverses the
+//! rate. A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
+//!
+//! Over a sub-step of flight 16 values of the rate and a bound on its second derivative leave few intervals to be searched, as they
+//! do for the gap.
+
+use crate::events::first_crossing;
+use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, weighted_sum};
+use crate::model::{Augmented, BOX, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::numerics::simd::{product, value, weigh};
+use crate::simulator::Simulator;
+use crate::simulator::batch::queue::Maximum;
+use crate::simulator::batch::vectors::{Row, Wide};
+use pulp::Simd;
+
+/// Follows the sign of a displacement's rate along a motion.
+pub(super) struct MaximumFinder {
+    /// Weights of x1, w and x3: with x2 = x1 + w, docs/theory.md (5).
+    weights: [f64; 3],
+    rising: bool,
+    table: RateTable,
+}
+
+impl MaximumFinder {
+    /// For a motion that is about to begin, with the weights of x1, x2 and x3.
+    pub(super) fn new(simulator: &Simulator, [a, b, c]: [f64; 3]) -> Self {
+        let weights = [a + b, b, c];
+        let rising = weighted_sum(&weights, &simulator.augmented(), BOX_RATE) > 0.0;
+        let table = rate_table(&simulator.model, &weights, simulator.substep);
+        Self { weights, rising, table }
+    }
+
+    /// Shows `found` the maxima of a sub-step that begins at `time` and lasts `span` s.
+    #[inline(always)]
+    pub(super) fn search<S: Simd>(
+        &mut self,
+        simd: S,
+        simulator: &Simulator,
+        (mode, z): (SmoothMode, &Augmented),
+        (time, span): (f64, f64),
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        match mode {
+            SmoothMode::Flight => self.search_flight(simd, simulator, z, (time, span), found),
+            SmoothMode::Rest => {
+                let mut begin = time;
+                expand_rest(&simulator.model, z, span, |series, radius| {
+                    self.search_series(series, (0.0, 1.0), (begin, radius), found);
+                    begin += radius;
+                });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn search_flight<S: Simd>(
+        &mut self,
+        simd: S,
+        simulator: &Simulator,
+        z: &Augmented,
+        (time, span): (f64, f64),
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        if span <= 0.0 {
+            return; // only the law of an impact
+        }
+        let h = simulator.interval();
+        // Between the ends of an interval the rate lies within this of its chord.
+        let margin = 0.125 * h * h * weigh::<S>(z, &self.table.bound);
+        let start = weighted_sum(&self.weights, z, BOX_RATE);
+        let rates = Row(product(simd, &self.table.sample, z));
+        // A sub-step may end a little beyond its last interval.
+        let count = ((span / h).ceil() as usize).clamp(1, INTERVALS);
+        let last = count - 1;
+        let [mut above, mut below] = clear_of_zero(simd, start, &rates, margin);
+        if count as f64 * h < span {
+            (above, below) = (above & !(1 << last), below & !(1 << last));
+        }
+        let mut i = 0;
+        loop {
+            let clear = if self.rising { above } else { below };
+            i += (!clear >> i).trailing_zeros() as usize;
+            if i >= count {
+                break;
+            }
+            let (before, after) = (if i == 0 { start } else { rates.0[i - 1] }, rates.0[i]);
+            // A rate that goes up by more than four margins rises throughout, so that it passes zero once. Where that is in a
+            // whole interval, the minimum need not be found.
+            if !self.rising && i != last && before < 0.0 && after > 0.0 && after - before > 4.0 * margin {
+                self.rising = true;
+            } else {
+                let end = if i == last { span } else { (i as f64 + 1.0) * h };
+                self.search_interval(simulator, z, (i, end), time, found);
+            }
+            i += 1;
+        }
+    }
+
+    /// Searches an interval of flight up to the time `end` since the sub-step's start.
+    #[inline(never)]
+    fn search_interval(
+        &mut self,
+        simulator: &Simulator,
+        z: &Augmented,
+        (index, end): (usize, f64),
+        time: f64,
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        let model = &simulator.model;
+        if index == 0 {
+            // About the start itself: a block that leaves a stop has its maximum of w there, exactly.
+            let series = Series::<ANCHORED>::expand(model, SmoothMode::Flight, z, None, end);
+            return self.search_series(&series, (0.0, 1.0), (time, end), found);
+        }
+        let half = 0.5 * simulator.interval();
+        let centre_time = (2 * index + 1) as f64 * half;
+        // The last piece of a sub-step may reach beyond its interval by a sixth.
+        let radius = half.max(end - centre_time);
+        let (from, to) = (-half / radius, (end - centre_time) / radius);
+        let centre = product(pulp::Scalar, &simulator.flight.core.centre[index], z);
+        let series = Series::<CENTRED>::expand(model, SmoothMode::Flight, &centre, None, radius);
+        self.search_series(&series, (from, to), (time + centre_time, radius), found);
+    }
+
+    /// Searches a series between two places of its variable; `time` is that of its centre.
+    #[inline(always)]
+    fn search_series<const N: usize>(
+        &mut self,
+        series: &Series<N>,
+        (mut from, to): (f64, f64),
+        (time, radius): (f64, f64),
+        found: &mut dyn FnMut(Maximum),
+    ) {
+        let rate: [f64; N] = std::array::from_fn(|k| weighted_sum(&self.weights, &series.lanes[k], BOX_RATE));
+        let spread: f64 = rate[1..].iter().map(|c| c.abs()).sum();
+        let steady = rate[0].abs() > spread && (rate[0] > 0.0) == self.rising;
+        // Each turn is a root of the rate, of which there are fewer than its terms.
+        for _ in 0..if steady { 0 } else { N } {
+            let sought = if self.rising { rate.map(|c| -c) } else { rate };
+            let Some(u) = first_crossing(&sought, from, to, &mut 0) else { break };
+            if self.rising {
+                let q: [f64; N] = std::array::from_fn(|k| weighted_sum(&self.weights, &series.lanes[k], BOX));
+                found(Maximum { time: time + u * radius, value: value(&q, u), corner: false });
+            }
+            self.rising = !self.rising;
+            from = u;
+        }
+    }
+
+    /// Looks at an impact after which the state is `after`.
+    #[inline(always)]
+    pub(super) fn pass_impact(&mut self, after: &Augmented, time: f64, found: &mut dyn FnMut(Maximum)) {
+        let rate = weighted_sum(&self.weights, after, BOX_RATE);
+        if self.rising && rate < 0.0 {
+            found(Maximum { time, value: weighted_sum(&self.weights, after, BOX), corner: true });
+        }
+        // Where the rate is zero after the impact, what follows decides.
+        if rate != 0.0 {
+            self.rising = rate > 0.0;
+        }
+    }
+}
+
+/// The intervals of a sub-step, the first one's bit the lowest, at both of whose ends the rate is above `margin`, and those at both of
+/// whose ends it is below minus `margin`.
+#[inline(always)]
+fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &Row, margin: f64) -> [u64; 2] {
+    let (mut above, mut below) = (u64::from(start > margin), u64::from(-start > margin));
+    let margin = Wide::splat(simd, margin);
+    for v in 0..Row::vectors::<S>() {
+        let rate = Wide::load(simd, rates, v);
+        above |= margin.less_than(rate).bits() << (v * S::F64_LANES + 1);
+        below |= margin.less_than(-rate).bits() << (v * S::F64_LANES + 1);
+    }
+    [above & above >> 1, below & below >> 1]
+}
+
+/// The table of a displacement's rate, by the best instruction set at hand.
+fn rate_table(model: &Model, weights: &[f64; 3], substep: f64) -> RateTable {
+    struct Fill<'a>(&'a Model, &'a [f64; 3], f64);
+    impl pulp::WithSimd for Fill<'_> {
+        type Output = RateTable;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> RateTable {
+            RateTable::new(simd, self.0, self.1, self.2)
+        }
+    }
+    pulp::Arch::new().dispatch(Fill(model, weights, substep))
+}
+
+/// Terms of a series over a time of at most 1.2 over the model's rate: the remainder is 1.2²⁰/20! < 2e-17.
+const PIECE: usize = 20;
+const PIECE_TIMES_RATE: f64 = 1.2;
+
+/// The flow in rest over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
+/// [0, 1].
+fn expand_rest(model: &Model, start: &Augmented, span: f64, mut visit: impl FnMut(&Series<PIECE>, f64)) {
+    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
+    let radius = span / count;
+    let mut z = *start;
+    for _ in 0..count as u64 {
+        let series = Series::<PIECE>::expand(model, SmoothMode::Rest, &z, None, radius);
+        visit(&series, radius);
+        z = series.at(1.0);
+        (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
+    }
+}

@@ -1,0 +1,232 @@
+//! What is reported of motions on the way: samples, events and maxima, of sub-steps in lanes and alone.
+
+use super::maxima::MaximumFinder;
+use super::passage::CentredFlights;
+use super::substep::Progress;
+use super::{Rounds, lanes_of};
+use crate::error::{Error, Result};
+use crate::flow::{CENTRED, INTERVALS, Series, Table};
+use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::numerics::double_double::DoubleDouble;
+use crate::simulator::batch::queue::{MotionQueue, Reports};
+use crate::simulator::batch::vectors::{ROW, Row, Wide};
+use crate::simulator::step::AdvanceState;
+use crate::simulator::{Event, Simulator};
+use crate::state::State;
+use pulp::Simd;
+
+/// What is to be reported of one motion, and how far that has come.
+pub(super) struct Reporter {
+    reports: Reports,
+    /// The number of the next sample.
+    next: u32,
+    pub(super) maxima: Option<MaximumFinder>,
+}
+
+/// Where a sub-step that is computed alone began.
+pub(super) struct Piece {
+    pub(super) mode: SmoothMode,
+    pub(super) z: Augmented,
+    pub(super) time: DoubleDouble,
+}
+
+impl Piece {
+    #[inline(always)]
+    pub(super) fn from(simulator: &Simulator, advance: &AdvanceState) -> Self {
+        Self { mode: simulator.mode(), z: advance.z, time: simulator.hybrid.time }
+    }
+}
+
+impl Reporter {
+    /// For a motion that is about to begin; it keeps no energy accounts from now on.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] under loads, and for samples without a time between them or more than can be numbered.
+    pub(super) fn new(simulator: &mut Simulator, reports: Reports, end: f64) -> Result<Self> {
+        const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
+        for (name, derivatives) in NAMES.iter().zip(simulator.loads().derivatives) {
+            if let Some(&value) = derivatives.iter().find(|d| **d != 0.0) {
+                let allowed = "0 with all its derivatives where samples, events or maxima are asked for";
+                return Err(Error::OutOfRange { name, value, allowed });
+            }
+        }
+        let sampled = reports.origin < f64::INFINITY;
+        let numbers = [simulator.time(), end].map(|time| (time - reports.origin) / reports.step);
+        if sampled && !(reports.step > 0.0 && numbers.iter().all(|n| n.abs() < f64::from(u32::MAX))) {
+            let allowed = "a time greater than 0 of which less than 2^32 lie between the first sample and start and end";
+            return Err(Error::OutOfRange { name: "time between samples", value: reports.step, allowed });
+        }
+        simulator.keeps_energy_accounts = false;
+        let maxima = reports.maxima_of.map(|weights| MaximumFinder::new(simulator, weights));
+        let mut reporter = Self { reports, next: 1, maxima };
+        if sampled {
+            reporter.next = (numbers[0] as u32).max(1);
+            while reporter.next_sample() <= simulator.time() {
+                reporter.next += 1;
+            }
+        }
+        Ok(reporter)
+    }
+
+    /// When the next sample is due, s.
+    #[inline(always)]
+    pub(super) fn next_sample(&self) -> f64 {
+        self.reports.origin + f64::from(self.next) * self.reports.step
+    }
+
+    /// Takes the next sample.
+    #[inline(always)]
+    fn take(&mut self, z: &Augmented, (queue, lane): (&mut (dyn MotionQueue + '_), usize)) {
+        let [x1, w, x3, v1, dw, v3, ..] = *z;
+        queue.sample(lane, self.next, &State::from_relative(&[x1, w, x3, v1, dw, v3]));
+        self.next += 1;
+    }
+
+    /// Reports a sub-step that began at `from`, brought `events` and ended, after their law, in the state `after`.
+    #[inline(always)]
+    pub(super) fn report_alone(
+        &mut self,
+        simulator: &Simulator,
+        from: &Piece,
+        after: &Augmented,
+        events: [Option<Event>; 2],
+        (queue, lane): (&mut (dyn MotionQueue + '_), usize),
+    ) {
+        let time = simulator.hybrid.time;
+        if let Some(finder) = &mut self.maxima {
+            let span = time.minus(from.time).value();
+            let mut found = |maximum| queue.maximum(lane, &maximum);
+            finder.search(
+                pulp::Scalar,
+                simulator,
+                (from.mode, &from.z),
+                (from.time.value(), span),
+                &mut found,
+            );
+            if let Some(Event::Impact { time, .. }) = events[0] {
+                finder.pass_impact(after, time, &mut found);
+            }
+        }
+        while self.next_sample() <= time.value() {
+            let z =
+                simulator.state_after(from, DoubleDouble::new(self.next_sample()).minus(from.time).value());
+            self.take(&z, (queue, lane));
+        }
+        for event in events.into_iter().flatten() {
+            queue.event(lane, &event);
+        }
+    }
+}
+
+impl Simulator {
+    /// The state `dt` s after the start of a sub-step, from the tables and the series about an interval's centre.
+    fn state_after(&self, from: &Piece, dt: f64) -> Augmented {
+        let tables = match from.mode {
+            SmoothMode::Flight => &self.flight,
+            SmoothMode::Rest => &self.rest,
+        };
+        let (index, u) = self.place_in_substep(dt);
+        let mut z = [0.0; 8];
+        Table::transit(&tables.core.centre[index], &from.z, &mut z);
+        let hold = |z: &mut Augmented| {
+            if from.mode == SmoothMode::Rest {
+                (z[RELATIVE], z[RELATIVE_RATE]) = (from.z[RELATIVE], 0.0);
+            }
+        };
+        hold(&mut z);
+        let mut z = Series::<CENTRED>::expand(&self.model, from.mode, &z, None, 0.5 * self.interval()).at(u);
+        hold(&mut z);
+        z
+    }
+
+    /// The interval in which a time `dt` after the start of a sub-step lies, and its place about the interval's centre in half
+    /// intervals.
+    #[inline(always)]
+    fn place_in_substep(&self, dt: f64) -> (usize, f64) {
+        let place = dt / self.interval();
+        let index = (place as usize).min(INTERVALS - 1);
+        (index, 2.0 * (place - (index as f64 + 0.5)))
+    }
+}
+
+impl Rounds<'_> {
+    /// Reports what a round has done.
+    #[inline(always)]
+    pub(super) fn report<S: Simd>(&mut self, simd: S, done: &Progress) {
+        for lane in lanes_of(done.moved & self.finding) {
+            self.find_maxima(simd, lane, done.through >> lane & 1 != 0);
+        }
+        loop {
+            let due = self.states.due_for_sample(simd) & done.moved & self.reporting;
+            if due == 0 {
+                break;
+            }
+            self.take_samples(simd, due);
+        }
+        for lane in lanes_of(done.through & self.reporting) {
+            let states = &self.states;
+            let event = Event::Impact {
+                time: states.last_time.0[lane],
+                side: self.searched.side.0[lane] as i8,
+                speed: states.last_speed.0[lane],
+                impulse: states.last_impulse.0[lane],
+            };
+            self.work.queue.event(lane, &event);
+        }
+    }
+
+    /// Looks for maxima in the sub-step that a motion has just done in its lane.
+    #[inline(always)]
+    fn find_maxima<S: Simd>(&mut self, simd: S, lane: usize, through: bool) {
+        let Some(reporter) = self.motions[lane].as_mut().and_then(|motion| motion.reporter.as_mut()) else {
+            return;
+        };
+        let Some(finder) = &mut reporter.maxima else { return };
+        let simulator = &self.work.simulators[self.simulator_of[lane]];
+        let (begin, now) = (self.starts.time(lane), self.states.time(lane));
+        let queue = &mut *self.work.queue;
+        let mut found = |maximum| queue.maximum(lane, &maximum);
+        let way = (begin.value(), now.minus(begin).value());
+        finder.search(simd, simulator, (SmoothMode::Flight, &self.starts.state(lane)), way, &mut found);
+        if through {
+            finder.pass_impact(&self.states.state(lane), now.value(), &mut found);
+        }
+    }
+
+    /// Takes a sample of each of the motions `due` within its latest sub-step: about the centre of the sample's interval, which
+    /// differs from lane to lane, the flights of all lanes are expanded side by side.
+    #[inline(always)]
+    fn take_samples<S: Simd>(&mut self, simd: S, due: u64) {
+        let mut places = Row::ZERO;
+        for lane in lanes_of(due) {
+            let dt =
+                (self.states.next_sample.0[lane] - self.starts.time[0].0[lane]) - self.starts.time[1].0[lane];
+            let (index, u) = self.work.simulators[self.simulator_of[lane]].place_in_substep(dt);
+            places.0[lane] = u;
+            self.samples.put(simd, &self.systems, lane, index, &self.starts.z);
+        }
+        let mut samples = [[0.0; 8]; ROW];
+        for v in 0..Row::vectors::<S>() {
+            if due >> (v * S::F64_LANES) & ((1 << S::F64_LANES) - 1) == 0 {
+                continue;
+            }
+            let centre = self.samples.load(simd, v);
+            let flights = CentredFlights::expand(simd, &self.systems, v, &centre);
+            let z = flights.state_at(&self.systems, simd, v, Wide::load(simd, &places, v));
+            let mut row = Row::ZERO;
+            for (j, z) in z.into_iter().enumerate() {
+                z.store(&mut row, v);
+                let lanes = v * S::F64_LANES..(v + 1) * S::F64_LANES;
+                for (sample, z) in samples[lanes.clone()].iter_mut().zip(&row.0[lanes]) {
+                    sample[j] = *z;
+                }
+            }
+        }
+        for lane in lanes_of(due) {
+            if let Some(reporter) = self.motions[lane].as_mut().and_then(|motion| motion.reporter.as_mut()) {
+                reporter.take(&samples[lane], (self.work.queue, lane));
+                self.states.next_sample.0[lane] = reporter.next_sample();
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What motions side by side report: against one by one (second method), and against themselves in other company (invariant).
+
+mod common;
+
+use common::golden::distance;
+use vibro_impact::simulator::{
+    Event, Loads, Maximum, MotionQueue, Plan, Reports, advance_queue, advance_together,
+};
+use vibro_impact::{Error, Groups, Parameters, Result, Scales, Simulator, State};
+
+fn weak(kappa: f64, drive: f64) -> Parameters {
+    Groups::weak(0.1, kappa, drive, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
+}
+
+/// Impacts, chatter, rest and none of them; several systems, of which neighbours share one.
+fn motions() -> Vec<Simulator> {
+    let systems =
+        [(0.75, 1.5), (0.0, 3.0), (0.6, 0.1), (0.9, 4.0), (0.3, 2.0), (1.0, 1.0), (0.2, 3.0), (0.0, 1.5)];
+    let motion = |(kappa, drive), place| {
+        let start = State { x: [0.0, place, 0.0], v: [0.0, 0.5, 0.0] };
+        let p = Parameters { drive_phase: 0.3, ..weak(kappa, drive) };
+        Simulator::new(&p, &start, 2.0).expect("valid").without_energy_accounts()
+    };
+    systems.into_iter().flat_map(|system| [0.9, -0.4, 1.0].map(|place| motion(system, place))).collect()
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Record {
+    samples: Vec<(u32, State)>,
+    events: Vec<Event>,
+    maxima: Vec<Maximum>,
+    ended: Option<Result<()>>,
+}
+
+/// Motions in some order, and what is reported of each.
+struct Recorder {
+    order: Vec<usize>,
+    end: f64,
+    reports: Reports,
+    under_way: [usize; vibro_impact::simulator::TOGETHER],
+    records: Vec<Record>,
+}
+
+impl MotionQueue for Recorder {
+    fn next(&mut self, lane: usize, _: &mut [Simulator], ended: Option<Result<()>>) -> Option<Plan> {
+        if ended.is_some() {
+            self.records[self.under_way[lane]].ended = ended;
+        }
+        self.under_way[lane] = self.order.pop()?;
+        Some(Plan { simulator: self.under_way[lane], end: self.end, reports: Some(self.reports) })
+    }
+
+    fn sample(&mut self, lane: usize, number: u32, state: &State) {
+        self.records[self.under_way[lane]].samples.push((number, *state));
+    }
+
+    fn event(&mut self, lane: usize, event: &Event) {
+        self.records[self.under_way[lane]].events.push(*event);
+    }
+
+    fn maximum(&mut self, lane: usize, maximum: &Maximum) {
+        self.records[self.under_way[lane]].maxima.push(*maximum);
+    }
+}
+
+/// From an origin before the start, so that the first samples have passed.
+const REPORTS: Reports = Reports { origin: 0.5, step: 0.7, maxima_of: Some([0.0, 1.0, 0.0]) };
+
+fn record(motions: &mut [Simulator], order: Vec<usize>, reports: Reports, end: f64) -> Vec<Record> {
+    let records = vec![Record::default(); motions.len()];
+    let mut recorder = Recorder { order, end, reports, under_way: [0; 16], records };
+    let used = advance_queue(motions, &mut recorder);
+    assert!(
+        used.substeps <= used.occupied && used.utilisation() <= used.occupation() && used.occupation() <= 1.0
+    );
+    recorder.records
+}
+
+#[test]
+fn invariant_reports_depend_on_nothing_but_the_motion_and_leave_it_alone() {
+    const END: f64 = 90.0;
+    let mut plain = motions();
+    let count = plain.len();
+    advance_together(&mut plain, |_| END);
+    let mut first = motions();
+    let expected = record(&mut first, (0..count).collect(), REPORTS, END);
+    for ((with, without), record) in first.iter().zip(&plain).zip(&expected) {
+        assert_eq!(with.snapshot(), without.snapshot());
+        assert_eq!(record.ended, Some(Ok(())));
+        let impacts = record.events.iter().filter(|e| matches!(e, Event::Impact { .. })).count();
+        assert_eq!(impacts as u64, with.impacts().upper + with.impacts().lower);
+    }
+    for step in [1, 5, 7] {
+        // Alone, and in another order.
+        let order: Vec<usize> = (0..count).map(|i| (i * step + 3) % count).collect();
+        let found = if step == 1 {
+            let mut found = Vec::new();
+            for mut one in motions() {
+                found.extend(record(std::slice::from_mut(&mut one), vec![0], REPORTS, END));
+            }
+            found
+        } else {
+            record(&mut motions(), order, REPORTS, END)
+        };
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn second_method_samples_and_events_as_one_by_one() {
+    /// Round-off, and what some fifteen impacts make of it, in motions whose differences do not grow much in that time.
+    const DIFFERENCE: f64 = 1e-9;
+    const END: f64 = 30.0;
+    let records = record(&mut motions(), (0..motions().len()).collect(), REPORTS, END);
+    let (mut resting, mut events) = (0, 0);
+    for (mut alone, record) in motions().into_iter().zip(&records) {
+        let mut expected = Vec::new();
+        let numbers: Vec<u32> = record.samples.iter().map(|sample| sample.0).collect();
+        assert_eq!(numbers, (3..=42).collect::<Vec<u32>>(), "times 2.6 to 29.9 s");
+        for (number, state) in &record.samples {
+            let time = REPORTS.origin + f64::from(*number) * REPORTS.step;
+            alone.advance_observed(time, &mut |event| expected.push(*event)).expect("it arrives");
+            let d = distance(&alone.state(), state, 1.0, 1.0);
+            assert!(d < DIFFERENCE, "sample {number}: {d:e}");
+            resting += usize::from(alone.contact().side() != 0.0);
+        }
+        alone.advance_observed(END, &mut |event| expected.push(*event)).expect("it arrives");
+        events += expected.len();
+        assert_eq!(expected.len(), record.events.len());
+        for (expected, found) in expected.iter().zip(&record.events) {
+            let numbers = |event: &Event| match *event {
+                Event::Impact { time, side, speed, impulse } => (0, time, side, speed, impulse),
+                Event::Rest { time, side } => (1, time, side, 0.0, 0.0),
+                Event::Release { time, side } => (2, time, side, 0.0, 0.0),
+            };
+            let (a, b) = (numbers(expected), numbers(found));
+            assert_eq!((a.0, a.2), (b.0, b.2));
+            let d = (a.1 - b.1).abs().max((a.3 - b.3).abs()).max((a.4 - b.4).abs());
+            // The time of a slow impact is found less exactly: by the error over its speed.
+            assert!(d < DIFFERENCE / a.3.clamp(1e-6, 1.0), "{expected:?} {found:?}");
+        }
+    }
+    assert!(resting > 20 && events > 300, "{resting} {events}");
+}
+
+#[test]
+fn what_cannot_be_reported_is_refused() {
+    let loaded = || {
+        let mut loaded = motions().remove(0);
+        loaded.set_loads(&Loads { derivatives: [[0.1; 4]; 3] }).expect("valid");
+        loaded
+    };
+    let refused = |record: &Record, what: &str| match &record.ended {
+        Some(Err(Error::OutOfRange { name, .. })) => assert_eq!(*name, what),
+        other => panic!("{other:?}"),
+    };
+    let mut motions = [loaded(), motions().remove(0)];
+    let found = record(&mut motions, vec![1, 0], REPORTS, 20.0);
+    refused(&found[0], "box.f");
+    assert_eq!((&found[1].ended, motions[1].time(), motions[0].time()), (&Some(Ok(())), 20.0, 2.0));
+    for step in [0.0, -1.0, f64::NAN, 1e-12] {
+        let found = record(&mut motions[1..], vec![0], Reports { step, ..REPORTS }, 30.0);
+        refused(&found[0], "time between samples");
+    }
+    // Without samples the step means nothing.
+    let none = Reports { origin: f64::INFINITY, step: 0.0, maxima_of: None };
+    let found = record(&mut motions[1..], vec![0], none, 30.0);
+    assert!(found[0].samples.is_empty() && found[0].maxima.is_empty() && !found[0].events.is_empty());
+}
