@@ -3,6 +3,7 @@
 mod basin;
 mod compare;
 mod design_sweep;
+mod diagram;
 mod diagram_orbits;
 mod isoperiodic;
 mod lengths;

@@ -24,6 +24,7 @@ mod stored;
 mod switching;
 mod system;
 mod test_functions;
+mod trace;
 mod tree;
 mod word;
 
@@ -40,5 +41,6 @@ pub use ranges::{Doubling, RangeEnd, StableRange, doubling_ratios, doubling_sequ
 pub use search::search;
 pub use settled::{orbit_of, settle};
 pub use system::{ConstantLoads, System};
-pub use tree::{Tree, TreeOptions, branch, tree, tree_in_parts};
+pub use trace::{branch, tree, tree_in_parts};
+pub use tree::{Tree, TreeOptions};
 pub use word::OrbitWord;

@@ -3,9 +3,9 @@
 mod drawn;
 
 use super::Study;
+use super::diagram::{DIRECTIONS, method};
 use super::lengths::Lengths;
 use super::orbits::special_table;
-use super::sweep::{DIRECTIONS, method};
 use crate::Result;
 use crate::figures::chart::Figure;
 use crate::table::{CsvRows, exact};

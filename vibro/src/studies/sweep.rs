@@ -1,11 +1,12 @@
 //! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
 
 use super::Study;
+use super::diagram::{DIRECTIONS, maxima_panel, method};
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLOCK, FAMILY, GREY, HERE, SKY};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, Shape, THIN};
+use crate::figures::canvas::palette::{BLACK, BLOCK, FAMILY, GREY, SKY};
+use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{CsvRows, Table, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
@@ -14,14 +15,6 @@ use vibro_analysis::plane::{Method, ParameterAxis};
 use vibro_analysis::response::{ResponsePoint, response};
 use vibro_analysis::{ParameterSet, short};
 
-/// Rows of cells in a diagram, and most columns: neighbouring values share one where there are more.
-const ROWS: usize = 380;
-const COLUMNS: usize = 1300;
-/// Shades by the part of the kept periods that fall into a cell: under 0.5 %, 3 %, 20 %, more.
-const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
-const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
-/// Where the falling direction ends elsewhere: rare, frequent; lighter than any shade, so that grey shows it too.
-const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
 /// Stroke of the curves of multiple scales and of the falling direction, over which others are drawn.
 const WIDE: u32 = 14;
 /// Nodes of the branches drawn over maxima.
@@ -81,89 +74,6 @@ fn letters(panels: &mut [Panel]) {
     }
 }
 
-pub(super) fn method(sweep: &Sweep) -> String {
-    let mut text = format!(
-        "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
-        sweep.discard, sweep.keep, sweep.axis.count
-    );
-    if let Some(o) = &sweep.exponents {
-        text.push_str(&format!(" Exponents over {} periods after {}.", o.periods, o.align));
-    }
-    text
-}
-
-/// What a maximum at a point is in units of the set's own gap.
-type Length<'a> = &'a dyn Fn(&SweepPoint, f64) -> f64;
-
-/// Range of all maxima, with some air.
-fn reach(diagram: &Diagram, length: Length<'_>) -> (f64, f64) {
-    let points = diagram.up.iter().chain(&diagram.down).flatten();
-    let all = points.flat_map(|p| p.maxima.iter().map(|m| length(p, m.0)));
-    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    if low > high {
-        (0.0, 1.0)
-    } else {
-        (low - 0.03 * (high - low) - 1e-3, high + 0.03 * (high - low) + 1e-3)
-    }
-}
-
-/// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one where it ends elsewhere.
-fn cells(sweep: &Sweep, diagram: &Diagram, apart: &[bool], (y, length): ((f64, f64), Length<'_>)) -> Shape {
-    let axis = &sweep.axis;
-    let columns = axis.count.min(COLUMNS);
-    // Values in a column, whose periods are counted together.
-    let mut shares = vec![0_u32; columns];
-    let mut counts = vec![[0u32; 2]; ROWS * columns];
-    let row = |x: f64| (((x - y.0) / (y.1 - y.0) * ROWS as f64) as usize).min(ROWS - 1);
-    (0..axis.count).for_each(|value| shares[value * columns / axis.count] += 1);
-    for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
-        for (value, point) in points.iter().enumerate() {
-            if direction == 1 && !apart[value] {
-                continue;
-            }
-            let Some(p) = point else { continue };
-            for (x, count) in &p.maxima {
-                counts[row(length(p, *x)) * columns + value * columns / axis.count][direction] += count;
-            }
-        }
-    }
-    let class = |(place, [up, down]): (usize, [u32; 2])| {
-        let kept = f64::from(sweep.keep) * f64::from(shares[place % columns]);
-        let level = |count: u32| STEPS.iter().filter(|s| f64::from(count) > **s * kept).count() as u8;
-        match (up, down) {
-            (0, 0) => 0,
-            (0, down) => 5 + u8::from(level(down) > 1),
-            (up, _) => 1 + level(up),
-        }
-    };
-    let mut colours = vec![None];
-    colours.extend(SHADES.into_iter().chain(FALLING).map(Some));
-    let (x, cells) = (axis.edges(), counts.into_iter().enumerate().map(class).collect());
-    Shape::Cells { x, y, columns, cells, colours }
-}
-
-pub(super) fn maxima_panel(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, apart: &[bool]) -> Panel {
-    let (axis, lengths) = (&sweep.axis, Lengths::of(set));
-    let symbol = lengths.displacement(sweep.of.symbol());
-    let length = |p: &SweepPoint, x: f64| lengths.ratio(axis.name, p.value) * x;
-    let (x, y) = (axis.edges(), reach(diagram, &length));
-    let mut layers = vec![Layer::new("", BLACK, cells(sweep, diagram, apart, (y, &length)))];
-    layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
-    layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
-    let own = axis.name.value(set);
-    if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
-        let name = format!("this set: {}", set.told(axis.name, own));
-        let line = vec![(own, y.0), (own, y.1)];
-        layers.push(Layer::line(&name, HERE, Dash::Dotted, line).stroke(THIN));
-    }
-    Panel {
-        title: format!("Local maxima of {symbol}"),
-        x: super::parameter_axis(set, axis.name, x),
-        y: lengths.axis_over(&symbol, y.0, y.1),
-        layers,
-    }
-}
-
 fn exponent_panel(set: &ParameterSet, axis: &ParameterAxis, points: &[Option<SweepPoint>]) -> Panel {
     let x = axis.edges();
     let curve = |index: usize| -> Path {
@@ -202,8 +112,6 @@ fn impact_panel(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -> 
         ],
     }
 }
-
-pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
 /// Every maximum with its count.
 ///

@@ -1,6 +1,6 @@
 //! What can be asked for.
 
-use crate::orbits::{Loci, OneOrbit, Orbits};
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share};
 use crate::run::Run;
 use crate::sweep_arguments::Sweep;

@@ -6,6 +6,7 @@ mod interruption;
 mod invocation;
 mod long;
 mod orbits;
+mod orbits_arguments;
 mod output;
 mod progress;
 mod ranges;

@@ -3,9 +3,9 @@
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, WHITE};
 use crate::figures::chart::{Colour, Dash, LINE, Layer, Mark, Panel, Path, Shape, THIN};
+use crate::studies::diagram::maxima_panel;
 use crate::studies::lengths::Lengths;
 use crate::studies::orbits::{COLOURED, MARKS, colour};
-use crate::studies::sweep::maxima_panel;
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;

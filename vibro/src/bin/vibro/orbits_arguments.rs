@@ -1,0 +1,122 @@
+//! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`.
+
+use crate::ranges::ParameterRange;
+use clap::Args;
+use std::str::FromStr;
+use vibro::{Error, Result};
+use vibro_analysis::orbits::ConstantLoads;
+
+/// A constant load, as `block=0.02`.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadArgument {
+    body: usize,
+    force: f64,
+}
+
+impl FromStr for LoadArgument {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let form =
+            || Error::form(text, "body=force in N with a body of box, block, secondary, e.g. block=-0.02");
+        let (body, force) = text.split_once('=').ok_or_else(form)?;
+        let body =
+            ["box", "block", "secondary"].iter().position(|name| *name == body.trim()).ok_or_else(form)?;
+        let force = force.trim().parse::<f64>().ok().filter(|f| f.is_finite()).ok_or_else(form)?;
+        Ok(Self { body, force })
+    }
+}
+
+/// The loads together, those on one body added up.
+pub fn constant_loads(arguments: &[LoadArgument]) -> ConstantLoads {
+    let mut loads = ConstantLoads::NONE;
+    arguments.iter().for_each(|load| loads.forces[load.body] += load.force);
+    loads
+}
+
+/// Which orbit.
+#[derive(Args, Debug)]
+pub struct Which {
+    /// Its impact word in letters U (upper stop) and L (lower stop); the orbit of the settled motion unless given. A word that
+    /// ends in "-" is half of a symmetric orbit: U- is the motion with two symmetric impacts a period
+    #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
+    pub word: Option<String>,
+    /// Its period in drive periods, for --word
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub period: u32,
+    /// A constant load in N on box, block or secondary; may be repeated. A gap off its centre by d is the pair
+    /// block=-k23*d, secondary=k23*d
+    #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
+    pub load: Vec<LoadArgument>,
+}
+
+impl Which {
+    /// The loads on the bodies.
+    pub fn loads(&self) -> ConstantLoads {
+        constant_loads(&self.load)
+    }
+}
+
+/// Arguments of `orbit`.
+#[derive(Args, Debug)]
+pub struct OneOrbit {
+    /// The orbit.
+    #[command(flatten)]
+    pub which: Which,
+}
+
+/// Arguments of `orbits`.
+#[derive(Args, Debug)]
+pub struct Orbits {
+    /// Parameter and range [default: f10=0.5:5]
+    #[arg(long, visible_alias = "range", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    pub vary: Option<ParameterRange>,
+    /// The orbit with which a single branch begins, at the value that was set.
+    #[command(flatten)]
+    pub which: Which,
+    /// All branches: from settled motions over the whole range, rising and falling, and from every special point
+    #[arg(long, conflicts_with_all = ["word", "period"])]
+    pub tree: bool,
+    /// Switches of branches that are followed one after another
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(0..=40))]
+    pub depth: u32,
+    /// Values of the parameter at which motions are settled, in each direction
+    #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub seeds: u32,
+    /// Most impacts in a word
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=128))]
+    pub letters: u32,
+    /// Longest step along a branch: phases in rad, the parameter in fifths of its range
+    #[arg(long, value_name = "X", default_value_t = 0.05)]
+    pub step: f64,
+    /// At a touch, words that list it once in up to so many passages of the orbit are followed too, which have a longer period
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub repetitions: u32,
+    /// Values of the parameter at which every branch gets a point, labelled UZ; separated by commas, and may be repeated
+    #[arg(long, value_name = "VALUE", value_delimiter = ',', allow_hyphen_values = true)]
+    pub mark: Vec<String>,
+}
+
+/// Arguments of `locus`.
+#[derive(Args, Debug)]
+pub struct Loci {
+    /// A special point from which a curve is followed: a file written by `vibro orbits` and a row, counted from 1. May be
+    /// repeated
+    #[arg(long, required = true, value_name = "FILE:ROW")]
+    pub from: Vec<String>,
+    /// Curves of this kind only: LP, BP, PD, NS or GR
+    #[arg(long, value_name = "LABEL")]
+    pub label: Option<String>,
+    /// The two parameters and their ranges, horizontal first; the first is that of the special points
+    #[arg(
+        long,
+        visible_alias = "range",
+        required = true,
+        value_name = "NAME=FROM:TO",
+        allow_hyphen_values = true
+    )]
+    pub vary: Vec<ParameterRange>,
+    /// A constant load in N on box, block or secondary; may be repeated
+    #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
+    pub load: Vec<LoadArgument>,
+}
