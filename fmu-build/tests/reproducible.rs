@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 /// What the library is compiled from, and what cargo wants to see beside it.
-const SOURCES: [&str; 14] = [
+const SOURCES: [&str; 20] = [
     "Cargo.toml",
     "Cargo.lock",
     "src",
@@ -13,9 +13,15 @@ const SOURCES: [&str; 14] = [
     "assets",
     "benches",
     "examples",
+    "explorer/Cargo.toml",
+    "explorer/src",
+    "explorer-build/Cargo.toml",
+    "explorer-build/src",
     "fmi",
     "tests",
     "modelDescription",
+    "python/Cargo.toml",
+    "python/src",
     "fmu-build/Cargo.toml",
     "fmu-build/src",
     "vibro/Cargo.toml",

@@ -16,6 +16,8 @@ const POLL: Duration = Duration::from_millis(30);
 pub struct Control {
     cancelled: AtomicBool,
     done: AtomicUsize,
+    /// How many parts there are; 0 where the caller knows.
+    total: AtomicUsize,
 }
 
 impl Control {
@@ -32,6 +34,11 @@ impl Control {
         self.cancelled.load(Ordering::Relaxed)
     }
 
+    /// Tells how many parts there are, where the caller cannot know.
+    pub fn expect(&self, parts: usize) {
+        self.total.store(parts, Ordering::Relaxed);
+    }
+
     /// Counts parts that are done.
     pub fn add(&self, parts: usize) {
         self.done.fetch_add(parts, Ordering::Relaxed);
@@ -39,7 +46,7 @@ impl Control {
 }
 
 /// Computes in another thread without Python's lock and waits for the result. A signal's exception, and one of `progress`, which is
-/// called with the number of parts done, ends the wait at once; the thread ends where it next looks at its [`Control`], and what it
+/// called with the numbers of parts done and in all (0 where it knows), ends the wait at once; the thread ends where it next looks at its [`Control`], and what it
 /// computes is dropped.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,
@@ -55,7 +62,10 @@ pub fn compute<T: Send + 'static>(
     };
     let thread = std::thread::Builder::new().name("vibro_impact".into()).spawn(work);
     thread.map_err(|error| Failure::Threads(error.to_string()))?;
-    let report = || progress.map_or(Ok(()), |f| f.call1((control.done.load(Ordering::Relaxed),)).map(|_| ()));
+    let report = || {
+        let parts = (control.done.load(Ordering::Relaxed), control.total.load(Ordering::Relaxed));
+        progress.map_or(Ok(()), |f| f.call1(parts).map(|_| ()))
+    };
     loop {
         let outcome;
         (outcome, receiver) = py.detach(move || (receiver.recv_timeout(POLL), receiver));

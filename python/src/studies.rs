@@ -8,7 +8,7 @@ use numpy::PyArrayMethods;
 use pyo3::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis};
-use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
+use vibro_analysis::bifurcation::{self, Diagram, Sweep, SweepPoint, diagram};
 use vibro_analysis::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::measures::{Measure, measure as measured};
@@ -42,11 +42,13 @@ impl PartStore for Cancelling<'_> {
     }
 }
 
-/// A study in parts, on all threads. All parts belong to it, so that it is whole.
+/// A study in `parts` parts, on all threads. All parts belong to it, so that it is whole.
 fn in_parts<T: Send>(
     control: &Control,
+    parts: usize,
     study: impl FnOnce(&Task) -> vibro_analysis::Result<Option<T>> + Send,
 ) -> Result<T, Failure> {
+    control.expect(parts);
     let done = |_| control.add(1);
     let task = Task { store: &Cancelling(control), shard: Shard::ALL, done: &done };
     let found = pool()?.install(|| study(&task))?;
@@ -97,7 +99,9 @@ pub fn bifurcation<'py>(
     let exponents = exponents.map(|periods| SpectrumOptions { periods, ..SpectrumOptions::default() });
     let (sweep, set) =
         (Sweep { axis, discard, keep, exponents, of }, system.set().map_err(Failure::from)?.clone());
-    let found = compute(py, progress, move |control| in_parts(control, |task| diagram(&set, &sweep, task)))?;
+    let found = compute(py, progress, move |control| {
+        in_parts(control, bifurcation::count(&sweep), |task| diagram(&set, &sweep, task))
+    })?;
     let Diagram { up, down } = &found;
     Ok(BothDirections {
         up: direction(py, &axis, up, exponents.is_some())?,
@@ -251,8 +255,9 @@ pub fn basins<'py>(
     let axis = |(coordinate, from, to, count)| InitialValueAxis { coordinate, from, to, count };
     let request = basin::Request { x: axis(x), y: axis(y), discard };
     let p = *system.set().map_err(Failure::from)?.parameters();
-    let found =
-        compute(py, progress, move |control| in_parts(control, |task| basin::basin(&p, &request, task)))?;
+    let found = compute(py, progress, move |control| {
+        in_parts(control, basin::count(&request), |task| basin::basin(&p, &request, task))
+    })?;
     let cell = |cell: &Destination| match cell {
         Destination::Attractor(number) => (i32::from(*number), false),
         Destination::Mirror(number) => (i32::from(*number), true),

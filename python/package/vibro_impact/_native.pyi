@@ -10,7 +10,7 @@ from . import _returned
 
 _Floats = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-_Progress = Callable[[int], object] | None
+_Progress = Callable[[int, int], object] | None
 
 __all__ = [
     "Load",

@@ -22,12 +22,14 @@ class Bar:
             self.bar = tqdm(total=total, unit=unit)
 
     @property
-    def report(self) -> Optional[Callable[[int], None]]:
-        """What the computation calls with the number of parts that are done."""
+    def report(self) -> Optional[Callable[[int, int], None]]:
+        """What the computation calls with the numbers of parts that are done and in all, 0 where this bar knows."""
         return self._show if self.wanted else None
 
-    def _show(self, done: int) -> None:
+    def _show(self, done: int, total: int) -> None:
+        self.total = total or self.total
         if self.bar is not None:
+            self.bar.total = self.total
             self.bar.update(done - self.shown)
         elif 100 * done // max(self.total, 1) != 100 * self.shown // max(self.total, 1):
             sys.stderr.write(f"\r{100 * done // max(self.total, 1):3d} %")

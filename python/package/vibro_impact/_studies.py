@@ -116,8 +116,7 @@ def bifurcation(
     discard = whole("periods[0]", discard, 0, MOST_PERIODS)
     keep = whole("periods[1]", keep, 1, MOST_PERIODS)
     over = None if exponents is False else 1500 if exponents is True else whole("exponents", exponents, 1, 10_000_000)
-    # Eight values make a part.
-    with Bar(progress, 2 * -(-count // 8), "parts") as bar:
+    with Bar(progress, 1, "parts") as bar:
         found = _native.bifurcation(
             machine._system, name, ends, count, discard, keep, choice("of", of, ("x1", "x2", "x3", "w")), over, bar.report
         )
@@ -258,7 +257,7 @@ def basins(
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")
     (x_name, y_name), (x, y) = tuple(ranges), (_range(name, given) for name, given in ranges.items())
     periods = whole("periods", periods, 0, MOST_PERIODS)
-    with Bar(progress, y[3], "rows") as bar:
+    with Bar(progress, 1, "parts") as bar:
         found = _native.basins(machine._system, x, y, periods, bar.report)
     attractors = tuple(_attractor(a) for a in found["attractors"])
     edges = (x[1], x[2], y[1], y[2])

@@ -254,20 +254,20 @@ fn a_played_motion_has_no_impacts_at_its_start() {
     }
 }
 
-/// The same in the steps of either version.
+/// The same in either kind of step.
 #[test]
 fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_others() {
-    for as_fmi3 in [false, true] {
+    for ends_at_events in [false, true] {
         let mut fmu = closed(3.0);
         let mut messages = Messages::default();
-        if as_fmi3 {
+        if ends_at_events {
             fmu.advance(0.0, 1e9, &mut messages).unwrap();
         } else {
             fmu.step(0.0, 1e9, &mut messages).unwrap();
         }
         let impacts = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
         assert!(impacts > 3e8, "{impacts}");
-        assert_eq!(messages.0.len(), 1001, "{as_fmi3}");
+        assert_eq!(messages.0.len(), 1001, "{ends_at_events}");
         assert!(messages.0[999].1.starts_with("impact on the"), "{}", messages.0[999].1);
         let rest =
             format!("{} more impacts up to t = 1000000000 s are not listed one by one", impacts - 1000.0);
