@@ -8,7 +8,7 @@ use numpy::PyArrayMethods;
 use pyo3::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis};
-use vibro_analysis::bifurcation::{self, Diagram, Sweep, SweepPoint, diagram};
+use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
 use vibro_analysis::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::measures::{Measure, measure as measured};
@@ -100,7 +100,7 @@ pub fn bifurcation<'py>(
     let (sweep, set) =
         (Sweep { axis, discard, keep, exponents, of }, system.set().map_err(Failure::from)?.clone());
     let found = compute(py, progress, move |control| {
-        in_parts(control, bifurcation::count(&sweep), |task| diagram(&set, &sweep, task))
+        in_parts(control, diagram_parts(&sweep), |task| diagram(&set, &sweep, task))
     })?;
     let Diagram { up, down } = &found;
     Ok(BothDirections {
