@@ -83,7 +83,7 @@ impl Binary {
     /// Loads the shared library.
     ///
     /// # Errors
-    /// [`Error::Load`] when it cannot be loaded or lacks a function.
+    /// [`Error::Load`](crate::Error::Load) when it cannot be loaded or lacks a function.
     pub fn load(path: &Path) -> Result<Self> {
         // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has none of its own.
         let library = unsafe { open(path) }?;
@@ -118,7 +118,7 @@ impl Binary {
     /// `fmi2Instantiate` for co-simulation.
     ///
     /// # Errors
-    /// [`Error::Call`] with the FMU's log when it returns null.
+    /// [`Error::Call`](crate::Error::Call) with the FMU's log when it returns null.
     pub fn instantiate(&self, guid: &str) -> Result<Instance<'_>> {
         let log = Box::new(Log::default());
         let callbacks = Box::new(Callbacks {
@@ -178,7 +178,7 @@ impl Instance<'_> {
     /// `fmi2SetupExperiment`, `fmi2EnterInitializationMode`, `fmi2ExitInitializationMode`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn initialize(&mut self, start: f64) -> Result<()> {
         let (f, c) = (self.functions, self.component);
         // SAFETY (all three): the component is live and not null.
@@ -190,7 +190,7 @@ impl Instance<'_> {
     /// `fmi2DoStep`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn step(&mut self, from: f64, size: f64) -> Result<()> {
         // SAFETY: the component is live and not null.
         self.log.check("fmi2DoStep", unsafe { (self.functions.do_step)(self.component, from, size, 1) })
@@ -199,7 +199,7 @@ impl Instance<'_> {
     /// `fmi2GetReal`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn real<const N: usize>(&self, references: &[u32; N]) -> Result<[f64; N]> {
         let mut values = [0.0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
@@ -211,7 +211,7 @@ impl Instance<'_> {
     /// `fmi2SetReal`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn set_real<const N: usize>(&mut self, references: &[u32; N], values: &[f64; N]) -> Result<()> {
         let (to, from) = (references.as_ptr(), values.as_ptr());
         // SAFETY: both arrays have N elements.
@@ -221,7 +221,7 @@ impl Instance<'_> {
     /// `fmi2GetInteger`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn integer<const N: usize>(&self, references: &[u32; N]) -> Result<[i32; N]> {
         let mut values = [0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
@@ -234,7 +234,7 @@ impl Instance<'_> {
     /// `fmi2Terminate`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn terminate(&mut self) -> Result<()> {
         // SAFETY: the component is live and not null.
         self.log.check("fmi2Terminate", unsafe { (self.functions.terminate)(self.component) })

@@ -53,7 +53,7 @@ impl Binary {
     /// Loads the shared library.
     ///
     /// # Errors
-    /// [`Error::Load`] when it cannot be loaded or lacks a function.
+    /// [`Error::Load`](crate::Error::Load) when it cannot be loaded or lacks a function.
     pub fn load(path: &Path) -> Result<Self> {
         // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has none of its own.
         let library = unsafe { open(path) }?;
@@ -86,7 +86,7 @@ impl Binary {
     /// `fmi3InstantiateCoSimulation`, with neither event mode nor early return.
     ///
     /// # Errors
-    /// [`Error::Call`] with the FMU's log when it returns null.
+    /// [`Error::Call`](crate::Error::Call) with the FMU's log when it returns null.
     pub fn instantiate(&self, token: &str) -> Result<Instance<'_>> {
         let log = Box::new(Log::default());
         let token = CString::new(token).unwrap_or_default();
@@ -143,7 +143,7 @@ impl Instance<'_> {
     /// `fmi3EnterInitializationMode`, `fmi3ExitInitializationMode`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn initialize(&mut self, start: f64) -> Result<()> {
         let (f, i) = (self.functions, self.handle);
         // SAFETY (both): the instance is live and not null.
@@ -155,7 +155,7 @@ impl Instance<'_> {
     /// `fmi3DoStep`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn step(&mut self, from: f64, size: f64) -> Result<()> {
         let (mut event, mut terminate, mut early, mut reached) = (false, false, false, 0.0);
         // SAFETY: the instance is live and not null, and the places for the results are valid.
@@ -177,7 +177,7 @@ impl Instance<'_> {
     /// `fmi3GetFloat64` of scalars.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn real<const N: usize>(&self, references: &[u32; N]) -> Result<[f64; N]> {
         let mut values = [0.0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
@@ -190,7 +190,7 @@ impl Instance<'_> {
     /// `fmi3GetInt32` of scalars.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn integer<const N: usize>(&self, references: &[u32; N]) -> Result<[i32; N]> {
         let mut values = [0; N];
         let (from, to) = (references.as_ptr(), values.as_mut_ptr());
@@ -202,7 +202,7 @@ impl Instance<'_> {
     /// `fmi3Terminate`.
     ///
     /// # Errors
-    /// [`Error::Call`].
+    /// [`Error::Call`](crate::Error::Call).
     pub fn terminate(&mut self) -> Result<()> {
         // SAFETY: the instance is live and not null.
         self.log.check("fmi3Terminate", unsafe { (self.functions.terminate)(self.handle) })
