@@ -4,6 +4,7 @@ use super::branch::{Branch, Point};
 use super::family::Family;
 use super::grower::SAME_PLACE;
 use super::orbit::{Orbit, canonical, newton, same_phases};
+use super::settled::REPETITION;
 use super::system::System;
 use super::tree::Tree;
 use crate::attractor::Attractor;
@@ -154,7 +155,8 @@ impl Branch {
     /// Whether it passes an orbit, which is of the family at a value of the parameter.
     pub fn holds(&self, family: &Family, orbit: &Orbit, value: f64) -> bool {
         let mirror = family.is_symmetric();
-        let (word, phases) = canonical(orbit.word(), orbit.phases(), mirror);
+        let (word, phases) = orbit.word().reduced(orbit.phases(), mirror, REPETITION);
+        let (word, phases) = canonical(&word, &phases, mirror);
         word == self.word && self.passes(family, &phases, value, mirror)
     }
 

@@ -8,7 +8,7 @@ use super::grower::{Grower, Start};
 use super::obstacle::Obstacle;
 use super::orbit::Orbit;
 use super::path::{Follower, PathEnd, PathOptions, follow};
-use super::settled;
+use super::settled::{self, REPETITION};
 use super::switching;
 use super::tree::{Traced, Tree, TreeOptions};
 use super::word::OrbitWord;
@@ -86,7 +86,8 @@ pub fn tree_in_parts(
 }
 
 /// The branch of one orbit, followed in both directions without switching to others; points at the values `marks` of the parameter
-/// are labelled UZ.
+/// are labelled UZ. Its word is the orbit's shortest: of UL closing with + on a symmetric orbit that is U closing with -, whose
+/// symmetry may break, and which is followed beyond.
 ///
 /// ```
 /// use vibro_analysis::orbits::{ConstantLoads, Family, Label, OrbitWord, PathOptions, Span, branch};
@@ -132,13 +133,14 @@ pub fn branch(
         let found = free::branches(family, marks)?.into_iter().map(|b| b.0).find(around);
         return found.ok_or_else(|| Obstacle::NoConvergence.error(&system, word));
     }
+    let (word, phases) = word.reduced(orbit.phases(), family.is_symmetric(), REPETITION);
     let followed = || {
-        let (word, both) = switching::both_ways(family, word, orbit.phases(), value)?;
+        let (word, both) = switching::both_ways(family, &word, &phases, value)?;
         let start = Start { depth: 0, parent: None, word, departures: both.to_vec() };
         Ok((trace(family, options, marks, &start)?, start.word))
     };
     let (Traced { points, closed, .. }, word) =
-        followed().map_err(|obstacle: Obstacle| obstacle.error(&system, word))?;
+        followed().map_err(|obstacle: Obstacle| obstacle.error(&system, &word))?;
     Ok(Branch { id: 0, parent: None, depth: 0, word, points, closed })
 }
 

@@ -32,6 +32,24 @@ fn labelled(branch: &Branch, label: Label) -> impl Iterator<Item = &Point> {
     branch.points.iter().filter(move |p| p.label() == Some(label))
 }
 
+/// The same orbit by its whole word: its branch goes on where the symmetry breaks.
+#[test]
+fn invariant_a_whole_word_of_a_symmetric_orbit_gives_its_branch() {
+    let family = family(0.5, 3.0);
+    let half = branch(&family, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[]).unwrap();
+    let system = family.system(&[1.5]).unwrap();
+    let orbit = Orbit::find(&system, &OrbitWord::new("UL", 1, 2).unwrap(), &[5.5, 8.6]).unwrap();
+    let whole = branch(&family, orbit.word(), orbit.phases(), 1.5, &PathOptions::default(), &[]).unwrap();
+    assert_eq!(whole.word, half.word);
+    assert!(whole.holds(&family, &orbit, 1.5) && half.holds(&family, &orbit, 1.5));
+    let values =
+        |b: &Branch| b.points.iter().filter(|p| p.label().is_some()).map(|p| p.value).collect::<Vec<_>>();
+    assert_eq!(values(&whole).len(), values(&half).len());
+    for (a, b) in values(&whole).into_iter().zip(values(&half)) {
+        assert!((a - b).abs() < LOCATION, "{a} {b}");
+    }
+}
+
 #[test]
 fn closed_form_of_the_branch_of_symmetric_orbits() {
     let family = family(0.5, 3.0);
