@@ -141,6 +141,10 @@ pub enum Mark {
     Triangle,
     /// Oblique cross.
     Cross,
+    /// Upright cross.
+    Plus,
+    /// Filled square on its corner.
+    Diamond,
 }
 
 /// Stroke of curves in units of the drawing.

@@ -78,13 +78,19 @@ pub(super) fn marks(canvas: &mut Canvas, places: &[Place], colour: Colour, radiu
             let corners = [(0.0, -1.25 * r), (r, 0.75 * r), (-r, 0.75 * r)];
             places.iter().for_each(|&p| canvas.polygon(&around(p, &corners), colour, 1.0));
         }
-        Mark::Cross => {
-            let strokes = [[(-r, -r), (r, r)], [(-r, r), (r, -r)]];
-            let pieces: Vec<_> =
-                places.iter().flat_map(|&p| strokes.iter().map(move |s| around(p, s))).collect();
-            canvas.lines(&pieces, Pen::solid(colour, FINE));
+        Mark::Diamond => {
+            let corners = [(0.0, -1.3 * r), (1.3 * r, 0.0), (0.0, 1.3 * r), (-1.3 * r, 0.0)];
+            places.iter().for_each(|&p| canvas.polygon(&around(p, &corners), colour, 1.0));
         }
+        Mark::Cross => strokes(canvas, places, [[(-r, -r), (r, r)], [(-r, r), (r, -r)]], colour),
+        Mark::Plus => strokes(canvas, places, [[(-r, 0.0), (r, 0.0)], [(0.0, -r), (0.0, r)]], colour),
     }
+}
+
+/// A mark of two strokes.
+fn strokes(canvas: &mut Canvas, places: &[Place], two: [[Place; 2]; 2], colour: Colour) {
+    let pieces: Vec<_> = places.iter().flat_map(|&p| two.iter().map(move |s| around(p, s))).collect();
+    canvas.lines(&pieces, Pen::solid(colour, FINE));
 }
 
 fn around(at: Place, offsets: &[Place]) -> Vec<Place> {

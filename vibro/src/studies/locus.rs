@@ -1,13 +1,13 @@
 //! Curves of bifurcations in two parameters.
 
-use super::Study;
 use super::orbits::said;
+use super::{Study, parameter_axis};
 use crate::Result;
 use crate::figures::canvas::palette::FAMILY;
-use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel};
+use crate::figures::chart::{Dash, Figure, Layer, Panel};
 use crate::table::{CsvRows, exact};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{Family, LocusEnd, LocusPoint, LocusStart};
+use vibro_analysis::orbits::{Family, LocusEnd, LocusPoint, LocusStart, Span};
 
 /// The study of curves over the two parameters of a family.
 ///
@@ -49,7 +49,7 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[(LocusStart, Vec<Locu
         let name = format!("{} {}{sign} {}T", start.label, start.word, start.word.period());
         layers.push(Layer::line("", FAMILY[i % FAMILY.len()], Dash::Solid, path).labelled(name));
     }
-    let axis = |span: &vibro_analysis::orbits::Span| Axis::over(span.name.label(), span.from, span.to);
+    let axis = |span: &Span| parameter_axis(set, span.name, (span.from, span.to));
     let what =
         format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
     let figure = Figure {

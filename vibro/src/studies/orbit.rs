@@ -3,7 +3,7 @@
 use super::Study;
 use super::orbits::said;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREY, VERMILLION};
+use crate::figures::canvas::palette::{BLACK, GREY, RELATIVE, VERMILLION};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{CsvRows, exact};
 use std::f64::consts::TAU;
@@ -33,11 +33,11 @@ pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> 
             .push(format!("{others} other orbits of this word were found; this one is nearest to stability"));
     }
     let figure = Figure {
-        title: format!("Periodic orbit {word}"),
+        title: format!("Periodic orbit {word}{sign} of period {}T", word.period()),
         caption: vec![format!("{stability}; {}{}", set.caption(), said(orbit.system().loads()))],
         panels: vec![history(orbit), portrait(orbit), multipliers(orbit)],
         columns: 3,
-        panel: (1350, 1150),
+        panel: (1150, 1150),
         shared_legend: false,
     };
     Ok(Study {
@@ -105,7 +105,7 @@ fn history(orbit: &Orbit) -> Panel {
     let points: Path = samples(orbit).into_iter().map(|(phase, w, _)| (phase / TAU, w)).collect();
     let (from, to) = (points[0].0, points[points.len() - 1].0);
     let stop = |w: f64| Layer::line("", GREY, Dash::Dotted, vec![(from, w), (to, w)]).stroke(THIN);
-    let layers = vec![stop(1.0), stop(-1.0), Layer::line("", BLUE, Dash::Solid, points)];
+    let layers = vec![stop(1.0), stop(-1.0), Layer::line("", RELATIVE, Dash::Solid, points)];
     let x = Axis::over("phase of the drive (periods)", from, to);
     Panel { title: "(a) history".into(), x, y: Axis::over("w (units of L)", -1.1, 1.1), layers }
 }
@@ -121,7 +121,7 @@ fn portrait(orbit: &Orbit) -> Panel {
         pieces.last_mut().into_iter().for_each(|piece| piece.push((w, rate)));
         last = Some((w, rate));
     }
-    let layers = vec![Layer::lines("", BLUE, Dash::Solid, pieces)];
+    let layers = vec![Layer::lines("", RELATIVE, Dash::Solid, pieces)];
     let title = "(b) portrait".into();
     Panel {
         title, x: Axis::over("w (units of L)", -1.1, 1.1), y: Axis::new("w′ (units of ω₁L)"), layers

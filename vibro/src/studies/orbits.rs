@@ -1,6 +1,6 @@
 //! Branches of periodic orbits over a parameter, with their bifurcations.
 
-use super::Study;
+use super::{Study, parameter_axis};
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
@@ -18,14 +18,15 @@ pub(super) const COLOURED: usize = FAMILY.len();
 const MARKED: usize = 150;
 
 /// Marks of special points.
-pub(super) const MARKS: [(Label, &str, Mark); 7] = [
+pub(super) const MARKS: [(Label, &str, Mark); 8] = [
     (Label::Fold, "LP fold", Mark::Disc),
     (Label::BranchPoint, "BP branch point", Mark::Square),
     (Label::PeriodDoubling, "PD period doubling", Mark::Triangle),
     (Label::NeimarkSacker, "NS Neimark–Sacker", Mark::Cross),
     (Label::Grazing, "GR touch", Mark::Ring),
-    (Label::Chatter, "CH chatter", Mark::Cross),
-    (Label::NoConvergence, "MX not followed on", Mark::Cross),
+    (Label::Chatter, "CH chatter", Mark::Plus),
+    (Label::NoConvergence, "MX not followed on", Mark::Plus),
+    (Label::UserValue, "UZ value asked for", Mark::Diamond),
 ];
 
 /// The study of branches over the one parameter of a family: `branches`, `special-points` and a picture.
@@ -47,7 +48,7 @@ pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Resul
     let figure = Figure {
         title: format!("Periodic orbits over {}", span.name.symbol()),
         caption,
-        panels: vec![panel(&span, branches, &tops, marks)],
+        panels: vec![panel(set, &span, branches, &tops, marks)],
         columns: 1,
         panel: (2900, 1700),
         shared_legend: false,
@@ -243,7 +244,9 @@ fn special_marks(branches: &[Branch], tops: &[Vec<f64>]) -> SpecialMarks {
         });
         points
             .filter(|(b, i, p, top)| {
-                p.label() == Some(label) && top.is_finite() && (all || bounds_stability(b, *i))
+                p.label() == Some(label)
+                    && top.is_finite()
+                    && (all || label == Label::UserValue || bounds_stability(b, *i))
             })
             .map(|(_, _, p, top)| (p.value, top))
             .collect()
@@ -257,7 +260,13 @@ fn special_marks(branches: &[Branch], tops: &[Vec<f64>]) -> SpecialMarks {
     SpecialMarks { layers: layers.collect(), of_stable_only }
 }
 
-fn panel(span: &Span, branches: &[Branch], tops: &[Vec<f64>], marks: SpecialMarks) -> Panel {
+fn panel(
+    set: &ParameterSet,
+    span: &Span,
+    branches: &[Branch],
+    tops: &[Vec<f64>],
+    marks: SpecialMarks,
+) -> Panel {
     let mut unstable = Vec::new();
     let mut stable = Vec::new();
     let mut periods: Vec<u32> = Vec::new();
@@ -281,6 +290,6 @@ fn panel(span: &Span, branches: &[Branch], tops: &[Vec<f64>], marks: SpecialMark
         layers.push(Layer::lines(&name, colour(period), Dash::Solid, Vec::new()));
     }
     layers.extend(marks.layers);
-    let x = Axis::over(span.name.label(), span.from, span.to);
+    let x = parameter_axis(set, span.name, (span.from, span.to));
     Panel { title: String::new(), x, y: Axis::new("largest X₂ (units of L)"), layers }
 }
