@@ -5,11 +5,15 @@
 //! free relative acceleration in rest) at the 16 interval ends, the transition matrices to the 16 interval centres and to
 //! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
 
+mod polynomial;
+
 use crate::model::{
     Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY,
     SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::simd::{PADDED, Rows, product, row};
+pub use polynomial::polynomial;
+use polynomial::{PLACES, at_interval_ends, at_places};
 use pulp::Simd;
 
 /// Intervals of a sub-step.
@@ -133,59 +137,6 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// [`polynomial`] with one coefficient for each order at the ends of the intervals of [0, 1], and with its bits for an even number N
-/// of orders: no operation is fused. The ends lie side by side in vectors.
-#[inline(always)]
-fn at_interval_ends<S: Simd, const N: usize>(simd: S, coefficients: &[f64; N]) -> [f64; INTERVALS] {
-    const { assert!(N.is_multiple_of(2)) };
-    let mut ends = [0.0; INTERVALS];
-    for (i, end) in ends.iter_mut().enumerate() {
-        *end = (i as f64 + 1.0) / INTERVALS as f64;
-    }
-    let mut values = [0.0; INTERVALS];
-    for (u, value) in S::as_simd_f64s(&ends).0.iter().zip(S::as_mut_simd_f64s(&mut values).0) {
-        let square = simd.mul_f64s(*u, *u);
-        let (mut even, mut odd) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
-        for pair in coefficients.as_chunks::<2>().0.iter().rev() {
-            even = simd.add_f64s(simd.mul_f64s(even, square), simd.splat_f64s(pair[0]));
-            odd = simd.add_f64s(simd.mul_f64s(odd, square), simd.splat_f64s(pair[1]));
-        }
-        *value = simd.add_f64s(even, simd.mul_f64s(*u, odd));
-    }
-    values
-}
-
-/// [`polynomial`] of augmented states at [`PLACES`] places, likewise with its bits. The places' chains of operations run side by side,
-/// where one alone would wait for each of its sums.
-#[inline(always)]
-fn at_places<S: Simd, const N: usize>(
-    simd: S,
-    coefficients: &[Augmented; N],
-    places: &[f64; PLACES],
-) -> [Augmented; PLACES] {
-    const { assert!(N.is_multiple_of(2)) };
-    let zero = simd.splat_f64s(0.0);
-    let mut states = [[0.0; LANES]; PLACES];
-    for v in 0..LANES / S::F64_LANES {
-        let (mut even, mut odd) = ([zero; PLACES], [zero; PLACES]);
-        for pair in coefficients.as_chunks::<2>().0.iter().rev() {
-            let (low, high) = (S::as_simd_f64s(&pair[0]).0[v], S::as_simd_f64s(&pair[1]).0[v]);
-            for (i, u) in places.iter().enumerate() {
-                let square = simd.splat_f64s(u * u);
-                even[i] = simd.add_f64s(simd.mul_f64s(even[i], square), low);
-                odd[i] = simd.add_f64s(simd.mul_f64s(odd[i], square), high);
-            }
-        }
-        for (i, u) in places.iter().enumerate() {
-            let value = simd.add_f64s(even[i], simd.mul_f64s(simd.splat_f64s(*u), odd[i]));
-            S::as_mut_simd_f64s(&mut states[i]).0[v] = value;
-        }
-    }
-    states
-}
-
-/// So many places at a time: their sums fit into registers.
-const PLACES: usize = 4;
 /// The places of the interval centres on [0, 1].
 const CENTRES: [[f64; PLACES]; INTERVALS / PLACES] = {
     let mut places = [[0.0; PLACES]; INTERVALS / PLACES];
@@ -196,20 +147,6 @@ const CENTRES: [[f64; PLACES]; INTERVALS / PLACES] = {
     }
     places
 };
-
-/// `Σ_k coefficients[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
-#[inline(always)]
-pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
-    let square = u * u;
-    let (mut even, mut odd) = ([0.0; W], [0.0; W]);
-    for k in (0..N).rev() {
-        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
-        for (s, c) in sum.iter_mut().zip(&coefficients[k]) {
-            *s = *s * square + c;
-        }
-    }
-    std::array::from_fn(|j| even[j] + u * odd[j])
-}
 
 /// Forces a time `dt` later: the polynomials shifted.
 #[inline(always)]

@@ -174,10 +174,7 @@ impl Simulator {
         self.hybrid = HybridState::new(parameters, &model, state, time)?;
         (self.pending, self.work) = (Pending::default(), WorkCounters::default());
         if !same {
-            self.parameters = *parameters;
-            self.substep = flow::substep(&model);
-            self.model = model;
-            self.renew_tables();
+            self.install(parameters, model);
         }
         self.classify_contact();
         Ok(())
@@ -221,12 +218,17 @@ impl Simulator {
         self.hybrid.y = y;
         let gained = energy::mechanical(parameters, &y) - before;
         self.hybrid.sums.input = self.hybrid.sums.input.plus(gained);
+        self.install(parameters, model);
+        self.classify_contact();
+        Ok(())
+    }
+
+    /// Puts parameters in force, with their model, which the caller has made and checked, and its tables.
+    fn install(&mut self, parameters: &Parameters, model: Model) {
         self.parameters = *parameters;
         self.substep = flow::substep(&model);
         self.model = model;
         self.renew_tables();
-        self.classify_contact();
-        Ok(())
     }
 
     /// Sets the loads from now on, as polynomials in the time from now; they hold until set again.
@@ -378,11 +380,8 @@ impl Simulator {
         if snapshot.parameters != self.parameters {
             let model = Model::new(&snapshot.parameters)?;
             check_time(model.rate, hybrid.time.value())?;
-            self.substep = flow::substep(&model);
-            self.model = model;
-            self.parameters = snapshot.parameters;
             self.hybrid = hybrid;
-            self.renew_tables();
+            self.install(&snapshot.parameters, model);
         } else {
             check_time(self.model.rate, hybrid.time.value())?;
             self.hybrid = hybrid;

@@ -175,6 +175,12 @@ pub(super) struct LaneStates {
     pub(super) next_sample: Row,
 }
 
+/// The time in a lane, of the rows of its two parts.
+#[inline(always)]
+fn time_in(time: &[Row; 2], lane: usize) -> DoubleDouble {
+    DoubleDouble { hi: time[0].0[lane], lo: time[1].0[lane] }
+}
+
 /// The state in a lane of the rows `z`, number by number: the rows are not copied.
 #[inline(always)]
 pub(super) fn state_in(rows: &[Row; 8], lane: usize) -> Augmented {
@@ -215,7 +221,7 @@ impl SubstepStarts {
     /// The time in a lane.
     #[inline(always)]
     pub(super) fn time(&self, lane: usize) -> DoubleDouble {
-        DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] }
+        time_in(&self.time, lane)
     }
 }
 
@@ -324,7 +330,7 @@ impl LaneStates {
     /// The time in a lane.
     #[inline(always)]
     pub(super) fn time(&self, lane: usize) -> DoubleDouble {
-        DoubleDouble { hi: self.time[0].0[lane], lo: self.time[1].0[lane] }
+        time_in(&self.time, lane)
     }
 
     /// The lanes whose cos θ and sin θ have been rotated `often` times.
