@@ -16,12 +16,14 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 
 from ._fmu import fmu_path
 from ._machine import Machine
-from ._motion import Ends, Load, Run, Section, simulate_many
+from ._many import Ends, simulate_many
+from ._measures import MEASURES, Spectrum
+from ._motion import Load, Run, Section
 from ._native import __version__
 from ._orbits import LABELS, Branch, Orbit
 from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES
 from ._steady import SteadyState, SteadyStates
-from ._studies import MEASURES, Attractor, Basins, Diagram, Direction, Spectrum, basins, bifurcation
+from ._studies import Attractor, Basins, Diagram, Direction, basins, bifurcation
 
 __all__ = [
     "GROUP_NAMES",

@@ -8,12 +8,12 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, MOST_ROWS, Start, array, choice, number, state, whole
+from ._measures import Spectrum, spectrum_of
 from ._motion import Load, Run, Section, load_list, run_of
 from ._orbits import Orbit, find_orbit
 from ._parameters import GROUP_NAMES, SI_NAMES, in_order, named, with_changes, written
 from ._progress import Bar
 from ._steady import SteadyStates, steady_states
-from ._studies import Spectrum, spectrum_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

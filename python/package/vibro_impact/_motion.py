@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Optional, Union
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, Floats, Start, array, choice, state, whole
-from ._progress import Bar
+from ._arguments import Floats, array, choice
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -186,85 +185,3 @@ class Section(Result):
     "Phase of the drive, shape (n,), rad in [0, 2 pi)."
     speed: Floats
     "|w'| before the impact, shape (n,), m/s; zero for a section at a phase."
-
-
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Ends(Result):
-    """The ends of many motions."""
-
-    t: Floats
-    "Times of the ends, shape (n,), s."
-    s: Floats
-    "Displacements x1, x2, x3, shape (n, 3), m."
-    v: Floats
-    "Velocities, shape (n, 3), m/s."
-
-    @property
-    def states(self) -> Floats:
-        """The states as starts of further motions, shape (n, 6)."""
-        return np.concatenate([self.s, self.v], axis=1)
-
-
-def simulate_many(
-    machines: Union[Machine, Iterable[Machine]],
-    starts: Union[Start, Sequence[Start]] = None,
-    *,
-    periods: int = 400,
-    progress: bool = False,
-) -> Ends:
-    """Many motions over whole drive periods from time 0, side by side in the processor's vectors and on all cores.
-
-    Each ends as accurately as by :meth:`Machine.simulate`, but not on the same bits; they do not depend on the other motions, nor on the
-    number of threads (docs/numerics.md, section 8).
-
-    Parameters
-    ----------
-    machines
-        Machines, or one for all starts. Neighbours that are equal share their tables.
-    starts
-        A start as of :meth:`Machine.simulate` for all machines, a sequence of starts, or an array of shape (n, 6).
-    periods
-        Drive periods, each machine's own.
-
-    Raises
-    ------
-    ValueError, TypeError, RuntimeError
-        As :meth:`Machine.simulate`, with the motion's index; for numbers of machines and starts that differ.
-    """
-    from ._machine import Machine
-
-    several = list(machines) if isinstance(machines, Iterable) else [machines]
-    for index, machine in enumerate(several):
-        if not isinstance(machine, Machine):
-            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Machine")
-    periods = whole("periods", periods, 0, MOST_PERIODS)
-    rows = _rows(several, starts)
-    if len(several) == 1:
-        several *= len(rows)
-    if len(rows) != len(several):
-        raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
-    for index, machine in enumerate(several):
-        try:
-            machine._needs_period("a motion over periods")
-        except ValueError as error:
-            raise ValueError(f"machines[{index}]: {error}") from None
-    with Bar(progress, len(several), "motions") as bar:
-        s, v = _native.simulate_many([m._system for m in several], rows, periods, bar.report)
-    return Ends(np.array([periods * m.period for m in several]), s, v)
-
-
-def _rows(machines: list[Machine], starts: Any) -> Floats:
-    """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
-    if isinstance(starts, np.ndarray) and starts.ndim == 2:
-        found = array("starts", starts, "an array of shape (n, 6)", 2)
-        if found.shape[1] != 6:
-            raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
-        return found
-    one = starts is None or isinstance(starts, dict) or np.ndim(starts) == 1 and np.asarray(starts).dtype.kind in "iuf"
-    if one:
-        return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
-    several = list(starts)
-    if len(machines) not in (1, len(several)):
-        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(machines)} machines")
-    own = machines if len(machines) == len(several) else machines * len(several)
-    return np.array([state(f"starts[{i}]", s, m._system) for i, (s, m) in enumerate(zip(several, own))]).reshape(-1, 6)

@@ -1,4 +1,4 @@
-"""Bifurcation diagrams, Lyapunov spectra, basins of attraction."""
+"""Bifurcation diagrams and basins of attraction."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _native
 from ._arguments import COORDINATES, MOST_PERIODS, Floats, array, choice, number, whole
+from ._machine import Machine
 from ._progress import Bar
 from ._result import Result
 
@@ -16,10 +17,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from . import _returned
-    from ._machine import Machine
-
-#: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
-MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
 
 #: Most values of a diagram, and most cells of a plane in one direction.
 _MOST_VALUES = 1_000_000
@@ -100,9 +97,7 @@ def bifurcation(
     ValueError, TypeError
         For arguments out of their range.
     """
-    from ._machine import Machine
-
-    _is_machine(machine, Machine)
+    _is_machine(machine)
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
@@ -149,40 +144,9 @@ def _axis(name: str, given: ArrayLike) -> tuple[tuple[float, float], int]:
     return (first, last), len(values)
 
 
-def _is_machine(machine: object, kind: type) -> None:
-    if not isinstance(machine, kind):
+def _is_machine(machine: object) -> None:
+    if not isinstance(machine, Machine):
         raise TypeError(f"machine is of type {type(machine).__name__}: allowed is Machine")
-
-
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Spectrum(Result):
-    """A Lyapunov spectrum."""
-
-    machine: Machine
-    "Whose motion it is."
-    exponents: Floats
-    "The exponents, largest first, shape (7,), 1/s; -inf for directions lost in rest or at plastic impacts."
-    deviation: float
-    "Largest standard deviation of the running exponents over the last 200 periods, 1/s."
-    running: Floats
-    "Running exponents after each drive period, in the order of the directions, shape (periods, 7), 1/s."
-    impacts: int
-    "Impacts in these periods."
-    rests: bool
-    "Whether the block rested."
-
-    @property
-    def dimensionless(self) -> Floats:
-        """The exponents per unit of the dimensionless time, in units of omega10, shape (7,)."""
-        found: Floats = self.exponents / np.sqrt(self.machine.box_k / self.machine.box_m)
-        return found
-
-
-def spectrum_of(machine: Machine, found: _returned.Spectrum) -> Spectrum:
-    """A spectrum from what the computation returns."""
-    return Spectrum(
-        machine, found["exponents"], found["deviation"], found["running"], found["impacts"], found["rests"]
-    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -249,9 +213,7 @@ def basins(
     ValueError, TypeError, RuntimeError
         For arguments out of their range; what the simulator refuses, starts outside the stops apart.
     """
-    from ._machine import Machine
-
-    _is_machine(machine, Machine)
+    _is_machine(machine)
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")

@@ -1,0 +1,50 @@
+"""Lyapunov spectra, and what else is measured of a motion."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _native
+from ._arguments import Floats
+from ._result import Result
+
+if TYPE_CHECKING:
+    from . import _returned
+    from ._machine import Machine
+
+#: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
+MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Result):
+    """A Lyapunov spectrum."""
+
+    machine: Machine
+    "Whose motion it is."
+    exponents: Floats
+    "The exponents, largest first, shape (7,), 1/s; -inf for directions lost in rest or at plastic impacts."
+    deviation: float
+    "Largest standard deviation of the running exponents over the last 200 periods, 1/s."
+    running: Floats
+    "Running exponents after each drive period, in the order of the directions, shape (periods, 7), 1/s."
+    impacts: int
+    "Impacts in these periods."
+    rests: bool
+    "Whether the block rested."
+
+    @property
+    def dimensionless(self) -> Floats:
+        """The exponents per unit of the dimensionless time, in units of omega10, shape (7,)."""
+        found: Floats = self.exponents / np.sqrt(self.machine.box_k / self.machine.box_m)
+        return found
+
+
+def spectrum_of(machine: Machine, found: _returned.Spectrum) -> Spectrum:
+    """A spectrum from what the computation returns."""
+    return Spectrum(
+        machine, found["exponents"], found["deviation"], found["running"], found["impacts"], found["rests"]
+    )
