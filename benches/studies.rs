@@ -173,7 +173,7 @@ fn works() -> Vec<Work> {
         let set = ParameterSet::basic().with(x.name, x.value(k % PLANE)).expect("allowed");
         start(*set.with(y.name, y.value(k / PLANE)).expect("allowed").parameters())
     };
-    let settled = Program { discard: 300, maxima: None, observed: true };
+    let settled = Program { discard: 300, observed: true, ..Program::default() };
     let p = at(2.45);
     let cell = |k: usize| {
         let part = |i: usize| (i as f64 + 0.5) / PLANE as f64;
@@ -196,7 +196,7 @@ fn works() -> Vec<Work> {
         );
         start(groups.to_parameters(Scales::default()).expect("allowed"))
     };
-    let keep = Program { discard: 0, maxima: Some((Displacement::X2, KEEP)), observed: true };
+    let keep = Program { maxima: Some((Displacement::X2, KEEP)), observed: true, ..Program::default() };
     let all = PLANE * PLANE;
     vec![
         Work {
@@ -213,7 +213,7 @@ fn works() -> Vec<Work> {
         Work {
             name: "random systems, a tenth with kappa = 0",
             starts: (0..200).map(&mut random).collect(),
-            program: Program { discard: 400, maxima: None, observed: false },
+            program: Program { discard: 400, ..Program::default() },
         },
         Work {
             name: "eight motions of the plane",

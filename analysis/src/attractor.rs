@@ -27,10 +27,10 @@ pub const ZERO_EXPONENT: f64 = 1e-3;
 
 /// One drive period of an observed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct ObservedPeriod {
-    state: StroboscopicState,
+pub(crate) struct ObservedPeriod {
+    pub(crate) state: StroboscopicState,
     /// The order of its impacts, as a number.
-    pattern: u64,
+    pub(crate) pattern: u64,
     /// Impacts at the upper and at the lower stop.
     impacts: [u32; 2],
     /// Whether the block rests.
@@ -103,19 +103,24 @@ impl MotionClass {
 
     /// The class of an attractor, with its spectrum in units of ω10 where there is one.
     pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>) -> Self {
-        match (attractor.period, spectrum) {
+        Self::by_exponents(attractor, spectrum.map(|s| [s.exponents[0], s.exponents[1]]))
+    }
+
+    /// The class of an attractor, with the largest exponent beside the drive phase's zero in units of ω10 where it is known.
+    pub fn by_largest(attractor: &Attractor, largest: Option<f64>) -> Self {
+        Self::by_exponents(attractor, largest.map(|e| [e.max(0.0), e.min(0.0)]))
+    }
+
+    /// The class of an attractor, with its two largest exponents in units of ω10 where they are known.
+    fn by_exponents(attractor: &Attractor, exponents: Option<[f64; 2]>) -> Self {
+        match (attractor.period, exponents) {
             (Some(n), _) => Self::Periodic(n),
             (None, None) => Self::Aperiodic,
-            (None, Some(s)) => {
-                let [first, second, ..] = s.exponents;
-                if first > ZERO_EXPONENT {
-                    Self::Chaotic
-                } else if second > -ZERO_EXPONENT && !attractor.approaching {
-                    Self::QuasiPeriodic
-                } else {
-                    Self::Settling
-                }
+            (None, Some([first, _])) if first > ZERO_EXPONENT => Self::Chaotic,
+            (None, Some([_, second])) if second > -ZERO_EXPONENT && !attractor.approaching => {
+                Self::QuasiPeriodic
             }
+            _ => Self::Settling,
         }
     }
 }
@@ -139,7 +144,7 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
 /// States at whole and half drive periods, and what happened between them.
 #[derive(Clone, Debug)]
 pub(crate) struct StroboscopicRecord {
-    periods: Vec<ObservedPeriod>,
+    pub(crate) periods: Vec<ObservedPeriod>,
     /// The mirror images of the states at half periods.
     halves: Vec<StroboscopicState>,
     impacts: [u32; 2],
@@ -187,8 +192,12 @@ impl StroboscopicRecord {
 
     /// What the motion is, after [`OBSERVED`] periods.
     pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
+        self.attractor_of(p, period(&self.periods))
+    }
+
+    /// What the motion is, given its period, of which at least one has been recorded; [`OBSERVED`] drive periods where it has none.
+    pub(crate) fn attractor_of(&self, p: &Parameters, period: Option<u32>) -> Attractor {
         let Self { periods, halves, .. } = self;
-        let period = period(periods);
         let kept = period.unwrap_or(1) as usize;
         // Of a periodic motion only the last period is counted, so that a transient that died out during the observation is
         // left out.
@@ -250,7 +259,7 @@ fn approaches(periods: &[ObservedPeriod]) -> bool {
 }
 
 /// The largest difference between coordinates of two states.
-fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
+pub(crate) fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
