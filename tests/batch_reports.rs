@@ -195,3 +195,35 @@ fn what_cannot_be_reported_is_refused() {
     let found = record(&mut motions[1..], vec![0], none, 30.0);
     assert!(found[0].samples.is_empty() && found[0].maxima.is_empty() && !found[0].events.is_empty());
 }
+
+#[test]
+fn invariant_samples_as_asked_for_are_some_of_all() {
+    const END: f64 = 60.0;
+    let all = || (0..motions().len()).collect::<Vec<usize>>();
+    let every = record(&mut motions(), all(), REPORTS, END);
+    // Every third sample from the fifth on, and the end of the motion with sample 29.
+    let reports = Reports { first: 5, ..REPORTS };
+    let settings = |r| Recorder { end: END, reports, stride: 3, last: 29, ..r };
+    for (some, every) in record_as(&mut motions(), all(), settings).iter().zip(&every) {
+        let expected: Vec<_> = every.samples.iter().filter(|s| s.0 >= 5 && s.0 % 3 == 2 && s.0 <= 29).collect();
+        assert_eq!(some.samples.iter().collect::<Vec<_>>(), expected);
+        assert_eq!(some.ended, Some(Ok(())));
+        // Of the sub-step in which it ended no event is reported.
+        let count = some.events.len();
+        assert!(count < every.events.len() || count == 0);
+        assert_eq!((&some.events[..], &some.after[..]), (&every.events[..count], &every.after[..count]));
+    }
+    // None at all before the second event.
+    let reports = Reports { first: u32::MAX, ..REPORTS };
+    let settings = |r| Recorder { end: END, reports, asking: 2, ..r };
+    for (some, every) in record_as(&mut motions(), all(), settings).iter().zip(&every) {
+        let Some(Event::Impact { time, .. } | Event::Rest { time, .. } | Event::Release { time, .. }) = every.events.get(1)
+        else {
+            assert!(some.samples.is_empty());
+            continue;
+        };
+        let later = |s: &&(u32, State)| REPORTS.origin + f64::from(s.0) * REPORTS.step > *time;
+        assert_eq!(some.samples.iter().collect::<Vec<_>>(), every.samples.iter().filter(later).collect::<Vec<_>>());
+        assert_eq!(some.events, every.events);
+    }
+}

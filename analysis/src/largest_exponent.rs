@@ -171,3 +171,7 @@ impl Tangent {
         periods >= most || (clear && self.sums[0].abs() > LEAST_GROWTH)
     }
 }
+
+#[cfg(test)]
+#[path = "largest_exponent/tests.rs"]
+mod tests;

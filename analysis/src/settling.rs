@@ -164,6 +164,6 @@ mod tests {
         assert!(!confirmed(2, &|_| 0.3) && !confirmed(2, &wave) && !confirmed(6, &wave));
         assert!(!confirmed(1, &|k| 2e-8 * k) && confirmed(1, &|k| 0.5e-8 * k));
         // Nearly of period 1: left to the verdict at the end.
-        assert!(!confirmed(2, &|k| 1e-5 * (std::f64::consts::PI * k).cos()));
+        assert!(!confirmed(2, &|k| 0.9e-5 * (std::f64::consts::PI * k).cos()));
     }
 }

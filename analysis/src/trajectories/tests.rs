@@ -125,3 +125,50 @@ fn second_method_in_chaos_the_statistics_agree() {
         }
     }
 }
+
+#[test]
+fn second_method_verdicts_are_those_of_whole_motions() {
+    use crate::plane::ParameterAxis;
+    use crate::{ParameterSet, find_group};
+    const SIDE: usize = 14;
+    let axis = |name| {
+        let group = find_group(name).unwrap();
+        ParameterAxis::new(group, group.shown, SIDE).unwrap()
+    };
+    let mut starts = Vec::new();
+    for (x, y) in [(axis("sigma1"), axis("f10")), (axis("kappa"), axis("f10"))] {
+        for k in 0..SIDE * SIDE {
+            let set = ParameterSet::basic().with(x.name, x.value(k % SIDE)).unwrap();
+            let parameters = *set.with(y.name, y.value(k / SIDE)).unwrap().parameters();
+            starts.push(Start { parameters, state: crate::stroboscopic::moving_block(&parameters) });
+        }
+    }
+    let run = |until_settled, way| {
+        let program = Program { discard: 300, until_settled, observed: true, ..Program::default() };
+        let mut found: Vec<Option<(State, Attractor)>> = vec![None; starts.len()];
+        let mut workspace = Workspace { way, ..Workspace::default() };
+        workspace.run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
+            let outcome = outcome.unwrap();
+            found[number] = Some((outcome.state, outcome.attractor.unwrap()));
+        });
+        found.into_iter().flatten().collect::<Vec<_>>()
+    };
+    let (mut early, mut periods) = (0, std::collections::BTreeSet::new());
+    for way in [Way::Together, Way::OneByOne] {
+        let pairs = run(true, way).into_iter().zip(run(false, way));
+        for (k, ((state, found), (end, expected))) in pairs.enumerate() {
+            if state == end {
+                assert_eq!(found, expected, "motion {k}: nothing has changed for what runs to its end");
+            }
+            early += usize::from(state != end);
+            assert_eq!((found.period, found.is_free()), (expected.period, expected.is_free()), "motion {k}");
+            if found.period.is_some() {
+                assert_eq!((found.impacts, found.rests), (expected.impacts, expected.rests), "motion {k}");
+                assert_eq!(found.is_symmetric(), expected.is_symmetric(), "motion {k}");
+                assert_eq!(found.relation(&expected), crate::attractor::Relation::Same, "motion {k}");
+                periods.insert(found.period);
+            }
+        }
+    }
+    assert!(early > starts.len() && periods.len() > 3, "{early} of {}: {periods:?}", 2 * starts.len());
+}
