@@ -190,18 +190,23 @@ impl StroboscopicRecord {
         }
     }
 
-    /// What the motion is, after [`OBSERVED`] periods.
-    pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
-        self.attractor_of(p, period(&self.periods))
+    /// Whether [`OBSERVED`] periods have been recorded, in which a period is recognized.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.periods.len() >= OBSERVED as usize
     }
 
-    /// What the motion is, given its period, of which at least one has been recorded; [`OBSERVED`] drive periods where it has none.
+    /// What the motion is, after [`OBSERVED`] periods.
+    pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
+        self.attractor_of(p, if self.is_complete() { period(&self.periods) } else { None })
+    }
+
+    /// What the motion is, given its period, of which at least one has been recorded.
     pub(crate) fn attractor_of(&self, p: &Parameters, period: Option<u32>) -> Attractor {
         let Self { periods, halves, .. } = self;
         let kept = period.unwrap_or(1) as usize;
         // Of a periodic motion only the last period is counted, so that a transient that died out during the observation is
         // left out.
-        let settled = period.unwrap_or(OBSERVED);
+        let settled = period.unwrap_or(periods.len() as u32);
         let last = periods.len() - settled as usize;
         let mut sizes = [0.0; 3];
         for state in periods[last..].iter().map(|s| &s.state).chain(&halves[last..]) {

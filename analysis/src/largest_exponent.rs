@@ -7,22 +7,24 @@
 //! scatter gives the standard error of their mean. docs/numerics.md, "The largest exponent of many motions", states the rule.
 
 use super::attractor::ZERO_EXPONENT;
-use super::variation::Variation;
+use super::variation::SingleVariation;
 use serde::{Deserialize, Serialize};
 use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
-use vibro_impact::simulator::{Event, Simulator};
+use vibro_impact::simulator::Event;
 
 /// Drive periods in a block.
 pub(crate) const BLOCK: u32 = 8;
 /// Blocks in which the variation turns into its direction before anything is counted.
-const ALIGN: u32 = 4;
+pub(crate) const ALIGN: u32 = 4;
 /// An exponent is decided to be positive or negative when it is farther than so many standard errors from the threshold, …
-const CONFIDENCE: f64 = 5.0;
+const CONFIDENCE: f64 = 6.0;
 /// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some powers of ten for ever.
 const LEAST_GROWTH: f64 = 20.0;
-/// Lengths between which a variation is not scaled.
-const SCALED: std::ops::Range<f64> = 1e-100..1e100;
+/// Fewer blocks do not tell their scatter.
+const LEAST_BLOCKS: u32 = 8;
+/// Squares of lengths between which a variation is not scaled.
+const SCALED: std::ops::Range<f64> = 1e-200..1e200;
 
 /// The largest exponent of a motion apart from the drive phase's zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,13 +38,14 @@ pub struct LargestExponent {
 }
 
 /// One variation of a motion and the logarithms of its growth.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Tangent {
-    parameters: Option<Parameters>,
-    /// Made at the first event.
-    variation: Option<Box<Variation>>,
+    parameters: Parameters,
+    /// Made at the first event, and made ready for other parameters at the first event with them.
+    variation: Option<SingleVariation>,
+    ready: bool,
     v: Augmented,
-    mode: Option<SmoothMode>,
+    mode: SmoothMode,
     /// Up to where the variation has come, s.
     time: f64,
     /// The length of a block and the end of the one under way, s.
@@ -55,26 +58,36 @@ pub(crate) struct Tangent {
     sums: [f64; 2],
 }
 
+impl Default for Tangent {
+    fn default() -> Self {
+        Self {
+            parameters: Parameters::default(),
+            variation: None,
+            ready: false,
+            v: [0.0; LANES],
+            mode: SmoothMode::Flight,
+            time: 0.0,
+            block: 0.0,
+            block_end: 0.0,
+            growth: 0.0,
+            blocks: 0,
+            sums: [0.0; 2],
+        }
+    }
+}
+
 impl Tangent {
-    /// Begins at the present of a motion.
-    pub(crate) fn begin(&mut self, simulator: &Simulator) {
+    /// Begins at `time`, s, with a motion that is in this mode. The first block begins at `from`, s, which may be some time before.
+    pub(crate) fn begin(&mut self, parameters: &Parameters, mode: SmoothMode, (from, time): (f64, f64)) {
         // In general position, as `generic_frame`.
         const START: Augmented = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.0, 0.0];
-        let p = *simulator.parameters();
-        if self.parameters != Some(p) {
-            self.variation = None;
+        let block = f64::from(BLOCK) * parameters.period();
+        if self.parameters != *parameters {
+            (self.parameters, self.ready) = (*parameters, false);
         }
-        let block = f64::from(BLOCK) * p.period();
-        *self = Self {
-            parameters: Some(p),
-            variation: self.variation.take(),
-            v: START,
-            mode: Some(simulator.contact().mode()),
-            time: simulator.time(),
-            block,
-            block_end: simulator.time() + block,
-            ..Self::default()
-        };
+        (self.v, self.mode, self.time) = (START, mode, time);
+        (self.block, self.block_end) = (block, from + block);
+        (self.growth, self.blocks, self.sums) = (0.0, 0, [0.0; 2]);
     }
 
     /// Carries the variation to an event and through its jump. `after` is the state after its law.
@@ -85,12 +98,12 @@ impl Tangent {
             }
             Event::Release { time, .. } => {
                 self.carry(time, None);
-                self.mode = Some(SmoothMode::Flight);
+                self.mode = SmoothMode::Flight;
             }
             // Together with the impact before it: what is left of the chatter takes no time.
             Event::Rest { .. } => {
                 (self.v[RELATIVE], self.v[RELATIVE_RATE]) = (0.0, 0.0);
-                self.mode = Some(SmoothMode::Rest);
+                self.mode = SmoothMode::Rest;
             }
         }
     }
@@ -107,19 +120,22 @@ impl Tangent {
         if time >= self.block_end {
             self.count_blocks(time);
         }
-        let (Some(p), Some(mode)) = (&self.parameters, self.mode) else { return };
-        if self.variation.is_none() {
-            // The simulator has accepted the parameters.
-            let Ok(model) = Model::new(p) else { return };
-            self.variation = Some(Box::new(Variation::new(&model)));
-        }
-        if let Some(variation) = &mut self.variation {
-            variation.propagate_one(&mut self.v, (mode, (time - self.time).max(0.0)), impact);
-        }
+        let variation = match &mut self.variation {
+            Some(variation) if self.ready => variation,
+            variation => {
+                // The simulator has accepted the parameters.
+                let Ok(model) = Model::new(&self.parameters) else { return };
+                self.ready = true;
+                let variation = variation.get_or_insert_with(|| SingleVariation::new(&model));
+                variation.renew(&model);
+                variation
+            }
+        };
+        variation.propagate(&mut self.v, (self.mode, (time - self.time).max(0.0)), impact);
         self.time = time;
-        let length = self.length();
-        if !SCALED.contains(&length) {
-            self.scale(length);
+        let square = self.v.iter().map(|x| x * x).sum::<f64>();
+        if !SCALED.contains(&square) {
+            self.scale(square.sqrt());
         }
     }
 
@@ -163,12 +179,18 @@ impl Tangent {
         LargestExponent { value: mean / self.block, error: error / self.block, periods }
     }
 
+    /// Whether the exponent is positive for certain.
+    pub(crate) fn is_positive(&self) -> bool {
+        self.sums[0] > 0.0 && self.is_decided(u32::MAX)
+    }
+
     /// Whether the exponent's sign is decided, or it has been counted over `most` periods.
     pub(crate) fn is_decided(&self, most: u32) -> bool {
         let LargestExponent { value, error, periods } = self.exponent();
-        let rate = self.parameters.map_or(1.0, |p| p.box_frequency());
-        let clear = value.abs() - CONFIDENCE * error > ZERO_EXPONENT * rate;
-        periods >= most || (clear && self.sums[0].abs() > LEAST_GROWTH)
+        let clear =
+            value.abs() - CONFIDENCE * error > ZERO_EXPONENT * self.parameters.box_frequency();
+        let enough = periods >= LEAST_BLOCKS * BLOCK || self.sums[0].is_infinite();
+        periods >= most || (clear && enough && self.sums[0].abs() > LEAST_GROWTH)
     }
 }
 

@@ -10,11 +10,11 @@ use super::stroboscopic::StroboscopicState;
 /// The longest period that is recognized early, in drive periods.
 const LONGEST: u32 = 8;
 /// Drive periods over which impacts must have repeated, at least.
-const REPEATED: u64 = 16;
+const REPEATED: u32 = 16;
 /// As many for the longest period.
-const REMEMBERED: u64 = 4 * LONGEST as u64;
+const REMEMBERED: u32 = 4 * LONGEST;
 /// Impacts are looked at again after so many drive periods.
-const CHECK: u64 = 4;
+const CHECK: u32 = 4;
 /// Sums over a drive period, of the speeds of its impacts (units of L ω10) and of their times (drive periods), repeat when they
 /// differ by no more.
 const SIMILAR: f64 = 1e-7;
@@ -39,7 +39,7 @@ pub(crate) struct ImpactRepetition {
     /// The last periods, each at its number's remainder.
     periods: [PeriodImpacts; REMEMBERED as usize],
     /// The number of the period that is under way.
-    number: u64,
+    number: u32,
     open: PeriodImpacts,
 }
 
@@ -52,7 +52,7 @@ impl ImpactRepetition {
     /// Takes note of an impact at `time` (drive periods since the start) with `speed` (any unit of the system); returns the period
     /// with which the impacts before it repeat, if they do.
     pub(crate) fn impact(&mut self, time: f64, upper: bool, speed: f64) -> Option<u32> {
-        let (number, before) = (time as u64, self.number);
+        let (number, before) = (time as u32, self.number);
         while self.number < number {
             self.periods[(self.number % REMEMBERED) as usize] = std::mem::take(&mut self.open);
             self.number += 1;
@@ -60,18 +60,17 @@ impl ImpactRepetition {
         let PeriodImpacts { pattern, sums } = &mut self.open;
         *pattern = pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper));
         sums[0] += speed;
-        sums[1] += time - number as f64;
+        sums[1] += time - f64::from(number);
         if number / CHECK == before / CHECK { None } else { (1..=LONGEST).find(|&n| self.repeats(n)) }
     }
 
-    /// Whether the last periods repeat after n of them, and more exactly in the later half of them than in the earlier.
-    fn repeats(&self, n: u32) -> bool {
-        let lag = u64::from(n);
+    /// Whether the last periods repeat after `lag` of them, and more exactly in the later half of them than in the earlier.
+    fn repeats(&self, lag: u32) -> bool {
         let pairs = REPEATED.max(4 * lag) - lag;
         if self.number < pairs + lag {
             return false;
         }
-        let at = |back: u64| &self.periods[((self.number - 1 - back) % REMEMBERED) as usize];
+        let at = |back: u32| &self.periods[((self.number - 1 - back) % REMEMBERED) as usize];
         let mut most = [0.0f64; 2]; // of the later half and of the earlier
         for back in 0..pairs {
             let (a, b) = (at(back), at(back + lag));

@@ -5,6 +5,10 @@
 //! these coordinates an impact changes w, w' and, by the damper's force alone, the rate of the centre, so that coming to rest
 //! is a projection without cancellation.
 
+mod single;
+
+pub(crate) use self::single::SingleVariation;
+
 use super::smooth_pieces::{Piece, PieceEnd};
 use vibro_impact::flow::{Series, WHOLE};
 use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
@@ -22,8 +26,6 @@ const GRID_TIMES_RATE: f64 = 0.16;
 const NODES: usize = 64;
 /// Terms of the series around a node: the remainder is 0.08⁹/9! < 4e-16.
 const TERMS: usize = 9;
-/// Terms for a single variation, whose growth is counted to some digits only: the remainder is 0.08⁶/6! < 4e-10.
-const ONE_TERMS: usize = 6;
 
 const fn identity() -> Matrix {
     let mut m = [[0.0; LANES]; LANES];
@@ -44,18 +46,6 @@ fn product<const N: usize>(a: &Matrix, b: &[Augmented; N]) -> [Augmented; N] {
             for (ci, &ai) in cj.iter_mut().zip(ak) {
                 *ci += ai * x;
             }
-        }
-    }
-    c
-}
-
-/// The product of a matrix with a variation that leaves the drive's phase alone.
-#[inline(always)]
-fn transit(a: &Matrix, v: &Augmented) -> Augmented {
-    let mut c = [0.0; LANES];
-    for (column, &x) in a.iter().zip(&v[..DIMENSION - 1]) {
-        for (ci, &ai) in c.iter_mut().zip(column) {
-            *ci += ai * x;
         }
     }
     c
@@ -97,28 +87,6 @@ impl Transition {
             nodes.push(next);
         }
         Self { terms: std::array::from_fn(|k| coefficients[k]), nodes, spacing }
-    }
-
-    /// Propagates one variation that leaves the drive's phase alone over `span` s. The products of the series with it do not wait
-    /// for each other. It is cut after [`ONE_TERMS`] terms, and not by more than 4e-10 of the variation wrong.
-    #[inline(always)]
-    fn propagate_one(&self, v: &mut Augmented, span: f64) {
-        let steps = span / self.spacing;
-        let mut node = steps.round() as usize;
-        let part = steps - node as f64;
-        while node > NODES {
-            *v = transit(&self.nodes[NODES], v);
-            node -= NODES;
-        }
-        let at_node = transit(&self.nodes[node], v);
-        let (mut power, mut sum) = (1.0, at_node);
-        for term in &self.terms[1..ONE_TERMS] {
-            power *= part;
-            for (x, y) in sum.iter_mut().zip(transit(term, &at_node)) {
-                *x += power * y;
-            }
-        }
-        *v = sum;
     }
 
     /// Propagates variations over `span` s.
@@ -193,7 +161,7 @@ impl Variation {
         );
         // At a release the fields of rest and flight agree (the contact force is zero there): nothing jumps.
         let PieceEnd::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
-        self.jump(frame, *rate, after);
+        jump(&self.model, frame, *rate, after);
         if *rests {
             for v in frame.iter_mut() {
                 (v[RELATIVE], v[RELATIVE_RATE]) = (0.0, 0.0);
@@ -202,65 +170,30 @@ impl Variation {
         }
         if self.model.restitution == 0.0 { Rank::Limited(DIMENSION - 1) } else { Rank::Kept }
     }
+}
 
-    /// Propagates one variation that leaves the drive's phase alone, for `span` s in one mode, and where that ends with an impact,
-    /// through its jump: the impact is given by w' before it and the state after it.
-    pub(crate) fn propagate_one(
-        &mut self,
-        v: &mut Augmented,
-        (mode, span): (SmoothMode, f64),
-        impact: Option<(f64, &Augmented)>,
-    ) {
-        struct One<'a>(&'a Transition, &'a mut Augmented, f64);
-        impl pulp::WithSimd for One<'_> {
-            type Output = ();
-
-            #[inline(always)]
-            fn with_simd<S: pulp::Simd>(self, _: S) {
-                self.0.propagate_one(self.1, self.2);
-            }
-        }
-        let transition = self.transition(mode);
-        pulp::Arch::new().dispatch(One(transition, v, span));
-        if let Some((rate, after)) = impact {
-            self.jump(std::slice::from_mut(v), rate, after);
-        }
+/// The jump of variations at an impact with w' = `rate` before it, docs/theory.md (84). A contact with `rate` zero
+/// changes no state; its jump does not exist, and the variations are left as they are.
+fn jump(model: &Model, variations: &mut [Augmented], rate: f64, after: &Augmented) {
+    if rate == 0.0 {
+        return;
     }
-
-    /// The transition matrices of a mode; those of rest are made when they are first needed.
-    fn transition(&mut self, mode: SmoothMode) -> &Transition {
-        let model = &self.model;
-        match mode {
-            SmoothMode::Flight => &self.flight,
-            SmoothMode::Rest => {
-                self.rest.get_or_insert_with(|| Box::new(Transition::new(model, SmoothMode::Rest)))
-            }
-        }
-    }
-
-    /// The jump of variations at an impact with w' = `rate` before it, docs/theory.md (84). A contact with `rate` zero
-    /// changes no state; its jump does not exist, and the variations are left as they are.
-    fn jump(&self, variations: &mut [Augmented], rate: f64, after: &Augmented) {
-        if rate == 0.0 {
-            return;
-        }
-        let (model, kappa) = (&self.model, self.model.restitution);
-        // The state just before and after the impact, also where a merge followed it.
-        let centre = after[3] + model.block_share * after[RELATIVE_RATE];
-        let with = |w: f64| {
-            let mut z = *after;
-            (z[3], z[RELATIVE_RATE]) = (centre - model.block_share * w, w);
-            model.acceleration(SmoothMode::Flight, &z, None).1
-        };
-        let kick = (with(-kappa * rate) + kappa * with(rate)) / rate;
-        // The centre of mass feels the damper's force on the box jump; everything in 1/rate of the model.
-        let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
-        for v in variations.iter_mut() {
-            let w = v[RELATIVE];
-            v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick / model.rate * w;
-            v[3] -= push * w;
-            v[RELATIVE] = -kappa * w;
-        }
+    let kappa = model.restitution;
+    // The state just before and after the impact, also where a merge followed it.
+    let centre = after[3] + model.block_share * after[RELATIVE_RATE];
+    let with = |w: f64| {
+        let mut z = *after;
+        (z[3], z[RELATIVE_RATE]) = (centre - model.block_share * w, w);
+        model.acceleration(SmoothMode::Flight, &z, None).1
+    };
+    let kick = (with(-kappa * rate) + kappa * with(rate)) / rate;
+    // The centre of mass feels the damper's force on the box jump; everything in 1/rate of the model.
+    let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
+    for v in variations.iter_mut() {
+        let w = v[RELATIVE];
+        v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick / model.rate * w;
+        v[3] -= push * w;
+        v[RELATIVE] = -kappa * w;
     }
 }
 

@@ -3,14 +3,15 @@
 use super::{LargestExponent, Outcome, Program, Start};
 use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord};
 use crate::error::Result;
-use crate::largest_exponent::{BLOCK, Tangent};
+use crate::largest_exponent::{ALIGN, BLOCK, Tangent};
 use crate::settling::{Confirmation, ImpactRepetition};
 use crate::stroboscopic::Units;
 use std::ops::ControlFlow;
-use vibro_impact::model::Augmented;
+use vibro_impact::Parameters;
+use vibro_impact::model::{Augmented, SmoothMode};
 use vibro_impact::simulator::{Event, Maximum, MotionQueue, Plan, Reports, Simulator, State};
 
-/// Blocks of an exponent between two looks at whether it is decided.
+/// Drive periods between two looks at whether an exponent is decided: half of what is observed.
 const LOOK: u32 = 8 * BLOCK;
 
 /// What a lane is at, and what it has recorded of its motion.
@@ -18,6 +19,7 @@ const LOOK: u32 = 8 * BLOCK;
 pub(super) struct LaneRecord {
     /// The motion's number.
     number: usize,
+    parameters: Parameters,
     units: Units,
     /// The drive's period, s.
     period: f64,
@@ -26,6 +28,11 @@ pub(super) struct LaneRecord {
     impacts: ImpactRepetition,
     confirmation: Option<Confirmation>,
     tangent: Tangent,
+    /// When the tangent begins, s, and whether it has begun.
+    tangent_from: f64,
+    tangent_begun: bool,
+    /// When the observation has begun, s.
+    observed_from: f64,
     attractor: Option<Attractor>,
     exponent: Option<LargestExponent>,
     maxima: Vec<f64>,
@@ -44,12 +51,43 @@ enum Stage {
 
 impl LaneRecord {
     /// Begins with another motion; the memory is kept.
-    fn begin(&mut self, number: usize, start: &Start) {
+    fn begin(&mut self, number: usize, start: &Start, program: &Program) {
         self.maxima.clear();
         self.impacts.clear();
         (self.confirmation, self.attractor, self.exponent) = (None, None, None);
         (self.number, self.stage) = (number, Stage::Discarding);
+        self.parameters = start.parameters;
         (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
+        // It is aligned when the observation begins, or begins with that where nothing but events could be reported before.
+        let align = (program.until_settled && program.maxima.is_none()).then_some(ALIGN * BLOCK);
+        let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
+        self.tangent_from = match (program.exponent, from) {
+            (Some(_), Some(from)) => from * self.period,
+            _ => f64::INFINITY,
+        };
+        self.tangent_begun = false;
+    }
+
+    /// Carries the tangent to an event, with which it begins where it is time to.
+    fn carry_tangent(&mut self, event: &Event, after: &Augmented) {
+        if self.tangent_begun {
+            self.tangent.event(event, after);
+            return;
+        }
+        let (time, mode) = match *event {
+            Event::Impact { time, .. } | Event::Release { time, .. } => (time, SmoothMode::Flight),
+            Event::Rest { time, .. } => (time, SmoothMode::Rest),
+        };
+        if time >= self.tangent_from {
+            self.tangent.begin(&self.parameters, mode, (self.tangent_from, time));
+            self.tangent_begun = true;
+        }
+    }
+
+    /// Whether the motion is chaotic for certain, `now` at the end of a block.
+    fn is_chaotic(&mut self, now: f64) -> bool {
+        self.tangent.end_block(now);
+        self.tangent.is_positive()
     }
 
     /// Takes note of an event of a motion that may have settled; returns the number of the first sample that is then asked for.
@@ -113,22 +151,30 @@ impl<'a> Motions<'a> {
         let (record, program) = (&mut self.lanes[lane], self.program);
         let (now, period) = (simulator.time(), record.period);
         let events = Reports { origin: now, step: 0.5 * period, first: u32::MAX, maxima_of: None };
-        let plan = |periods: u32, reports| {
-            let end = now + f64::from(periods) * period;
+        let plan = |from: f64, periods: u32, reports| {
+            let end = from + f64::from(periods) * period;
             Some(Plan { simulator: lane, end, reports: Some(reports) })
         };
         match (record.stage, program.maxima) {
             (Stage::Discarding, Some((of, keep))) => {
                 record.stage = Stage::Maxima;
-                plan(keep, Reports { origin: f64::INFINITY, maxima_of: Some(of.weights()), ..events })
+                plan(now, keep, Reports { origin: f64::INFINITY, maxima_of: Some(of.weights()), ..events })
             }
             (Stage::Discarding | Stage::Maxima, _) if program.observed => {
                 record.stage = Stage::Observing;
                 record.stroboscopic.clear();
-                if program.exponent.is_some() {
-                    record.tangent.begin(simulator);
+                if program.exponent.is_some() && !record.tangent_begun {
+                    record.tangent.begin(&record.parameters, simulator.contact().mode(), (now, now));
+                    record.tangent_begun = true;
                 }
-                plan(OBSERVED, Reports { first: 1, ..events })
+                record.observed_from = now;
+                let periods = if program.exponent.is_some() { LOOK } else { OBSERVED };
+                plan(now, periods, Reports { first: 1, ..events })
+            }
+            // What is chaotic for certain need not be observed further.
+            (Stage::Observing, _) if !record.stroboscopic.is_complete() && !record.is_chaotic(now) => {
+                let from = record.observed_from;
+                plan(from, OBSERVED, Reports { origin: from, first: 1, ..events })
             }
             (Stage::Settled(_), _) => {
                 let period = record.confirmation.map(|c| c.period);
@@ -149,7 +195,7 @@ impl<'a> Motions<'a> {
                 }
                 // In whole blocks, which it has been up to now.
                 let left = (most - exponent.periods).next_multiple_of(BLOCK);
-                plan(left.min(LOOK), events)
+                plan(now, left.min(LOOK), events)
             }
             _ => None,
         }
@@ -189,7 +235,7 @@ impl MotionQueue for Motions<'_> {
                 continue;
             }
             let record = &mut self.lanes[lane];
-            record.begin(number, &start);
+            record.begin(number, &start, program);
             let until_settled = program.until_settled && program.observed && program.maxima.is_none();
             // Samples at half drive periods, none of them before impacts repeat.
             let reports =
@@ -209,13 +255,18 @@ impl MotionQueue for Motions<'_> {
     }
 
     fn event(&mut self, lane: usize, event: &Event, after: &Augmented) -> Option<u32> {
-        let record = &mut self.lanes[lane];
+        let (record, program) = (&mut self.lanes[lane], self.program);
         match record.stage {
-            Stage::Discarding => return record.look_for_repetition(event),
+            Stage::Discarding => {
+                if program.exponent.is_some() {
+                    record.carry_tangent(event, after);
+                }
+                return record.look_for_repetition(event);
+            }
             Stage::Observing => record.stroboscopic.event(event),
             _ => {}
         }
-        if self.program.exponent.is_some() {
+        if program.exponent.is_some() {
             record.tangent.event(event, after);
         }
         None
