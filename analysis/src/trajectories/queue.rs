@@ -21,8 +21,9 @@ pub(super) struct LaneRecord {
     number: usize,
     parameters: Parameters,
     units: Units,
-    /// The drive's period, s.
+    /// The drive's period, s, and its reciprocal.
     period: f64,
+    frequency: f64,
     stage: Stage,
     stroboscopic: StroboscopicRecord,
     impacts: ImpactRepetition,
@@ -58,6 +59,7 @@ impl LaneRecord {
         (self.number, self.stage) = (number, Stage::Discarding);
         self.parameters = start.parameters;
         (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
+        self.frequency = 1.0 / self.period;
         // It is aligned when the observation begins, or begins with that where nothing but events could be reported before.
         let align = (program.until_settled && program.maxima.is_none()).then_some(ALIGN * BLOCK);
         let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
@@ -96,7 +98,7 @@ impl LaneRecord {
             self.stroboscopic.event(event);
         }
         let Event::Impact { time, side, speed, .. } = *event else { return None };
-        let time = time / self.period;
+        let time = time * self.frequency;
         let period = self.impacts.impact(time, side > 0, self.units.speed(speed))?;
         if self.confirmation.is_some() {
             return None;

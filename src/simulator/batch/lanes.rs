@@ -106,7 +106,7 @@ impl Rounds<'_> {
         for lane in lanes_of(self.states.due_for_renewal(simd, f64::from(RENEWAL)) & self.active) {
             self.renew(lane);
         }
-        let sets = (self.active, self.reporting);
+        let sets = (self.active, self.reading(simd));
         let Self { systems, states, searched, starts, .. } = self;
         let done = substep::flight_substep(simd, systems, states, searched, sets, starts);
         self.used.rounds += 1;
@@ -126,6 +126,16 @@ impl Rounds<'_> {
             self.states.store_state(lane, simulator, &mut motion.advance);
             self.hand_over(simd, lane, touched);
         }
+    }
+
+    /// The lanes of whose next sub-step samples may be taken or maxima be read.
+    #[inline(always)]
+    fn reading<S: Simd>(&self, simd: S) -> LaneSet {
+        let mut sampled = 0;
+        if self.reporting != 0 {
+            sampled = self.states.near_sample(simd, &self.systems);
+        }
+        (sampled & self.reporting) | self.finding
     }
 
     /// Renews the drive's phase of a motion and checks whether it gets on.
