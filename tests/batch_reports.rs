@@ -85,7 +85,11 @@ fn record(motions: &mut [Simulator], order: Vec<usize>, reports: Reports, end: f
 }
 
 /// Records with settings of their own.
-fn record_as(motions: &mut [Simulator], order: Vec<usize>, settings: impl Fn(Recorder) -> Recorder) -> Vec<Record> {
+fn record_as(
+    motions: &mut [Simulator],
+    order: Vec<usize>,
+    settings: impl Fn(Recorder) -> Recorder,
+) -> Vec<Record> {
     let records = vec![Record::default(); motions.len()];
     let mut recorder = settings(Recorder {
         order,
@@ -205,7 +209,8 @@ fn invariant_samples_as_asked_for_are_some_of_all() {
     let reports = Reports { first: 5, ..REPORTS };
     let settings = |r| Recorder { end: END, reports, stride: 3, last: 29, ..r };
     for (some, every) in record_as(&mut motions(), all(), settings).iter().zip(&every) {
-        let expected: Vec<_> = every.samples.iter().filter(|s| s.0 >= 5 && s.0 % 3 == 2 && s.0 <= 29).collect();
+        let expected: Vec<_> =
+            every.samples.iter().filter(|s| s.0 >= 5 && s.0 % 3 == 2 && s.0 <= 29).collect();
         assert_eq!(some.samples.iter().collect::<Vec<_>>(), expected);
         assert_eq!(some.ended, Some(Ok(())));
         // Of the sub-step in which it ended no event is reported.
@@ -217,13 +222,17 @@ fn invariant_samples_as_asked_for_are_some_of_all() {
     let reports = Reports { first: u32::MAX, ..REPORTS };
     let settings = |r| Recorder { end: END, reports, asking: 2, ..r };
     for (some, every) in record_as(&mut motions(), all(), settings).iter().zip(&every) {
-        let Some(Event::Impact { time, .. } | Event::Rest { time, .. } | Event::Release { time, .. }) = every.events.get(1)
+        let Some(Event::Impact { time, .. } | Event::Rest { time, .. } | Event::Release { time, .. }) =
+            every.events.get(1)
         else {
             assert!(some.samples.is_empty());
             continue;
         };
         let later = |s: &&(u32, State)| REPORTS.origin + f64::from(s.0) * REPORTS.step > *time;
-        assert_eq!(some.samples.iter().collect::<Vec<_>>(), every.samples.iter().filter(later).collect::<Vec<_>>());
+        assert_eq!(
+            some.samples.iter().collect::<Vec<_>>(),
+            every.samples.iter().filter(later).collect::<Vec<_>>()
+        );
         assert_eq!(some.events, every.events);
     }
 }

@@ -187,8 +187,7 @@ impl Tangent {
     /// Whether the exponent's sign is decided, or it has been counted over `most` periods.
     pub(crate) fn is_decided(&self, most: u32) -> bool {
         let LargestExponent { value, error, periods } = self.exponent();
-        let clear =
-            value.abs() - CONFIDENCE * error > ZERO_EXPONENT * self.parameters.box_frequency();
+        let clear = value.abs() - CONFIDENCE * error > ZERO_EXPONENT * self.parameters.box_frequency();
         let enough = periods >= LEAST_BLOCKS * BLOCK || self.sums[0].is_infinite();
         periods >= most || (clear && enough && self.sums[0].abs() > LEAST_GROWTH)
     }

@@ -4,8 +4,8 @@ use crate::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::stroboscopic::moving_block;
 use crate::trajectories::{Program, Start, Workspace};
 use crate::variation::{DIMENSION, Variation};
-use vibro_impact::simulator::Simulator;
 use vibro_impact::parameters::{Groups, Scales};
+use vibro_impact::simulator::Simulator;
 use vibro_impact::steady::exact_orbit;
 
 fn system(f10: f64, kappa: f64) -> Parameters {

@@ -49,12 +49,8 @@ fn settled(f10: f64, one_by_one: bool) -> Vec<Settled> {
     let parameters = Groups { f10, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let start = |k| State { x: [0.0; 3], v: [0.0, 0.1 + 0.03 * f64::from(k), 0.0] };
     let mut starts = (0..MOTIONS).map(|k| Start { parameters, state: start(k) });
-    let program = Program {
-        discard: 250,
-        maxima: Some((Displacement::X2, 60)),
-        observed: true,
-        ..Program::default()
-    };
+    let program =
+        Program { discard: 250, maxima: Some((Displacement::X2, 60)), observed: true, ..Program::default() };
     let mut found: Vec<Option<_>> = (0..MOTIONS).map(|_| None).collect();
     let way = if one_by_one { Way::OneByOne } else { Way::Together };
     let mut workspace = Workspace { way, ..Workspace::default() };
@@ -86,8 +82,7 @@ fn second_method_a_stable_motion_is_settled_on_either_way() {
 fn invariant_eight_motions_keep_enough_lanes_at_work() {
     const ROUND: f64 = 5.0;
     let mut starts = (0..8).map(|k| {
-        let groups =
-            Groups { f10: 0.7 + 0.6 * f64::from(k), sigma1: 0.1 * f64::from(k), ..Groups::basic() };
+        let groups = Groups { f10: 0.7 + 0.6 * f64::from(k), sigma1: 0.1 * f64::from(k), ..Groups::basic() };
         let parameters = groups.to_parameters(Scales::default()).unwrap();
         Start { parameters, state: crate::stroboscopic::moving_block(&parameters) }
     });

@@ -45,8 +45,11 @@ struct Transition {
 }
 
 impl Transition {
-    const ZERO: Self =
-        Self { terms: [[[0.0; LANES]; COLUMNS]; TERMS], nodes: [[[0.0; LANES]; COLUMNS]; NODES + 1], spacing: 0.0 };
+    const ZERO: Self = Self {
+        terms: [[[0.0; LANES]; COLUMNS]; TERMS],
+        nodes: [[[0.0; LANES]; COLUMNS]; NODES + 1],
+        spacing: 0.0,
+    };
 
     #[inline(always)]
     fn fill(&mut self, model: &Model, mode: SmoothMode) {
