@@ -216,10 +216,8 @@ impl StroboscopicRecord {
         }
         let counts = [0, 1].map(|side| periods[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
         let rests = periods[last..].iter().any(|s| s.rests);
-        // Without impacts the flow is linear. Where every part of it is damped, for which the block needs the coupling, it has
-        // one limit, and so a motion that has not reached it is on its way there.
-        let damped = [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0);
-        let dies_out = damped && counts == [0; 2] && !rests;
+        // Without impacts a damped motion that has not reached its limit is on its way there.
+        let dies_out = is_damped(p) && counts == [0; 2] && !rests;
         Attractor {
             period,
             approaching: period.is_none() && (dies_out || approaches(periods)),
@@ -230,6 +228,12 @@ impl StroboscopicRecord {
             sizes: sizes.map(f64::sqrt),
         }
     }
+}
+
+/// Whether the motion without impacts has one limit: its flow is linear, and every part of it is damped, for which the block needs the
+/// coupling.
+pub(crate) fn is_damped(p: &Parameters) -> bool {
+    [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0)
 }
 
 /// The least n for which, over the last four times n drive periods, states return after n periods and the order of impacts

@@ -146,3 +146,35 @@ fn closed_form_rule_of_decision() {
     assert!(tangent(50, 0.0, 0.1).is_decided(400));
     assert!(tangent(50, 0.0, 0.1).exponent().value < ZERO_EXPONENT * rate);
 }
+
+#[test]
+fn second_method_motions_whose_chaos_has_ended_have_no_more_impacts() {
+    // Where the drive is weak chaos is a transient, which ends without impacts.
+    let mut starts = (0..120).map(|k| {
+        let groups = Groups { f10: 0.28, sigma1: -1.2 + 0.02 * f64::from(k), ..Groups::basic() };
+        let parameters = groups.to_parameters(Scales::default()).unwrap();
+        Start { parameters, state: moving_block(&parameters) }
+    });
+    let starts: Vec<Start> = starts.by_ref().collect();
+    let program = Program {
+        discard: 300,
+        until_settled: true,
+        observed: true,
+        exponent: Some(400),
+        ..Program::default()
+    };
+    let mut ended = 0;
+    Workspace::default().run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
+        let outcome = outcome.unwrap();
+        if outcome.exponent.is_none_or(|e| e.error != 0.0) {
+            return;
+        }
+        ended += 1;
+        assert!(outcome.attractor.is_some_and(|a| a.approaching));
+        let p = &starts[number].parameters;
+        let mut simulator = Simulator::new(p, &outcome.state, 0.0).unwrap();
+        simulator.advance_to(300.0 * p.period()).unwrap();
+        assert_eq!((simulator.impacts().upper, simulator.impacts().lower), (0, 0), "{number}");
+    });
+    assert!(ended > 2, "{ended}");
+}

@@ -1,7 +1,7 @@
 //! What a thread does with the motions in its lanes, from stage to stage.
 
 use super::{LargestExponent, Outcome, Program, Start};
-use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord};
+use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord, is_damped};
 use crate::error::Result;
 use crate::largest_exponent::{ALIGN, BLOCK, Tangent};
 use crate::settling::{Confirmation, ImpactRepetition};
@@ -32,6 +32,8 @@ pub(super) struct LaneRecord {
     /// When the tangent begins, s, and whether it has begun.
     tangent_from: f64,
     tangent_begun: bool,
+    /// Whether there have been events since the exponent was last looked at.
+    moved_on: bool,
     /// When the observation has begun, s.
     observed_from: f64,
     attractor: Option<Attractor>,
@@ -188,13 +190,19 @@ impl<'a> Motions<'a> {
                     .attractor
                     .get_or_insert_with(|| record.stroboscopic.attractor(simulator.parameters()));
                 let most = program.exponent.filter(|_| attractor.period.is_none() && !attractor.is_free())?;
-                record.stage = Stage::Exponent;
                 record.tangent.end_block(now);
                 let exponent = record.tangent.exponent();
+                if record.stage == Stage::Exponent && !record.moved_on && is_damped(&record.parameters) {
+                    // Chaos has ended in the motion without impacts, to which all is damped but the drive's phase.
+                    attractor.approaching = true;
+                    record.exponent = Some(LargestExponent { value: 0.0, error: 0.0, ..exponent });
+                    return None;
+                }
                 if record.tangent.is_decided(most) {
                     record.exponent = Some(exponent);
                     return None;
                 }
+                (record.stage, record.moved_on) = (Stage::Exponent, false);
                 // In whole blocks, which it has been up to now.
                 let left = (most - exponent.periods).next_multiple_of(BLOCK);
                 plan(now, left.min(LOOK), events)
@@ -266,6 +274,7 @@ impl MotionQueue for Motions<'_> {
                 return record.look_for_repetition(event);
             }
             Stage::Observing => record.stroboscopic.event(event),
+            Stage::Exponent => record.moved_on = true,
             _ => {}
         }
         if program.exponent.is_some() {
