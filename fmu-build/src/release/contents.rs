@@ -130,17 +130,18 @@ fn native(platform: &WheelPlatform, module: &[u8]) -> std::result::Result<(), St
     if let Some(version) = inspect::later_glibc(&needs) {
         return Err(format!("needs glibc {version}, later than {:?}", inspect::GLIBC));
     }
-    match needs.iter().find(|name| !inspect::is_system(name) && !is_python(name)) {
+    match needs.iter().find(|name| !inspect::is_system(name) && !is_beside_python(name)) {
         Some(foreign) => Err(format!("needs {foreign}, which a machine may lack")),
         None => Ok(()),
     }
 }
 
-/// Whether a library needed is the interpreter's, or what every interpreter brings along.
-fn is_python(library: &str) -> bool {
-    let lower = library.to_lowercase();
-    // On macOS the interpreter's names are looked up when the module is loaded.
-    lower == "python3.dll" || lower.is_empty()
+/// Whether a library needed is the interpreter's, or one of Windows that the standard library uses.
+fn is_beside_python(library: &str) -> bool {
+    const WINDOWS: [&str; 6] =
+        ["python3.dll", "userenv.dll", "ws2_32.dll", "dbghelp.dll", "advapi32.dll", "bcryptprimitives.dll"];
+    // On macOS the interpreter's names are looked up when the module is loaded: they come from no library.
+    library.is_empty() || WINDOWS.contains(&&*library.to_lowercase())
 }
 
 /// Name and version in the package's metadata.
