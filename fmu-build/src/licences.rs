@@ -10,13 +10,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What is linked in besides crates.
-const RUN_TIME: &str = "
-The Rust standard library: MIT OR Apache-2.0 and what COPYRIGHT-library.html lists (rust-standard-library/).
+/// What is linked in besides crates; the texts of the standard library lie in `place`.
+fn run_time(place: &str) -> String {
+    format!(
+        "
+The Rust standard library: MIT OR Apache-2.0 and what COPYRIGHT-library.html lists ({place}).
 Run-time code of the linker, for unwinding and start-up: LLVM's libunwind (Apache-2.0 WITH LLVM-exception) or GCC's
 libgcc (GPL-3.0-or-later WITH GCC-exception-3.1, which puts no condition on what it is linked into), and on Windows that
 of mingw-w64 (public domain and Zope Public License 2.1).
-";
+"
+    )
+}
 
 /// Texts that the Rust toolchain brings along, in its `share/doc/rust`.
 const TOOLCHAIN: [&str; 4] = [
@@ -48,13 +52,16 @@ pub fn texts(live: bool) -> Result<Content> {
     }
     let (list, files) = third_party(&format!("{into} of this FMU"), &names)?;
     content.extend(files);
-    content.insert(LIST.into(), list.into_bytes());
+    content.insert(LIST.into(), (list + &run_time("rust-standard-library/")).into_bytes());
     content.extend(standard_library()?.into_iter().map(|(n, t)| (format!("rust-standard-library/{n}"), t)));
     Ok(content)
 }
 
 /// Files of licences that every wheel has beside our own: the list of what is linked, with all texts.
 pub const OF_WHEEL: [&str; 1] = ["LICENSE-THIRD-PARTY.txt"];
+
+/// The page of the standard library's licences beside them.
+const STANDARD_LIBRARY: &str = "LICENSE-RUST-STANDARD-LIBRARY.html";
 
 /// The texts of the Python package's wheels, in files whose names `license-files` in its `pyproject.toml` covers. Of equal texts
 /// there is one.
@@ -63,6 +70,7 @@ pub const OF_WHEEL: [&str; 1] = ["LICENSE-THIRD-PARTY.txt"];
 /// As [`texts`].
 pub fn of_wheel() -> Result<Content> {
     let (mut all, files) = third_party("native module of this package", &tree("vibro-impact-python")?)?;
+    all += &run_time(STANDARD_LIBRARY);
     let (pages, plain): (Content, Content) =
         standard_library()?.into_iter().partition(|(name, _)| name.ends_with(".html"));
     let plain = plain.into_iter().map(|(name, text)| (format!("rust-standard-library/{name}"), text));
@@ -77,7 +85,7 @@ pub fn of_wheel() -> Result<Content> {
         all += &format!("\n{}\n{names}\n\n{}\n", "=".repeat(80), String::from_utf8_lossy(&text).trim_end());
     }
     let mut content = Content::from([(OF_WHEEL[0].to_owned(), all.into_bytes())]);
-    content.extend(pages.into_values().map(|page| ("LICENSE-RUST-STANDARD-LIBRARY.html".to_owned(), page)));
+    content.extend(pages.into_values().map(|page| (STANDARD_LIBRARY.to_owned(), page)));
     Ok(content)
 }
 
@@ -99,7 +107,7 @@ fn third_party(into: &str, names: &BTreeSet<(String, String)>) -> Result<(String
             content.insert(format!("{name}-{version}/{file}"), bytes);
         }
     }
-    Ok((list + "\n" + RUN_TIME, content))
+    Ok((list + "\n", content))
 }
 
 /// The texts of the standard library, where the toolchain has them (rustup's have).

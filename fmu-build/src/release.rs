@@ -8,7 +8,7 @@ pub mod agreement;
 pub mod changelog;
 pub mod contents;
 pub mod notes;
-mod trial;
+pub mod trial;
 pub mod wheels;
 
 use crate::archive::write_file;
