@@ -73,9 +73,7 @@ pub fn assemble(workspace: &Path, intent: &Intent, only: &[String], into: &Path)
     }
     write_file(&folder.join(NOTES), notes::notes(&agreed, &parts, &left_out).as_bytes())?;
     write_file(&folder.join(SUMS), sums(&folder)?.as_bytes())?;
-    clear(into)?;
-    fs::remove_dir(into).map_err(Error::file("removing", into))?;
-    fs::rename(&folder, into).map_err(Error::file("moving the release to", into))?;
+    copy(&folder, into)?;
     Ok(left_out)
 }
 
@@ -181,6 +179,20 @@ fn check_replaceable(folder: &Path) -> Result<()> {
         value: folder.display().to_string(),
         allowed: "a folder that is empty, not there yet, or holds an earlier release",
     })
+}
+
+/// Replaces a folder by the files of another, which may be on another disk. The sums come last: a folder with them is whole.
+fn copy(folder: &Path, into: &Path) -> Result<()> {
+    clear(into)?;
+    let reading = || Error::file("reading the folder", folder);
+    let entries: std::io::Result<Vec<_>> = fs::read_dir(folder).map_err(reading())?.collect();
+    let mut names: Vec<_> = entries.map_err(reading())?.into_iter().map(|entry| entry.file_name()).collect();
+    names.sort_by_key(|name| name == SUMS);
+    for name in names {
+        let path = into.join(&name);
+        fs::copy(folder.join(&name), &path).map_err(Error::file("writing", &path))?;
+    }
+    Ok(())
 }
 
 /// An empty folder.
