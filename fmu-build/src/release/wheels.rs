@@ -156,6 +156,8 @@ pub fn unpack(sdist: &Path, version: &str) -> Result<PathBuf> {
     }
     let file = fs::File::open(sdist).map_err(Error::file("opening", sdist))?;
     let mut tar = tar::Archive::new(GzDecoder::new(file));
+    // Their dates are all the same: cargo, which goes by dates, would take an earlier build for that of these sources.
+    tar.set_preserve_mtime(false);
     tar.unpack(&folder).map_err(Error::file("unpacking into", &folder))?;
     Ok(folder.join(format!("vibro_impact-{}", python_version(version))))
 }
