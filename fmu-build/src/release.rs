@@ -121,7 +121,7 @@ impl Assembly<'_> {
         }
         let version = &self.agreed.version;
         let sdist = wheels::sdist(self.folder, &licences::of_wheel()?, version, self.folder)?;
-        let source = wheels::unpack(&sdist, version)?;
+        let source = wheels::unpack(&sdist, version, &target().join("dist/source"))?;
         let tried = "the wheels are built from it".to_owned();
         self.add(&wheels::sdist_file(version), "Python package, sources (needs a Rust toolchain)", tried)?;
         for platform in

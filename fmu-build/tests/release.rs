@@ -11,7 +11,7 @@ use fmu_build::release::agreement::{Agreed, Intent, agreed};
 use fmu_build::release::changelog::{self, Section};
 use fmu_build::release::contents::{archive_of, disagreements};
 use fmu_build::release::notes::{Part, notes};
-use fmu_build::release::wheels::{ENTRY, WHEELS, WheelPlatform, sdist_file};
+use fmu_build::release::wheels::{self, ENTRY, WHEELS, WheelPlatform, sdist_file};
 use fmu_build::release::{NOTES, SUMS};
 use fmu_build::version::Version;
 use fmu_build::{compile, licences};
@@ -19,6 +19,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
+use std::time::{Duration, SystemTime};
 use vibro_fmi::component::identity::VERSION;
 use vibro_fmi::fmi2::description::guid;
 use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token};
@@ -159,6 +160,9 @@ fn module(folder: &Path, function: &str) -> Vec<u8> {
     fs::read(library).unwrap()
 }
 
+/// 1980-01-01 in seconds since 1970, as the source distribution has it.
+const DATE: u64 = 315_532_800;
+
 /// A folder of both archives, a wheel for this machine and a source distribution, each with what is compared.
 struct Dist {
     folder: tempfile::TempDir,
@@ -205,6 +209,7 @@ impl Dist {
         for (name, bytes) in &self.sdist {
             let mut header = tar::Header::new_gnu();
             header.set_size(bytes.len() as u64);
+            header.set_mtime(DATE);
             tar.append_data(&mut header, name, bytes.as_slice()).unwrap();
         }
         tar.into_inner().unwrap().finish().unwrap();
@@ -223,6 +228,17 @@ impl Dist {
 #[test]
 fn files_that_agree_are_released() {
     assert_eq!(Dist::new().disagreements(), [""; 0]);
+}
+
+/// Cargo goes by dates: by those in the source distribution it would take what was built from other sources for these.
+#[test]
+fn unpacked_sources_are_newer_than_what_was_built_before() {
+    let before = SystemTime::now() - Duration::from_secs(60); // disks have coarser clocks
+    let dist = Dist::new();
+    assert_eq!(dist.disagreements(), [""; 0]);
+    let sdist = dist.folder.path().join(sdist_file(VERSION));
+    let unpacked = wheels::unpack(&sdist, VERSION, &dist.folder.path().join("source")).unwrap();
+    assert!(fs::metadata(unpacked.join("PKG-INFO")).unwrap().modified().unwrap() > before);
 }
 
 #[test]
@@ -333,7 +349,7 @@ fn a_folder_with_anything_else_in_it_is_not_replaced() {
 #[test]
 #[ignore = "builds archives, wheels and pages: needs minutes, fmu-build/requirements.txt on the PATH and a package index"]
 fn the_whole_for_this_machine_is_what_its_sums_say_and_builds_from_its_sources() {
-    if let Some(tools) = fmu_build::release::wheels::missing_tool() {
+    if let Some(tools) = wheels::missing_tool() {
         panic!("not tested: {tools}");
     }
     let folder = tempfile::tempdir().unwrap();

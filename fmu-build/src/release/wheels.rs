@@ -145,20 +145,19 @@ pub fn sdist(archives: &Path, licences: &Content, version: &str, into: &Path) ->
     Ok(into.join(sdist_file(version)))
 }
 
-/// Unpacks the source distribution and returns its folder.
+/// Unpacks the source distribution into a folder, which it replaces, and returns the place of its manifest.
 ///
 /// # Errors
 /// [`Error::File`].
-pub fn unpack(sdist: &Path, version: &str) -> Result<PathBuf> {
-    let folder = target().join("dist/source");
+pub fn unpack(sdist: &Path, version: &str, folder: &Path) -> Result<PathBuf> {
     if folder.exists() {
-        fs::remove_dir_all(&folder).map_err(Error::file("removing", &folder))?;
+        fs::remove_dir_all(folder).map_err(Error::file("removing", folder))?;
     }
     let file = fs::File::open(sdist).map_err(Error::file("opening", sdist))?;
     let mut tar = tar::Archive::new(GzDecoder::new(file));
     // Their dates are all the same: cargo, which goes by dates, would take an earlier build for that of these sources.
     tar.set_preserve_mtime(false);
-    tar.unpack(&folder).map_err(Error::file("unpacking into", &folder))?;
+    tar.unpack(folder).map_err(Error::file("unpacking into", folder))?;
     Ok(folder.join(format!("vibro_impact-{}", python_version(version))))
 }
 
