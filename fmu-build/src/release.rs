@@ -60,6 +60,9 @@ pub fn assemble(workspace: &Path, intent: &Intent, only: &[String], into: &Path)
     clear(&folder)?;
     let mut assembly =
         Assembly { folder: &folder, agreed: &agreed, only, parts: Vec::new(), left_out: Vec::new() };
+    if !only.is_empty() {
+        assembly.left_out.push(format!("all platforms but {}, which alone were asked for", only.join(", ")));
+    }
     assembly.archives_and_pages()?;
     assembly.python_package()?;
     let wrong = contents::disagreements(&folder, &agreed.version)?;
