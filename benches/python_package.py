@@ -1,11 +1,15 @@
-"""How fast the Python package is, as ratios within one run: against its own fixed costs, SciPy's DOP853 with events, fmpy.
+"""How fast the Python package is, as ratios within one run: against the Rust library, its own fixed costs, SciPy's DOP853 with events,
+fmpy.
 
 `pip install ./python scipy fmpy`, then `python benches/python_package.py`. The work: the default machine over 1000 forces from 0.5 to 4,
-400 drive periods each, from the moving block on; the other ways do a part of it, since they take longer. Least times of some rounds.
+400 drive periods each, from the moving block on; DOP853 and fmpy do a part of it, since they take longer. The Rust library does the same
+work in a program of its own (`analysis/examples/many_motions.rs`, compiled first), in turns with the package. Least times of some
+rounds.
 """
 
 import os
 import shutil
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -13,10 +17,12 @@ from pathlib import Path
 import numpy as np
 import vibro_impact as vi
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fmpy"))
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "fmpy"))
 
 PERIODS = 400
 ROUNDS = 7
+TURNS = 41
 
 
 def least(work, rounds=ROUNDS):
@@ -29,12 +35,46 @@ def least(work, rounds=ROUNDS):
     return min(times)
 
 
+def beside_rust(machines):
+    """Least times of the package and of the Rust library, s, in turns; and the median of their ratios of processor time, all threads
+    together, which other work on the machine disturbs little."""
+    example = ["--release", "--quiet", "-p", "vibro-analysis", "--example", "many_motions"]
+    subprocess.run(["cargo", "build", *example], cwd=ROOT, check=True)
+    program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples" / "many_motions"
+    with subprocess.Popen([program, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as rust:
+
+        def by_rust():
+            begin = processor_time(rust.pid)
+            rust.stdin.write("\n")
+            return float(rust.stdout.readline()), processor_time(rust.pid) - begin
+
+        def by_package():
+            begin = processor_time(os.getpid())
+            return least(lambda: vi.simulate_many(machines, periods=PERIODS), 1), processor_time(os.getpid()) - begin
+
+        by_rust(), by_package()  # threads and tables that are made once
+        # Every other turn the other way round: neither is always the first.
+        turns = [(by_package(), by_rust()) if i % 2 else (by_rust(), by_package())[::-1] for i in range(TURNS)]
+        rust.stdin.close()
+    times, processor = np.array(turns).transpose(2, 1, 0)
+    return times.min(axis=1), np.median(processor[0] / processor[1])
+
+
+def processor_time(process):
+    """Processor time of all threads of a process, s, where the system tells it (Linux: clock_getcpuclockid); else the time."""
+    try:
+        return time.clock_gettime((~process << 3) | 2)
+    except (AttributeError, OSError):
+        return time.perf_counter()
+
+
 def main():
     import fmpy
     import oracle
 
     machines = [vi.Machine.from_groups(f10=f10) for f10 in np.linspace(0.5, 4.0, 1000)]
-    many = least(lambda: vi.simulate_many(machines, periods=PERIODS)) / (1000 * PERIODS)
+    (package, library), ratio = beside_rust(machines)
+    many, by_rust = package / (1000 * PERIODS), library / (1000 * PERIODS)
     # The same call over no time: checks, conversions, threads and the machines' tables, which any caller of the core needs too.
     fixed = least(lambda: vi.simulate_many(machines, periods=0)) / (1000 * PERIODS)
     machine = machines[285]
@@ -64,6 +104,7 @@ def main():
     print(f"{os.cpu_count()} cores; vibro_impact {vi.__version__}, numpy {np.__version__}")
     print("| way | us per drive period | times `simulate_many` |\n|---|---|---|")
     rows = {
+        f"Rust, `propagate`, 1000 machines x {PERIODS} periods, all cores": by_rust,
         f"`simulate_many`, 1000 machines x {PERIODS} periods, all cores": many,
         "of which over no time (checks, tables of each machine)": fixed,
         "`simulate`, one machine, energy accounts, a state a period": one,
@@ -72,6 +113,7 @@ def main():
     }
     for way, seconds in rows.items():
         print(f"| {way} | {1e6 * seconds:.4g} | {seconds / many:.4g} |")
+    print(f"`simulate_many` against `propagate` in {TURNS} turns, median of their ratios of processor time: {ratio:.3f}")
 
 
 if __name__ == "__main__":

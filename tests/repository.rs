@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Endings of files whose text is read, by people.
 const TEXTS: [&str; 10] = ["rs", "py", "md", "toml", "html", "ts", "js", "mjs", "yml", "cff"];
 /// Folders that are made, fetched or another program's input.
-const PASSED_OVER: [&str; 6] = ["target", ".git", "corpus", "node_modules", "snapshots", "vibro-out"];
+const PASSED_OVER: [&str; 7] = ["target", "dist", ".git", "corpus", "node_modules", "snapshots", "vibro-out"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

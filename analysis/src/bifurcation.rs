@@ -12,7 +12,7 @@ use super::lyapunov::{self, Spectrum};
 use super::maxima::Displacement;
 use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
-use super::parts::Task;
+use super::parts::{PartStore, Task};
 use super::plane::{ParameterAxis, check_count};
 use super::stroboscopic::{StroboscopicState, moving_block};
 use super::trajectories::{Outcome, Program, Start, Workspace};
@@ -96,13 +96,19 @@ pub(crate) fn within_gap(state: State, from: f64, to: f64) -> State {
 }
 
 /// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
-/// starts with [`moving_block`].
-fn chain(set: &ParameterSet, sweep: &Sweep, upward: bool) -> Result<Vec<SettledStart>> {
+/// starts with [`moving_block`]. The store may end it before any value.
+fn chain(
+    set: &ParameterSet,
+    sweep: &Sweep,
+    store: &dyn PartStore,
+    upward: bool,
+) -> Result<Vec<SettledStart>> {
     let count = sweep.axis.count;
     let mut state = moving_block(set.parameters());
     let mut gap = set.parameters().stop_gap;
     let mut starts = Vec::with_capacity(count);
     for i in 0..count {
+        store.go_on()?;
         let value = sweep.axis.value(if upward { i } else { count - 1 - i });
         let p = *set.with(sweep.axis.name, value)?.parameters();
         state = within_gap(state, gap, p.stop_gap);
@@ -199,7 +205,8 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
     // A sweep of which all parts are there needs no chain.
     let starts = std::sync::OnceLock::new();
     let chains = || -> Result<[Vec<SettledStart>; 2]> {
-        let (up, down) = rayon::join(|| chain(set, sweep, true), || chain(set, sweep, false));
+        let (up, down) =
+            rayon::join(|| chain(set, sweep, task.store, true), || chain(set, sweep, task.store, false));
         Ok([up?, down?])
     };
     if task.store.missing(count(sweep)) > 0 {
@@ -268,6 +275,41 @@ impl Diagram {
 mod tests {
     use super::*;
     use crate::find_group;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Wants no more after some values of the chains.
+    struct Impatient {
+        asked: AtomicUsize,
+        most: usize,
+    }
+
+    impl PartStore for Impatient {
+        fn load(&self, _: usize) -> Option<Vec<u8>> {
+            None
+        }
+
+        fn save(&self, _: usize, _: &[u8]) -> Result<()> {
+            panic!("a part was computed after the store had ended the study")
+        }
+
+        fn go_on(&self) -> Result<()> {
+            match self.asked.fetch_add(1, Ordering::Relaxed) {
+                asked if asked < self.most => Ok(()),
+                _ => Err(Error::store(std::io::Error::other("nobody waits"))),
+            }
+        }
+    }
+
+    #[test]
+    fn a_store_ends_the_chains_of_both_directions_between_two_values() {
+        let axis = ParameterAxis::new(find_group("f10").unwrap(), (1.0, 2.0), 500).unwrap();
+        let sweep = Sweep { axis, discard: 5, keep: 5, exponents: None, of: Displacement::X2 };
+        let store = Impatient { asked: AtomicUsize::new(0), most: 20 };
+        let found = diagram(&ParameterSet::basic(), &sweep, &Task { store: &store, ..Task::ALL });
+        assert!(matches!(found, Err(Error::Store(_))), "{found:?}");
+        // Each direction asks once in vain.
+        assert_eq!(store.asked.into_inner(), store.most + 2);
+    }
 
     #[test]
     fn diagrams_that_do_not_fit_are_refused_before_the_work_with_the_number_that_fits() {

@@ -55,6 +55,14 @@ pub trait PartStore: Sync {
     /// [`Error::Store`] with the reason.
     fn save(&self, index: usize, bytes: &[u8]) -> Result<()>;
 
+    /// Asked now and then inside long work that comes before the parts, whether it is still wanted.
+    ///
+    /// # Errors
+    /// [`Error::Store`] ends the study.
+    fn go_on(&self) -> Result<()> {
+        Ok(())
+    }
+
     /// Whether a part is there.
     fn contains(&self, index: usize) -> bool {
         self.load(index).is_some()

@@ -71,6 +71,25 @@ impl Permissions for tempfile::Builder<'_, '_> {
     }
 }
 
+/// Reads an archive: every file in it.
+///
+/// # Errors
+/// [`Error::Archive`], [`Error::File`].
+pub fn read_all(path: &Path) -> Result<Content> {
+    let failed = |source| Error::Archive { path: path.to_owned(), source };
+    let file = fs::File::open(path).map_err(Error::file("opening", path))?;
+    let mut zip = ZipArchive::new(file).map_err(failed)?;
+    let mut content = Content::new();
+    for i in 0..zip.len() {
+        let mut entry = zip.by_index(i).map_err(failed)?;
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).map_err(|e| failed(e.into()))?;
+        let name = entry.name().map_err(failed)?.into_owned();
+        content.insert(name, bytes);
+    }
+    Ok(content)
+}
+
 /// Reads one file out of an archive.
 ///
 /// # Errors

@@ -137,19 +137,15 @@ impl Compiler {
         cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
         // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
         cargo.env("CARGO_INCREMENTAL", "0");
-        // Windows libraries carry a time: 1980-01-01, as the archive's entries.
-        cargo.env("SOURCE_DATE_EPOCH", "315532800");
+        // Windows libraries carry a time.
+        cargo.env("SOURCE_DATE_EPOCH", EPOCH);
     }
 
     /// Compiler flags: no folder of this machine in the binary, so that builds in two folders are equal. They take the
     /// place of the user's own, which must not change what is shipped.
     fn flags(&self) -> String {
-        let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
         let mut flags = vec![remap(&self.workspace, "/vibro-impact")];
-        let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
-        if let Some(home) = home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))) {
-            flags.push(remap(&home, "/cargo"));
-        }
+        flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));
         // Last, since of several that fit the last counts, and this folder may lie in the first.
         flags.push(remap(&self.target, "/target"));
         flags.join("\u{1f}")
@@ -182,6 +178,20 @@ impl Compiler {
     }
 }
 
+/// The compiler's flag by which a folder of this machine is called by another name in what is compiled.
+pub(crate) fn remap(from: &Path, to: &str) -> String {
+    format!("--remap-path-prefix={}={to}", from.to_string_lossy())
+}
+
+/// Where cargo keeps the sources of other crates.
+pub(crate) fn cargo_home() -> Option<PathBuf> {
+    let given = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    given.or_else(|| Some(std::env::home_dir()?.join(".cargo")))
+}
+
+/// 1980-01-01 in seconds since 1970, the time of all entries of archives.
+pub(crate) const EPOCH: &str = "315532800";
+
 /// Name of the library's crate.
 const LIBRARY_NAME: &str = "vibro_fmi";
 
@@ -207,8 +217,9 @@ pub(crate) fn output(cargo: &mut Command) -> Result<String> {
     let command = line(cargo);
     let failed = |problem: String| Error::Cargo { command: command.clone(), problem };
     cargo.stdin(Stdio::null()).stderr(Stdio::inherit());
-    let output =
-        cargo.output().map_err(|e| failed(format!("cannot be run: {e}; install the Rust toolchain")))?;
+    let output = cargo
+        .output()
+        .map_err(|e| failed(format!("cannot be run: {e}; install the Rust toolchain or what is named")))?;
     if !output.status.success() {
         return Err(failed(format!("failed ({}); its messages are above", output.status)));
     }

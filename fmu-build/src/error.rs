@@ -95,6 +95,9 @@ pub enum Error {
     /// A picture could not be drawn.
     #[error(transparent)]
     Picture(#[from] vibro::Error),
+    /// A release cannot be made of what is there.
+    #[error("no release:\n  {}", .0.join("\n  "))]
+    Release(Vec<String>),
     /// An option of the command line makes no sense.
     #[error("{name} = {value}: allowed is {allowed}")]
     Option {

@@ -8,6 +8,7 @@
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
 //!       picture ◀──┘
 //! explorer (a nested cargo runs explorer-build) ─▶ the live page in package, where asked for
+//! release: all of it with the Python package (maturin), checked (inspect), in one folder
 //! ```
 
 pub mod archive;
@@ -20,6 +21,7 @@ pub mod explorer;
 pub mod fmi3;
 pub mod host;
 pub mod icon;
+pub mod inspect;
 pub mod licences;
 pub mod package;
 pub mod page;
@@ -27,6 +29,7 @@ pub mod picture;
 pub mod platforms;
 pub mod recipes;
 pub mod reference;
+pub mod release;
 pub mod run;
 pub mod schema;
 pub mod sketch;

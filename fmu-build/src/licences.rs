@@ -5,18 +5,22 @@ use crate::compile::{cargo, output, workspace};
 use crate::error::{Error, Result};
 use crate::platforms::PLATFORMS;
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What is linked in besides crates.
-const RUN_TIME: &str = "
-The Rust standard library: MIT OR Apache-2.0 and what COPYRIGHT-library.html lists (rust-standard-library/).
+/// What is linked in besides crates; the texts of the standard library lie in `place`.
+fn run_time(place: &str) -> String {
+    format!(
+        "
+The Rust standard library: MIT OR Apache-2.0 and what COPYRIGHT-library.html lists ({place}).
 Run-time code of the linker, for unwinding and start-up: LLVM's libunwind (Apache-2.0 WITH LLVM-exception) or GCC's
 libgcc (GPL-3.0-or-later WITH GCC-exception-3.1, which puts no condition on what it is linked into), and on Windows that
 of mingw-w64 (public domain and Zope Public License 2.1).
-";
+"
+    )
+}
 
 /// Texts that the Rust toolchain brings along, in its `share/doc/rust`.
 const TOOLCHAIN: [&str; 4] = [
@@ -42,8 +46,54 @@ pub fn texts(live: bool) -> Result<Content> {
         content.insert(name.to_owned(), text);
     }
     let into = if live { "binaries and the live page" } else { "binaries" };
-    let mut list = format!("Linked into the {into} of this FMU, beside its own code (MIT OR Apache-2.0):\n");
-    for package in linked(live)? {
+    let mut names = tree("vibro-fmi")?;
+    if live {
+        names.extend(tree_for("vibro-explorer", &["wasm32-unknown-unknown"])?);
+    }
+    let (list, files) = third_party(&format!("{into} of this FMU"), &names)?;
+    content.extend(files);
+    content.insert(LIST.into(), (list + &run_time("rust-standard-library/")).into_bytes());
+    content.extend(standard_library()?.into_iter().map(|(n, t)| (format!("rust-standard-library/{n}"), t)));
+    Ok(content)
+}
+
+/// Files of licences that every wheel has beside our own: the list of what is linked, with all texts.
+pub const OF_WHEEL: [&str; 1] = ["LICENSE-THIRD-PARTY.txt"];
+
+/// The page of the standard library's licences beside them.
+const STANDARD_LIBRARY: &str = "LICENSE-RUST-STANDARD-LIBRARY.html";
+
+/// The texts of the Python package's wheels, in files whose names `license-files` in its `pyproject.toml` covers. Of equal texts
+/// there is one.
+///
+/// # Errors
+/// As [`texts`].
+pub fn of_wheel() -> Result<Content> {
+    let (mut all, files) = third_party("native module of this package", &tree("vibro-impact-python")?)?;
+    all += &run_time(STANDARD_LIBRARY);
+    let (pages, plain): (Content, Content) =
+        standard_library()?.into_iter().partition(|(name, _)| name.ends_with(".html"));
+    let plain = plain.into_iter().map(|(name, text)| (format!("rust-standard-library/{name}"), text));
+    let mut places: BTreeMap<Vec<u8>, Vec<String>> = BTreeMap::new();
+    for (name, text) in files.into_iter().chain(plain) {
+        places.entry(text).or_default().push(name);
+    }
+    let mut texts: Vec<_> = places.into_iter().collect();
+    texts.sort_by(|(_, a), (_, b)| a.cmp(b));
+    for (text, names) in texts {
+        let names = names.join("\n");
+        all += &format!("\n{}\n{names}\n\n{}\n", "=".repeat(80), String::from_utf8_lossy(&text).trim_end());
+    }
+    let mut content = Content::from([(OF_WHEEL[0].to_owned(), all.into_bytes())]);
+    content.extend(pages.into_values().map(|page| (STANDARD_LIBRARY.to_owned(), page)));
+    Ok(content)
+}
+
+/// The list of what is linked, and the texts by `name-version/file`.
+fn third_party(into: &str, names: &BTreeSet<(String, String)>) -> Result<(String, Content)> {
+    let mut content = Content::new();
+    let mut list = format!("Linked into the {into}, beside its own code (MIT OR Apache-2.0):\n");
+    for package in packages(names)? {
         let (name, version) = (text(&package["name"]), text(&package["version"]));
         list += &format!("\n{name} {version}: {}", text(&package["license"]));
         let folder = Path::new(text(&package["manifest_path"])).parent().unwrap_or(Path::new("."));
@@ -57,39 +107,32 @@ pub fn texts(live: bool) -> Result<Content> {
             content.insert(format!("{name}-{version}/{file}"), bytes);
         }
     }
-    content.insert(LIST.into(), (list + "\n" + RUN_TIME).into_bytes());
-    standard_library(&mut content)?;
-    Ok(content)
+    Ok((list + "\n", content))
 }
 
 /// The texts of the standard library, where the toolchain has them (rustup's have).
-fn standard_library(content: &mut Content) -> Result<()> {
+fn standard_library() -> Result<Content> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc).args(["--print", "sysroot"]).stderr(Stdio::null()).output();
     let sysroot = asked.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned()).unwrap_or_default();
     let folder = PathBuf::from(sysroot).join("share/doc/rust");
+    let mut content = Content::new();
     for name in TOOLCHAIN {
         let path = folder.join(name);
         if path.is_file() {
             let text = fs::read(&path).map_err(Error::file("reading", &path))?;
-            content.insert(format!("rust-standard-library/{name}"), text);
+            content.insert(name.to_owned(), text);
         }
     }
-    Ok(())
+    Ok(content)
 }
 
 fn text(value: &Value) -> &str {
     value.as_str().unwrap_or("unknown")
 }
 
-/// Packages of the normal dependency tree on any platform, without ourselves and without what only runs while compiling,
-/// sorted by name.
-fn linked(live: bool) -> Result<Vec<Value>> {
-    let targets: Vec<&str> = PLATFORMS.iter().flat_map(|p| p.targets).copied().collect();
-    let mut names = tree("vibro-fmi", &targets)?;
-    if live {
-        names.extend(tree("vibro-explorer", &["wasm32-unknown-unknown"])?);
-    }
+/// What cargo knows of the packages of these names and versions, without ourselves, sorted by name.
+fn packages(names: &BTreeSet<(String, String)>) -> Result<Vec<Value>> {
     let mut metadata = cargo();
     metadata.args(["metadata", "--format-version", "1", "--locked"]);
     let metadata: Value = serde_json::from_str(&output(&mut metadata)?).map_err(|e| Error::Cargo {
@@ -108,8 +151,15 @@ fn linked(live: bool) -> Result<Vec<Value>> {
     Ok(packages)
 }
 
-/// Names and versions in the dependency tree of one of our packages.
-fn tree(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)>> {
+/// Names and versions in the normal dependency tree of one of our packages on any platform that is packed, without what only runs
+/// while compiling.
+fn tree(package: &str) -> Result<BTreeSet<(String, String)>> {
+    let targets: Vec<&str> = PLATFORMS.iter().flat_map(|p| p.targets).copied().collect();
+    tree_for(package, &targets)
+}
+
+/// The same for other targets.
+fn tree_for(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)>> {
     let mut tree = cargo();
     tree.args(["tree", "--package", package, "--edges", "normal,no-proc-macro"]);
     tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);

@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
 use fmu_build::picture::picture;
+use fmu_build::release::agreement::Intent;
 use fmu_build::table::Table;
 use fmu_build::version::Version;
 use fmu_build::{archive, compile, explorer, package, platforms, reference, run};
@@ -61,6 +62,21 @@ enum Task {
         #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
         start: Vec<f64>,
     },
+    /// Assembles a release: archives, wheels, source distribution, pages, notes, sums
+    Release {
+        /// The tag that is released, e.g. v0.1.0; then nothing may be left out
+        #[arg(long)]
+        tag: Option<String>,
+        /// Show what a release would be: with the changes under "Unreleased", also from a work tree that is not committed
+        #[arg(long, conflicts_with = "tag")]
+        preview: bool,
+        /// Only this platform, by its name in FMI 3.0, e.g. x86_64-linux; can be given several times
+        #[arg(long, conflicts_with = "tag")]
+        platform: Vec<String>,
+        /// The folder [default: dist/], which is replaced
+        #[arg(long)]
+        output: Option<PathBuf>,
+    },
 }
 
 fn main() -> ExitCode {
@@ -69,6 +85,9 @@ fn main() -> ExitCode {
         Some(Task::Refresh { description: true }) => package::described().and_then(write),
         Some(Task::Refresh { description: false }) => refresh(),
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
+        Some(Task::Release { tag, preview, platform, output }) => {
+            release(&Intent { tag, preview }, &platform, output)
+        }
         None => build(&arguments),
     };
     match done {
@@ -106,6 +125,21 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     for part in left_out {
         println!("{part}");
     }
+    Ok(())
+}
+
+/// Assembles a release and lists it.
+fn release(intent: &Intent, platforms: &[String], output: Option<PathBuf>) -> fmu_build::Result<()> {
+    let folder = output.unwrap_or_else(|| compile::workspace().join("dist"));
+    let left_out = fmu_build::release::assemble(compile::workspace(), intent, platforms, &folder)?;
+    let notes = folder.join(fmu_build::release::NOTES);
+    let text = std::fs::read_to_string(&notes).unwrap_or_default();
+    let files = text.lines().filter(|line| line.starts_with('|'));
+    println!("{}", files.collect::<Vec<_>>().join("\n"));
+    for part in left_out {
+        println!("{part}");
+    }
+    println!("{}", folder.display());
     Ok(())
 }
 

@@ -122,7 +122,7 @@ pub fn write(output: &Path, versions: &[Version], binaries: &Binaries, live: Opt
 /// # Errors
 /// As [`build`].
 pub fn build_all(output: &Path, versions: &[Version], live: Option<&[u8]>) -> Result<Vec<LeftOut>> {
-    let (binaries, left_out) = platforms::all()?;
+    let (binaries, left_out) = platforms::all(&[])?;
     write(output, versions, &binaries, live)?;
     Ok(left_out)
 }

@@ -73,6 +73,13 @@ impl Binaries {
         let folder = |b: &Binary| if version == Version::Fmi2 { b.folder } else { b.tuple };
         self.0.iter().map(|b| (path(folder(b), b.ending), b.bytes.clone())).collect()
     }
+
+    /// Names of the folders in the archive of a version, this machine's own first.
+    pub fn names(&self, version: Version) -> Vec<&'static str> {
+        let name = |b: &Binary| if version == Version::Fmi2 { b.folder } else { b.tuple };
+        let (own, others): (Vec<&Binary>, _) = self.0.iter().partition(|b| b.folder == PLATFORM);
+        own.into_iter().chain(others).map(name).collect()
+    }
 }
 
 /// A part of the archive, a platform or the live page, that could not be built as it should, and why.
@@ -99,7 +106,7 @@ impl Display for LeftOut {
 }
 
 /// What one needs beside the Rust toolchain.
-pub const TOOLS: &str = "install cargo-zigbuild and zig (`pip install -r fmu-build/requirements.txt` in a virtual environment) \
+pub const TOOLS: &str = "install cargo-zigbuild, zig and, for wheels, maturin (`pip install -r fmu-build/requirements.txt` in a virtual environment) \
      and put them on the PATH";
 
 /// Path of the library inside an archive.
@@ -119,14 +126,17 @@ pub fn own() -> Result<Binaries> {
     Ok(Binaries::own(read(&Compiler::default().library()?)?))
 }
 
-/// The binaries of all platforms that can be built here, and a list of those that cannot.
+/// The binaries of the platforms that can be built here, and a list of those that cannot. This machine's own is always among them; of the
+/// others those that are asked for, by their names in FMI 3.0, or all where none is.
 ///
 /// # Errors
 /// Where not even this machine's own can be built.
-pub fn all() -> Result<(Binaries, Vec<LeftOut>)> {
+pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
-    for platform in PLATFORMS {
+    let wanted =
+        |p: &Platform| only.is_empty() || p.folder == PLATFORM || only.iter().any(|name| name == p.tuple);
+    for platform in PLATFORMS.into_iter().filter(wanted) {
         let Platform { folder, tuple, ending, .. } = platform;
         match platform.build() {
             Ok(bytes) => binaries.push(Binary { folder, tuple, ending, bytes }),
@@ -170,7 +180,7 @@ impl Platform {
 }
 
 /// Whether the Rust standard library of a target is installed.
-fn has_standard_library(target: &str) -> bool {
+pub(crate) fn has_standard_library(target: &str) -> bool {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc)
         .args(["--print", "target-libdir", "--target", target])
@@ -203,7 +213,7 @@ fn universal(slices: &[Vec<u8>]) -> Vec<u8> {
 }
 
 /// Whether a program can be run.
-fn runs(program: &str, arguments: &[&str]) -> bool {
+pub(crate) fn runs(program: &str, arguments: &[&str]) -> bool {
     let quiet = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
     quiet.is_ok_and(|status| status.success())
 }

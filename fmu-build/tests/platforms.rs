@@ -6,17 +6,13 @@ mod common;
 use fmu_build::compile::PLATFORM;
 use fmu_build::platforms::{self, PLATFORMS, Platform};
 use fmu_build::version::Version;
-use fmu_build::{archive, package};
-use object::{Architecture, BinaryFormat, Object};
+use fmu_build::{archive, inspect, package};
 use std::path::Path;
 use std::process::Command;
 use vibro_fmi::component::variables;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi3::description as fmi3;
 use vibro_impact::{Parameters, Simulator, State};
-
-/// The oldest glibc that is promised: that of CentOS 7.
-const GLIBC: [u32; 2] = [2, 17];
 
 const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
@@ -67,38 +63,19 @@ fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
 /// Format, processor, exports and needs, slice by slice.
 fn check_binary(platform: &Platform, bytes: &[u8]) {
     let folder = platform.folder;
-    let slices: Vec<&[u8]> = match object::read::macho::MachOFatFile32::parse(bytes) {
-        Ok(fat) => {
-            fat.arches().iter().map(|arch| object::read::macho::FatArch::data(arch, bytes).unwrap()).collect()
-        }
-        Err(_) => vec![bytes],
-    };
+    let slices = inspect::slices(bytes).unwrap();
     assert_eq!(slices.len(), platform.targets.len(), "{folder}");
     for (slice, target) in slices.into_iter().zip(platform.targets) {
-        let binary = object::File::parse(slice).unwrap();
-        let architecture = match target.split('-').next() {
-            Some("x86_64") => Architecture::X86_64,
-            Some("i686") => Architecture::I386,
-            _ => Architecture::Aarch64,
-        };
-        let format = match platform.ending {
-            ".dll" => BinaryFormat::Pe,
-            ".dylib" => BinaryFormat::MachO,
-            _ => BinaryFormat::Elf,
-        };
-        assert_eq!((binary.architecture(), binary.format()), (architecture, format), "{folder}");
-        let mut exported = common::exports(slice);
-        if format == BinaryFormat::MachO {
+        assert_eq!(inspect::kind(slice), Ok(inspect::kind_of_target(target)), "{folder}");
+        let mut exported = inspect::exports(slice).unwrap();
+        if platform.ending == ".dylib" {
             // zig's linker takes no list of exports: two names of Rust's run time stay.
             exported.retain(|name| !RUN_TIME.iter().any(|part| name.contains(part)));
         }
         assert_eq!(exported, common::functions(), "{folder}");
-        let needs = common::needs(slice);
-        assert!(needs.iter().all(|name| common::is_system(name)), "{folder}: {needs:?}");
-        let glibc = needs.iter().filter_map(|name| name.strip_prefix("GLIBC_"));
-        for version in glibc.map(|v| v.split('.').map(|n| n.parse().unwrap()).collect::<Vec<u32>>()) {
-            assert!(version[..2] <= GLIBC[..], "{folder} needs glibc {version:?}");
-        }
+        let needs = inspect::needs(slice).unwrap();
+        assert!(needs.iter().all(|name| inspect::is_system(name)), "{folder}: {needs:?}");
+        assert_eq!(inspect::later_glibc(&needs), None, "{folder}");
         println!("{folder}: {target} needs {}", needs.into_iter().collect::<Vec<_>>().join(", "));
     }
 }

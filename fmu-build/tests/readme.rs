@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Shell commands of the README and what runs them.
-const COVERED: [(&str, &str); 12] = [
+const COVERED: [(&str, &str); 14] = [
     ("pip install ./python", "fmu-build/tests/wheel.rs does the same by way of a wheel"),
     ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     ("cargo test --workspace", "is running now"),
@@ -30,6 +30,14 @@ const COVERED: [(&str, &str); 12] = [
     (
         "cargo test -p fmu-build --test platforms -- --ignored --nocapture",
         "fmu-build/tests/platforms.rs, asked for",
+    ),
+    (
+        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run --release -p fmu-build -- release --preview",
+        "fmu-build/tests/release.rs, asked for",
+    ),
+    (
+        "cargo test -p fmu-build --test release -- --ignored --nocapture",
+        "fmu-build/tests/release.rs, asked for",
     ),
 ];
 

@@ -11,8 +11,11 @@ use vibro_analysis::trajectories::{Start, propagate};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
 use vibro_impact::{Parameters, Simulator, State, load};
 
-/// Motions of one call to the library, for each thread: enough to fill its vectors, few enough for progress to be seen.
-const MOTIONS_A_THREAD: usize = 64;
+/// Drive periods of one call to the library, for each thread: half a second's work, after which it is asked whether anyone still waits.
+/// Each call ends with some lanes of the vectors empty, so that many short ones cost more.
+const PERIODS_A_THREAD: usize = 400_000;
+/// Motions of such a call: enough to fill the vectors, however many periods each has.
+const MOTIONS_A_THREAD: std::ops::RangeInclusive<usize> = 64..=4096;
 
 /// Impacts in order of time, an array for each quantity.
 #[derive(IntoPyObject)]
@@ -155,7 +158,9 @@ fn together(control: &Control, starts: &[Start], periods: u32) -> Result<Vec<Sta
     let pool = pool()?;
     let mut ends = Vec::new();
     ends.try_reserve_exact(starts.len())?;
-    for some in starts.chunks(MOTIONS_A_THREAD * pool.current_num_threads()) {
+    let motions = PERIODS_A_THREAD / periods.max(1) as usize;
+    let motions = motions.clamp(*MOTIONS_A_THREAD.start(), *MOTIONS_A_THREAD.end());
+    for some in starts.chunks(motions * pool.current_num_threads()) {
         control.check()?;
         let found = pool.install(|| propagate(some, periods, &|| control.add(1)));
         for end in found {

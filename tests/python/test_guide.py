@@ -1,4 +1,4 @@
-"""The Python blocks of docs/python.md and python/README.md run, print what is told, and draw the pictures shown.
+"""The Python blocks of docs/python.md and python/package/README.md run, print what is told, and draw the pictures shown.
 
 `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
 """
@@ -69,7 +69,7 @@ def test_the_tutorial_prints_and_draws_what_it_shows(tmp_path):
 
 
 def test_the_readme_of_the_package_runs(tmp_path):
-    assert run("python/README.md", tmp_path) == 1
+    assert run("python/package/README.md", tmp_path) == 1
 
 
 def test_the_examples_of_the_docstrings_are_right():

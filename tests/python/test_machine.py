@@ -31,7 +31,7 @@ def test_text_pickle_and_copy_make_the_same_machine(machine):
 
 def test_parameters_have_the_names_of_the_fmu_with_underscores():
     assert vi.SI_NAMES[0] == "box_m" and vi.SI_NAMES[-1] == "drive_phase" and len(vi.SI_NAMES) == 13
-    assert set(vi.Machine.__annotations__) >= set(vi.SI_NAMES + vi.GROUP_NAMES)
+    assert {name for kind in vi.Machine.__mro__ for name in vars(kind).get("__annotations__", {})} >= set(vi.SI_NAMES + vi.GROUP_NAMES)
     assert vi.Machine(m1=2.0, L=0.5) == vi.Machine(box_m=2.0, stop_gap=0.5)
     assert vi.Machine.from_groups(**{"ε": 0.05}) == vi.Machine.from_groups(epsilon=0.05)
     assert vi.Machine().m1 == 1.0

@@ -1,8 +1,8 @@
-"""The machine: its parameters, and what can be asked of it."""
+"""The machine: what can be asked of it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Optional
 
 import numpy as np
 
@@ -11,20 +11,17 @@ from ._arguments import MOST_PERIODS, MOST_ROWS, Start, array, choice, number, s
 from ._measures import Spectrum, spectrum_of
 from ._motion import Load, Run, Section, load_list, run_of
 from ._orbits import Orbit, find_orbit
-from ._parameters import GROUP_NAMES, SI_NAMES, in_order, named, with_changes, written
 from ._progress import Bar
 from ._steady import SteadyStates, steady_states
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import ArrayLike
-    from typing_extensions import Self, Unpack
-
-    from ._parameters import Groups, Parameters
 
 
-class Machine:
+class Machine(ParameterValues):
     """A vibro-impact machine: box, block between two stops in it, secondary oscillator, drive. An immutable value.
 
     Parameters are given by name, in SI (:data:`SI_NAMES`) or as dimensionless groups (:data:`GROUP_NAMES`), as in a parameter file of
@@ -49,146 +46,6 @@ class Machine:
     ValueError
         For a value out of its range.
     """
-
-    box_m: float
-    "Mass of the box m1, kg."
-    box_k: float
-    "Stiffness between box and ground k1, N/m."
-    box_c: float
-    "Viscous damping between box and ground c1, N.s/m."
-    block_m: float
-    "Mass of the block m2, kg."
-    secondary_m: float
-    "Mass of the secondary oscillator m3, kg."
-    secondary_k: float
-    "Stiffness between secondary oscillator and ground k3, N/m."
-    secondary_c: float
-    "Viscous damping between secondary oscillator and ground c3, N.s/m."
-    coupling_k: float
-    "Stiffness between block and secondary oscillator k23, N/m."
-    stop_gap: float
-    "Gap L on either side of the centred block, m."
-    stop_restitution: float
-    "Restitution coefficient of the stops, 1."
-    drive_amplitude: float
-    "Amplitude F10 of the harmonic force on the box, N."
-    drive_frequency: float
-    "Angular frequency omega1 of that force, rad/s."
-    drive_phase: float
-    "Phase of that force at time 0, rad."
-    epsilon: float
-    "Mass ratio m2/m1."
-    kappa: float
-    "Restitution coefficient."
-    f10: float
-    "F10/(k1 L epsilon)."
-    sigma1: float
-    "Detuning of the drive: omega1/omega10 = 1 + epsilon sigma1 with omega10 = sqrt(k1/m1)."
-    gamma1: float
-    "c1/(m1 omega10 epsilon)."
-    alpha23: float
-    "Weak coupling k23/(k1 epsilon^2)."
-    beta2: float
-    "Coupling k23/(m2 omega10^2) = epsilon alpha23."
-    sigma30: float
-    "Detuning of the secondary oscillator: k3/(m3 omega10^2) = 1 + epsilon sigma30."
-    gamma3: float
-    "c3/(m3 omega10 epsilon)."
-    mu13: float
-    "Mass ratio m1/m3."
-
-    _system: _native.System
-    _si: dict[str, float]
-    _groups: dict[str, float]
-
-    def __init__(self, **parameters: Unpack[Parameters]) -> None:
-        si, groups = named(parameters)
-        self._fill(in_order(si), groups)
-
-    @classmethod
-    def from_groups(cls, **groups: Unpack[Groups]) -> Self:
-        """The machine with these dimensionless groups, in the scales of the default set (m1 = 1 kg, k1 = 1 N/m, L = 1 m).
-
-        Raises
-        ------
-        TypeError, ValueError
-            As the class; a physical parameter is no group.
-        """
-        si, found = named(groups)
-        if si:
-            raise TypeError(f"{next(iter(si))} is a physical parameter: allowed are {', '.join(GROUP_NAMES)}")
-        return cls(**found)
-
-    def replace(self, **parameters: Unpack[Parameters]) -> Self:
-        """The same machine with some parameters changed.
-
-        A group leaves the other groups as they are, a physical parameter the other physical parameters; a physical parameter that
-        follows groups makes of the machine one in SI, all of whose physical parameters are given.
-
-        Raises
-        ------
-        TypeError, ValueError
-            As the class.
-        """
-        si, groups = named(parameters)
-        before = {name: getattr(self, name) for name in SI_NAMES} if si and self._groups else self._si
-        kept = {} if si else self._groups
-        made = type(self).__new__(type(self))
-        made._fill(in_order(with_changes(before, si)), with_changes(kept, groups))
-        return made
-
-    def _fill(self, si: dict[str, float], groups: dict[str, float]) -> None:
-        system = _native.System(list(si.items()), list(groups.items()))
-        vars(self).update(zip(SI_NAMES + GROUP_NAMES, system.values()))
-        vars(self).update(_system=system, _si=si, _groups=groups)
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a machine is immutable: {name} is changed by replace({name}=...), which makes another")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError("a machine is immutable")
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            if name.startswith("_"):
-                raise AttributeError(name)
-            try:
-                found = _native.find(name)
-            except TypeError as error:
-                raise AttributeError(str(error)) from None
-            if found == name:
-                raise AttributeError(f"{name} is not defined: box_k = {self.box_k}, and the dimensionless form needs box_k > 0")
-            return getattr(self, found)
-
-    def __repr__(self) -> str:
-        if self._si:
-            return f"Machine({written({**self._si, **self._groups})})"
-        return f"Machine.from_groups({written(self._groups)})" if self._groups else "Machine()"
-
-    def _physical(self) -> tuple[float, ...]:
-        return tuple(getattr(self, name) for name in SI_NAMES)
-
-    def __eq__(self, other: object) -> bool:
-        return self._physical() == other._physical() if isinstance(other, Machine) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self._physical())
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (_unpickled, (type(self), self._si, self._groups))
-
-    @property
-    def period(self) -> float:
-        """Period of the drive 2 pi/omega1, s; infinite for a constant force."""
-        return self._system.period()
-
-    def _needs_period(self, what: str) -> None:
-        if not np.isfinite(self.period):
-            raise ValueError(
-                f"drive_frequency = {self.drive_frequency}: {what} goes by drive periods and needs drive_frequency > 0, whose period "
-                "a double can hold"
-            )
 
     def simulate(
         self,
@@ -418,9 +275,3 @@ class Machine:
         period = whole("period", period, 1, 1000)
         tries = whole("tries", tries, 1, 1_000_000)
         return find_orbit(self, word, start, period, bool(symmetric), settle, tries, progress)
-
-
-def _unpickled(cls: type[Machine], si: dict[str, float], groups: dict[str, float]) -> Machine:
-    made = cls.__new__(cls)
-    made._fill(si, groups)
-    return made

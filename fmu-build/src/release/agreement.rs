@@ -1,0 +1,176 @@
+//! What must agree before a release is built: versions, instantiation tokens, the changelog, the tag, the work tree.
+
+use super::changelog::{self, Section};
+use crate::error::{Error, Result};
+use quick_xml::Reader;
+use quick_xml::events::Event;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use toml::{Table, Value};
+use vibro_fmi::component::identity::VERSION;
+use vibro_fmi::fmi2::description::guid;
+use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token};
+
+/// What is asked of a release.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Intent {
+    /// The tag that is released, e.g. `v0.1.0`.
+    pub tag: Option<String>,
+    /// Whether this only shows what a release would be: the changes are those under "Unreleased", and the work tree may have
+    /// changes that are not committed.
+    pub preview: bool,
+}
+
+/// What the sources agree on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Agreed {
+    /// The version of everything.
+    pub version: String,
+    /// What changed, of the changelog.
+    pub changes: Section,
+}
+
+/// Compares everything in the workspace of that folder that tells a version, a token or a change.
+///
+/// # Errors
+/// [`Error::Release`] with all that disagrees, [`Error::File`] where a file cannot be read.
+pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
+    let manifest = toml(folder, "Cargo.toml")?;
+    let workspace = &manifest["workspace"];
+    let version = text(&workspace["package"]["version"]).to_owned();
+    let mut wrong = Vec::new();
+    if version != VERSION {
+        wrong.push(format!(
+            "Cargo.toml: version {version}, but this program was compiled from {VERSION}: compile it anew"
+        ));
+    }
+    wrong.extend(packages(folder, workspace)?);
+    wrong.extend(python(folder, &version)?);
+    wrong.extend(citation(folder, &version)?);
+    for (name, token) in tokens() {
+        let found = read(folder, name)?;
+        wrong.extend(description(name, &found, token, &version));
+    }
+    if let Some(tag) = intent.tag.as_ref().filter(|tag| **tag != format!("v{version}")) {
+        wrong.push(format!("tag {tag}: allowed is v{version}, the version in Cargo.toml"));
+    }
+    if !intent.preview {
+        wrong.extend(uncommitted(folder));
+    }
+    let changes = changelog::of(&read(folder, "CHANGELOG.md")?, &version, intent.preview);
+    match changes {
+        Ok(changes) if wrong.is_empty() => Ok(Agreed { version, changes }),
+        Ok(_) => Err(Error::Release(wrong)),
+        Err(problem) => {
+            wrong.push(problem);
+            Err(Error::Release(wrong))
+        }
+    }
+}
+
+/// Model descriptions that are committed, each with the token of the library that this program was compiled with.
+fn tokens() -> [(&'static str, String); 3] {
+    [
+        ("modelDescription/modelDescription.xml", guid()),
+        ("modelDescription/fmi3.xml", instantiation_token(MAIN)),
+        ("modelDescription/fmi3-clocked.xml", instantiation_token(CLOCKED)),
+    ]
+}
+
+/// What is wrong with version and token of a model description, of FMI 2.0 or 3.0.
+pub(super) fn description(place: &str, xml: &str, token: String, version: &str) -> Vec<String> {
+    const REMEDY: &str = "write it anew by `cargo run -p fmu-build -- refresh --description`";
+    let root = root_attributes(xml);
+    let value = |names: &[&str]| {
+        let named = root.iter().find(|(name, _)| names.contains(&name.as_str()));
+        named.map_or("none", |(_, value)| value.as_str())
+    };
+    let differs = |what: &str, found: &str, expected: &str| {
+        (found != expected)
+            .then(|| format!("{place}: {what} {found}, where {expected} is expected: {REMEDY}"))
+    };
+    let found = differs("version", value(&["version"]), version);
+    let token = differs("instantiation token", value(&["guid", "instantiationToken"]), &token);
+    found.into_iter().chain(token).collect()
+}
+
+/// Attributes of the root element; none where the text is no XML.
+fn root_attributes(xml: &str) -> Vec<(String, String)> {
+    let mut reader = Reader::from_str(xml);
+    loop {
+        match reader.read_event() {
+            Ok(Event::Start(root) | Event::Empty(root)) => {
+                let pairs = root.attributes().flatten();
+                return pairs.map(|a| (a.key.as_ref().to_owned(), a.value.into_owned())).collect();
+            }
+            Ok(Event::Eof) | Err(_) => return Vec::new(),
+            Ok(_) => {}
+        }
+    }
+}
+
+/// Packages of the workspace that have a version of their own. Those under `tests/` are never shipped.
+fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
+    let members = workspace["members"].as_array().into_iter().flatten().map(text);
+    let mut wrong = Vec::new();
+    for member in members.filter(|member| !member.starts_with("tests/")) {
+        let name = format!("{member}/Cargo.toml");
+        let version = &toml(folder, &name)?["package"]["version"];
+        if version.get("workspace").and_then(Value::as_bool) != Some(true) {
+            wrong.push(format!("{name}: version {version}: allowed is `version.workspace = true`"));
+        }
+    }
+    Ok(wrong)
+}
+
+/// The Python package's version: the workspace's, by way of its crate.
+fn python(folder: &Path, version: &str) -> Result<Option<String>> {
+    const NAME: &str = "python/pyproject.toml";
+    let manifest = toml(folder, NAME)?;
+    let project = &manifest["project"];
+    let dynamic = project.get("dynamic").and_then(Value::as_array);
+    let of_crate = dynamic.is_some_and(|names| names.iter().any(|name| text(name) == "version"));
+    Ok(match project.get("version").map(text) {
+        None if of_crate => None,
+        Some(own) if own == version => None,
+        own => Some(format!(
+            "{NAME}: version {}, where Cargo.toml has {version}: allowed is `dynamic = [\"version\"]`",
+            own.unwrap_or("none")
+        )),
+    })
+}
+
+/// The version by which the software is cited.
+fn citation(folder: &Path, version: &str) -> Result<Option<String>> {
+    let file = read(folder, "CITATION.cff")?;
+    let cited = file.lines().find_map(|line| line.strip_prefix("version:")).unwrap_or("none").trim();
+    Ok((cited.trim_matches('"') != version)
+        .then(|| format!("CITATION.cff: version {cited}, where Cargo.toml has {version}")))
+}
+
+/// Changes of the work tree that no commit holds, where it is a git repository.
+fn uncommitted(folder: &Path) -> Option<String> {
+    let mut git = Command::new("git");
+    git.args(["status", "--porcelain"]).current_dir(folder).stderr(Stdio::null());
+    let output = git.output().ok().filter(|output| output.status.success())?;
+    let changed = String::from_utf8_lossy(&output.stdout).into_owned();
+    let first = changed.lines().next()?;
+    Some(format!(
+        "the work tree has changes that are not committed ({} files, the first: {})",
+        changed.lines().count(),
+        first.get(3..).unwrap_or(first)
+    ))
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or("none")
+}
+
+fn read(folder: &Path, name: &str) -> Result<String> {
+    let path = folder.join(name);
+    std::fs::read_to_string(&path).map_err(Error::file("reading", &path))
+}
+
+fn toml(folder: &Path, name: &str) -> Result<Table> {
+    read(folder, name)?.parse().map_err(|e| Error::Release(vec![format!("{name}: {e}")]))
+}

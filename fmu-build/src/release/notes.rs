@@ -1,0 +1,42 @@
+//! `RELEASE_NOTES.md`: what is in the folder, how each file was tried, what is left out, what changed.
+
+use super::agreement::Agreed;
+use std::fmt::Write;
+
+/// A file of the release.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its name.
+    pub file: String,
+    /// Bytes.
+    pub size: u64,
+    /// What it is, and for whom.
+    pub what: String,
+    /// How it was tried.
+    pub tried: String,
+}
+
+/// The notes. A section of changes that is not of the version says that nothing is released.
+pub fn notes(agreed: &Agreed, parts: &[Part], left_out: &[String]) -> String {
+    let Agreed { version, changes } = agreed;
+    let mut text = match &changes.date {
+        Some(date) if changes.name == *version => format!("# vibro-impact {version}, {date}\n"),
+        _ => format!(
+            "# vibro-impact, what {version} would be\n\nA preview, not a release: the changes below are those under \"{}\" in \
+             CHANGELOG.md.\n",
+            changes.name
+        ),
+    };
+    text += "\n## Files\n\n| file | MB | what it is | how it was tried |\n|---|---|---|---|\n";
+    for Part { file, size, what, tried } in parts {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "| `{file}` | {:.2} | {what} | {tried} |", *size as f64 / 1e6);
+    }
+    text += "\n`sha256sum --check SHA256SUMS` compares what was downloaded. The Python package is installed by\n`pip install` and the \
+             name of its file for your system; NumPy comes with it.\n";
+    if !left_out.is_empty() {
+        text += "\n## Left out\n\n";
+        text.extend(left_out.iter().map(|part| format!("- {part}\n")));
+    }
+    text + &format!("\n## Changes\n\n{}\n", changes.text)
+}

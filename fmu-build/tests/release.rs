@@ -1,0 +1,389 @@
+//! The release command: what disagrees is refused, in the sources and in what was built; the notes; and, asked for, the whole
+//! (`cargo test -p fmu-build --test release -- --ignored --nocapture`).
+
+mod common;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use fmu_build::archive::{self, Content};
+use fmu_build::compile::workspace;
+use fmu_build::release::agreement::{Agreed, Intent, agreed};
+use fmu_build::release::changelog::{self, Section};
+use fmu_build::release::contents::{archive_of, disagreements};
+use fmu_build::release::notes::{Part, notes};
+use fmu_build::release::wheels::{self, ENTRY, WHEELS, WheelPlatform, sdist_file};
+use fmu_build::release::{NOTES, SUMS};
+use fmu_build::version::Version;
+use fmu_build::{compile, licences};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use std::time::{Duration, SystemTime};
+use vibro_fmi::component::identity::VERSION;
+use vibro_fmi::fmi2::description::guid;
+use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token};
+
+/// Files of the workspace in which something must agree.
+fn files_that_agree() -> Vec<String> {
+    let named = ["Cargo.toml", "CHANGELOG.md", "CITATION.cff", "python/pyproject.toml"].map(str::to_owned);
+    let descriptions =
+        ["modelDescription", "fmi3", "fmi3-clocked"].map(|name| format!("modelDescription/{name}.xml"));
+    let manifest: toml::Table = fs::read_to_string(workspace().join("Cargo.toml")).unwrap().parse().unwrap();
+    let members = manifest["workspace"]["members"].as_array().unwrap().iter();
+    let members = members.map(|member| format!("{}/Cargo.toml", member.as_str().unwrap()));
+    named.into_iter().chain(descriptions).chain(members).collect()
+}
+
+/// A copy of them in which the changes are those of the version.
+fn copy_to_be_released() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for name in files_that_agree() {
+        let text = fs::read(workspace().join(&name)).unwrap();
+        archive::write_file(&folder.path().join(&name), &text).unwrap();
+    }
+    let changes = format!(
+        "# Changelog\n\n## [Unreleased]\n\n## [{VERSION}] - 2026-01-31\n\n### Added\n- Everything.\n"
+    );
+    fs::write(folder.path().join("CHANGELOG.md"), changes).unwrap();
+    folder
+}
+
+fn refused(folder: &Path, intent: &Intent) -> String {
+    agreed(folder, intent).map(|found| format!("agreed: {found:?}")).unwrap_or_else(|error| error.to_string())
+}
+
+#[test]
+fn sources_that_agree_are_released() {
+    let folder = copy_to_be_released();
+    let intent = Intent { tag: Some(format!("v{VERSION}")), preview: false };
+    let found = agreed(folder.path(), &intent).unwrap();
+    assert_eq!(found.version, VERSION);
+    assert_eq!(found.changes.text, "### Added\n- Everything.");
+    assert_eq!(found.changes.date.as_deref(), Some("2026-01-31"));
+    // The workspace itself, whatever state its changelog and work tree are in.
+    agreed(workspace(), &Intent { tag: None, preview: true }).unwrap();
+}
+
+#[test]
+fn each_altered_copy_of_the_sources_is_refused_by_name() {
+    let (guid, main, clocked) = (guid(), instantiation_token(MAIN), instantiation_token(CLOCKED));
+    let (version, in_xml) = (format!("version = \"{VERSION}\""), format!(" version=\"{VERSION}\""));
+    let section = format!("## [{VERSION}] - 2026-01-31");
+    let other = "{00000000-0000-0000-0000-000000000000}";
+    let alterations: [(&str, &str, &str, &str); 16] = [
+        ("Cargo.toml", &version, "version = \"7.0.0\"", "was compiled from"),
+        ("fmi/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "fmi/Cargo.toml"),
+        ("python/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "python/Cargo.toml"),
+        ("python/pyproject.toml", "dynamic = [\"version\"]", "version = \"7.0.0\"", "python/pyproject.toml"),
+        ("CITATION.cff", VERSION, "7.0.0", "CITATION.cff: version 7.0.0"),
+        (
+            "modelDescription/modelDescription.xml",
+            &in_xml,
+            " version=\"7.0.0\"",
+            "modelDescription.xml: version",
+        ),
+        ("modelDescription/fmi3.xml", &in_xml, " version=\"7.0.0\"", "fmi3.xml: version"),
+        ("modelDescription/modelDescription.xml", &guid, other, "modelDescription.xml: instantiation token"),
+        ("modelDescription/fmi3.xml", &main, other, "fmi3.xml: instantiation token"),
+        ("modelDescription/fmi3-clocked.xml", &clocked, other, "fmi3-clocked.xml: instantiation token"),
+        ("CHANGELOG.md", &section, "## [7.0.0] - 2026-01-31", "no section"),
+        ("CHANGELOG.md", "- 2026-01-31", "", "has no day"),
+        ("CHANGELOG.md", "2026-01-31", "2026-13-31", "has no day"),
+        ("CHANGELOG.md", "### Added\n- Everything.", "", "has no text"),
+        ("CHANGELOG.md", "[Unreleased]\n", "[Unreleased]\n- Nobody's.\n", "[Unreleased] has changes"),
+        ("CHANGELOG.md", "[Unreleased]\n", "[7.0.0] - 2026-02-01\n- Later.\n", "stands below [7.0.0]"),
+    ];
+    for (name, from, to, expected) in alterations {
+        let folder = copy_to_be_released();
+        let path = folder.path().join(name);
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{name} has no {from}");
+        fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let error = refused(folder.path(), &Intent::default());
+        assert!(error.starts_with("no release:") && error.contains(expected), "{name} with {to}: {error}");
+    }
+}
+
+#[test]
+fn another_tag_and_an_uncommitted_work_tree_are_refused() {
+    let folder = copy_to_be_released();
+    let tag = Intent { tag: Some("v7.0.0".into()), preview: false };
+    assert!(refused(folder.path(), &tag).contains(&format!("tag v7.0.0: allowed is v{VERSION}")));
+
+    let git = |arguments: &[&str]| {
+        let identity = ["-c", "user.name=test", "-c", "user.email=test@localhost"];
+        let mut git = Command::new("git");
+        common::python::run("git", git.args(identity).args(arguments).current_dir(folder.path()));
+    };
+    git(&["init", "--quiet"]);
+    git(&["add", "."]);
+    git(&["commit", "--quiet", "--message", "all"]);
+    agreed(folder.path(), &Intent::default()).unwrap();
+    fs::write(folder.path().join("new"), "").unwrap();
+    assert!(refused(folder.path(), &Intent::default()).contains("not committed (1 files, the first: new)"));
+    agreed(folder.path(), &Intent { tag: None, preview: true }).unwrap();
+}
+
+const CHANGELOG: &str = "# Changelog\n\n## [Unreleased]\n- Next.\n\n## [0.2.0] - 2026-03-01\n\n### Fixed\n- That.\n\n## [0.1.0] - 2026-01-31\n- First.\n";
+
+#[test]
+fn the_notes_have_the_section_of_the_version_and_a_preview_says_so() {
+    // Of the version alone: neither what is next nor what was before.
+    let released = changelog::of(&CHANGELOG.replace("- Next.\n", ""), "0.2.0", false).unwrap();
+    assert_eq!(released.text, "### Fixed\n- That.");
+    let part = Part { file: "x.fmu".into(), size: 1_234_567, what: "FMU".into(), tried: "ran".into() };
+    let text = notes(&Agreed { version: "0.2.0".into(), changes: released }, &[part], &[]);
+    assert!(text.starts_with("# vibro-impact 0.2.0, 2026-03-01\n"), "{text}");
+    assert!(
+        text.contains("| `x.fmu` | 1.23 | FMU | ran |\n")
+            && text.ends_with("## Changes\n\n### Fixed\n- That.\n"),
+        "{text}"
+    );
+    assert!(!text.contains("Left out"), "{text}");
+
+    let preview = changelog::of(CHANGELOG, "0.3.0", true).unwrap();
+    let expected = Section { name: "Unreleased".into(), date: None, text: "- Next.".into() };
+    assert_eq!(preview, expected);
+    let text =
+        notes(&Agreed { version: "0.3.0".into(), changes: preview }, &[], &["win64 is left out".into()]);
+    assert!(text.contains("A preview, not a release") && text.contains("\n- win64 is left out\n"), "{text}");
+    assert!(changelog::of(CHANGELOG, "0.3.0", false).unwrap_err().contains("--preview"));
+}
+
+/// A library with one function that needs nothing.
+fn module(folder: &Path, function: &str) -> Vec<u8> {
+    let (source, library) = (folder.join("module.c"), folder.join("module.so"));
+    fs::write(&source, format!("int {function}(void) {{ return 0; }}\n")).unwrap();
+    let mut cc = Command::new("cc");
+    common::python::run("cc", cc.args(["-shared", "-nostdlib", "-fPIC", "-o"]).arg(&library).arg(&source));
+    fs::read(library).unwrap()
+}
+
+/// 1980-01-01 in seconds since 1970, as the source distribution has it.
+const DATE: u64 = 315_532_800;
+
+/// A folder of both archives, a wheel for this machine and a source distribution, each with what is compared.
+struct Dist {
+    folder: tempfile::TempDir,
+    platform: WheelPlatform,
+    wheel: Content,
+    sdist: Content,
+}
+
+impl Dist {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let platform = *WHEELS.iter().find(|p| p.is_own()).expect("a machine for which there is a wheel");
+        let about = format!("Metadata-Version: 2.4\nName: vibro-impact\nVersion: {VERSION}\n").into_bytes();
+        let information = format!("vibro_impact-{VERSION}.dist-info");
+        let tags: String = platform.tag.split('.').map(|tag| format!("Tag: cp39-abi3-{tag}\n")).collect();
+        let mut wheel = Content::from([
+            (format!("{information}/METADATA"), about.clone()),
+            (format!("{information}/WHEEL"), tags.into_bytes()),
+            (platform.module.to_owned(), module(folder.path(), ENTRY)),
+        ]);
+        for name in ["LICENSE-MIT", "LICENSE-APACHE"].iter().chain(&licences::OF_WHEEL) {
+            wheel.insert(format!("{information}/licenses/{name}"), b"text".to_vec());
+        }
+        let mut sdist = Content::from([(format!("vibro_impact-{VERSION}/PKG-INFO"), about)]);
+        static BUILT: OnceLock<PathBuf> = OnceLock::new();
+        let built = BUILT.get_or_init(common::python::fmu);
+        for version in Version::USUAL {
+            let bytes = fs::read(version.beside(built)).unwrap();
+            let path = archive_of(folder.path(), version);
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            wheel.insert(format!("vibro_impact/fmu/{name}"), bytes.clone());
+            sdist.insert(format!("vibro_impact-{VERSION}/package/vibro_impact/fmu/{name}"), bytes.clone());
+            fs::write(path, bytes).unwrap();
+        }
+        Self { folder, platform, wheel, sdist }
+    }
+
+    /// Writes the packages and compares.
+    fn disagreements(&self) -> Vec<String> {
+        let wheel = self.folder.path().join(self.platform.file(VERSION));
+        archive::write(&self.wheel, &wheel).unwrap();
+        let file = fs::File::create(self.folder.path().join(sdist_file(VERSION))).unwrap();
+        let mut tar = tar::Builder::new(GzEncoder::new(file, Compression::fast()));
+        for (name, bytes) in &self.sdist {
+            let mut header = tar::Header::new_gnu();
+            header.set_size(bytes.len() as u64);
+            header.set_mtime(DATE);
+            tar.append_data(&mut header, name, bytes.as_slice()).unwrap();
+        }
+        tar.into_inner().unwrap().finish().unwrap();
+        disagreements(self.folder.path(), VERSION).unwrap()
+    }
+
+    /// Writes an archive anew with one file altered.
+    fn alter_archive(&self, version: Version, alter: impl Fn(&mut Content)) {
+        let path = archive_of(self.folder.path(), version);
+        let mut content = archive::read_all(&path).unwrap();
+        alter(&mut content);
+        archive::write(&content, &path).unwrap();
+    }
+}
+
+#[test]
+fn files_that_agree_are_released() {
+    assert_eq!(Dist::new().disagreements(), [""; 0]);
+}
+
+/// Cargo goes by dates: by those in the source distribution it would take what was built from other sources for these.
+#[test]
+fn unpacked_sources_are_newer_than_what_was_built_before() {
+    let before = SystemTime::now() - Duration::from_secs(60); // disks have coarser clocks
+    let dist = Dist::new();
+    assert_eq!(dist.disagreements(), [""; 0]);
+    let sdist = dist.folder.path().join(sdist_file(VERSION));
+    let unpacked = wheels::unpack(&sdist, VERSION, &dist.folder.path().join("source")).unwrap();
+    assert!(fs::metadata(unpacked.join("PKG-INFO")).unwrap().modified().unwrap() > before);
+}
+
+#[test]
+fn each_altered_package_is_refused_by_name() {
+    let information = format!("vibro_impact-{VERSION}.dist-info");
+    let replace = |content: &mut Content, name: &str, from: &str, to: &str| {
+        let text = String::from_utf8(content[name].clone()).unwrap();
+        assert!(text.contains(from), "{name} has no {from}");
+        content.insert(name.to_owned(), text.replace(from, to).into_bytes());
+    };
+    type Alteration<'a> = (&'a dyn Fn(&mut Dist), &'a str);
+    let alterations: [Alteration<'_>; 8] = [
+        (
+            &|d| replace(&mut d.wheel, &format!("{information}/METADATA"), VERSION, "7.0.0"),
+            "METADATA tells vibro-impact 7.0.0",
+        ),
+        (
+            &|d| replace(&mut d.sdist, &format!("vibro_impact-{VERSION}/PKG-INFO"), VERSION, "7.0.0"),
+            "PKG-INFO tells vibro-impact 7.0.0",
+        ),
+        (
+            &|d| replace(&mut d.wheel, &format!("{information}/METADATA"), "2.4", "2.1"),
+            "METADATA differs from PKG-INFO",
+        ),
+        (
+            &|d| replace(&mut d.wheel, &format!("{information}/WHEEL"), "abi3-", "abi3-old_"),
+            "are not those of its name",
+        ),
+        (
+            &|d| drop(d.wheel.insert("vibro_impact/fmu/VibroImpact3DOF.fmu".into(), Vec::new())),
+            "vibro_impact/fmu/VibroImpact3DOF.fmu is not the archive beside it",
+        ),
+        (
+            &|d| drop(d.wheel.remove(&format!("{information}/licenses/{}", licences::OF_WHEEL[0]))),
+            "lacks LICENSE-THIRD-PARTY.txt",
+        ),
+        (
+            &|d| drop(d.wheel.insert(d.platform.module.into(), module(d.folder.path(), "another"))),
+            "does not export PyInit__native",
+        ),
+        (&|d| drop(d.wheel.insert(d.platform.module.into(), b"no library".to_vec())), "cannot be read"),
+    ];
+    for (alter, expected) in alterations {
+        let mut dist = Dist::new();
+        alter(&mut dist);
+        let found = dist.disagreements();
+        assert!(found.iter().any(|text| text.contains(expected)), "{expected}: {found:?}");
+    }
+}
+
+#[test]
+fn each_altered_archive_is_refused_by_name() {
+    let token = |content: &mut Content, from: &str| {
+        let text = String::from_utf8(content["modelDescription.xml"].clone()).unwrap();
+        assert!(text.contains(from));
+        content.insert("modelDescription.xml".into(), text.replacen(from, "other", 1).into_bytes());
+    };
+    let of_fmi3 = Version::Fmi3.own_binary();
+    let alterations: [(Version, &dyn Fn(&mut Content), &str); 4] = [
+        (Version::Fmi2, &|c| token(c, &guid()), "VibroImpact3DOF.fmu: instantiation token other"),
+        (
+            Version::Fmi3,
+            &|c| token(c, &instantiation_token(MAIN)),
+            "VibroImpact3DOF-FMI3.fmu: instantiation token other",
+        ),
+        (
+            Version::Fmi2,
+            &|c| token(c, &format!(" version=\"{VERSION}\"")),
+            "VibroImpact3DOF.fmu: version none",
+        ),
+        (
+            Version::Fmi3,
+            &|c| drop(c.insert(of_fmi3.clone(), b"no library".to_vec())),
+            "hold different libraries",
+        ),
+    ];
+    for (version, alter, expected) in alterations {
+        let dist = Dist::new();
+        dist.alter_archive(version, alter);
+        let found = dist.disagreements();
+        assert!(found.iter().any(|text| text.contains(expected)), "{expected}: {found:?}");
+        // What is in the packages is no longer what lies beside them.
+        assert!(found.iter().any(|text| text.contains("is not the archive beside it")), "{found:?}");
+    }
+}
+
+#[test]
+fn a_folder_with_anything_else_in_it_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mine"), "").unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    let output = command.args(["release", "--preview", "--output"]).arg(folder.path()).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !output.status.success() && told.contains("--output") && told.contains("earlier release"),
+        "{told}"
+    );
+    assert!(folder.path().join("mine").exists());
+    let output = Command::new(env!("CARGO_BIN_EXE_fmu-build"))
+        .args(["release", "--preview", "--platform", "vax"])
+        .output()
+        .unwrap();
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--platform = vax: allowed is x86_64-linux"));
+}
+
+/// The whole for this machine, without the optimisations of a release; then what users do: sums, and the source distribution built
+/// and imported in a clean environment.
+#[test]
+#[ignore = "builds archives, wheels and pages: needs minutes, fmu-build/requirements.txt on the PATH and a package index"]
+fn the_whole_for_this_machine_is_what_its_sums_say_and_builds_from_its_sources() {
+    if let Some(tools) = wheels::missing_tool() {
+        panic!("not tested: {tools}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let dist = folder.path().join("dist");
+    let quick = |command: &mut Command| {
+        let options = [("LTO", "off"), ("CODEGEN_UNITS", "16"), ("OPT_LEVEL", "1")];
+        command.envs(options.map(|(name, value)| (format!("CARGO_PROFILE_FMU_{name}"), value)));
+    };
+    let mut release = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    release.args(["release", "--preview", "--platform", compile::PLATFORM_TUPLE, "--output"]).arg(&dist);
+    quick(&mut release);
+    println!("{}", common::python::run("the release", &mut release));
+    let notes = fs::read_to_string(dist.join(NOTES)).unwrap();
+    println!("{notes}");
+    let own = WHEELS.iter().find(|p| p.is_own()).unwrap().file(VERSION);
+    for name in
+        ["VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu", "documentation.html", &own, &sdist_file(VERSION)]
+    {
+        assert!(notes.contains(&format!("`{name}`")) && dist.join(name).is_file(), "{name}");
+    }
+    assert!(notes.contains("installed in a clean environment"), "{notes}");
+    let mut check = Command::new("sha256sum");
+    common::python::run("sha256sum", check.args(["--check", "--quiet", SUMS]).current_dir(&dist));
+    let sums = fs::read_to_string(dist.join(SUMS)).unwrap().lines().count();
+    assert_eq!(sums, fs::read_dir(&dist).unwrap().count() - 1, "every file but the sums has one");
+
+    let environment = folder.path().join("venv");
+    common::python::run("venv", Command::new("python3").args(["-m", "venv"]).arg(&environment));
+    let python: PathBuf = environment.join("bin/python");
+    let mut pip = Command::new(&python);
+    pip.args(["-m", "pip", "install", "--quiet"]).arg(dist.join(sdist_file(VERSION)));
+    quick(&mut pip);
+    common::python::run("pip install of the source distribution", &mut pip);
+    let script = "import vibro_impact as vi; print(vi.__version__, len(vi.Machine().simulate(periods=50).impacts), vi.fmu_path(3).exists())";
+    let printed = common::python::run("import", Command::new(&python).args(["-I", "-c", script]));
+    assert!(printed.starts_with(VERSION) && printed.trim().ends_with("True"), "{printed}");
+}
