@@ -94,7 +94,7 @@ export function compute(width) {
 
 /** @param {number} width @param {number} height */
 export function frameOf(width, height) {
-  return new Frame(state.range, diagram.band, { left: 44, right: width - 10, top: 8, bottom: height - 22 - AXIS });
+  return new Frame(state.range, diagram.band, { left: 44, right: width - 10, top: 20, bottom: height - 22 - AXIS });
 }
 
 const picture = document.createElement("canvas");
@@ -160,7 +160,7 @@ export function drawDiagram(g, width, height, ratio, vector = false) {
   const anew = vector || (diagram.dirty && (performance.now() - shaded > BETWEEN || diagram.finished === 2 || picture.width !== Math.round((width - 54) * ratio)));
   if (anew) findBand();
   const frame = frameOf(width, height), { box } = frame;
-  frame.axes(g, { xTicks: false, y: { x1: "X₁", x2: "X₂", x3: "X₃", w: "W", strobe: "X₂", speed: "±v" }[state.ordinate] });
+  frame.axes(g, { xTicks: false, y: { x1: "x₁/L", x2: "x₂/L", x3: "x₃/L", w: "w/L", strobe: "x₂/L", speed: "±v/Lω₁" }[state.ordinate] });
   if (anew) {
     shade(frame, ratio);
     shaded = performance.now();
@@ -213,8 +213,11 @@ function drawExponents(g, above, height, symbol) {
   const known = diagram.exponents.filter((e) => e !== null), most = Math.min(0.25, Math.max(0.02, ...known.map((e) => e[0])));
   const strip = new Frame(state.range, [-most, most], { left: above.box.left, right: above.box.right, top: height - 18 - AXIS, bottom: height - 22 });
   strip.axes(g, { x: symbol, yTicks: 0 });
-  g.fillStyle = theme.soft; g.font = `11px ${FONT}`; g.textAlign = "right"; g.textBaseline = "middle";
-  g.fillText("λ₁ λ₂", strip.box.left - 6, strip.py(0));
+  g.fillStyle = theme.soft; g.font = `10px ${FONT}`; g.textAlign = "right"; g.textBaseline = "middle";
+  g.fillText("0", strip.box.left - 6, strip.py(0));
+  if (known.length) g.fillText(most.toFixed(2), strip.box.left - 6, strip.box.top + 4);
+  g.textAlign = "left"; g.fillStyle = theme.ink; g.font = `11px ${FONT}`;
+  g.fillText("λ₁, λ₂", 6, strip.box.bottom + 10);
   const wide = (strip.box.right - strip.box.left) / diagram.columns;
   strip.inside(g, () => {
     for (const [index, colour] of /** @type {const} */ ([[1, theme.faint], [0, theme.ink]])) {

@@ -1,6 +1,6 @@
 // The page: puts the parts together, keeps the clock, and hears mouse, touch and keys.
-import { PHASE, ROW, TIME, unpack, use, X1 } from "./core.js";
-import { describe, makeFields, refuse, show } from "./controls.js";
+import { PHASE, RATE, ROW, TIME, unpack, use, X1 } from "./core.js";
+import { adoptRange, definitions, describe, makeFields, meaning, refuse, show } from "./controls.js";
 import { attractorAt, compute, diagram, drawDiagram, frameOf, startWorkers } from "./diagram.js";
 import { take } from "./exports.js";
 import { bodyAt, drawMachine, layout } from "./machine-view.js";
@@ -27,7 +27,7 @@ const glow = /** @type {[number, number]} */ ([0, 0]), extent = [0.5, 1.3, 1, 1.
 function broken(text) {
   element("broken").hidden = false;
   element("broken").textContent = text;
-  element("main").hidden = true;
+  element("main").hidden = element("tour").hidden = true;
 }
 
 async function start() {
@@ -65,9 +65,11 @@ async function start() {
   listen();
 }
 
-/** @param {string} text @param {boolean} [bad] */
-function say(text, bad = false) {
-  element("status").textContent = text;
+/** @param {string} text @param {boolean} [bad] @param {string} [head] what is said first and stands out */
+function say(text, bad = false, head = "") {
+  const strong = document.createElement("strong");
+  strong.textContent = head;
+  element("status").replaceChildren(...(head ? [strong, " "] : []), text);
   element("status").classList.toggle("bad", bad);
 }
 
@@ -75,7 +77,9 @@ function say(text, bad = false) {
 let linked = "";
 /** Says what the settled motion is. */
 function tell() {
-  say([linked && `The link could not be read in full: ${linked}.`, words()].filter(Boolean).join(" "), linked !== "" || motion.problem !== "");
+  const { head, rest } = words();
+  if (linked) say(`The link could not be read in full: ${linked}. ${head} ${rest}`, true);
+  else say(rest, motion.problem !== "", head);
 }
 
 /** Everything from the start state. */
@@ -94,7 +98,11 @@ function ahead() {
   more = true;
   idle = 0;
   redraw = true;
-  element("shown").textContent = describe(PRESETS);
+  element("shown").textContent = describe();
+  element("story").textContent = PRESETS.find((p) => p.id === state.preset)?.story ?? "Your own machine. The steps above and the browser’s back lead to where you came from.";
+  for (const link of element("tour").querySelectorAll("a")) {
+    if (link.hash === `#preset=${state.preset}`) link.setAttribute("aria-current", "step"); else link.removeAttribute("aria-current");
+  }
   tell();
 }
 
@@ -122,12 +130,13 @@ function write(step = false) {
 }
 
 function showPlaying() {
-  element("play").textContent = playing ? "Pause" : "Play";
+  /** @type {HTMLElement} */ (element("play").querySelector("span")).textContent = playing ? "Pause" : "Play";
   element("play").setAttribute("aria-pressed", String(playing));
 }
 
 function showPace() {
-  const periods = 10 ** state.pace, seconds = periods * motion.period;
+  const periods = 10 ** state.pace, seconds = periods * motion.period, { min, max } = input("pace");
+  input("pace").style.setProperty("--part", `${(100 * (state.pace - Number(min)) / (Number(max) - Number(min))).toFixed(0)}%`);
   element("paceText").textContent = Math.abs(seconds - 1) < 0.03 ? "real time" : `${periods < 0.1 ? periods.toFixed(2) : periods.toFixed(1)} periods/s`;
 }
 
@@ -135,8 +144,9 @@ function makeControls() {
   const preset = /** @type {HTMLSelectElement} */ (element("preset"));
   preset.innerHTML = `<option value="">own values</option>${PRESETS.map((p) => `<option value="${p.id}">${p.name}</option>`).join("")}`;
   const along = /** @type {HTMLSelectElement} */ (element("along"));
-  const option = (/** @type {import("./core.js").Parameter} */ p) => `<option value="${p.name}">${p.symbol} – ${p.name}</option>`;
+  const option = (/** @type {import("./core.js").Parameter} */ p) => `<option value="${p.name}">${p.symbol}, ${meaning(p)[0].replace(/^[A-Z](?=[a-z])/, (c) => c.toLowerCase())}</option>`;
   along.innerHTML = `<optgroup label="dimensionless">${PARAMETERS.filter((p) => p.group).map(option).join("")}</optgroup><optgroup label="SI">${PARAMETERS.filter((p) => !p.group && p.name !== "drive.phase").map(option).join("")}</optgroup>`;
+  element("groups").replaceChildren(...definitions().map((text) => Object.assign(document.createElement("span"), { textContent: text })));
   showAll();
 }
 
@@ -166,7 +176,7 @@ function strike(impacts) {
 
 /** What the machine's picture shows. @returns {import("./machine-view.js").Shown} */
 function shown() {
-  return { x: [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length), force: Math.sin(motion.now[PHASE]), side: motion.now[ROW], glow: /** @type {[number, number]} */ ([...glow]), held: held >= 0 ? held : document.activeElement === on.machine.canvas ? chosen : -1, extent };
+  return { x: [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length), rate: motion.now[RATE] / motion.length * motion.period, force: Math.sin(motion.now[PHASE]), side: motion.now[ROW], glow: /** @type {[number, number]} */ ([...glow]), held: held >= 0 ? held : document.activeElement === on.machine.canvas ? chosen : -1, extent };
 }
 
 /** The panel under the pointer. @type {{surface: Surface, x: number, y: number} | null} */
@@ -246,6 +256,7 @@ function zoom(range, band) {
   state.range = /** @type {[number, number]} */ (range.map((x) => Number(x.toPrecision(7))));
   state.band = band && /** @type {[number, number]} */ (band.map((x) => Number(x.toPrecision(6))));
   write(true);
+  adoptRange();
   say(`Diagram over ${p?.symbol} from ${state.range[0]} to ${state.range[1]}.`);
   compute(on.diagram.width);
 }
@@ -285,8 +296,9 @@ function listen() {
     hold(held, x[held]);
   });
   machine.addEventListener("pointermove", (e) => {
-    if (held < 0) return;
-    const [px] = place(e), at = layout(on.machine.width, on.machine.height, extent);
+    const [px, py] = place(e);
+    if (held < 0) { machine.classList.toggle("over", bodyAt(layout(on.machine.width, on.machine.height, extent), shown().x, px, py) >= 0); return; }
+    const at = layout(on.machine.width, on.machine.height, extent);
     hold(held, Math.max(-4, Math.min(4, (px - offset - [at.box, at.box, at.secondary][held]) / at.scale)));
   });
   for (const type of ["pointerup", "pointercancel"]) machine.addEventListener(type, () => { held = -1; machine.classList.remove("held"); redraw = true; });

@@ -196,16 +196,19 @@ export function classify() {
   try { motion.class = motion.ahead.class(); } catch { motion.class = new Float64Array(6); }
 }
 
-/** The settled motion in words. */
+/** The settled motion in words: what it is, and the rest. */
 export function words() {
-  if (motion.problem) return motion.problem;
+  if (motion.problem) return { head: "", rest: motion.problem };
   const c = motion.class;
-  if (!c) return "";
-  const [period, up, low, symmetric, rests, settling] = c;
-  const per = (/** @type {number} */ n) => (Number.isInteger(n) ? String(n) : n.toFixed(2));
-  const kind = settling ? "is still settling" : period ? `repeats after ${period === 1 ? "one drive period" : `${period} drive periods`}` : "does not repeat: quasi-periodic or chaotic";
-  const hits = up + low === 0 ? "never touches the stops" : `${per(up)} + ${per(low)} impacts a period`;
-  return `It ${kind}; ${hits}${period && symmetric ? "; its own mirror image" : ""}${rests ? "; the block rests at a stop" : ""}.`;
+  if (!c) return { head: "", rest: "" };
+  const [period, up, low, symmetric, rests, settling, chaotic, exponent] = c;
+  const head = settling ? "It is still settling:" : period === 1 ? "It repeats in every drive period:" : period ? `It repeats after ${period} drive periods:` : chaotic ? "It never repeats, chaos:" : "It never repeats, two frequencies:";
+  // Of a motion with a period its impacts are whole numbers; else a mean.
+  const span = period || 1, number = (/** @type {number} */ n) => (Math.abs(n - Math.round(n)) < 1e-9 ? String(Math.round(n)) : n.toFixed(2)), [right, left] = [number(up * span), number(low * span)];
+  const impacts = (/** @type {string} */ n) => (n === "1" ? "one impact" : `${n} impacts`);
+  const hits = up + low === 0 ? "the block never touches the stops" : right === left ? `${impacts(right)} at each stop` : `${impacts(right)} at the right stop, ${left} at the left`;
+  const parts = [period || up + low === 0 ? hits : `on average ${hits} a period`, period && symmetric && up + low > 0 && "half a period later it is its own mirror image", rests && "the block rests at a stop", chaotic && `largest Lyapunov exponent ${exponent.toFixed(3)}`];
+  return { head, rest: `${parts.filter(Boolean).join("; ")}.` };
 }
 
 export { KIND, PHASE, RATE, ROW, TIME, W, X1, X2, X3, reach };
