@@ -26,9 +26,15 @@ const BELOW = "₀₁₂₃₄₅₆₇₈₉";
 export const printed = (text) => text.replace(/epsilon/g, "ε").replace(/omega(?=\d)/g, "ω").replace(/sigma(?=\d)/g, "σ̂").replace(/alpha(?=\d)/g, "α̂").replace(/\^2/g, "²").replace(/>=/g, "≥").replace(/<=/g, "≤")
   .replace(/([\p{L}\u0302])(\d+)/gu, (_, letter, digits) => letter + [...digits].map((d) => BELOW[Number(d)]).join(""));
 
+/** What fits beside the slider of a physical parameter; the library's words show over it. @type {Record<string, string>} */
+const SHORT = {
+  "box.m": "box mass", "box.k": "box spring", "box.c": "box damper", "block.m": "block mass", "secondary.m": "oscillator mass", "secondary.k": "oscillator spring", "secondary.c": "oscillator damper",
+  "coupling.k": "coupling spring", "stop.gap": "gap", "stop.restitution": "restitution", "drive.amplitude": "force amplitude", "drive.frequency": "force frequency", "drive.phase": "force phase",
+};
+
 /** A parameter's meaning: words, and the formula if there is one. @param {import("./core.js").Parameter} p @returns {[string, string]} */
 export function meaning(p) {
-  if (!p.group) return [p.meaning.replace(/ \(\w+\)$/, "").replace(/^Gap L /, "Gap "), ""];
+  if (!p.group) return [SHORT[p.name] ?? p.meaning, ""];
   const [, words, formula] = p.meaning.match(/^(.*?),? ?((?:[a-zA-Z]+\d+)[/( ].*)?$/) ?? ["", p.meaning, ""];
   return [words.replace(" of the ", " of ").replace("secondary ", ""), printed(formula ?? "")];
 }
@@ -48,7 +54,7 @@ export function makeFields(changed) {
     /** @type {HTMLElement} */ (row.querySelector(".sym")).textContent = p.symbol;
     /** @type {HTMLElement} */ (row.querySelector(".unit")).textContent = p.unit === "1" ? "" : p.unit.replace(".", "·");
     /** @type {HTMLElement} */ (row.querySelector(".what")).textContent = words;
-    row.title = `${words}${formula ? `: ${formula}` : ""}; ${printed(p.allowed)}`;
+    row.title = `${p.group ? words : p.meaning}${formula ? `: ${formula}` : ""}; ${printed(p.allowed)}`;
     slider.setAttribute("aria-label", `${p.symbol}, ${words}`);
     const why = document.createElement("span");
     why.className = "why";
@@ -103,7 +109,7 @@ function apply(name, value, changed, by) {
 export function refuse(name, words) {
   const field = fields.get(name);
   if (!field) return;
-  field.why.textContent = words;
+  field.why.textContent = words.replaceAll("<=", "≤").replaceAll(">=", "≥");
   field.why.hidden = words === "";
   field.row.classList.toggle("bad", words !== "");
   field.text.setAttribute("aria-invalid", String(words !== ""));

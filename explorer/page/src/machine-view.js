@@ -202,7 +202,7 @@ function sparks(g, x, y, side, strength, unit) {
   if (strength < 0.04) return;
   g.strokeStyle = tinted(theme.spark, Math.min(1, 1.3 * strength)); g.lineWidth = 2.2; g.lineCap = "round";
   g.beginPath();
-  for (const [angle, part] of [[0.16, 1], [0.52, 0.85], [0.92, 0.7], [1.34, 0.55]]) {
+  for (const [angle, part] of [[0.2, 1], [0.66, 0.8], [1.15, 0.6]]) {
     const c = -side * Math.cos(angle), s = -Math.sin(angle), from = 0.3 * unit, to = from + unit * part * strength;
     g.moveTo(x + c * from, y + s * from); g.lineTo(x + c * to, y + s * to);
   }
@@ -248,7 +248,7 @@ export function drawMachine(g, width, height, at, shown) {
   metal(g, secondary - body, y - tall, 2 * body, tall + half + wall, Math.min(5, body * 0.2), theme["drawn-secondary"]);
   label(g, "m₃", secondary, y, theme["on-body"], size);
   grip(g, secondary, y + half * 0.62);
-  label(g, "m₁", box - outer + wall + size * 0.9, y - half + size * 0.9, theme.box, size);
+  label(g, "m₁", box, y - half + size * 0.85, theme.box, size);
   // Light at the contact itself, over the bodies.
   for (const side of [-1, 1]) {
     const hot = shown.glow[side < 0 ? 0 : 1];

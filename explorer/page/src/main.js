@@ -32,14 +32,14 @@ function broken(text) {
 
 async function start() {
   if (typeof WebAssembly !== "object" || typeof DecompressionStream !== "function") {
-    return broken("This browser has no WebAssembly (or no DecompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 80, Firefox 113, Safari 16.4. The command line `vibro` draws the same without a browser.");
+    return broken("This browser has no WebAssembly (or no DecompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 80, Firefox 113, Safari 16.4. The command line vibro draws the same without a browser.");
   }
   let module;
   try {
     module = await unpack();
     use(module);
   } catch (error) {
-    return broken(`WebAssembly could not be started: ${/** @type {Error} */ (error).message}. The command line \`vibro\` draws the same without a browser.`);
+    return broken(`WebAssembly could not be started: ${/** @type {Error} */ (error).message}. The command line vibro draws the same without a browser.`);
   }
   performance.mark("core-ready");
   prepare();
@@ -99,7 +99,7 @@ function ahead() {
   idle = 0;
   redraw = true;
   element("shown").textContent = describe();
-  element("story").textContent = PRESETS.find((p) => p.id === state.preset)?.story ?? "Your own machine. The steps above and the browser’s back lead to where you came from.";
+  element("story").textContent = PRESETS.find((p) => p.id === state.preset)?.story ?? "Your own numbers. The steps above, the presets and the browser’s back lead to others.";
   for (const link of element("tour").querySelectorAll("a")) {
     if (link.hash === `#preset=${state.preset}`) link.setAttribute("aria-current", "step"); else link.removeAttribute("aria-current");
   }
@@ -157,12 +157,17 @@ function showAll() {
   /** @type {HTMLSelectElement} */ (element("shownOrdinate")).value = state.ordinate;
   /** @type {HTMLSelectElement} */ (element("section")).value = state.section;
   /** @type {HTMLSelectElement} */ (element("plane")).value = state.plane;
+  /** @type {HTMLSelectElement} */ (element("theory")).value = state.theory;
+  element("theoryKey").textContent = theoryKey();
   input("orbits").checked = state.orbits;
   input("pace").value = String(state.pace);
   for (const radio of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("input[name=form]"))) radio.checked = radio.value === state.form;
   makeFields(changed);
   showPace();
 }
+
+/** What the strokes of the closed forms mean. */
+const theoryKey = () => (state.theory === "manifold" ? "strong: fixed points there pass all tests; P₁, P₂: those of this force, full where they pass" : `thick: exact orbit with two impacts a period, thin: ${state.strong ? "strong coupling" : "multiple scales"}; dashed: unstable; dots: this motion`);
 
 /** Light and sound of impacts. @param {number[][]} impacts */
 function strike(impacts) {
@@ -276,10 +281,8 @@ function hold(body, place) {
   if (body === 2) x[2] = place;
   if (Math.abs(x[1] - x[0]) > 1 - 1e-12) x[1] = x[0] + Math.sign(x[1] - x[0]) * (1 - 1e-12);
   state.start = [...x, 0, 0, 0];
-  state.preset = "";
   begin();
   write();
-  /** @type {HTMLSelectElement} */ (element("preset")).value = state.preset;
 }
 
 function listen() {
@@ -336,6 +339,7 @@ function listen() {
   element("along").addEventListener("change", () => { state.along = /** @type {HTMLSelectElement} */ (element("along")).value; whole(); });
   element("shownOrdinate").addEventListener("change", () => { state.ordinate = /** @type {HTMLSelectElement} */ (element("shownOrdinate")).value; state.band = null; write(); compute(on.diagram.width); });
   element("plane").addEventListener("change", () => { state.plane = /** @type {HTMLSelectElement} */ (element("plane")).value; redraw = true; write(); });
+  element("theory").addEventListener("change", () => { state.theory = /** @type {HTMLSelectElement} */ (element("theory")).value; element("theoryKey").textContent = theoryKey(); redraw = true; write(); });
   element("section").addEventListener("change", () => { state.section = /** @type {HTMLSelectElement} */ (element("section")).value; forgetRanges(); ahead(); write(); });
   input("orbits").addEventListener("change", () => { state.orbits = input("orbits").checked; write(); compute(on.diagram.width); });
   for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-export]"))) button.addEventListener("click", async () => {

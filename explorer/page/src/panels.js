@@ -1,5 +1,5 @@
 // Histories, phase portrait, Poincaré section, bars and amplitudes.
-import { KIND, PHASE, RATE, ROW, TIME, V1, W, X1, X2, X3 } from "./core.js";
+import { manifold, KIND, PHASE, RATE, ROW, TIME, V1, W, X1, X2, X3 } from "./core.js";
 import { KEPT, motion } from "./motion.js";
 import { FONT, Frame, reach, rgb, theme } from "./plot.js";
 import { BY_NAME, set, state } from "./state.js";
@@ -176,7 +176,7 @@ export function drawBars(g, width) {
     g.fillRect(side > 0 ? middle : middle - part * (middle - left), 6, part * (middle - left), 10);
     g.globalAlpha = 1;
     g.fillStyle = theme.soft; g.textAlign = side > 0 ? "right" : "left"; g.font = `11px ${FONT}`;
-    g.fillText(`${(impulse / unit).toFixed(2)} m₂Lω₁`, side > 0 ? middle - 8 : middle + 8, 11.5);
+    g.fillText(motion.now[ROW] ? "at rest" : `${(impulse / unit).toFixed(2)} m₂Lω₁`, side > 0 ? middle - 8 : middle + 8, 11.5);
   }
   g.strokeStyle = theme.soft; g.lineWidth = 1; g.beginPath(); g.moveTo(middle, 3); g.lineTo(middle, 19); g.stroke();
   const all = Math.max(mechanical + damped + lost, 1e-300), wide = right - left;
@@ -186,7 +186,7 @@ export function drawBars(g, width) {
   // The words stay where they are, whatever the shares.
   const widest = parts.map(([, , name]) => g.measureText(`${name} 100 %`).width + 30);
   parts.forEach(([value, colour, name], i) => {
-    const w = wide * Math.max(0, value) / all, at = left + widest.slice(0, i).reduce((a, b) => a + b, 0);
+    const w = wide * Math.max(0, value) / all, at = (width < 420 ? 10 : left) + widest.slice(0, i).reduce((a, b) => a + b, 0);
     g.fillStyle = colour; g.fillRect(x, 29, Math.max(0, w - 1), 10);
     g.beginPath(); g.roundRect(at, 49, 8, 8, 2); g.fill();
     g.fillStyle = theme.soft; g.fillText(`${name} ${(100 * value / all).toFixed(0)} %`, at + 12, 53.5);
@@ -197,8 +197,49 @@ export function drawBars(g, width) {
 /** Curves of the closed forms, from the worker: rows of value, A1, A2, A3, stable. */
 export const curves = { /** @type {Float64Array} */ exact: new Float64Array(0), /** @type {Float64Array} */ scales: new Float64Array(0), /** @type {Float64Array} */ strong: new Float64Array(0), problem: "" };
 
+/** Rows of the manifold, see `manifold` in the core, of the set for which they were computed. @type {{of: object | null, rows: Float64Array, problem: string}} */
+const slow = { of: null, rows: new Float64Array(0), problem: "" };
+
+/** Figure 9 of the paper: the slow invariant manifold and the fixed points on it. */
+export function manifoldRows() {
+  if (slow.of !== set) {
+    slow.of = set;
+    try { [slow.rows, slow.problem] = [manifold(set, 160), ""]; } catch (error) { [slow.rows, slow.problem] = [new Float64Array(0), String(/** @type {Error} */ (error).message ?? error)]; }
+  }
+  return slow;
+}
+
+/** @param {any} g @param {number} width @param {number} height */
+function drawManifold(g, width, height) {
+  const { rows, problem } = manifoldRows(), curve = /** @type {Float64Array[]} */ ([]), points = /** @type {Float64Array[]} */ ([]);
+  for (let i = 0; i < rows.length; i += 4) (rows[i + 3] ? points : curve).push(rows.subarray(i, i + 4));
+  const most = Math.max(1, ...curve.map((p) => p[1])) * 1.06, ends = /** @type {[number, number]} */ (curve.length ? [curve[0][0], curve[curve.length - 1][0]] : [0, 1]);
+  const frame = new Frame(ends, [0, most], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
+  frame.axes(g, { x: "C/L", y: "B/L" });
+  const at = (/** @type {ArrayLike<number>} */ p) => /** @type {const} */ ([frame.px(p[0]), frame.py(p[1])]);
+  frame.inside(g, () => {
+    g.lineJoin = "round"; g.strokeStyle = theme.relative;
+    for (const strong of [false, true]) {
+      g.lineWidth = strong ? 4.5 : 1.4;
+      g.beginPath();
+      for (let i = 1; i < curve.length; i++) if (!strong || (curve[i - 1][2] && curve[i][2])) { g.moveTo(...at(curve[i - 1])); g.lineTo(...at(curve[i])); }
+      g.stroke();
+    }
+    for (const point of points) {
+      g.fillStyle = point[2] ? theme.here : theme.card; g.strokeStyle = theme.here; g.lineWidth = 2;
+      g.beginPath(); g.arc(...at(point), 5, 0, 2 * Math.PI); g.fill(); g.stroke();
+      g.fillStyle = theme.ink; g.font = `600 12px ${FONT}`; g.textAlign = "left"; g.textBaseline = "middle";
+      g.fillText(point[3] === 1 ? "P₁" : "P₂", at(point)[0] + (point[3] === 1 ? 9 : -22), at(point)[1] - 12);
+    }
+  });
+  const words = problem || (points.length ? "" : "no fixed point: this force is too weak for the motion");
+  if (words) { g.fillStyle = theme.soft; g.font = `12px ${FONT}`; g.textAlign = "left"; g.textBaseline = "top"; g.fillText(words, frame.box.left + 8, frame.box.top + 6); }
+  return [frame];
+}
+
 /** @param {any} g @param {number} width @param {number} height */
 export function drawResponse(g, width, height) {
+  if (state.theory === "manifold") return drawManifold(g, width, height);
   const bodies = [theme.box, theme.block, theme["drawn-secondary"]];
   const tops = [0, ...motion.amplitudes];
   for (const rows of [curves.exact, curves.scales]) for (let i = 0; i < rows.length; i += 5) for (let b = 1; b < 4; b++) if (rows[i + b] < 8) tops.push(rows[i + b]);

@@ -17,7 +17,7 @@ export function rgb(colour) {
   return [r, g, b];
 }
 
-export const FONT = "Inter, system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
+export const FONT = "-apple-system, 'Segoe UI', Roboto, system-ui, sans-serif";
 
 /** A canvas that keeps to the size of its element, in CSS pixels. */
 export class Surface {

@@ -29,8 +29,8 @@ const tests = {
     const before = await time(tab);
     await tab.waitForTimeout(400);
     assert.ok(await time(tab) > before, "the machine moves");
-    assert.match(await tab.textContent("#status"), /repeats after one drive period; 1 \+ 1 impacts a period; its own mirror image/);
-    assert.match(await tab.textContent("header"), /default set.*reconstruction/s);
+    assert.match(await tab.textContent("#status"), /repeats in every drive period: one impact at each stop; .*its own mirror image/);
+    assert.match(await tab.textContent(".shown"), /default set.*reconstruction/s);
     // The bodies have the colours of all pictures (vibro's palette).
     const { of } = await drawn(tab, "machine");
     for (const colour of ["0,70,150", "200,75,0", "20,160,115"]) assert.ok(of[colour] > 500, `${colour} in the machine`);
@@ -50,7 +50,7 @@ const tests = {
       }
       const columns = await tab.evaluate("explorer.diagram.found.rising.filter((f) => f && f.length > 6).length / explorer.diagram.columns");
       assert.ok(columns > 0.9, `${preset}: ${columns} of the columns`);
-      if (preset === "chatter") assert.match(await tab.textContent("#status"), /13 \+ 13 impacts a period.*rests at a stop/);
+      if (preset === "chatter") assert.match(await tab.textContent("#status"), /13 impacts at each stop.*rests at a stop/);
       assert.ok(!(await tab.getAttribute("#status", "class")).includes("bad"), `${preset}: ${await tab.textContent("#status")}`);
     }
     assert.deepEqual(wrong, []);
@@ -142,7 +142,7 @@ const tests = {
   async "a value that is refused is told beside its field, and the machine stays"() {
     const { tab, wrong, close } = await browser.tab();
     await tab.fill("#field-kappa", "2");
-    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: allowed is 0 <= kappa <= 1");
+    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: allowed is 0 ≤ kappa ≤ 1");
     assert.equal(await tab.getAttribute("#field-kappa", "aria-invalid"), "true");
     assert.deepEqual((await state(tab)).set, []);
     await tab.fill("#field-kappa", "abc");
@@ -177,7 +177,7 @@ const tests = {
       if (id && !(await tab.evaluate("document.activeElement === document.body"))) assert.ok(outline, `no outline on ${id}`);
       reached.add(id);
     }
-    for (const id of ["machine", "play", "impact", "settle", "again", "pace", "sound", "preset", "field-kappa", "section", "along", "diagram", "orbits", "sharper", "whole", "figure"]) assert.ok(reached.has(id), `${id} in ${[...reached]}`);
+    for (const id of ["machine", "play", "impact", "settle", "again", "pace", "sound", "preset", "field-kappa", "section", "along", "diagram", "orbits", "sharper", "whole", "theory", "figure"]) assert.ok(reached.has(id), `${id} in ${[...reached]}`);
     await tab.focus("#machine");
     await tab.keyboard.press("2");
     await tab.keyboard.press("ArrowRight");
@@ -228,6 +228,7 @@ const tests = {
     const { tab, close } = await browser.tab({}, "", "delete globalThis.WebAssembly");
     assert.match(await tab.textContent("#broken"), /no WebAssembly/);
     assert.ok(await tab.isVisible("#broken"));
+    for (const id of ["main", "tour"]) assert.ok(await tab.isHidden(`#${id}`), id);
     await close();
   },
   async "everything can be taken along"() {
