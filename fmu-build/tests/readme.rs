@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Shell commands of the README and what runs them.
-const COVERED: [(&str, &str); 12] = [
+const COVERED: [(&str, &str); 13] = [
     ("pip install ./python", "fmu-build/tests/wheel.rs does the same by way of a wheel"),
     ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     ("cargo test --workspace", "is running now"),
@@ -24,9 +24,10 @@ const COVERED: [(&str, &str); 12] = [
     ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
     (
         "cargo run --release -p fmu-build -- --explorer",
-        "explorer-build/tests/page.rs makes the page, zip_rules.rs packs one",
+        "fmu-build/tests/live_page.rs, asked for",
     ),
     ("cargo test -p explorer-build --test page -- --ignored", "explorer-build/tests/page.rs, asked for"),
+    ("cargo test -p fmu-build --test live_page -- --ignored", "fmu-build/tests/live_page.rs, asked for"),
     (
         "cargo test -p fmu-build --test platforms -- --ignored --nocapture",
         "fmu-build/tests/platforms.rs, asked for",
