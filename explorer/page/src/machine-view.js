@@ -184,12 +184,12 @@ function drawBlock(g, at, block, box, shown, size) {
   for (let i = 1; i <= steps && long > 2; i++) { const part = long * i / steps; g.fillRect(away > 0 ? block + w - 4 : block - w - part, y - tall + 2, part + 4, height - 2); }
   for (const d of [-0.55, 0.55]) wheel(g, block + d * w, y + half - roller, roller, (shown.x[1] - shown.x[0]) * scale);
   metal(g, block - w, y - tall, 2 * w, height, Math.min(5, w * 0.2), theme.block);
-  label(g, "m₂", block, y, theme["on-body"], size);
-  // A grip: bodies can be taken hold of.
+  label(g, "m₂", block, y - 0.35 * size, theme["on-body"], size);
+  label(g, "block", block, y + 0.75 * size, theme["on-body"], Math.min(0.8 * size, 0.62 * w), 500);
   grip(g, block, y + half * 0.62);
 }
 
-/** @param {any} g @param {number} x @param {number} y */
+/** The sign that a body can be taken hold of. @param {any} g @param {number} x @param {number} y */
 function grip(g, x, y) {
   g.strokeStyle = tinted(theme["on-body"], 0.6); g.lineWidth = 1.5;
   g.beginPath();
@@ -248,7 +248,8 @@ export function drawMachine(g, width, height, at, shown) {
   metal(g, secondary - body, y - tall, 2 * body, tall + half + wall, Math.min(5, body * 0.2), theme["drawn-secondary"]);
   label(g, "m₃", secondary, y, theme["on-body"], size);
   grip(g, secondary, y + half * 0.62);
-  label(g, "m₁", box, y - half + size * 0.85, theme.box, size);
+  label(g, "m₁ box", box, y - half + size * 0.85, theme.box, 0.86 * size);
+  label(g, "oscillator", secondary, y - tall - 0.7 * size, theme.secondary, 0.86 * size);
   // Light at the contact itself, over the bodies.
   for (const side of [-1, 1]) {
     const hot = shown.glow[side < 0 ? 0 : 1];

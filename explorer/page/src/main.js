@@ -5,7 +5,7 @@ import { attractorAt, compute, diagram, drawDiagram, frameOf, startWorkers } fro
 import { take } from "./exports.js";
 import { bodyAt, drawMachine, layout } from "./machine-view.js";
 import { advance, classify, extentShown, fillSection, lookAhead, motion, presentAsStart, reparametrize, restart, skip, toNextImpact, words } from "./motion.js";
-import { curves, drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges } from "./panels.js";
+import { curves, drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges, manifoldRows } from "./panels.js";
 import { readout, readTheme, Surface } from "./plot.js";
 import { MOVING_BLOCK, PRESETS } from "./presets.js";
 import { enable, tick } from "./sound.js";
@@ -395,6 +395,6 @@ function listenToDiagram() {
 }
 
 /** For the tests and measurements of the page. */
-Object.assign(window, { explorer: { state, motion, diagram, curves, presentAsStart, toHash, changes: () => lastChange, TIME } });
+Object.assign(window, { explorer: { state, motion, diagram, curves, manifoldRows, presentAsStart, toHash, changes: () => lastChange, TIME } });
 
 start().catch((error) => broken(`The page could not be started: ${error.message ?? error}`));

@@ -184,7 +184,7 @@ export function drawBars(g, width) {
   let x = left;
   g.font = `11px ${FONT}`; g.textAlign = "left";
   // The words stay where they are, whatever the shares.
-  const widest = parts.map(([, , name]) => g.measureText(`${name} 100 %`).width + 30);
+  const widest = parts.map(([, , name]) => g.measureText(`${name} 100 %`).width + (width < 420 ? 20 : 30));
   parts.forEach(([value, colour, name], i) => {
     const w = wide * Math.max(0, value) / all, at = (width < 420 ? 10 : left) + widest.slice(0, i).reduce((a, b) => a + b, 0);
     g.fillStyle = colour; g.fillRect(x, 29, Math.max(0, w - 1), 10);

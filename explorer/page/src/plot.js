@@ -81,7 +81,7 @@ export class Frame {
   axes(g, words = {}) {
     const { left, right, top, bottom } = this.box;
     g.lineWidth = 1; g.font = `11px ${FONT}`;
-    const across = ticks(this.x[0], this.x[1], (right - left) / 70), along = ticks(this.y[0], this.y[1], words.yTicks ?? (bottom - top) / 38), bare = words.yTicks === 0;
+    const across = ticks(this.x[0], this.x[1], (right - left) / 70), along = ticks(this.y[0], this.y[1], words.yTicks ?? (bottom - top) / 32), bare = words.yTicks === 0;
     g.strokeStyle = theme.grid;
     g.beginPath();
     for (const x of across) { g.moveTo(this.px(x), top); g.lineTo(this.px(x), bottom); }
