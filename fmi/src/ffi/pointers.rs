@@ -116,6 +116,16 @@ pub unsafe fn out<'a, T>(pointer: *mut T, count: usize, argument: &'static str) 
     Ok(Out(unsafe { array(pointer.cast::<Cell<MaybeUninit<T>>>(), count, argument) }?))
 }
 
+/// The host's variable, to be written; none where its pointer cannot be followed.
+///
+/// # Safety
+/// `pointer` is null or points to a variable that lives and is not read while this is used.
+#[inline]
+pub unsafe fn variable<'a, T>(pointer: *mut T) -> Option<&'a Cell<MaybeUninit<T>>> {
+    // SAFETY: not null, aligned, living as the caller says; any bytes are valid as this cell.
+    (!pointer.is_null() && pointer.is_aligned()).then(|| unsafe { &*pointer.cast() })
+}
+
 /// The host's array, or its single value: only written, never read, since it may hold anything.
 pub struct Out<'a, T>(pub &'a [Cell<MaybeUninit<T>>]);
 

@@ -9,7 +9,7 @@ use crate::component::event_state::Discrete;
 use crate::component::log::{Category, Log};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{AdvanceOutcome, Contact, Event, EventObserver, Pause, Simulator, Snapshot};
+use vibro_impact::simulator::{AdvanceOutcome, Contact, Event, EventObserver, Pause, Simulator};
 
 /// How an advance ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,11 @@ impl Instance {
             Engine::Simulation(simulator) => {
                 let shown = event_mode.then(|| Discrete::of_simulator(simulator));
                 let step = LastStep::begin(&mut self.last_step, simulator, &changes);
-                (shown, simulate(simulator, &step.before, changes, (point, size), at_event, report)?)
+                let stand = match run(simulator, changes, (point, size), at_event, report) {
+                    Ok(stand) => stand,
+                    Err(error) => return Err(take_back(simulator, &step.before, error)),
+                };
+                (shown, stand)
             }
             Engine::Closed(form) => {
                 if let Some(parameters) = changes.parameters {
@@ -134,19 +138,7 @@ fn unreachable_step<T>() -> Outcome<T> {
     Err(Problem::Sequence { what: "the instance is not initialized" })
 }
 
-/// One step of the simulator, all or nothing.
-fn simulate(
-    simulator: &mut Simulator,
-    before: &Snapshot,
-    changes: Changes<'_>,
-    (point, size): (f64, f64),
-    at_event: AtEvent,
-    report: EventObserver<'_, '_>,
-) -> Outcome<Stand> {
-    let outcome = run(simulator, changes, (point, size), at_event, report);
-    outcome.map_err(|error| take_back(simulator, before, error))
-}
-
+/// One step of the simulator.
 fn run(
     simulator: &mut Simulator,
     changes: Changes<'_>,

@@ -136,6 +136,7 @@ fn simulate(
 }
 
 /// Takes back a step that failed, and says why it did.
+#[cold]
 pub(super) fn take_back(simulator: &mut Simulator, before: &Snapshot, error: Error) -> Problem {
     // Cannot fail: it is this simulator's own.
     let _ = simulator.restore(before);

@@ -5,21 +5,50 @@ use super::super::intermediate::{Progress, Turn};
 use super::super::types::StepEnd;
 use super::*;
 use crate::ffi::Fault;
-use crate::ffi::pointers::Out;
+use crate::ffi::pointers::variable;
+use std::cell::Cell;
+use std::mem::MaybeUninit;
+
+/// A variable of the host's that is only written; none where its pointer cannot be followed.
+type Place<'a, T> = Option<&'a Cell<MaybeUninit<T>>>;
 
 /// What `fmi3DoStep` returns through pointers.
 struct Returned<'a> {
-    flags: [Out<'a, FmiBoolean>; 3],
-    time: Out<'a, f64>,
+    event_handling_needed: Place<'a, FmiBoolean>,
+    terminate_simulation: Place<'a, FmiBoolean>,
+    early_return: Place<'a, FmiBoolean>,
+    last_successful_time: Place<'a, f64>,
 }
 
 impl Returned<'_> {
+    /// Refuses a step whose end could not be told.
+    #[inline]
+    fn check(&self) -> Outcome {
+        let Self { event_handling_needed, terminate_simulation, early_return, last_successful_time } = self;
+        let argument = match (event_handling_needed, terminate_simulation, early_return, last_successful_time)
+        {
+            (Some(_), Some(_), Some(_), Some(_)) => return Ok(()),
+            (None, ..) => "eventHandlingNeeded",
+            (_, None, ..) => "terminateSimulation",
+            (_, _, None, _) => "earlyReturn",
+            (.., None) => "lastSuccessfulTime",
+        };
+        Err(Fault::Pointer { argument }.into())
+    }
+
+    #[inline]
     fn put(&self, end: StepEnd) {
-        let flags = [end.event_handling_needed, false, end.early_return];
-        for (place, flag) in self.flags.iter().zip(flags) {
-            place.put(0, flag.into());
-        }
-        self.time.put(0, end.last_successful_time);
+        put(self.event_handling_needed, end.event_handling_needed.into());
+        put(self.terminate_simulation, false.into());
+        put(self.early_return, end.early_return.into());
+        put(self.last_successful_time, end.last_successful_time);
+    }
+}
+
+#[inline]
+fn put<T>(place: Place<'_, T>, value: T) {
+    if let Some(place) = place {
+        place.set(MaybeUninit::new(value));
     }
 }
 
@@ -42,54 +71,56 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> FmiStatus {
     // SAFETY: null or valid for one element, as the caller says; the instance likewise.
     let (returned, callback) = unsafe {
-        let returned = || -> Result<Returned<'_>, Fault> {
-            Ok(Returned {
-                flags: [
-                    out(eventHandlingNeeded, 1, "eventHandlingNeeded")?,
-                    out(terminateSimulation, 1, "terminateSimulation")?,
-                    out(earlyReturn, 1, "earlyReturn")?,
-                ],
-                time: out(lastSuccessfulTime, 1, "lastSuccessfulTime")?,
-            })
+        let returned = Returned {
+            event_handling_needed: variable(eventHandlingNeeded),
+            terminate_simulation: variable(terminateSimulation),
+            early_return: variable(earlyReturn),
+            last_successful_time: variable(lastSuccessfulTime),
         };
-        (
-            returned(),
-            shared(instance).and_then(|shared| Some((shared.intermediate_update?, shared.environment))),
-        )
+        let callback =
+            shared(instance).and_then(|shared| Some((shared.intermediate_update?, shared.environment)));
+        (returned, callback)
     };
     let (point, size) = (currentCommunicationPoint, communicationStepSize);
     let mut end = StepEnd::default();
-    let check = || match &returned {
-        Ok(_) => Ok(()),
-        Err(fault) => Err(fault.clone().into()),
-    };
     // SAFETY: as above.
     let status = unsafe {
         match callback {
             None => call(instance, Function::DoStep, |instance, host| {
-                check()?;
+                returned.check()?;
                 end = instance.do_step(point, size, host)?;
                 Ok(())
             }),
-            Some(callback) => step_with_callback(instance, (point, size), callback, check, &mut end),
+            Some(callback) => {
+                step_with_callback(instance, (point, size), callback, || returned.check(), &mut end)
+            }
         }
     };
-    if let Ok(returned) = &returned {
-        if status == Status::Error as FmiStatus {
-            // SAFETY: as above.
-            let borrowed = unsafe { shared(instance) }.and_then(|shared| shared.instance.try_borrow().ok());
-            let Some(borrowed) = borrowed else { return status };
-            end = StepEnd { last_successful_time: borrowed.0.component.time(), ..StepEnd::default() };
-        }
-        returned.put(end);
+    if status == Status::Error as FmiStatus {
+        // SAFETY: as above.
+        let Some(time) = (unsafe { present_time(instance) }) else { return status };
+        end = StepEnd { last_successful_time: time, ..StepEnd::default() };
     }
+    returned.put(end);
     status
+}
+
+/// Where the motion stands, s; none without an instance, and inside its own logger.
+///
+/// # Safety
+/// `instance` is null or from an instantiation and not freed.
+#[cold]
+unsafe fn present_time(instance: FmiInstance) -> Option<f64> {
+    // SAFETY: as above.
+    let borrowed = unsafe { shared(instance) }?.instance.try_borrow().ok()?;
+    Some(borrowed.0.component.time())
 }
 
 /// A step that calls the host back; the instance is not borrowed while it does.
 ///
 /// # Safety
 /// As for [`call`]; the callback is the host's.
+#[inline(never)] // it would make the step without a callback slower
 unsafe fn step_with_callback(
     instance: FmiInstance,
     (point, size): (f64, f64),
