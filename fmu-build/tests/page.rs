@@ -1,11 +1,10 @@
 //! The documentation page: complete, self-contained, well-formed; and, where asked for, as Chromium shows it.
 
-mod common;
-
-use common::chromium::browse;
 use fmu_build::page;
 use quick_xml::events::Event;
 use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use vibro_fmi::component::variables::{Kind, VARIABLES, find};
 
 /// The page of an archive without the live page.
@@ -111,6 +110,37 @@ fn the_live_page_is_linked_where_it_is_packed_and_nothing_else_changes() {
     let rest: String = with.lines().filter(|line| !line.contains(link)).collect();
     assert_eq!(rest, without.replace('\n', ""));
     assert!(!with.contains("<script"));
+}
+
+/// Where Chromium is, by `CHROMIUM` or on the path.
+fn chromium() -> PathBuf {
+    let named = std::env::var_os("CHROMIUM").map(PathBuf::from);
+    let usual = ["chromium", "chromium-browser", "google-chrome"].map(PathBuf::from);
+    let candidates = named.map_or_else(|| usual.to_vec(), |path| vec![path]);
+    let works = |path: &&PathBuf| Command::new(path).arg("--version").output().is_ok();
+    candidates.iter().find(works).cloned().unwrap_or_else(|| {
+        panic!("none of {candidates:?} runs: install Chromium (Debian: apt install chromium) or name it in CHROMIUM")
+    })
+}
+
+fn browse(arguments: &[&str], page: &Path, profile: &Path) -> (String, String) {
+    let output = Command::new(chromium())
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            "--force-device-scale-factor=1",
+        ])
+        .args(["--enable-logging=stderr", "--virtual-time-budget=5000"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .args(arguments)
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    (text(&output.stdout), text(&output.stderr))
 }
 
 /// Looks at the page from inside and leaves what it finds in an attribute of the document.

@@ -22,10 +22,7 @@ const COVERED: [(&str, &str); 13] = [
     ("cargo test -p fmu-build --test examples -- --ignored", "fmu-build/tests/examples.rs, asked for"),
     ("cargo test -p fmu-build --test page -- --ignored", "fmu-build/tests/page.rs, asked for"),
     ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
-    (
-        "cargo run --release -p fmu-build -- --explorer",
-        "fmu-build/tests/live_page.rs, asked for",
-    ),
+    ("cargo run --release -p fmu-build -- --explorer", "fmu-build/tests/live_page.rs, asked for"),
     ("cargo test -p explorer-build --test page -- --ignored", "explorer-build/tests/page.rs, asked for"),
     ("cargo test -p fmu-build --test live_page -- --ignored", "fmu-build/tests/live_page.rs, asked for"),
     (

@@ -1,7 +1,6 @@
 //! What a shared library exports and needs, of any platform; code blocks of pages.
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
-pub mod chromium;
 pub mod python;
 
 use object::read::elf::{FileHeader, SectionHeader};
