@@ -15,6 +15,11 @@ const PLAIN: f64 = 0.0;
 const BEFORE: f64 = 1.0;
 const AFTER: f64 = 2.0;
 
+/// Over so many drive periods a variation that grows by e to the power of this leaves no doubt of chaos: without chaos it stays
+/// within some orders of magnitude.
+const FEW: u32 = 150;
+const CLEAR_GROWTH: f64 = 15.0;
+
 /// A motion of the machine.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
@@ -159,10 +164,20 @@ impl Machine {
     pub fn class(&self) -> std::result::Result<Vec<f64>, JsError> {
         let mut simulator = self.simulator.clone().without_energy_accounts();
         let found = attractor::observe(&mut simulator)?;
-        // Exponents tell chaos from a modulated motion, and cost as much as all else together: only where there is no period.
+        // Exponents tell chaos from a modulated motion. They cost more than all else: only where there is no period, and where a
+        // few periods leave no doubt no more than these.
         let spectrum = match found.period {
             Some(_) => None,
-            None => Some(dimensionless(&mut simulator, &SpectrumOptions::default())?.spectrum),
+            None => {
+                let few = SpectrumOptions { periods: FEW, ..SpectrumOptions::default() };
+                let spectrum = dimensionless(&mut simulator, &few)?.spectrum;
+                let parameters = simulator.parameters();
+                let time = f64::from(FEW) * parameters.period() * parameters.box_frequency();
+                Some(match spectrum.exponents[0] * time > CLEAR_GROWTH {
+                    true => spectrum,
+                    false => dimensionless(&mut simulator, &SpectrumOptions::default())?.spectrum,
+                })
+            }
         };
         let class = MotionClass::of(&found, spectrum.as_ref());
         let settling = found.approaching || class == MotionClass::Settling;

@@ -221,7 +221,7 @@ export function words() {
   const span = period || 1, number = (/** @type {number} */ n) => (Math.abs(n - Math.round(n)) < 1e-9 ? String(Math.round(n)) : n.toFixed(2)), [right, left] = [number(up * span), number(low * span)];
   const impacts = (/** @type {string} */ n) => (n === "1" ? "one impact" : `${n} impacts`);
   const hits = up + low === 0 ? "the block never touches the stops" : right === left ? `${impacts(right)} at each stop` : `${impacts(right)} at the right stop, ${left} at the left`;
-  const parts = [period || up + low === 0 ? hits : `on average ${hits} a period`, period && symmetric && up + low > 0 && "half a period later it is its own mirror image", rests && "the block rests at a stop", chaotic && `largest Lyapunov exponent ${exponent.toFixed(3)}`];
+  const parts = [period || up + low === 0 ? hits : `on average ${hits} a period`, period && symmetric && up + low > 0 && "half a period later it is its own mirror image", rests && "the block rests at a stop", chaotic && `largest Lyapunov exponent ${exponent.toFixed(2)}`];
   return { head, rest: `${parts.filter(Boolean).join("; ")}.` };
 }
 
