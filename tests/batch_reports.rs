@@ -3,6 +3,8 @@
 mod common;
 
 use common::golden::distance;
+use std::ops::ControlFlow;
+use vibro_impact::model::Augmented;
 use vibro_impact::simulator::{
     Event, Loads, Maximum, MotionQueue, Plan, Reports, advance_queue, advance_together,
 };
@@ -28,6 +30,7 @@ fn motions() -> Vec<Simulator> {
 struct Record {
     samples: Vec<(u32, State)>,
     events: Vec<Event>,
+    after: Vec<Augmented>,
     maxima: Vec<Maximum>,
     ended: Option<Result<()>>,
 }
@@ -37,6 +40,12 @@ struct Recorder {
     order: Vec<usize>,
     end: f64,
     reports: Reports,
+    /// The number of the sample after which no more is asked.
+    last: u32,
+    /// From one sample to the next.
+    stride: u32,
+    /// The number of the event that asks for samples.
+    asking: usize,
     under_way: [usize; vibro_impact::simulator::TOGETHER],
     records: Vec<Record>,
 }
@@ -50,12 +59,17 @@ impl MotionQueue for Recorder {
         Some(Plan { simulator: self.under_way[lane], end: self.end, reports: Some(self.reports) })
     }
 
-    fn sample(&mut self, lane: usize, number: u32, state: &State) {
-        self.records[self.under_way[lane]].samples.push((number, *state));
+    fn sample(&mut self, lane: usize, number: u32, state: &State) -> ControlFlow<(), u32> {
+        let record = &mut self.records[self.under_way[lane]];
+        record.samples.push((number, *state));
+        if number >= self.last { ControlFlow::Break(()) } else { ControlFlow::Continue(number + self.stride) }
     }
 
-    fn event(&mut self, lane: usize, event: &Event) {
-        self.records[self.under_way[lane]].events.push(*event);
+    fn event(&mut self, lane: usize, event: &Event, after: &Augmented) -> Option<u32> {
+        let record = &mut self.records[self.under_way[lane]];
+        record.events.push(*event);
+        record.after.push(*after);
+        (record.events.len() == self.asking).then_some(1)
     }
 
     fn maximum(&mut self, lane: usize, maximum: &Maximum) {
@@ -64,11 +78,29 @@ impl MotionQueue for Recorder {
 }
 
 /// From an origin before the start, so that the first samples have passed.
-const REPORTS: Reports = Reports { origin: 0.5, step: 0.7, maxima_of: Some([0.0, 1.0, 0.0]) };
+const REPORTS: Reports = Reports { origin: 0.5, step: 0.7, first: 1, maxima_of: Some([0.0, 1.0, 0.0]) };
 
 fn record(motions: &mut [Simulator], order: Vec<usize>, reports: Reports, end: f64) -> Vec<Record> {
+    record_as(motions, order, |recorder| Recorder { end, reports, ..recorder })
+}
+
+/// Records with settings of their own.
+fn record_as(
+    motions: &mut [Simulator],
+    order: Vec<usize>,
+    settings: impl Fn(Recorder) -> Recorder,
+) -> Vec<Record> {
     let records = vec![Record::default(); motions.len()];
-    let mut recorder = Recorder { order, end, reports, under_way: [0; 16], records };
+    let mut recorder = settings(Recorder {
+        order,
+        end: 0.0,
+        reports: REPORTS,
+        last: u32::MAX,
+        stride: 1,
+        asking: usize::MAX,
+        under_way: [0; 16],
+        records,
+    });
     let used = advance_queue(motions, &mut recorder);
     assert!(
         used.substeps <= used.occupied && used.utilisation() <= used.occupation() && used.occupation() <= 1.0
@@ -163,7 +195,44 @@ fn what_cannot_be_reported_is_refused() {
         refused(&found[0], "time between samples");
     }
     // Without samples the step means nothing.
-    let none = Reports { origin: f64::INFINITY, step: 0.0, maxima_of: None };
+    let none = Reports { origin: f64::INFINITY, step: 0.0, first: 1, maxima_of: None };
     let found = record(&mut motions[1..], vec![0], none, 30.0);
     assert!(found[0].samples.is_empty() && found[0].maxima.is_empty() && !found[0].events.is_empty());
+}
+
+#[test]
+fn invariant_samples_as_asked_for_are_some_of_all() {
+    const END: f64 = 60.0;
+    let all = || (0..motions().len()).collect::<Vec<usize>>();
+    let every = record(&mut motions(), all(), REPORTS, END);
+    // Every third sample from the fifth on, and the end of the motion with sample 29.
+    let reports = Reports { first: 5, ..REPORTS };
+    let settings = |r| Recorder { end: END, reports, stride: 3, last: 29, ..r };
+    for (some, every) in record_as(&mut motions(), all(), settings).iter().zip(&every) {
+        let expected: Vec<_> =
+            every.samples.iter().filter(|s| s.0 >= 5 && s.0 % 3 == 2 && s.0 <= 29).collect();
+        assert_eq!(some.samples.iter().collect::<Vec<_>>(), expected);
+        assert_eq!(some.ended, Some(Ok(())));
+        // Of the sub-step in which it ended no event is reported.
+        let count = some.events.len();
+        assert!(count < every.events.len() || count == 0);
+        assert_eq!((&some.events[..], &some.after[..]), (&every.events[..count], &every.after[..count]));
+    }
+    // None at all before the second event.
+    let reports = Reports { first: u32::MAX, ..REPORTS };
+    let settings = |r| Recorder { end: END, reports, asking: 2, ..r };
+    for (some, every) in record_as(&mut motions(), all(), settings).iter().zip(&every) {
+        let Some(Event::Impact { time, .. } | Event::Rest { time, .. } | Event::Release { time, .. }) =
+            every.events.get(1)
+        else {
+            assert!(some.samples.is_empty());
+            continue;
+        };
+        let later = |s: &&(u32, State)| REPORTS.origin + f64::from(s.0) * REPORTS.step > *time;
+        assert_eq!(
+            some.samples.iter().collect::<Vec<_>>(),
+            every.samples.iter().filter(later).collect::<Vec<_>>()
+        );
+        assert_eq!(some.events, every.events);
+    }
 }

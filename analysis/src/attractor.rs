@@ -27,10 +27,10 @@ pub const ZERO_EXPONENT: f64 = 1e-3;
 
 /// One drive period of an observed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct ObservedPeriod {
-    state: StroboscopicState,
+pub(crate) struct ObservedPeriod {
+    pub(crate) state: StroboscopicState,
     /// The order of its impacts, as a number.
-    pattern: u64,
+    pub(crate) pattern: u64,
     /// Impacts at the upper and at the lower stop.
     impacts: [u32; 2],
     /// Whether the block rests.
@@ -103,19 +103,24 @@ impl MotionClass {
 
     /// The class of an attractor, with its spectrum in units of ω10 where there is one.
     pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>) -> Self {
-        match (attractor.period, spectrum) {
+        Self::by_exponents(attractor, spectrum.map(|s| [s.exponents[0], s.exponents[1]]))
+    }
+
+    /// The class of an attractor, with the largest exponent beside the drive phase's zero in units of ω10 where it is known.
+    pub fn by_largest(attractor: &Attractor, largest: Option<f64>) -> Self {
+        Self::by_exponents(attractor, largest.map(|e| [e.max(0.0), e.min(0.0)]))
+    }
+
+    /// The class of an attractor, with its two largest exponents in units of ω10 where they are known.
+    fn by_exponents(attractor: &Attractor, exponents: Option<[f64; 2]>) -> Self {
+        match (attractor.period, exponents) {
             (Some(n), _) => Self::Periodic(n),
             (None, None) => Self::Aperiodic,
-            (None, Some(s)) => {
-                let [first, second, ..] = s.exponents;
-                if first > ZERO_EXPONENT {
-                    Self::Chaotic
-                } else if second > -ZERO_EXPONENT && !attractor.approaching {
-                    Self::QuasiPeriodic
-                } else {
-                    Self::Settling
-                }
+            (None, Some([first, _])) if first > ZERO_EXPONENT => Self::Chaotic,
+            (None, Some([_, second])) if second > -ZERO_EXPONENT && !attractor.approaching => {
+                Self::QuasiPeriodic
             }
+            _ => Self::Settling,
         }
     }
 }
@@ -139,7 +144,7 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
 /// States at whole and half drive periods, and what happened between them.
 #[derive(Clone, Debug)]
 pub(crate) struct StroboscopicRecord {
-    periods: Vec<ObservedPeriod>,
+    pub(crate) periods: Vec<ObservedPeriod>,
     /// The mirror images of the states at half periods.
     halves: Vec<StroboscopicState>,
     impacts: [u32; 2],
@@ -185,14 +190,23 @@ impl StroboscopicRecord {
         }
     }
 
+    /// Whether [`OBSERVED`] periods have been recorded, in which a period is recognized.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.periods.len() >= OBSERVED as usize
+    }
+
     /// What the motion is, after [`OBSERVED`] periods.
     pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
+        self.attractor_of(p, if self.is_complete() { period(&self.periods) } else { None })
+    }
+
+    /// What the motion is, given its period, of which at least one has been recorded.
+    pub(crate) fn attractor_of(&self, p: &Parameters, period: Option<u32>) -> Attractor {
         let Self { periods, halves, .. } = self;
-        let period = period(periods);
         let kept = period.unwrap_or(1) as usize;
         // Of a periodic motion only the last period is counted, so that a transient that died out during the observation is
         // left out.
-        let settled = period.unwrap_or(OBSERVED);
+        let settled = period.unwrap_or(periods.len() as u32);
         let last = periods.len() - settled as usize;
         let mut sizes = [0.0; 3];
         for state in periods[last..].iter().map(|s| &s.state).chain(&halves[last..]) {
@@ -202,10 +216,8 @@ impl StroboscopicRecord {
         }
         let counts = [0, 1].map(|side| periods[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
         let rests = periods[last..].iter().any(|s| s.rests);
-        // Without impacts the flow is linear. Where every part of it is damped, for which the block needs the coupling, it has
-        // one limit, and so a motion that has not reached it is on its way there.
-        let damped = [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0);
-        let dies_out = damped && counts == [0; 2] && !rests;
+        // Without impacts a damped motion that has not reached its limit is on its way there.
+        let dies_out = is_damped(p) && counts == [0; 2] && !rests;
         Attractor {
             period,
             approaching: period.is_none() && (dies_out || approaches(periods)),
@@ -216,6 +228,12 @@ impl StroboscopicRecord {
             sizes: sizes.map(f64::sqrt),
         }
     }
+}
+
+/// Whether the motion without impacts has one limit: its flow is linear, and every part of it is damped, for which the block needs the
+/// coupling.
+pub(crate) fn is_damped(p: &Parameters) -> bool {
+    [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0)
 }
 
 /// The least n for which, over the last four times n drive periods, states return after n periods and the order of impacts
@@ -250,7 +268,7 @@ fn approaches(periods: &[ObservedPeriod]) -> bool {
 }
 
 /// The largest difference between coordinates of two states.
-fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
+pub(crate) fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 

@@ -174,7 +174,8 @@ fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut 
     let starts: Vec<Start> =
         places.map(|(i, j)| Start { parameters: *p, state: start(p, request, i, j) }).collect();
     let mut ends: Vec<Result<Option<Attractor>>> = starts.iter().map(|_| Ok(None)).collect();
-    let program = Program { discard: request.discard, maxima: None, observed: true };
+    let program =
+        Program { discard: request.discard, until_settled: true, observed: true, ..Program::default() };
     workspace.run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
         ends[number] = match outcome {
             Ok(outcome) => Ok(outcome.attractor),

@@ -142,7 +142,7 @@ fn observe_all(
         .enumerate()
         .filter_map(|(index, s)| Some((index, Start { parameters: s.parameters, state: s.state? })))
         .collect();
-    let program = Program { discard: 0, maxima: Some((sweep.of, sweep.keep)), observed: true };
+    let program = Program { maxima: Some((sweep.of, sweep.keep)), observed: true, ..Program::default() };
     let mut refused = Ok(());
     workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
         let (index, start) = there[number];
@@ -156,7 +156,7 @@ fn observe_all(
 }
 
 fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
-    let Outcome { state, maxima, attractor: Some(attractor) } = outcome else { return Ok(None) };
+    let Outcome { state, maxima, attractor: Some(attractor), .. } = outcome else { return Ok(None) };
     let six_digits = |value: &f64| (value / p.stop_gap / RESOLUTION).round() as i64;
     let mut tops: Vec<i64> = maxima.iter().map(six_digits).collect();
     tops.sort_unstable();

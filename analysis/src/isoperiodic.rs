@@ -5,7 +5,6 @@
 
 use super::attractor::MotionClass;
 use super::error::{Error, Result};
-use super::lyapunov::{self, SpectrumOptions};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
 use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells, check_pair};
@@ -73,8 +72,9 @@ pub struct Request {
     pub start: StartRule,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// How exponents of motions with impacts and without a period are computed, if they are.
-    pub exponents: Option<SpectrumOptions>,
+    /// Most drive periods over which the largest exponents of motions with impacts and without a period are computed, if they
+    /// are. They are computed until the class is decided.
+    pub exponents: Option<u32>,
 }
 
 /// The motion that a start has settled on.
@@ -88,8 +88,9 @@ pub struct SettledMotion {
     pub rests: bool,
     /// Whether it is its own mirror image; false for motions without a period.
     pub symmetric: bool,
-    /// The largest exponent per unit of τ, where exponents were asked for and there are impacts and no period.
-    pub exponent: Option<f64>,
+    /// The largest of the seven exponents per unit of τ and the standard error of what it was decided by, where exponents were asked
+    /// for and there are impacts and no period. One of the seven is zero, so that it is not negative.
+    pub exponent: Option<[f64; 2]>,
     /// Whether it is the stable exact orbit, and not one that has just broken away from it.
     pub on_orbit: bool,
 }
@@ -212,41 +213,40 @@ fn points(
         sites.iter().map(|site| PlanePoint { theory: site.theory, motion: None }).collect();
     let there: Vec<(usize, Start)> =
         sites.iter().enumerate().filter_map(|(index, site)| Some((index, site.start?))).collect();
-    let program = Program { discard: request.discard, maxima: None, observed: true };
+    let program = Program {
+        discard: request.discard,
+        until_settled: true,
+        observed: true,
+        exponent: request.exponents,
+        maxima: None,
+    };
     workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
         let (index, start) = there[number];
-        let (orbit, exponents) = (sites[index].orbit.as_ref(), request.exponents.as_ref());
-        let settled = outcome.and_then(|outcome| motion(&start.parameters, &outcome, orbit, exponents));
-        points[index].motion = settled.ok().flatten();
+        let orbit = sites[index].orbit.as_ref();
+        points[index].motion = outcome.ok().and_then(|outcome| motion(&start.parameters, &outcome, orbit));
     });
     points
 }
 
-fn motion(
-    p: &Parameters,
-    outcome: &Outcome<'_>,
-    orbit: Option<&State>,
-    exponents: Option<&SpectrumOptions>,
-) -> Result<Option<SettledMotion>> {
-    let Some(found) = &outcome.attractor else { return Ok(None) };
-    let asked = exponents.filter(|_| found.period.is_none() && !found.is_free());
-    let exponents = |options| {
-        let mut simulator = Simulator::new(p, &outcome.state, 0.0)?.without_energy_accounts();
-        lyapunov::dimensionless(&mut simulator, options).map(|found| found.spectrum)
-    };
-    let spectrum = asked.map(exponents).transpose()?;
+fn motion(p: &Parameters, outcome: &Outcome<'_>, orbit: Option<&State>) -> Option<SettledMotion> {
+    let found = outcome.attractor.as_ref()?;
+    let exponent = outcome.exponent.map(|e| [e.value, e.error].map(|rate| rate / p.box_frequency()));
     let dies_out = found.is_free() && found.approaching;
     let symmetric = found.period.is_some() && found.is_symmetric();
-    Ok(Some(SettledMotion {
-        class: if dies_out { MotionClass::Settling } else { MotionClass::of(found, spectrum.as_ref()) },
+    Some(SettledMotion {
+        class: if dies_out {
+            MotionClass::Settling
+        } else {
+            MotionClass::by_largest(found, exponent.map(|e| e[0]))
+        },
         impacts: found.impacts,
         rests: found.rests,
         symmetric,
-        exponent: spectrum.map(|s| s.exponents[0]),
+        exponent: exponent.map(|[value, error]| [value.max(0.0), error]),
         on_orbit: found.period == Some(1)
             && symmetric
             && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
-    }))
+    })
 }
 
 #[cfg(test)]

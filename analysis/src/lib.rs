@@ -12,6 +12,8 @@
 //! | `smooth_pieces` | the smooth pieces of a motion and what ends them | through `measures` and `lyapunov` |
 //! | [`maxima`] | local maxima of X2, from the flow | amplitude of the exact orbit; interpolated samples; closed forms of a free block and of one mode |
 //! | `variation` | transition matrices of variations, jumps at impacts | through `lyapunov` |
+//! | `largest_exponent` | the largest exponent of many motions, from their events | the seven exponents; multipliers of the exact orbit |
+//! | `settling` | when a motion has settled on a period | made-up sequences; planes and basins without it |
 //! | [`lyapunov`] | the seven Lyapunov exponents | a linear system; multipliers of the exact orbit; divergence and determinants |
 //! | [`attractor`] | period, impacts, symmetry and class of a settled motion | constructed sequences; the stable exact orbit; the limit without impacts |
 //! | [`trajectories`] | many independent motions side by side: transient, maxima, what they settle on | the same motions one by one; statistics in chaos |
@@ -51,6 +53,7 @@ pub mod bifurcation;
 pub mod design_sweep;
 mod error;
 pub mod isoperiodic;
+mod largest_exponent;
 pub mod lyapunov;
 pub mod maxima;
 pub mod measures;
@@ -60,6 +63,7 @@ mod parameter_set;
 pub mod parts;
 pub mod plane;
 pub mod response;
+mod settling;
 mod smooth_pieces;
 pub mod sobol;
 pub mod stroboscopic;

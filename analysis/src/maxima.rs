@@ -5,6 +5,8 @@
 
 use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+use vibro_impact::model::Augmented;
 pub use vibro_impact::simulator::Maximum;
 use vibro_impact::simulator::{Contact, Event, MotionQueue, Plan, Reports, Simulator, State, advance_queue};
 
@@ -109,7 +111,7 @@ pub fn record_periods(
     visit: &mut dyn FnMut(&PeriodRecord),
 ) -> vibro_impact::Result<()> {
     let (origin, step) = (simulator.time(), simulator.parameters().period());
-    let reports = Reports { origin, step, maxima_of: Some(of.weights()) };
+    let reports = Reports { origin, step, first: 1, maxima_of: Some(of.weights()) };
     let plan = Plan { simulator: 0, end: origin + step * f64::from(periods), reports: Some(reports) };
     let mut queue = Periods {
         plan: Some(plan),
@@ -148,7 +150,7 @@ impl MotionQueue for Periods<'_> {
         self.plan.take()
     }
 
-    fn sample(&mut self, _lane: usize, number: u32, state: &State) {
+    fn sample(&mut self, _lane: usize, number: u32, state: &State) -> ControlFlow<(), u32> {
         let end = self.reports.origin + f64::from(number) * self.reports.step;
         let first_later = self.period.maxima.partition_point(|m| m.time <= end);
         self.later.extend(self.period.maxima.drain(first_later..));
@@ -158,15 +160,17 @@ impl MotionQueue for Periods<'_> {
         self.period.maxima.append(&mut self.later);
         self.period.impacts.clear();
         self.period.rests = self.resting;
+        ControlFlow::Continue(number + 1)
     }
 
-    fn event(&mut self, _lane: usize, event: &Event) {
+    fn event(&mut self, _lane: usize, event: &Event, _after: &Augmented) -> Option<u32> {
         match *event {
             Event::Impact { side, .. } => self.period.impacts.push(side > 0),
             Event::Rest { .. } => self.resting = true,
             Event::Release { .. } => self.resting = false,
         }
         self.period.rests |= self.resting;
+        None
     }
 
     fn maximum(&mut self, _lane: usize, maximum: &Maximum) {

@@ -29,6 +29,11 @@ impl Units {
         Self { length: p.stop_gap, speed: p.stop_gap * p.box_frequency() }
     }
 
+    /// A speed, m/s, in units of L ω10.
+    pub(crate) fn speed(&self, speed: f64) -> f64 {
+        speed / self.speed
+    }
+
     pub(crate) fn dimensionless(&self, state: &State) -> StroboscopicState {
         let (x, v) = (state.x.map(|x| x / self.length), state.v.map(|v| v / self.speed));
         [x[0], x[1], x[2], v[0], v[1], v[2]]

@@ -5,6 +5,10 @@
 //! these coordinates an impact changes w, w' and, by the damper's force alone, the rate of the centre, so that coming to rest
 //! is a projection without cancellation.
 
+mod single;
+
+pub(crate) use self::single::SingleVariation;
+
 use super::smooth_pieces::{Piece, PieceEnd};
 use vibro_impact::flow::{Series, WHOLE};
 use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
@@ -157,7 +161,7 @@ impl Variation {
         );
         // At a release the fields of rest and flight agree (the contact force is zero there): nothing jumps.
         let PieceEnd::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
-        self.jump(frame, *rate, after);
+        jump(&self.model, frame, *rate, after);
         if *rests {
             for v in frame.iter_mut() {
                 (v[RELATIVE], v[RELATIVE_RATE]) = (0.0, 0.0);
@@ -166,30 +170,30 @@ impl Variation {
         }
         if self.model.restitution == 0.0 { Rank::Limited(DIMENSION - 1) } else { Rank::Kept }
     }
+}
 
-    /// The jump of variations at an impact with w' = `rate` before it, docs/theory.md (84). A contact with `rate` zero
-    /// changes no state; its jump does not exist, and the variations are left as they are.
-    fn jump(&self, frame: &mut Frame, rate: f64, after: &Augmented) {
-        if rate == 0.0 {
-            return;
-        }
-        let (model, kappa) = (&self.model, self.model.restitution);
-        // The state just before and after the impact, also where a merge followed it.
-        let centre = after[3] + model.block_share * after[RELATIVE_RATE];
-        let with = |w: f64| {
-            let mut z = *after;
-            (z[3], z[RELATIVE_RATE]) = (centre - model.block_share * w, w);
-            model.acceleration(SmoothMode::Flight, &z, None).1
-        };
-        let kick = (with(-kappa * rate) + kappa * with(rate)) / rate;
-        // The centre of mass feels the damper's force on the box jump; everything in 1/rate of the model.
-        let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
-        for v in frame.iter_mut() {
-            let w = v[RELATIVE];
-            v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick / model.rate * w;
-            v[3] -= push * w;
-            v[RELATIVE] = -kappa * w;
-        }
+/// The jump of variations at an impact with w' = `rate` before it, docs/theory.md (84). A contact with `rate` zero
+/// changes no state; its jump does not exist, and the variations are left as they are.
+fn jump(model: &Model, variations: &mut [Augmented], rate: f64, after: &Augmented) {
+    if rate == 0.0 {
+        return;
+    }
+    let kappa = model.restitution;
+    // The state just before and after the impact, also where a merge followed it.
+    let centre = after[3] + model.block_share * after[RELATIVE_RATE];
+    let with = |w: f64| {
+        let mut z = *after;
+        (z[3], z[RELATIVE_RATE]) = (centre - model.block_share * w, w);
+        model.acceleration(SmoothMode::Flight, &z, None).1
+    };
+    let kick = (with(-kappa * rate) + kappa * with(rate)) / rate;
+    // The centre of mass feels the damper's force on the box jump; everything in 1/rate of the model.
+    let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
+    for v in variations.iter_mut() {
+        let w = v[RELATIVE];
+        v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick / model.rate * w;
+        v[3] -= push * w;
+        v[RELATIVE] = -kappa * w;
     }
 }
 

@@ -6,6 +6,8 @@ use vibro_analysis::maxima::Displacement;
 use vibro_analysis::orbits::{ConstantLoads, Family, Span, TreeOptions, tree};
 use vibro_analysis::plane::Method;
 use vibro_analysis::response;
+use vibro_impact::parameters::Groups;
+use vibro_impact::steady::multiple_scales::MultipleScales;
 use wasm_bindgen::prelude::*;
 
 /// Between two curves.
@@ -41,6 +43,43 @@ pub fn response(
     Ok(rows)
 }
 
+/// The slow invariant manifold of multiple scales, docs/theory.md (35), with the fixed points of the slow flow on it: rows of C and B
+/// in units of L, 1 where a fixed point there passes all three tests of admissibility, and what the row is: 0 a point of the curve,
+/// 1 and 2 the fixed points P₁ and P₂ of the force that is set.
+///
+/// # Errors
+/// What multiple scales refuses.
+#[wasm_bindgen]
+pub fn manifold(set: &Set, nodes: u32) -> Result<Vec<f64>, JsError> {
+    let groups = *set.0.groups();
+    let system = MultipleScales::new(&groups)?;
+    let points = system.fixed_points().map_or_else(Vec::new, |roots| vec![roots.lower, roots.upper]);
+    // The range of all motions that are stable, and the fixed points.
+    let to = points.iter().map(|p| p.c).fold(1.2 * system.manifold().c_smax(), f64::max).max(2.2) + 0.2;
+    let from = points.iter().map(|p| p.c).fold(-0.8, f64::min) - 0.2;
+    let mut rows = Vec::new();
+    for i in 0..=nodes {
+        let c = from + (to - from) * f64::from(i) / f64::from(nodes);
+        // A force of which C is a fixed point.
+        let at = MultipleScales::new(&Groups { f10: system.force(c), ..groups })?.fixed_points();
+        let nearest =
+            at.map(|r| if (r.lower.c - c).abs() < (r.upper.c - c).abs() { r.lower } else { r.upper });
+        let admissible = nearest.is_some_and(|p| p.admissibility.all());
+        rows.extend([c, system.manifold().b(c), f64::from(u8::from(admissible)), 0.0]);
+    }
+    for (kind, p) in (1u8..).zip(&points) {
+        rows.extend([p.c, p.b, f64::from(u8::from(p.admissibility.all())), f64::from(kind)]);
+    }
+    Ok(rows)
+}
+
+#[wasm_bindgen]
+extern "C" {
+    /// Hears of the branches that were traced and of those that are known, which may become more. The page's worker defines it.
+    #[wasm_bindgen(js_name = orbitsProgress)]
+    fn orbits_progress(traced: usize, known: usize);
+}
+
 /// The branches of exact periodic orbits along a parameter: rows of value, a local maximum of the displacement in units of L, and 1
 /// where the orbit is stable. A row of NaN lies between two curves.
 ///
@@ -67,7 +106,7 @@ pub fn branches(
         most_points: 400,
         ..TreeOptions::default()
     };
-    let found = tree(&family, &options, &|_, _| ())?;
+    let found = tree(&family, &options, &|traced, waiting| orbits_progress(traced, traced + waiting))?;
     let mut rows = Vec::new();
     for branch in &found.branches {
         let maxima = branch.maxima(&family, of.weights());

@@ -9,7 +9,7 @@
 //! | `set` | the fields and sliders: parameters by name, their ranges and errors |
 //! | `machine` | the moving machine, histories, phase portrait, Poincaré section |
 //! | `diagram` | columns of the bifurcation diagram, Lyapunov exponents |
-//! | `curves` | response curves of the closed forms, branches of exact orbits |
+//! | `curves` | response curves of the closed forms, the slow invariant manifold, branches of exact orbits |
 //!
 //! A refused value is thrown as a JavaScript `Error` with the library's own message, and nothing has changed then.
 #![allow(unsafe_code)] // written by the macro `wasm_bindgen` around each function; none is written by hand

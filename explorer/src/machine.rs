@@ -2,6 +2,7 @@
 
 use crate::set::Set;
 use vibro_analysis::attractor::{self, MotionClass};
+use vibro_analysis::lyapunov::{SpectrumOptions, dimensionless};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
 use vibro_impact::{Result, State};
 use wasm_bindgen::prelude::*;
@@ -13,6 +14,11 @@ pub const ROW: usize = 11;
 const PLAIN: f64 = 0.0;
 const BEFORE: f64 = 1.0;
 const AFTER: f64 = 2.0;
+
+/// Over so many drive periods a variation that grows by e to the power of this leaves no doubt of chaos: without chaos it stays
+/// within some orders of magnitude.
+const FEW: u32 = 150;
+const CLEAR_GROWTH: f64 = 15.0;
 
 /// A motion of the machine.
 #[wasm_bindgen]
@@ -149,19 +155,38 @@ impl Machine {
     }
 
     /// What this motion is, once settled: its period in drive periods (0 where it has none up to 32), impacts a period at the
-    /// upper and lower stop, 1 where it is its own mirror image, 1 where the block rests, 1 where it is still settling. The
-    /// motion itself stays where it is.
+    /// upper and lower stop, 1 where it is its own mirror image, 1 where the block rests, 1 where it is still settling, 1 where it
+    /// is chaotic, and the largest Lyapunov exponent per unit of the dimensionless time (NaN where it has a period). The motion
+    /// itself stays where it is.
     ///
     /// # Errors
     /// What stops the simulator.
     pub fn class(&self) -> std::result::Result<Vec<f64>, JsError> {
         let mut simulator = self.simulator.clone().without_energy_accounts();
         let found = attractor::observe(&mut simulator)?;
-        let settling = found.approaching || MotionClass::of(&found, None) == MotionClass::Settling;
-        let [symmetric, rests, settling] =
-            [found.is_symmetric(), found.rests, settling].map(|holds| f64::from(u8::from(holds)));
+        // Exponents tell chaos from a modulated motion. They cost more than all else: only where there is no period, and where a
+        // few periods leave no doubt no more than these.
+        let spectrum = match found.period {
+            Some(_) => None,
+            None => {
+                let few = SpectrumOptions { periods: FEW, ..SpectrumOptions::default() };
+                let spectrum = dimensionless(&mut simulator, &few)?.spectrum;
+                let parameters = simulator.parameters();
+                let time = f64::from(FEW) * parameters.period() * parameters.box_frequency();
+                Some(match spectrum.exponents[0] * time > CLEAR_GROWTH {
+                    true => spectrum,
+                    false => dimensionless(&mut simulator, &SpectrumOptions::default())?.spectrum,
+                })
+            }
+        };
+        let class = MotionClass::of(&found, spectrum.as_ref());
+        let settling = found.approaching || class == MotionClass::Settling;
+        let [symmetric, rests, settling, chaotic] =
+            [found.is_symmetric(), found.rests, settling, class == MotionClass::Chaotic]
+                .map(|holds| f64::from(u8::from(holds)));
         let period = f64::from(found.period.unwrap_or(0));
-        Ok(vec![period, found.impacts[0], found.impacts[1], symmetric, rests, settling])
+        let largest = spectrum.map_or(f64::NAN, |s| s.exponents[0]);
+        Ok(vec![period, found.impacts[0], found.impacts[1], symmetric, rests, settling, chaotic, largest])
     }
 
     /// A copy, which the page frees by itself.

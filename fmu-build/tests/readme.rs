@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Shell commands of the README and what runs them.
-const COVERED: [(&str, &str); 14] = [
+const COVERED: [(&str, &str); 15] = [
     ("pip install ./python", "fmu-build/tests/wheel.rs does the same by way of a wheel"),
     ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     ("cargo test --workspace", "is running now"),
@@ -22,11 +22,9 @@ const COVERED: [(&str, &str); 14] = [
     ("cargo test -p fmu-build --test examples -- --ignored", "fmu-build/tests/examples.rs, asked for"),
     ("cargo test -p fmu-build --test page -- --ignored", "fmu-build/tests/page.rs, asked for"),
     ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
-    (
-        "cargo run --release -p fmu-build -- --explorer",
-        "explorer-build/tests/page.rs makes the page, zip_rules.rs packs one",
-    ),
+    ("cargo run --release -p fmu-build -- --explorer", "fmu-build/tests/live_page.rs, asked for"),
     ("cargo test -p explorer-build --test page -- --ignored", "explorer-build/tests/page.rs, asked for"),
+    ("cargo test -p fmu-build --test live_page -- --ignored", "fmu-build/tests/live_page.rs, asked for"),
     (
         "cargo test -p fmu-build --test platforms -- --ignored --nocapture",
         "fmu-build/tests/platforms.rs, asked for",

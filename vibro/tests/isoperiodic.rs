@@ -5,7 +5,6 @@ use vibro::figures::chart::Shape;
 use vibro::studies;
 use vibro_analysis::attractor::{MotionClass, observe};
 use vibro_analysis::isoperiodic::{Isoperiodic, Request, StartRule, isoperiodic};
-use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{self, Method, ParameterAxis, SteadyStateClass};
 use vibro_analysis::stroboscopic::moving_block;
@@ -18,8 +17,7 @@ fn axis(name: &str, range: (f64, f64), count: usize) -> ParameterAxis {
 }
 
 fn request(x: ParameterAxis, y: ParameterAxis, start: StartRule, discard: u32) -> Request {
-    let exponents = Some(SpectrumOptions { periods: 200, ..SpectrumOptions::default() });
-    Request { x, y, start, discard, exponents }
+    Request { x, y, start, discard, exponents: Some(200) }
 }
 
 fn found(request: &Request) -> Isoperiodic {
@@ -67,7 +65,7 @@ fn second_method_points_of_a_plane_one_by_one() {
         assert_eq!(motion.exponent.is_some(), impacts && !periodic, "point {i}: {motion:?}");
         assert!(motion.class != MotionClass::Aperiodic, "point {i}: {motion:?}");
         // Chaos is told by a positive exponent alone.
-        let positive = motion.exponent.is_some_and(|e| e > 1e-3);
+        let positive = motion.exponent.is_some_and(|[e, _]| e > 1e-3);
         assert_eq!(motion.class == MotionClass::Chaotic, positive, "point {i}: {motion:?}");
     }
     assert!(compared >= 15, "{compared} of {}", plane.points.len());

@@ -6,7 +6,7 @@ const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (docume
 /** Steps of a slider. */
 const STEPS = 400;
 
-/** @type {Map<string, {row: HTMLElement, slider: HTMLInputElement, text: HTMLInputElement, why: HTMLElement, low: number, high: number}>} */
+/** @type {Map<string, {row: HTMLElement, slider: HTMLInputElement, text: HTMLInputElement, why: HTMLElement, ends: [number, number]}>} */
 const fields = new Map();
 
 /** A number as a field shows it: the shortest that comes back. @param {number} x */
@@ -18,26 +18,44 @@ export function read(text) {
   return plain === "" ? NaN : Number(plain);
 }
 
+/** The groups as they are shown: those first that are changed most. */
+const ORDER = ["f10", "sigma1", "kappa", "epsilon", "gamma1", "gamma3", "alpha23", "beta2", "sigma30", "mu13"];
+
+const BELOW = "₀₁₂₃₄₅₆₇₈₉";
+/** A formula of the library's texts as it is printed. @param {string} text */
+export const printed = (text) => text.replace(/epsilon/g, "ε").replace(/omega(?=\d)/g, "ω").replace(/sigma(?=\d)/g, "σ̂").replace(/alpha(?=\d)/g, "α̂").replace(/\^2/g, "²").replace(/>=/g, "≥").replace(/<=/g, "≤")
+  .replace(/([\p{L}\u0302])(\d+)/gu, (_, letter, digits) => letter + [...digits].map((d) => BELOW[Number(d)]).join(""));
+
+/** What fits beside the slider of a physical parameter; the library's words show over it. @type {Record<string, string>} */
+const SHORT = {
+  "box.m": "box mass", "box.k": "box spring", "box.c": "box damper", "block.m": "block mass", "secondary.m": "oscillator mass", "secondary.k": "oscillator spring", "secondary.c": "oscillator damper",
+  "coupling.k": "coupling spring", "stop.gap": "gap", "stop.restitution": "restitution", "drive.amplitude": "force amplitude", "drive.frequency": "force frequency", "drive.phase": "force phase",
+};
+
+/** A parameter's meaning: words, and the formula if there is one. @param {import("./core.js").Parameter} p @returns {[string, string]} */
+export function meaning(p) {
+  if (!p.group) return [SHORT[p.name] ?? p.meaning, ""];
+  const [, words, formula] = p.meaning.match(/^(.*?),? ?((?:[a-zA-Z]+\d+)[/( ].*)?$/) ?? ["", p.meaning, ""];
+  return [words.replace(" of the ", " of ").replace("secondary ", ""), printed(formula ?? "")];
+}
+
 /** Makes the rows of the form that is chosen. @param {() => void} changed */
 export function makeFields(changed) {
   const host = element("fields");
   host.textContent = "";
   fields.clear();
-  for (const p of PARAMETERS.filter((p) => p.group === (state.form === "groups"))) {
-    const value = set.value(p.name);
-    let { low, high } = p;
-    // A physical value may be of any size: the slider runs from nothing to thrice its value.
-    if (!p.group && p.unit !== "rad" && p.name !== "stop.restitution") [low, high] = [0, 3 * Math.abs(value) || 1];
+  const shown = PARAMETERS.filter((p) => p.group === (state.form === "groups")), place = (/** @type {string} */ name) => ORDER.indexOf(name);
+  for (const p of shown[0].group ? shown.sort((a, b) => place(a.name) - place(b.name)) : shown) {
     const row = document.createElement("div");
     row.className = "field";
-    const id = `field-${p.name.replace(".", "-")}`;
-    row.innerHTML = `<label class="sym" for="${id}"></label><input type="range" min="0" max="${STEPS}" step="1" tabindex="0"><input type="text" id="${id}" inputmode="decimal" autocomplete="off" spellcheck="false"><span class="unit"></span><span class="what"></span>`;
-    const [slider, text] = /** @type {NodeListOf<HTMLInputElement>} */ (row.querySelectorAll("input"));
+    const id = `field-${p.name.replace(".", "-")}`, [words, formula] = meaning(p);
+    row.innerHTML = `<label class="sym" for="${id}"></label><span class="what"></span><input type="text" id="${id}" inputmode="decimal" autocomplete="off" spellcheck="false"><span class="unit"></span><input type="range" min="0" max="${STEPS}" step="1" tabindex="0">`;
+    const [text, slider] = /** @type {NodeListOf<HTMLInputElement>} */ (row.querySelectorAll("input"));
     /** @type {HTMLElement} */ (row.querySelector(".sym")).textContent = p.symbol;
     /** @type {HTMLElement} */ (row.querySelector(".unit")).textContent = p.unit === "1" ? "" : p.unit.replace(".", "·");
-    /** @type {HTMLElement} */ (row.querySelector(".what")).textContent = p.meaning;
-    row.title = `${p.meaning}; ${p.allowed}`;
-    slider.setAttribute("aria-label", `${p.symbol}, ${p.meaning}`);
+    /** @type {HTMLElement} */ (row.querySelector(".what")).textContent = words;
+    row.title = `${p.group ? words : p.meaning}${formula ? `: ${formula}` : ""}; ${printed(p.allowed)}`;
+    slider.setAttribute("aria-label", `${p.symbol}, ${words}`);
     const why = document.createElement("span");
     why.className = "why";
     why.id = `${id}-why`;
@@ -45,12 +63,29 @@ export function makeFields(changed) {
     why.setAttribute("role", "alert");
     row.append(why);
     text.setAttribute("aria-describedby", why.id);
-    const field = { row, slider, text, why, low, high };
+    const field = { row, slider, text, why, ends: span(p) };
     fields.set(p.name, field);
-    slider.addEventListener("input", () => apply(p.name, low + (high - low) * Number(slider.value) / STEPS, changed, slider));
+    slider.addEventListener("input", () => { const [low, high] = field.ends; apply(p.name, low + (high - low) * Number(slider.value) / STEPS, changed, slider); });
     text.addEventListener("input", () => apply(p.name, read(text.value), changed, text));
     text.addEventListener("blur", () => { if (why.hidden) show(); });
     host.append(row);
+  }
+  adoptRange();
+}
+
+/** The values at a slider's ends: those of the diagram for its parameter; a physical value may be of any size. @param {import("./core.js").Parameter} p @returns {[number, number]} */
+function span(p) {
+  if (p.name === state.along) return [...state.range];
+  if (p.group || p.unit === "rad" || p.name === "stop.restitution") return [p.low, p.high];
+  return [0, 3 * Math.abs(set.value(p.name)) || 1];
+}
+
+/** After the diagram shows another parameter or range: its slider is its cursor. */
+export function adoptRange() {
+  for (const [name, field] of fields) {
+    field.row.classList.toggle("along", name === state.along);
+    const p = BY_NAME.get(name);
+    if (p && (name === state.along || p.group)) field.ends = span(p);
   }
   show();
 }
@@ -74,7 +109,7 @@ function apply(name, value, changed, by) {
 export function refuse(name, words) {
   const field = fields.get(name);
   if (!field) return;
-  field.why.textContent = words;
+  field.why.textContent = words.replaceAll("<=", "≤").replaceAll(">=", "≥");
   field.why.hidden = words === "";
   field.row.classList.toggle("bad", words !== "");
   field.text.setAttribute("aria-invalid", String(words !== ""));
@@ -82,20 +117,23 @@ export function refuse(name, words) {
 
 /** Brings all fields up to date but the one that is being written in. @param {HTMLElement} [by] */
 export function show(by) {
-  for (const [name, { slider, text, low, high }] of fields) {
+  for (const [name, { slider, text, ends: [low, high] }] of fields) {
     const value = set.value(name);
     if (text !== by && document.activeElement !== text) { text.value = told(value); if (by) refuse(name, ""); }
     else if (text !== by && by) text.value = told(value);
     if (slider !== by) slider.value = String(Math.round(STEPS * (value - low) / (high - low)));
+    slider.style.setProperty("--part", `${Math.max(0, Math.min(100, 100 * (value - low) / (high - low))).toFixed(1)}%`);
     slider.setAttribute("aria-valuetext", told(value));
   }
 }
 
-/** The parameter set in words. @param {import("./presets.js").Preset[]} presets */
-export function describe(presets) {
-  const preset = presets.find((p) => p.id === state.preset);
+/** The parameter set in words. */
+export function describe() {
   const base = state.strong ? "the strongly coupled set (chosen for this program)" : "the default set";
   const changes = state.set.filter(([name]) => BY_NAME.has(name)).map(([name, value]) => `${BY_NAME.get(name)?.symbol} = ${told(value)}`);
   const list = changes.length > 6 ? "own values in SI" : changes.join(", ");
-  return `Shown: ${preset ? `${preset.name} – ` : ""}${base}${list ? ` with ${list}` : ""}.`;
+  return `Shown: ${base}${list ? ` with ${list}` : ""}.`;
 }
+
+/** The definitions of the groups, one after the other. */
+export const definitions = () => PARAMETERS.filter((p) => p.group).map((p) => [p, meaning(p)[1]]).map(([p, formula]) => (/** @type {string} */ (formula).includes("= 1 +") ? formula : `${/** @type {any} */ (p).symbol} = ${formula || "restitution coefficient"}`));

@@ -1,7 +1,7 @@
 // The library: unpacked from the page itself and compiled once; workers get the compiled module.
 import * as glue from "vibro-core";
 
-export const { Set: ParameterSet, Machine, Columns, catalogue, response, branches } = glue;
+export const { Set: ParameterSet, Machine, Columns, catalogue, response, branches, manifold } = glue;
 
 /** Numbers of a row of a record: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, kind. */
 export const ROW = 11;

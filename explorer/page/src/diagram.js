@@ -1,6 +1,7 @@
 // The bifurcation diagram: columns come from two workers (value rising, value falling); its cursor is the parameter.
 import { curves } from "./panels.js";
 import { FONT, Frame, reach, rgb, theme } from "./plot.js";
+import { tops } from "./motion.js";
 import { BY_NAME, set, startSi, state, units } from "./state.js";
 
 const AXIS = 34;
@@ -27,20 +28,27 @@ export const diagram = {
   /** Whoever waits for the picture. @type {() => void} */
   changed: () => {},
   problem: "",
+  /** How far the search for exact orbits has come, in words. */
+  searched: "",
 };
 
 /** @type {Worker[]} */
 let workers = [];
+/** The worker that looks for exact orbits: one call that may take seconds, so that a newer request ends the worker itself. @type {Worker | null} */
+let searching = null;
+/** @type {() => Worker} */
+let another;
 
 /** Makes the workers. @param {WebAssembly.Module} module @param {string} source */
 export function startWorkers(module, source) {
   const address = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
-  workers = [0, 1, 2].map(() => {
+  another = () => {
     const worker = new Worker(address);
     worker.postMessage({ module });
     worker.onmessage = ({ data }) => receive(data);
     return worker;
-  });
+  };
+  workers = [another(), another(), another()];
 }
 
 /** @param {any} data */
@@ -62,9 +70,14 @@ function receive(data) {
   } else if (data.kind === "exponents") {
     for (let j = data.place; j < Math.min(data.place + data.stride, diagram.columns); j++) diagram.exponents[j] = data.exponents;
     diagram.dirty = true;
+  } else if (data.kind === "progress") {
+    diagram.searched = `exact orbits: ${data.done} of ${data.known} branches`;
   } else if (data.kind === "orbits") {
+    searching?.terminate();
+    searching = null;
     diagram.branches = data.rows;
     diagram.problem = data.problem;
+    diagram.searched = "";
     diagram.dirty = true;
   } else if (data.kind === "done") {
     diagram.finished++;
@@ -76,7 +89,7 @@ function receive(data) {
 export function compute(width) {
   const columns = Math.max(120, Math.min(720, Math.round(width - 54)));
   diagram.id++;
-  Object.assign(diagram, { columns, finished: 0, problem: "", branches: new Float64Array(0), exponents: Array(columns).fill(null) });
+  Object.assign(diagram, { columns, finished: 0, problem: "", searched: "", branches: new Float64Array(0), exponents: Array(columns).fill(null) });
   for (const which of /** @type {const} */ (["rising", "falling"])) {
     diagram.found[which] = Array(columns).fill(null);
     diagram.strides[which] = Array(columns).fill(-1);
@@ -89,12 +102,18 @@ export function compute(width) {
   workers[0].postMessage({ ...request, kind: "diagram", rising: true });
   workers[1].postMessage({ ...request, kind: "diagram", rising: false });
   workers[2].postMessage({ ...request, kind: "curves" });
-  if (state.orbits && /^(x[123]|w)$/.test(state.ordinate)) workers[2].postMessage({ ...request, kind: "orbits" });
+  searching?.terminate();
+  searching = null;
+  if (state.orbits && /^(x[123]|w)$/.test(state.ordinate)) {
+    diagram.searched = "exact orbits: settling";
+    searching = another();
+    searching.postMessage({ ...request, kind: "orbits" });
+  }
 }
 
 /** @param {number} width @param {number} height */
 export function frameOf(width, height) {
-  return new Frame(state.range, diagram.band, { left: 44, right: width - 10, top: 8, bottom: height - 22 - AXIS });
+  return new Frame(state.range, diagram.band, { left: 44, right: width - 10, top: 20, bottom: height - 22 - AXIS });
 }
 
 const picture = document.createElement("canvas");
@@ -149,7 +168,7 @@ function shade(frame, ratio) {
 function findBand() {
   if (state.band) { diagram.band = state.band; return; }
   const all = [];
-  for (const which of /** @type {const} */ (["rising", "falling"])) for (const found of diagram.found[which]) if (found) for (let k = 6; k < found.length; k += 2) all.push(found[k]);
+  for (const which of /** @type {const} */ (["rising", "falling"])) for (const found of diagram.found[which]) if (found) for (let k = 6; k < found.length; k++) all.push(found[k]);
   if (all.length) diagram.band = reach(all, 0.05);
 }
 
@@ -160,7 +179,7 @@ export function drawDiagram(g, width, height, ratio, vector = false) {
   const anew = vector || (diagram.dirty && (performance.now() - shaded > BETWEEN || diagram.finished === 2 || picture.width !== Math.round((width - 54) * ratio)));
   if (anew) findBand();
   const frame = frameOf(width, height), { box } = frame;
-  frame.axes(g, { xTicks: false, y: { x1: "X₁", x2: "X₂", x3: "X₃", w: "W", strobe: "X₂", speed: "±v" }[state.ordinate] });
+  frame.axes(g, { xTicks: false, y: { x1: "x₁/L", x2: "x₂/L", x3: "x₃/L", w: "w/L", strobe: "x₂/L", speed: "±v/Lω₁" }[state.ordinate] });
   if (anew) {
     shade(frame, ratio);
     shaded = performance.now();
@@ -176,13 +195,17 @@ export function drawDiagram(g, width, height, ratio, vector = false) {
     g.fillStyle = theme.here;
     g.beginPath(); g.moveTo(frame.px(here), box.top + 3); g.lineTo(frame.px(here) - 5, box.top - 6); g.lineTo(frame.px(here) + 5, box.top - 6); g.closePath(); g.fill();
   }
+  if (here >= state.range[0] && here <= state.range[1]) frame.inside(g, () => {
+    g.fillStyle = theme.card; g.strokeStyle = theme.here; g.lineWidth = 1.5;
+    for (const top of tops(state.ordinate)) { g.beginPath(); g.arc(frame.px(here), frame.py(top), 3.4, 0, 2 * Math.PI); g.fill(); g.stroke(); }
+  });
   if (diagram.drawn) {
     const [x0, y0, x1, y1] = diagram.drawn;
     g.strokeStyle = theme.here; g.lineWidth = 1.5; g.setLineDash([4, 3]);
     g.beginPath(); g.rect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0)); g.stroke();
     g.setLineDash([]);
   }
-  const words = diagram.problem || (diagram.found.rising.some((f) => f && f.length > 6) || diagram.id === 0 ? "" : "computing …");
+  const words = diagram.problem || diagram.searched || (diagram.found.rising.some((f) => f && f.length > 6) || diagram.id === 0 ? "" : "computing …");
   if (words) { g.fillStyle = theme.soft; g.font = `12px ${FONT}`; g.textAlign = "left"; g.textBaseline = "top"; g.fillText(words, box.left + 8, box.top + 6); }
   return [frame];
 }
@@ -213,8 +236,10 @@ function drawExponents(g, above, height, symbol) {
   const known = diagram.exponents.filter((e) => e !== null), most = Math.min(0.25, Math.max(0.02, ...known.map((e) => e[0])));
   const strip = new Frame(state.range, [-most, most], { left: above.box.left, right: above.box.right, top: height - 18 - AXIS, bottom: height - 22 });
   strip.axes(g, { x: symbol, yTicks: 0 });
-  g.fillStyle = theme.soft; g.font = `11px ${FONT}`; g.textAlign = "right"; g.textBaseline = "middle";
-  g.fillText("λ₁ λ₂", strip.box.left - 6, strip.py(0));
+  g.fillStyle = theme.soft; g.font = `10px ${FONT}`; g.textAlign = "right"; g.textBaseline = "middle";
+  if (known.length) g.fillText(most.toFixed(2), strip.box.left - 6, strip.box.top + 3);
+  g.fillStyle = theme.ink; g.font = `11px ${FONT}`;
+  g.fillText("λ₁, λ₂", strip.box.left - 6, strip.py(0) + 1);
   const wide = (strip.box.right - strip.box.left) / diagram.columns;
   strip.inside(g, () => {
     for (const [index, colour] of /** @type {const} */ ([[1, theme.faint], [0, theme.ink]])) {

@@ -3,7 +3,7 @@ import { ROW } from "./core.js";
 import { diagram, drawDiagram } from "./diagram.js";
 import { layout, drawMachine } from "./machine-view.js";
 import { motion } from "./motion.js";
-import { curves, drawHistory, drawPortrait, drawResponse, drawSection } from "./panels.js";
+import { curves, manifoldRows, drawHistory, drawPortrait, drawResponse, drawSection } from "./panels.js";
 import { theme } from "./plot.js";
 import { PARAMETERS, set, startSi, state, toHash } from "./state.js";
 import { SvgContext } from "./svg.js";
@@ -42,6 +42,7 @@ export function table(figure) {
   if (figure === "history" || figure === "machine") rows(motionNames, motion.rows.subarray(0, motion.count * ROW), ROW);
   else if (figure === "portrait") rows(motionNames, motion.settled, ROW);
   else if (figure === "poincare") rows(state.section === "strobe" ? ["w (m)", "w' (m/s)", "x1 (m)", "v1 (m/s)"] : ["drive phase (rad)", "approach speed with the stop's sign (m/s)", "x1 (m)", "v1 (m/s)"], motion.points, 4);
+  else if (figure === "response" && state.theory === "manifold") rows(["C/L", "B/L", "passes all tests", "0: curve, 1: P1, 2: P2"], manifoldRows().rows, 4);
   else if (figure === "response") {
     for (const theory of /** @type {const} */ (["exact", "scales", "strong"])) if (curves[theory].length) { lines.push(`# ${theory}`); rows([state.along, "A1/L", "A2/L", "A3/L", "stable"], curves[theory], 5); }
   } else {

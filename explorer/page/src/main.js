@@ -1,11 +1,11 @@
 // The page: puts the parts together, keeps the clock, and hears mouse, touch and keys.
-import { PHASE, ROW, TIME, unpack, use, X1 } from "./core.js";
-import { describe, makeFields, refuse, show } from "./controls.js";
+import { PHASE, RATE, ROW, TIME, unpack, use, X1 } from "./core.js";
+import { adoptRange, definitions, describe, makeFields, meaning, refuse, show } from "./controls.js";
 import { attractorAt, compute, diagram, drawDiagram, frameOf, startWorkers } from "./diagram.js";
 import { take } from "./exports.js";
 import { bodyAt, drawMachine, layout } from "./machine-view.js";
 import { advance, classify, extentShown, fillSection, lookAhead, motion, presentAsStart, reparametrize, restart, skip, toNextImpact, words } from "./motion.js";
-import { curves, drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges } from "./panels.js";
+import { curves, drawBars, drawHistory, drawPortrait, drawResponse, drawSection, forgetRanges, manifoldRows } from "./panels.js";
 import { readout, readTheme, Surface } from "./plot.js";
 import { MOVING_BLOCK, PRESETS } from "./presets.js";
 import { enable, tick } from "./sound.js";
@@ -27,19 +27,19 @@ const glow = /** @type {[number, number]} */ ([0, 0]), extent = [0.5, 1.3, 1, 1.
 function broken(text) {
   element("broken").hidden = false;
   element("broken").textContent = text;
-  element("main").hidden = true;
+  element("main").hidden = element("tour").hidden = true;
 }
 
 async function start() {
   if (typeof WebAssembly !== "object" || typeof DecompressionStream !== "function") {
-    return broken("This browser has no WebAssembly (or no DecompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 80, Firefox 113, Safari 16.4. The command line `vibro` draws the same without a browser.");
+    return broken("This browser has no WebAssembly (or no DecompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 80, Firefox 113, Safari 16.4. The command line vibro draws the same without a browser.");
   }
   let module;
   try {
     module = await unpack();
     use(module);
   } catch (error) {
-    return broken(`WebAssembly could not be started: ${/** @type {Error} */ (error).message}. The command line \`vibro\` draws the same without a browser.`);
+    return broken(`WebAssembly could not be started: ${/** @type {Error} */ (error).message}. The command line vibro draws the same without a browser.`);
   }
   performance.mark("core-ready");
   prepare();
@@ -65,9 +65,11 @@ async function start() {
   listen();
 }
 
-/** @param {string} text @param {boolean} [bad] */
-function say(text, bad = false) {
-  element("status").textContent = text;
+/** @param {string} text @param {boolean} [bad] @param {string} [head] what is said first and stands out */
+function say(text, bad = false, head = "") {
+  const strong = document.createElement("strong");
+  strong.textContent = head;
+  element("status").replaceChildren(...(head ? [strong, " "] : []), text);
   element("status").classList.toggle("bad", bad);
 }
 
@@ -75,7 +77,9 @@ function say(text, bad = false) {
 let linked = "";
 /** Says what the settled motion is. */
 function tell() {
-  say([linked && `The link could not be read in full: ${linked}.`, words()].filter(Boolean).join(" "), linked !== "" || motion.problem !== "");
+  const { head, rest } = words();
+  if (linked) say(`The link could not be read in full: ${linked}. ${head} ${rest}`, true);
+  else say(rest, motion.problem !== "", head);
 }
 
 /** Everything from the start state. */
@@ -94,7 +98,11 @@ function ahead() {
   more = true;
   idle = 0;
   redraw = true;
-  element("shown").textContent = describe(PRESETS);
+  element("shown").textContent = describe();
+  element("story").textContent = PRESETS.find((p) => p.id === state.preset)?.story ?? "Your own numbers. The steps above, the presets and the browser’s back lead to others.";
+  for (const link of element("tour").querySelectorAll("a")) {
+    if (link.hash === `#preset=${state.preset}`) link.setAttribute("aria-current", "step"); else link.removeAttribute("aria-current");
+  }
   tell();
 }
 
@@ -122,12 +130,13 @@ function write(step = false) {
 }
 
 function showPlaying() {
-  element("play").textContent = playing ? "Pause" : "Play";
+  /** @type {HTMLElement} */ (element("play").querySelector("span")).textContent = playing ? "Pause" : "Play";
   element("play").setAttribute("aria-pressed", String(playing));
 }
 
 function showPace() {
-  const periods = 10 ** state.pace, seconds = periods * motion.period;
+  const periods = 10 ** state.pace, seconds = periods * motion.period, { min, max } = input("pace");
+  input("pace").style.setProperty("--part", `${(100 * (state.pace - Number(min)) / (Number(max) - Number(min))).toFixed(0)}%`);
   element("paceText").textContent = Math.abs(seconds - 1) < 0.03 ? "real time" : `${periods < 0.1 ? periods.toFixed(2) : periods.toFixed(1)} periods/s`;
 }
 
@@ -135,8 +144,9 @@ function makeControls() {
   const preset = /** @type {HTMLSelectElement} */ (element("preset"));
   preset.innerHTML = `<option value="">own values</option>${PRESETS.map((p) => `<option value="${p.id}">${p.name}</option>`).join("")}`;
   const along = /** @type {HTMLSelectElement} */ (element("along"));
-  const option = (/** @type {import("./core.js").Parameter} */ p) => `<option value="${p.name}">${p.symbol} – ${p.name}</option>`;
+  const option = (/** @type {import("./core.js").Parameter} */ p) => `<option value="${p.name}">${p.symbol}, ${meaning(p)[0].replace(/^[A-Z](?=[a-z])/, (c) => c.toLowerCase())}</option>`;
   along.innerHTML = `<optgroup label="dimensionless">${PARAMETERS.filter((p) => p.group).map(option).join("")}</optgroup><optgroup label="SI">${PARAMETERS.filter((p) => !p.group && p.name !== "drive.phase").map(option).join("")}</optgroup>`;
+  element("groups").replaceChildren(...definitions().map((text) => Object.assign(document.createElement("span"), { textContent: text })));
   showAll();
 }
 
@@ -147,12 +157,17 @@ function showAll() {
   /** @type {HTMLSelectElement} */ (element("shownOrdinate")).value = state.ordinate;
   /** @type {HTMLSelectElement} */ (element("section")).value = state.section;
   /** @type {HTMLSelectElement} */ (element("plane")).value = state.plane;
+  /** @type {HTMLSelectElement} */ (element("theory")).value = state.theory;
+  element("theoryKey").textContent = theoryKey();
   input("orbits").checked = state.orbits;
   input("pace").value = String(state.pace);
   for (const radio of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("input[name=form]"))) radio.checked = radio.value === state.form;
   makeFields(changed);
   showPace();
 }
+
+/** What the strokes of the closed forms mean. */
+const theoryKey = () => (state.theory === "manifold" ? "strong: fixed points there pass all tests; P₁, P₂: those of this force, full where they pass" : `thick: exact orbit with two impacts a period, thin: ${state.strong ? "strong coupling" : "multiple scales"}; dashed: unstable; dots: this motion`);
 
 /** Light and sound of impacts. @param {number[][]} impacts */
 function strike(impacts) {
@@ -166,7 +181,7 @@ function strike(impacts) {
 
 /** What the machine's picture shows. @returns {import("./machine-view.js").Shown} */
 function shown() {
-  return { x: [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length), force: Math.sin(motion.now[PHASE]), side: motion.now[ROW], glow: /** @type {[number, number]} */ ([...glow]), held: held >= 0 ? held : document.activeElement === on.machine.canvas ? chosen : -1, extent };
+  return { x: [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length), rate: motion.now[RATE] / motion.length * motion.period, force: Math.sin(motion.now[PHASE]), side: motion.now[ROW], glow: /** @type {[number, number]} */ ([...glow]), held: held >= 0 ? held : document.activeElement === on.machine.canvas ? chosen : -1, extent };
 }
 
 /** The panel under the pointer. @type {{surface: Surface, x: number, y: number} | null} */
@@ -246,6 +261,7 @@ function zoom(range, band) {
   state.range = /** @type {[number, number]} */ (range.map((x) => Number(x.toPrecision(7))));
   state.band = band && /** @type {[number, number]} */ (band.map((x) => Number(x.toPrecision(6))));
   write(true);
+  adoptRange();
   say(`Diagram over ${p?.symbol} from ${state.range[0]} to ${state.range[1]}.`);
   compute(on.diagram.width);
 }
@@ -265,10 +281,8 @@ function hold(body, place) {
   if (body === 2) x[2] = place;
   if (Math.abs(x[1] - x[0]) > 1 - 1e-12) x[1] = x[0] + Math.sign(x[1] - x[0]) * (1 - 1e-12);
   state.start = [...x, 0, 0, 0];
-  state.preset = "";
   begin();
   write();
-  /** @type {HTMLSelectElement} */ (element("preset")).value = state.preset;
 }
 
 function listen() {
@@ -285,8 +299,9 @@ function listen() {
     hold(held, x[held]);
   });
   machine.addEventListener("pointermove", (e) => {
-    if (held < 0) return;
-    const [px] = place(e), at = layout(on.machine.width, on.machine.height, extent);
+    const [px, py] = place(e);
+    if (held < 0) { machine.classList.toggle("over", bodyAt(layout(on.machine.width, on.machine.height, extent), shown().x, px, py) >= 0); return; }
+    const at = layout(on.machine.width, on.machine.height, extent);
     hold(held, Math.max(-4, Math.min(4, (px - offset - [at.box, at.box, at.secondary][held]) / at.scale)));
   });
   for (const type of ["pointerup", "pointercancel"]) machine.addEventListener(type, () => { held = -1; machine.classList.remove("held"); redraw = true; });
@@ -324,6 +339,7 @@ function listen() {
   element("along").addEventListener("change", () => { state.along = /** @type {HTMLSelectElement} */ (element("along")).value; whole(); });
   element("shownOrdinate").addEventListener("change", () => { state.ordinate = /** @type {HTMLSelectElement} */ (element("shownOrdinate")).value; state.band = null; write(); compute(on.diagram.width); });
   element("plane").addEventListener("change", () => { state.plane = /** @type {HTMLSelectElement} */ (element("plane")).value; redraw = true; write(); });
+  element("theory").addEventListener("change", () => { state.theory = /** @type {HTMLSelectElement} */ (element("theory")).value; element("theoryKey").textContent = theoryKey(); redraw = true; write(); });
   element("section").addEventListener("change", () => { state.section = /** @type {HTMLSelectElement} */ (element("section")).value; forgetRanges(); ahead(); write(); });
   input("orbits").addEventListener("change", () => { state.orbits = input("orbits").checked; write(); compute(on.diagram.width); });
   for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-export]"))) button.addEventListener("click", async () => {
@@ -379,6 +395,6 @@ function listenToDiagram() {
 }
 
 /** For the tests and measurements of the page. */
-Object.assign(window, { explorer: { state, motion, diagram, curves, presentAsStart, toHash, changes: () => lastChange, TIME } });
+Object.assign(window, { explorer: { state, motion, diagram, curves, manifoldRows, presentAsStart, toHash, changes: () => lastChange, TIME } });
 
 start().catch((error) => broken(`The page could not be started: ${error.message ?? error}`));

@@ -4,7 +4,7 @@ import { set, startSi, units } from "./state.js";
 import { reach } from "./plot.js";
 
 /** Drive periods that the histories show, and instants of each that are kept. */
-export const KEPT = 12;
+export const KEPT = 8;
 const PER_PERIOD = 120;
 /** Drive periods until a motion counts as settled, those of its portrait, and most points of its section. */
 const SETTLE = 300, PORTRAIT = 24, MOST_POINTS = 100_000;
@@ -173,6 +173,20 @@ export function extentShown() {
   return most;
 }
 
+/** Local maxima of a displacement in the settled motion, in L, where it has a period: its places in the diagram. @param {string} ordinate */
+export function tops(ordinate) {
+  const column = { x1: X1, x2: X2, x3: X3, w: W }[ordinate], { settled, length } = motion, found = /** @type {number[]} */ ([]);
+  if (column === undefined || !motion.class?.[0]) return found;
+  for (let i = ROW + column; i + ROW < settled.length; i += ROW) {
+    const at = settled[i] / length;
+    // Just before and just after an impact the place is the same: the next one in time counts.
+    let next = i + ROW;
+    while (next + ROW < settled.length && settled[next - column + TIME] === settled[i - column + TIME]) next += ROW;
+    if (settled[i - ROW] < settled[i] && settled[i] >= settled[next] && !found.some((other) => Math.abs(other - at) < 0.005)) found.push(at);
+  }
+  return found;
+}
+
 /** Adds points to the section, at most for so many milliseconds; true while there are more to come. @param {string} kind @param {number} time */
 export function fillSection(kind, time) {
   if (!motion.ahead || motion.points.length >= 4 * MOST_POINTS) return false;
@@ -196,16 +210,19 @@ export function classify() {
   try { motion.class = motion.ahead.class(); } catch { motion.class = new Float64Array(6); }
 }
 
-/** The settled motion in words. */
+/** The settled motion in words: what it is, and the rest. */
 export function words() {
-  if (motion.problem) return motion.problem;
+  if (motion.problem) return { head: "", rest: motion.problem };
   const c = motion.class;
-  if (!c) return "";
-  const [period, up, low, symmetric, rests, settling] = c;
-  const per = (/** @type {number} */ n) => (Number.isInteger(n) ? String(n) : n.toFixed(2));
-  const kind = settling ? "is still settling" : period ? `repeats after ${period === 1 ? "one drive period" : `${period} drive periods`}` : "does not repeat: quasi-periodic or chaotic";
-  const hits = up + low === 0 ? "never touches the stops" : `${per(up)} + ${per(low)} impacts a period`;
-  return `It ${kind}; ${hits}${period && symmetric ? "; its own mirror image" : ""}${rests ? "; the block rests at a stop" : ""}.`;
+  if (!c) return { head: "", rest: "" };
+  const [period, up, low, symmetric, rests, settling, chaotic, exponent] = c;
+  const head = settling ? "It is still settling:" : period === 1 ? "It repeats in every drive period:" : period ? `It repeats after ${period} drive periods:` : chaotic ? "Chaos, it never repeats:" : "Two frequencies, it never repeats:";
+  // Of a motion with a period its impacts are whole numbers; else a mean.
+  const span = period || 1, number = (/** @type {number} */ n) => (Math.abs(n - Math.round(n)) < 1e-9 ? String(Math.round(n)) : n.toFixed(2)), [right, left] = [number(up * span), number(low * span)];
+  const impacts = (/** @type {string} */ n) => (n === "1" ? "one impact" : `${n} impacts`);
+  const hits = up + low === 0 ? "the block never touches the stops" : right === left ? `${impacts(right)} at each stop` : `${impacts(right)} at the right stop, ${left} at the left`;
+  const parts = [period || up + low === 0 ? hits : `on average ${hits} a period`, period && symmetric && up + low > 0 && "half a period later it is its own mirror image", rests && "the block rests at a stop", chaotic && `largest Lyapunov exponent ${exponent.toFixed(2)}`];
+  return { head, rest: `${parts.filter(Boolean).join("; ")}.` };
 }
 
 export { KIND, PHASE, RATE, ROW, TIME, W, X1, X2, X3, reach };

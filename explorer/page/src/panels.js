@@ -1,5 +1,5 @@
 // Histories, phase portrait, Poincaré section, bars and amplitudes.
-import { KIND, PHASE, RATE, ROW, TIME, V1, W, X1, X2, X3 } from "./core.js";
+import { manifold, KIND, PHASE, RATE, ROW, TIME, V1, W, X1, X2, X3 } from "./core.js";
 import { KEPT, motion } from "./motion.js";
 import { FONT, Frame, reach, rgb, theme } from "./plot.js";
 import { BY_NAME, set, state } from "./state.js";
@@ -21,12 +21,12 @@ export function drawHistory(g, width, height) {
   let first = count - 1;
   while (first > 0 && rows[(first - 1) * ROW + TIME] >= from) first--;
   const shown = rows.subarray(first * ROW, count * ROW), begin = Math.max(from, count ? rows[0] : 0) / period, x = /** @type {[number, number]} */ ([begin, begin + KEPT + 0.25]);
-  const box = { left: 44, right: width - 10, top: 8, bottom: height * 0.55 };
+  const box = { left: 44, right: width - 10, top: 20, bottom: height * 0.56 };
   let most = 0.5;
   for (let i = 0; i < shown.length; i += ROW) most = Math.max(most, Math.abs(shown[i + X1]), Math.abs(shown[i + X2]), Math.abs(shown[i + X3]));
   most = Math.max(most / (most > 0.5 ? L : 1), 0.5) * 1.08;
   const [low, high] = eased("history", [-most, most]);
-  const upper = new Frame(x, [low, high], box), lower = new Frame(x, [-1.22, 1.22], { ...box, top: height * 0.62, bottom: height - 20 });
+  const upper = new Frame(x, [low, high], box), lower = new Frame(x, [-1.22, 1.22], { ...box, top: height * 0.66, bottom: height - 20 });
   upper.axes(g, { xTicks: false, y: "x/L", yTicks: 4 });
   lower.axes(g, { x: "t/T", y: "w/L", yTicks: 3 });
   const curve = (/** @type {Frame} */ frame, /** @type {number} */ column, /** @type {string} */ colour, /** @type {number} */ thick) => frame.inside(g, () => {
@@ -61,7 +61,7 @@ export function drawHistory(g, width, height) {
 }
 
 /** Columns of a displacement and its rate, with symbols and colour. @type {Record<string, [number, number, string, string, string]>} */
-const PLANES = { w: [W, RATE, "w/L", "w′", "relative"], x1: [X1, V1, "x₁/L", "v₁", "box"], x2: [X2, V1 + 1, "x₂/L", "v₂", "block"], x3: [X3, V1 + 2, "x₃/L", "v₃", "drawn-secondary"] };
+const PLANES = { w: [W, RATE, "w/L", "w′/Lω₁₀", "relative"], x1: [X1, V1, "x₁/L", "v₁/Lω₁₀", "box"], x2: [X2, V1 + 1, "x₂/L", "v₂/Lω₁₀", "block"], x3: [X3, V1 + 2, "x₃/L", "v₃/Lω₁₀", "drawn-secondary"] };
 
 /** The frame of portrait and stroboscopic section: a displacement over L, its rate over L ω10. @param {number} width @param {number} height @param {string} plane */
 function phaseFrame(width, height, plane) {
@@ -71,7 +71,7 @@ function phaseFrame(width, height, plane) {
   for (let i = 0; i < motion.settled.length; i += ROW) see(motion.settled, i);
   for (let i = Math.max(0, motion.count - 300); i < motion.count; i++) see(motion.rows, i * ROW);
   const x = plane === "w" ? /** @type {[number, number]} */ ([-1.15, 1.15]) : eased(`far ${plane}`, [-far * 1.1, far * 1.1]), y = eased(`fast ${plane}`, [-fast * 1.1, fast * 1.1]);
-  return { frame: new Frame(x, y, { left: 44, right: width - 10, top: 8, bottom: height - 22 }), L, V };
+  return { frame: new Frame(x, y, { left: 44, right: width - 10, top: 20, bottom: height - 22 }), L, V };
 }
 
 /** @param {any} g @param {Frame} frame */
@@ -132,10 +132,10 @@ export function drawSection(g, width, height, ratio) {
     let most = 0.4;
     for (let i = 1; i < motion.points.length; i += 4) most = Math.max(most, Math.abs(motion.points[i]) / V);
     const [low, high] = eased("impacts", [-most * 1.1, most * 1.1]);
-    frame = new Frame([-1, 1], [low, high], { left: 44, right: width - 10, top: 8, bottom: height - 22 });
+    frame = new Frame([-1, 1], [low, high], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
   }
   if (strobe) stops(g, frame);
-  frame.axes(g, strobe ? { x: "w/L", y: "w′" } : { x: "θ/π", y: "±v" });
+  frame.axes(g, strobe ? { x: "w/L", y: "w′/Lω₁₀" } : { x: "θ/π", y: "±v/Lω₁" });
   const canvas = /** @type {HTMLCanvasElement} */ (section.canvas), points = motion.points;
   const key = `${width},${height},${ratio},${frame.y.map((v) => v.toFixed(3))},${state.section},${theme.relative}`;
   if (section.key !== key || section.drawn > points.length) {
@@ -162,50 +162,89 @@ export function drawSection(g, width, height, ratio) {
   return [frame];
 }
 
-/** @param {any} g @param {number} width */
+/** The impulse of the last impact, towards its stop; and where the energy that came in is. @param {any} g @param {number} width */
 export function drawBars(g, width) {
-  const accounts = motion.now.subarray(ROW + 2, ROW + 6), [mechanical, , damped, lost] = accounts;
+  const [mechanical, , damped, lost] = motion.now.subarray(ROW + 2, ROW + 6);
   const last = motion.impacts.at(-1), unit = set.value("block.m") * motion.length * set.value("drive.frequency");
+  const left = 66, right = width - 10, middle = (left + right) / 2;
   g.font = `12px ${FONT}`; g.textBaseline = "middle"; g.textAlign = "left"; g.fillStyle = theme.soft;
-  const left = 62, right = width - 12, middle = (left + right) / 2;
-  g.fillText("impulse", 8, 13); g.fillText("energy", 8, 38);
-  // The impulse of the last impact, towards its stop.
-  g.fillStyle = theme.grid; g.fillRect(left, 8, right - left, 10);
-  g.strokeStyle = theme.faint; g.lineWidth = 1; g.beginPath(); g.moveTo(middle, 5); g.lineTo(middle, 21); g.stroke();
+  g.fillText("impulse", 10, 11); g.fillText("energy", 10, 34);
+  g.fillStyle = theme.grid; g.beginPath(); g.roundRect(left, 6, right - left, 10, 2); g.fill();
   if (last) {
-    const [time, side, , impulse] = last, part = Math.min(1, impulse / unit / 5);
-    const age = (motion.now[TIME] - time) / motion.period;
-    g.globalAlpha = Math.max(0.25, 1 - age); g.fillStyle = theme.ink;
-    g.fillRect(side > 0 ? middle : middle - part * (middle - left), 8, part * (middle - left), 10);
+    const [time, side, , impulse] = last, part = Math.min(1, impulse / unit / 5), age = (motion.now[TIME] - time) / motion.period;
+    g.globalAlpha = Math.max(0.35, 1 - age); g.fillStyle = theme.spark;
+    g.fillRect(side > 0 ? middle : middle - part * (middle - left), 6, part * (middle - left), 10);
     g.globalAlpha = 1;
+    g.fillStyle = theme.soft; g.textAlign = side > 0 ? "right" : "left"; g.font = `11px ${FONT}`;
+    g.fillText(motion.now[ROW] ? "at rest" : `${(impulse / unit).toFixed(2)} m₂Lω₁`, side > 0 ? middle - 8 : middle + 8, 11.5);
   }
-  // What came in, and where it is.
+  g.strokeStyle = theme.soft; g.lineWidth = 1; g.beginPath(); g.moveTo(middle, 3); g.lineTo(middle, 19); g.stroke();
   const all = Math.max(mechanical + damped + lost, 1e-300), wide = right - left;
-  const parts = /** @type {const} */ ([[mechanical, theme.ink, "in the machine"], [damped, theme.faint, "dampers"], [lost, theme.flash, "impacts"]]);
+  const parts = /** @type {const} */ ([[mechanical, theme.ink, "machine"], [damped, theme.faint, "dampers"], [lost, theme.spark, "impacts"]]);
   let x = left;
-  g.font = `11px ${FONT}`;
-  for (const [value, colour, name] of parts) {
-    const w = wide * Math.max(0, value) / all;
-    g.fillStyle = colour; g.fillRect(x, 32, Math.max(0, w - 1), 12);
-    g.fillStyle = theme.soft; g.textAlign = "left";
-    const text = `${name} ${(100 * value / all).toFixed(value / all < 0.1 ? 1 : 0)} %`;
-    const needs = g.measureText(text).width + 8;
-    // The last word stands at the end, the others where there is room.
-    if (value === lost) { g.textAlign = "right"; g.fillText(text, right, 53); } else if (w > needs && x + needs < right - 100) g.fillText(text, x + 1, 53);
+  g.font = `11px ${FONT}`; g.textAlign = "left";
+  // The words stay where they are, whatever the shares.
+  const widest = parts.map(([, , name]) => g.measureText(`${name} 100 %`).width + (width < 420 ? 20 : 30));
+  parts.forEach(([value, colour, name], i) => {
+    const w = wide * Math.max(0, value) / all, at = (width < 420 ? 10 : left) + widest.slice(0, i).reduce((a, b) => a + b, 0);
+    g.fillStyle = colour; g.fillRect(x, 29, Math.max(0, w - 1), 10);
+    g.beginPath(); g.roundRect(at, 49, 8, 8, 2); g.fill();
+    g.fillStyle = theme.soft; g.fillText(`${name} ${(100 * value / all).toFixed(0)} %`, at + 12, 53.5);
     x += w;
-  }
+  });
 }
 
 /** Curves of the closed forms, from the worker: rows of value, A1, A2, A3, stable. */
 export const curves = { /** @type {Float64Array} */ exact: new Float64Array(0), /** @type {Float64Array} */ scales: new Float64Array(0), /** @type {Float64Array} */ strong: new Float64Array(0), problem: "" };
 
+/** Rows of the manifold, see `manifold` in the core, of the set for which they were computed. @type {{of: object | null, rows: Float64Array, problem: string}} */
+const slow = { of: null, rows: new Float64Array(0), problem: "" };
+
+/** Figure 9 of the paper: the slow invariant manifold and the fixed points on it. */
+export function manifoldRows() {
+  if (slow.of !== set) {
+    slow.of = set;
+    try { [slow.rows, slow.problem] = [manifold(set, 160), ""]; } catch (error) { [slow.rows, slow.problem] = [new Float64Array(0), String(/** @type {Error} */ (error).message ?? error)]; }
+  }
+  return slow;
+}
+
+/** @param {any} g @param {number} width @param {number} height */
+function drawManifold(g, width, height) {
+  const { rows, problem } = manifoldRows(), curve = /** @type {Float64Array[]} */ ([]), points = /** @type {Float64Array[]} */ ([]);
+  for (let i = 0; i < rows.length; i += 4) (rows[i + 3] ? points : curve).push(rows.subarray(i, i + 4));
+  const most = Math.max(1, ...curve.map((p) => p[1])) * 1.06, ends = /** @type {[number, number]} */ (curve.length ? [curve[0][0], curve[curve.length - 1][0]] : [0, 1]);
+  const frame = new Frame(ends, [0, most], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
+  frame.axes(g, { x: "C/L", y: "B/L" });
+  const at = (/** @type {ArrayLike<number>} */ p) => /** @type {const} */ ([frame.px(p[0]), frame.py(p[1])]);
+  frame.inside(g, () => {
+    g.lineJoin = "round"; g.strokeStyle = theme.relative;
+    for (const strong of [false, true]) {
+      g.lineWidth = strong ? 4.5 : 1.4;
+      g.beginPath();
+      for (let i = 1; i < curve.length; i++) if (!strong || (curve[i - 1][2] && curve[i][2])) { g.moveTo(...at(curve[i - 1])); g.lineTo(...at(curve[i])); }
+      g.stroke();
+    }
+    for (const point of points) {
+      g.fillStyle = point[2] ? theme.here : theme.card; g.strokeStyle = theme.here; g.lineWidth = 2;
+      g.beginPath(); g.arc(...at(point), 5, 0, 2 * Math.PI); g.fill(); g.stroke();
+      g.fillStyle = theme.ink; g.font = `600 12px ${FONT}`; g.textAlign = "left"; g.textBaseline = "middle";
+      g.fillText(point[3] === 1 ? "P₁" : "P₂", at(point)[0] + (point[3] === 1 ? 9 : -22), at(point)[1] - 12);
+    }
+  });
+  const words = problem || (points.length ? "" : "no fixed point: this force is too weak for the motion");
+  if (words) { g.fillStyle = theme.soft; g.font = `12px ${FONT}`; g.textAlign = "left"; g.textBaseline = "top"; g.fillText(words, frame.box.left + 8, frame.box.top + 6); }
+  return [frame];
+}
+
 /** @param {any} g @param {number} width @param {number} height */
 export function drawResponse(g, width, height) {
+  if (state.theory === "manifold") return drawManifold(g, width, height);
   const bodies = [theme.box, theme.block, theme["drawn-secondary"]];
   const tops = [0, ...motion.amplitudes];
   for (const rows of [curves.exact, curves.scales]) for (let i = 0; i < rows.length; i += 5) for (let b = 1; b < 4; b++) if (rows[i + b] < 8) tops.push(rows[i + b]);
   const [, high] = reach(tops);
-  const frame = new Frame(state.range, [0, Math.min(high, 6)], { left: 44, right: width - 10, top: 8, bottom: height - 22 });
+  const frame = new Frame(state.range, [0, Math.min(high, 6)], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
   frame.axes(g, { x: BY_NAME.get(state.along)?.symbol ?? "", y: "A/L" });
   frame.inside(g, () => {
     const theories = state.strong ? /** @type {const} */ ([[curves.strong, 1], [curves.exact, 2.2]]) : /** @type {const} */ ([[curves.scales, 1], [curves.exact, 2.2]]);

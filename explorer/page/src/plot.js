@@ -2,7 +2,7 @@
 
 /** Colours by meaning, from the style sheet. */
 export const theme = /** @type {Record<string, string>} */ ({});
-const NAMES = ["paper", "card", "ink", "soft", "faint", "line", "grid", "box", "block", "secondary", "relative", "falling", "drawn-secondary", "here", "flash", "on-body"];
+const NAMES = ["paper", "card", "ink", "soft", "faint", "line", "grid", "box", "block", "secondary", "relative", "falling", "drawn-secondary", "here", "flash", "spark", "stop", "on-body"];
 
 export function readTheme() {
   const style = getComputedStyle(document.documentElement);
@@ -17,7 +17,7 @@ export function rgb(colour) {
   return [r, g, b];
 }
 
-export const FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif";
+export const FONT = "-apple-system, 'Segoe UI', Roboto, system-ui, sans-serif";
 
 /** A canvas that keeps to the size of its element, in CSS pixels. */
 export class Surface {
@@ -81,7 +81,7 @@ export class Frame {
   axes(g, words = {}) {
     const { left, right, top, bottom } = this.box;
     g.lineWidth = 1; g.font = `11px ${FONT}`;
-    const across = ticks(this.x[0], this.x[1], (right - left) / 70), along = ticks(this.y[0], this.y[1], words.yTicks ?? (bottom - top) / 38), bare = words.yTicks === 0;
+    const across = ticks(this.x[0], this.x[1], (right - left) / 70), along = ticks(this.y[0], this.y[1], words.yTicks ?? (bottom - top) / 32), bare = words.yTicks === 0;
     g.strokeStyle = theme.grid;
     g.beginPath();
     for (const x of across) { g.moveTo(this.px(x), top); g.lineTo(this.px(x), bottom); }
@@ -92,10 +92,10 @@ export class Frame {
       for (const x of across) if (!words.x || this.px(x) < right - 8 - g.measureText(words.x).width) g.fillText(short(x, (this.x[1] - this.x[0]) / 5), this.px(x), bottom + 5);
     }
     g.textAlign = "right"; g.textBaseline = "middle";
-    for (const y of bare ? [] : along) if (this.py(y) > top + (words.y ? 14 : 2) || !words.y) g.fillText(short(y, (this.y[1] - this.y[0]) / 4), left - 6, this.py(y));
+    for (const y of bare ? [] : along) g.fillText(short(y, (this.y[1] - this.y[0]) / 4), left - 6, this.py(y));
     g.textBaseline = "top"; g.fillStyle = theme.ink;
     if (words.x) { g.textAlign = "right"; g.fillText(words.x, right, bottom + 5); }
-    if (words.y) { g.textAlign = "right"; g.textBaseline = "middle"; g.fillText(words.y, left - 6, top + 5); }
+    if (words.y) { g.textAlign = "left"; g.textBaseline = "middle"; g.fillText(words.y, 6, top - 10); }
   }
   /** Draws inside the frame alone. @param {any} g @param {() => void} draw */
   inside(g, draw) {

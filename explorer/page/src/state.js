@@ -23,6 +23,8 @@ export const state = {
   /** Plane of the phase portrait: w or a body. */
   plane: "w",
   form: "groups",
+  /** Closed forms over the parameter, or the slow invariant manifold. */
+  theory: "response",
   orbits: false,
   /** The motion's speed: power of ten of drive periods a second. */
   pace: -0.3,
@@ -73,14 +75,16 @@ export function usePreset(preset) {
   state.band = null;
   state.ordinate = preset.ordinate ?? "x2";
   state.orbits = preset.orbits ?? false;
+  state.theory = preset.theory ?? "response";
   state.preset = preset.id;
   set = setOf(state.strong, state.set);
 }
 
 const pair = (/** @type {readonly number[]} */ p) => p.join(":");
 
+const presetOf = (/** @type {string} */ id) => PRESETS.find((p) => p.id === id);
 /** Whether a preset shows exact orbits. @param {string} id */
-const orbitsOf = (id) => PRESETS.find((p) => p.id === id)?.orbits ?? false;
+const orbitsOf = (id) => presetOf(id)?.orbits ?? false;
 
 /** The text after # of a link. */
 export function toHash() {
@@ -88,10 +92,11 @@ export function toHash() {
   if (state.preset && state.preset !== "default") parts.set("preset", state.preset);
   if (state.strong) parts.set("base", "strong");
   for (const [name, value] of state.set) parts.set(name, String(value));
-  if (pair(state.start) !== pair(MOVING_BLOCK)) parts.set("start", state.start.map((x) => +x.toPrecision(9)).join(":"));
+  if (pair(state.start) !== pair(presetOf(state.preset)?.start ?? MOVING_BLOCK)) parts.set("start", state.start.map((x) => +x.toPrecision(9)).join(":"));
   parts.set("over", `${state.along}:${pair(state.range)}`);
   if (state.band) parts.set("band", pair(state.band));
   for (const [key, usual] of /** @type {const} */ ([["ordinate", "x2"], ["section", "strobe"], ["plane", "w"], ["form", "groups"]])) if (state[key] !== usual) parts.set(key, state[key]);
+  if (state.theory !== (presetOf(state.preset)?.theory ?? "response")) parts.set("theory", state.theory);
   if (state.orbits !== orbitsOf(state.preset)) parts.set("orbits", state.orbits ? "1" : "0");
   if (state.pace !== -0.3) parts.set("pace", String(state.pace));
   return parts.toString().replaceAll("%3A", ":");
@@ -128,6 +133,7 @@ export function fromHash(hash) {
   state.section = one("section", ["strobe", "impact"], "strobe");
   state.plane = one("plane", ["w", "x1", "x2", "x3"], "w");
   state.form = one("form", ["groups", "si"], "groups");
+  state.theory = one("theory", ["response", "manifold"], (parts.has("preset") && preset.theory) || "response");
   state.orbits = parts.has("orbits") ? parts.get("orbits") === "1" : orbitsOf(parts.has("preset") ? preset.id : "");
   const pace = Number(parts.get("pace") ?? -0.3);
   state.pace = pace >= -2 && pace <= 1.3 ? pace : -0.3;

@@ -7,6 +7,9 @@ const SLICE = 14;
 /** Number of the last request of each kind. */
 const latest = { diagram: 0, curves: 0, orbits: 0 };
 
+// The core tells its progress to a function of this name.
+Object.assign(self, { orbitsProgress: (/** @type {number} */ done, /** @type {number} */ known) => self.postMessage({ kind: "progress", id: latest.orbits, done, known }) });
+
 /** Lets messages in. */
 const pause = () => new Promise((resolve) => setTimeout(resolve, 0));
 

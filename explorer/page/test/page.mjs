@@ -29,8 +29,8 @@ const tests = {
     const before = await time(tab);
     await tab.waitForTimeout(400);
     assert.ok(await time(tab) > before, "the machine moves");
-    assert.match(await tab.textContent("#status"), /repeats after one drive period; 1 \+ 1 impacts a period; its own mirror image/);
-    assert.match(await tab.textContent("header"), /default set.*reconstruction/s);
+    assert.match(await tab.textContent("#status"), /repeats in every drive period: one impact at each stop; .*its own mirror image/);
+    assert.match(await tab.textContent(".shown"), /default set.*reconstruction/s);
     // The bodies have the colours of all pictures (vibro's palette).
     const { of } = await drawn(tab, "machine");
     for (const colour of ["0,70,150", "200,75,0", "20,160,115"]) assert.ok(of[colour] > 500, `${colour} in the machine`);
@@ -50,7 +50,9 @@ const tests = {
       }
       const columns = await tab.evaluate("explorer.diagram.found.rising.filter((f) => f && f.length > 6).length / explorer.diagram.columns");
       assert.ok(columns > 0.9, `${preset}: ${columns} of the columns`);
-      if (preset === "chatter") assert.match(await tab.textContent("#status"), /13 \+ 13 impacts a period.*rests at a stop/);
+      // Speeds have both signs, one for each stop: both are within the picture.
+      if (preset === "plastic") assert.ok(await tab.evaluate("explorer.diagram.band[1] > 2.5 && explorer.diagram.band[0] < -2.5"), "both stops' speeds");
+      if (preset === "chatter") assert.match(await tab.textContent("#status"), /13 impacts at each stop.*rests at a stop/);
       assert.ok(!(await tab.getAttribute("#status", "class")).includes("bad"), `${preset}: ${await tab.textContent("#status")}`);
     }
     assert.deepEqual(wrong, []);
@@ -142,7 +144,7 @@ const tests = {
   async "a value that is refused is told beside its field, and the machine stays"() {
     const { tab, wrong, close } = await browser.tab();
     await tab.fill("#field-kappa", "2");
-    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: allowed is 0 <= kappa <= 1");
+    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: allowed is 0 ≤ kappa ≤ 1");
     assert.equal(await tab.getAttribute("#field-kappa", "aria-invalid"), "true");
     assert.deepEqual((await state(tab)).set, []);
     await tab.fill("#field-kappa", "abc");
@@ -158,6 +160,63 @@ const tests = {
     const outside = await browser.tab({}, "#start=0:3:0:0:0:0");
     assert.match(await outside.tab.textContent("#status"), /could not be read in full: .*stop/);
     await outside.close();
+  },
+  async "the steps lead through the machine, and a drag stays in its step"() {
+    const { tab, wrong, close } = await browser.tab();
+    for (const [i, id] of ["default", "figure-15-pair", "figure-15-long", "figure-15-chaos", "coexisting", "chatter"].entries()) {
+      await tab.locator("#tour a").nth(i).click();
+      await tab.waitForFunction(`explorer.state.preset === "${id}"`);
+      assert.equal(await tab.locator("#tour a[aria-current]").count(), 1, id);
+      assert.ok((await tab.textContent("#story")).length > 40, id);
+      await tab.waitForFunction("document.querySelector('#status strong')", null, { timeout: 20_000 });
+      const told = await tab.textContent("#status");
+      assert.match(told, [/every drive period/, /every drive period/, /after 2 drive periods/, /Chaos.*exponent 0\.[01]/, /after 4 drive periods/, /rests at a stop/][i]);
+    }
+    await tab.locator("#tour a").nth(0).click();
+    const story = await tab.textContent("#story");
+    await tab.focus("#machine");
+    await tab.keyboard.press("2");
+    await tab.keyboard.press("ArrowLeft");
+    assert.equal(await tab.textContent("#story"), story);
+    assert.match(await tab.evaluate("explorer.toHash()"), /start=/);
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "a newer request ends the search for exact orbits"() {
+    const { tab, wrong, close } = await browser.tab({}, "#preset=figure-16");
+    await tab.waitForFunction("explorer.diagram.searched");
+    const before = await tab.evaluate("explorer.diagram.id");
+    await tab.fill("#field-kappa", "0.7");
+    await tab.waitForFunction(`explorer.diagram.id > ${before}`);
+    assert.equal(await tab.evaluate("explorer.diagram.branches.length"), 0);
+    // The closed forms of the new value do not wait for it.
+    await tab.waitForFunction("explorer.curves.exact.length > 0 && explorer.diagram.searched");
+    await tab.waitForFunction("explorer.diagram.branches.length > 0", null, { timeout: 60_000 });
+    assert.equal(await tab.evaluate("explorer.diagram.searched"), "");
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "closed form: fixed points lie on the slow invariant manifold, stable where the paper has them"() {
+    const { tab, wrong, close } = await browser.tab({}, "#preset=figure-9");
+    // Figure 9 of the paper: P₂ is stable at 1.2 and 1.5, not at 0.6 and 2.5.
+    for (const [f10, stable] of [[1.2, 1], [1.5, 1], [0.6, 0], [2.5, 0]]) {
+      await tab.fill("#field-f10", String(f10));
+      const rows = await tab.evaluate("Array.from(explorer.manifoldRows().rows)"), rho = 2 / Math.PI * 0.25 / 1.75;
+      for (let i = 0; i < rows.length; i += 4) assert.ok(Math.abs(Math.hypot(rows[i] - 1, rho * rows[i]) - rows[i + 1]) < 1e-12, `${rows.slice(i, i + 4)}`);
+      const upper = rows.length - 4;
+      assert.deepEqual(rows.slice(upper + 2), [stable, 2], `P₂ at ${f10}`);
+    }
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "every control and picture has a name for those who hear the page"() {
+    const { tab, close } = await browser.tab();
+    const client = await tab.context().newCDPSession(tab);
+    const { nodes } = await client.send("Accessibility.getFullAXTree");
+    const named = nodes.filter((/** @type {any} */ n) => !n.ignored && ["button", "slider", "checkbox", "combobox", "textbox", "radio", "link", "image", "img", "figure", "navigation", "toolbar"].includes(n.role?.value));
+    assert.ok(named.length > 50, String(named.length));
+    for (const node of named) if (node.role.value !== "figure") assert.ok(node.name?.value?.trim(), `${node.role.value} without a name`);
+    await close();
   },
   async "with reduced motion nothing moves until asked"() {
     const { tab, wrong, close } = await browser.tab({ reducedMotion: "reduce" });
@@ -177,7 +236,7 @@ const tests = {
       if (id && !(await tab.evaluate("document.activeElement === document.body"))) assert.ok(outline, `no outline on ${id}`);
       reached.add(id);
     }
-    for (const id of ["machine", "play", "impact", "settle", "again", "pace", "sound", "preset", "field-kappa", "section", "along", "diagram", "orbits", "sharper", "whole", "figure"]) assert.ok(reached.has(id), `${id} in ${[...reached]}`);
+    for (const id of ["machine", "play", "impact", "settle", "again", "pace", "sound", "preset", "field-kappa", "section", "along", "diagram", "orbits", "sharper", "whole", "theory", "figure"]) assert.ok(reached.has(id), `${id} in ${[...reached]}`);
     await tab.focus("#machine");
     await tab.keyboard.press("2");
     await tab.keyboard.press("ArrowRight");
@@ -228,6 +287,7 @@ const tests = {
     const { tab, close } = await browser.tab({}, "", "delete globalThis.WebAssembly");
     assert.match(await tab.textContent("#broken"), /no WebAssembly/);
     assert.ok(await tab.isVisible("#broken"));
+    for (const id of ["main", "tour"]) assert.ok(await tab.isHidden(`#${id}`), id);
     await close();
   },
   async "everything can be taken along"() {

@@ -106,22 +106,36 @@ impl Rounds<'_> {
         for lane in lanes_of(self.states.due_for_renewal(simd, f64::from(RENEWAL)) & self.active) {
             self.renew(lane);
         }
-        let sets = (self.active, self.reporting);
+        let sets = (self.active, self.reading(simd));
         let Self { systems, states, searched, starts, .. } = self;
         let done = substep::flight_substep(simd, systems, states, searched, sets, starts);
         self.used.rounds += 1;
         self.used.occupied += u64::from(self.active.count_ones());
         self.used.substeps += u64::from(done.moved.count_ones());
+        let mut ended = 0;
         if done.moved & self.reporting != 0 {
-            report_apart(simd, self, &done);
+            ended = report_apart(simd, self, &done);
         }
-        for lane in lanes_of(done.unproved | done.at_stop) {
+        for lane in lanes_of(ended) {
+            self.take_next(lane, Some(Ok(())));
+        }
+        for lane in lanes_of((done.unproved | done.at_stop) & !ended) {
             let touched = (done.at_stop >> lane & 1 != 0).then_some(self.searched.side.0[lane]);
             let simulator = &mut self.work.simulators[self.simulator_of[lane]];
             let Some(motion) = &mut self.motions[lane] else { continue };
             self.states.store_state(lane, simulator, &mut motion.advance);
             self.hand_over(simd, lane, touched);
         }
+    }
+
+    /// The lanes of whose next sub-step samples may be taken or maxima be read.
+    #[inline(always)]
+    fn reading<S: Simd>(&self, simd: S) -> LaneSet {
+        let mut sampled = 0;
+        if self.reporting != 0 {
+            sampled = self.states.near_sample(simd, &self.systems);
+        }
+        (sampled & self.reporting) | self.finding
     }
 
     /// Renews the drive's phase of a motion and checks whether it gets on.
@@ -192,17 +206,17 @@ impl Rounds<'_> {
 
 /// [`Rounds::report`] as a function of its own, so that its code takes no registers from the lanes' loop.
 #[inline(never)]
-fn report_apart<S: Simd>(simd: S, rounds: &mut Rounds<'_>, done: &Progress) {
+fn report_apart<S: Simd>(simd: S, rounds: &mut Rounds<'_>, done: &Progress) -> LaneSet {
     struct Report<'a, 'w>(&'a mut Rounds<'w>, &'a Progress);
     impl pulp::WithSimd for Report<'_, '_> {
-        type Output = ();
+        type Output = LaneSet;
 
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            self.0.report(simd, self.1);
+        fn with_simd<S: Simd>(self, simd: S) -> LaneSet {
+            self.0.report(simd, self.1)
         }
     }
-    simd.vectorize(Report(rounds, done));
+    simd.vectorize(Report(rounds, done))
 }
 
 /// A set of lanes, the first lane's bit the lowest.
@@ -289,8 +303,10 @@ impl LaneMotion {
                 simulator.next_substep::<S, 0, false>(simd, advance, *end, Pause::Never, &mut observer)
             };
             law_is_due = false;
-            if let Some(reporter) = reporter {
-                reporter.report_alone(simulator, &from, &advance.z, events, (queue, lane));
+            if let Some(reporter) = reporter
+                && reporter.report_alone(simulator, &from, &advance.z, events, (queue, lane)).is_break()
+            {
+                return Some(Ok(()));
             }
             if let ControlFlow::Break(reason) = going {
                 return Some(reason.map(|_| ()));

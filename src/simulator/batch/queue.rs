@@ -1,9 +1,11 @@
 //! What the lanes take their motions from, and what they report on the way.
 
 use crate::error::Result;
+use crate::model::Augmented;
 use crate::simulator::{Event, Simulator};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 
 /// What is to be done with a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub struct Reports {
     pub origin: f64,
     /// The time between two samples, s; greater than zero.
     pub step: f64,
+    /// The number of the first sample. [`u32::MAX`] leaves all out until an [event](MotionQueue::event) asks for one.
+    pub first: u32,
     /// The weights of x1, x2 and x3 in the displacement whose maxima are reported, if any are.
     pub maxima_of: Option<[f64; 3]>,
 }
@@ -50,14 +54,19 @@ pub trait MotionQueue {
     /// the simulators, which no other lane is at work on. `None` leaves the lane empty for good.
     fn next(&mut self, lane: usize, simulators: &mut [Simulator], ended: Option<Result<()>>) -> Option<Plan>;
 
-    /// The state at sample `number`, counted from 1; an impact at that very time has not yet happened.
-    fn sample(&mut self, lane: usize, number: u32, state: &State) {
-        let _ = (lane, number, state);
+    /// The state at sample `number`, counted from 1; an impact at that very time has not yet happened. Returns the number of the
+    /// next sample, a larger one, or a break: then nothing more is asked of this motion, which has ended well. Its simulator has
+    /// not been brought to that time, and is to be [restarted](Simulator::restart) or given another state before it is used.
+    fn sample(&mut self, lane: usize, number: u32, state: &State) -> ControlFlow<(), u32> {
+        let _ = (lane, state);
+        ControlFlow::Continue(number + 1)
     }
 
-    /// An event.
-    fn event(&mut self, lane: usize, event: &Event) {
-        let _ = (lane, event);
+    /// An event and the augmented state after its law: x1, w, x3, their rates, cos θ and sin θ. A number that is returned is
+    /// that of the next sample, or of the first after it that is not yet past.
+    fn event(&mut self, lane: usize, event: &Event, after: &Augmented) -> Option<u32> {
+        let _ = (lane, event, after);
+        None
     }
 
     /// A local maximum.

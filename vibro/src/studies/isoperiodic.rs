@@ -78,10 +78,10 @@ fn method(request: &Request) -> String {
         "{} × {} motions from {}; {} periods discarded.",
         request.x.count, request.y.count, request.start, request.discard
     );
-    if let Some(o) = &request.exponents {
-        let periods = o.periods;
-        method
-            .push_str(&format!(" Exponents where there are impacts and no period, over {periods} periods."));
+    if let Some(periods) = &request.exponents {
+        method.push_str(&format!(
+            " Exponents where there are impacts and no period, over at most {periods} periods."
+        ));
     }
     method
 }
@@ -166,6 +166,7 @@ fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
         "rests",
         "symmetric",
         "lambda1",
+        "lambda1_error",
         "exact_orbit",
         "on_exact_orbit",
     ])?;
@@ -180,7 +181,8 @@ fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
                 &word(&|m| exact(m.impacts[1])),
                 &word(&|m| m.rests.to_string()),
                 &word(&|m| m.symmetric.to_string()),
-                &word(&|m| m.exponent.map_or(String::new(), exact)),
+                &word(&|m| m.exponent.map_or(String::new(), |e| exact(e[0]))),
+                &word(&|m| m.exponent.map_or(String::new(), |e| exact(e[1]))),
                 theory.name(),
                 &word(&|m| m.on_orbit.to_string()),
             ])?;

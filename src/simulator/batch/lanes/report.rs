@@ -3,7 +3,7 @@
 use super::maxima::MaximumFinder;
 use super::passage::CentredFlights;
 use super::substep::Progress;
-use super::{Rounds, lanes_of};
+use super::{LaneSet, Rounds, lanes_of};
 use crate::error::{Error, Result};
 use crate::flow::{CENTRED, INTERVALS, Series, Table};
 use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
@@ -14,6 +14,7 @@ use crate::simulator::step::AdvanceState;
 use crate::simulator::{Event, Simulator};
 use crate::state::State;
 use pulp::Simd;
+use std::ops::ControlFlow;
 
 /// What is to be reported of one motion, and how far that has come.
 pub(super) struct Reporter {
@@ -60,29 +61,56 @@ impl Reporter {
         let maxima = reports.maxima_of.map(|weights| MaximumFinder::new(simulator, weights));
         let mut reporter = Self { reports, next: 1, maxima };
         if sampled {
-            reporter.next = (numbers[0] as u32).max(1);
-            while reporter.next_sample() <= simulator.time() {
-                reporter.next += 1;
-            }
+            reporter.set_next((numbers[0] as u32).max(reports.first).max(1), simulator.time());
         }
         Ok(reporter)
     }
 
-    /// When the next sample is due, s.
+    /// Sets the number of the next sample, to a later one where its time is not after `now`.
+    fn set_next(&mut self, number: u32, now: f64) {
+        self.next = number;
+        while self.next < u32::MAX && self.next_sample() <= now {
+            self.next += 1;
+        }
+    }
+
+    /// When the next sample is due, s; infinite where none is.
     #[inline(always)]
     pub(super) fn next_sample(&self) -> f64 {
+        if self.next == u32::MAX {
+            return f64::INFINITY;
+        }
         self.reports.origin + f64::from(self.next) * self.reports.step
     }
 
-    /// Takes the next sample.
+    /// Takes the next sample; breaks where it was the last thing asked of the motion.
     #[inline(always)]
-    fn take(&mut self, z: &Augmented, (queue, lane): (&mut (dyn MotionQueue + '_), usize)) {
+    fn take(
+        &mut self,
+        z: &Augmented,
+        (queue, lane): (&mut (dyn MotionQueue + '_), usize),
+    ) -> ControlFlow<()> {
         let [x1, w, x3, v1, dw, v3, ..] = *z;
-        queue.sample(lane, self.next, &State::from_relative(&[x1, w, x3, v1, dw, v3]));
-        self.next += 1;
+        self.next = queue.sample(lane, self.next, &State::from_relative(&[x1, w, x3, v1, dw, v3]))?;
+        ControlFlow::Continue(())
     }
 
-    /// Reports a sub-step that began at `from`, brought `events` and ended, after their law, in the state `after`.
+    /// Reports an event and takes note of the sample that is asked for.
+    #[inline(always)]
+    fn report_event(
+        &mut self,
+        event: &Event,
+        after: &Augmented,
+        now: f64,
+        (queue, lane): (&mut (dyn MotionQueue + '_), usize),
+    ) {
+        if let Some(number) = queue.event(lane, event, after) {
+            self.set_next(number, now);
+        }
+    }
+
+    /// Reports a sub-step that began at `from`, brought `events` and ended, after their law, in the state `after`. Breaks where no
+    /// more is asked of the motion.
     #[inline(always)]
     pub(super) fn report_alone(
         &mut self,
@@ -91,7 +119,7 @@ impl Reporter {
         after: &Augmented,
         events: [Option<Event>; 2],
         (queue, lane): (&mut (dyn MotionQueue + '_), usize),
-    ) {
+    ) -> ControlFlow<()> {
         let time = simulator.hybrid.time;
         if let Some(finder) = &mut self.maxima {
             let span = time.minus(from.time).value();
@@ -110,11 +138,12 @@ impl Reporter {
         while self.next_sample() <= time.value() {
             let z =
                 simulator.state_after(from, DoubleDouble::new(self.next_sample()).minus(from.time).value());
-            self.take(&z, (queue, lane));
+            self.take(&z, (queue, lane))?;
         }
         for event in events.into_iter().flatten() {
-            queue.event(lane, &event);
+            self.report_event(&event, after, time.value(), (queue, lane));
         }
+        ControlFlow::Continue(())
     }
 }
 
@@ -150,29 +179,37 @@ impl Simulator {
 }
 
 impl Rounds<'_> {
-    /// Reports what a round has done.
+    /// Reports what a round has done. Returns the lanes of whose motions no more is asked.
     #[inline(always)]
-    pub(super) fn report<S: Simd>(&mut self, simd: S, done: &Progress) {
+    pub(super) fn report<S: Simd>(&mut self, simd: S, done: &Progress) -> LaneSet {
+        let mut ended = 0;
         for lane in lanes_of(done.moved & self.finding) {
             self.find_maxima(simd, lane, done.through >> lane & 1 != 0);
         }
         loop {
-            let due = self.states.due_for_sample(simd) & done.moved & self.reporting;
+            let due = self.states.due_for_sample(simd) & done.moved & self.reporting & !ended;
             if due == 0 {
                 break;
             }
-            self.take_samples(simd, due);
+            ended |= self.take_samples(simd, due);
         }
-        for lane in lanes_of(done.through & self.reporting) {
-            let states = &self.states;
+        for lane in lanes_of(done.through & self.reporting & !ended) {
+            let Some(reporter) = self.motions[lane].as_mut().and_then(|motion| motion.reporter.as_mut())
+            else {
+                continue;
+            };
+            let states = &mut self.states;
             let event = Event::Impact {
                 time: states.last_time.0[lane],
                 side: self.searched.side.0[lane] as i8,
                 speed: states.last_speed.0[lane],
                 impulse: states.last_impulse.0[lane],
             };
-            self.work.queue.event(lane, &event);
+            let (after, now) = (states.state(lane), states.time(lane).value());
+            reporter.report_event(&event, &after, now, (self.work.queue, lane));
+            states.next_sample.0[lane] = reporter.next_sample();
         }
+        ended
     }
 
     /// Looks for maxima in the sub-step that a motion has just done in its lane.
@@ -194,10 +231,11 @@ impl Rounds<'_> {
     }
 
     /// Takes a sample of each of the motions `due` within its latest sub-step: about the centre of the sample's interval, which
-    /// differs from lane to lane, the flights of all lanes are expanded side by side.
+    /// differs from lane to lane, the flights of all lanes are expanded side by side. Returns the lanes of whose motions no more is
+    /// asked.
     #[inline(always)]
-    fn take_samples<S: Simd>(&mut self, simd: S, due: u64) {
-        let mut places = Row::ZERO;
+    fn take_samples<S: Simd>(&mut self, simd: S, due: LaneSet) -> LaneSet {
+        let (mut places, mut ended) = (Row::ZERO, 0);
         for lane in lanes_of(due) {
             let dt =
                 (self.states.next_sample.0[lane] - self.starts.time[0].0[lane]) - self.starts.time[1].0[lane];
@@ -224,9 +262,12 @@ impl Rounds<'_> {
         }
         for lane in lanes_of(due) {
             if let Some(reporter) = self.motions[lane].as_mut().and_then(|motion| motion.reporter.as_mut()) {
-                reporter.take(&samples[lane], (self.work.queue, lane));
+                if reporter.take(&samples[lane], (self.work.queue, lane)).is_break() {
+                    ended |= 1 << lane;
+                }
                 self.states.next_sample.0[lane] = reporter.next_sample();
             }
         }
+        ended
     }
 }

@@ -321,6 +321,19 @@ impl LaneStates {
         due
     }
 
+    /// The lanes in which the next sample is due at most two sub-steps from now: more than one of them reaches.
+    #[inline(always)]
+    pub(super) fn near_sample<S: Simd>(&self, simd: S, systems: &LaneSystems) -> LaneSet {
+        let mut near = 0;
+        for v in 0..Row::vectors::<S>() {
+            let load = |row: &Row| Wide::load(simd, row, v);
+            let substep = load(&systems.substep);
+            let reached = load(&self.next_sample).at_most(load(&self.time[0]) + (substep + substep));
+            near |= reached.bits() << (v * S::F64_LANES);
+        }
+        near
+    }
+
     /// The state in a lane.
     #[inline(always)]
     pub(super) fn state(&self, lane: usize) -> Augmented {

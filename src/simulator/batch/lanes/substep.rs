@@ -22,14 +22,14 @@ pub(super) struct Progress {
 }
 
 /// Advances each of the `active` motions by a sub-step, to its end or through its first impact. Where a motion of the set
-/// `reporting` moves, `starts` keeps where it was.
+/// `reading` moves, `starts` keeps where it was.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
     systems: &LaneSystems,
     states: &mut LaneStates,
     searched: &mut SearchedIntervals,
-    (active, reporting): (LaneSet, LaneSet),
+    (active, reading): (LaneSet, LaneSet),
     starts: &mut SubstepStarts,
 ) -> Progress {
     let lanes = S::F64_LANES;
@@ -54,7 +54,7 @@ pub(super) fn flight_substep<S: Simd>(
     }
     let (mut arrived, mut at_stop, mut through) = (0, 0, 0);
     for v in 0..Row::vectors::<S>() {
-        if (passing | searching) & reporting & part << (v * lanes) != 0 {
+        if (passing | searching) & reading & part << (v * lanes) != 0 {
             starts.copy(simd, states, v);
         }
         if passing >> (v * lanes) & part != 0 {

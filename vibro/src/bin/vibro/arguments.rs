@@ -222,10 +222,11 @@ pub struct Isoperiodic {
     /// orbit where it is stable
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
-    /// Drive periods discarded
+    /// Drive periods discarded; a motion that has settled on a period before is not simulated further
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
-    /// Drive periods over which exponents of motions with impacts and without a period are computed; 0: not at all
+    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed: it ends when
+    /// the class is decided; 0: not at all
     #[arg(long, value_name = "N", default_value_t = 400)]
     pub periods: u32,
     /// For many machines.

@@ -97,8 +97,7 @@ pub fn isoperiodic(
     a: &Isoperiodic,
     planes: &[(ParameterAxis, ParameterAxis)],
 ) -> Result<()> {
-    let exponents =
-        (a.periods > 0).then(|| SpectrumOptions { periods: a.periods, ..SpectrumOptions::default() });
+    let exponents = (a.periods > 0).then_some(a.periods);
     for &(x, y) in planes {
         let request = isoperiodic::Request { x, y, start: a.start, discard: a.discard, exponents };
         let name = format!("isoperiodic-{}-{}", x.name.name(), y.name.name());

@@ -1,0 +1,198 @@
+//! The largest Lyapunov exponent of a motion beside the drive phase's, which is zero, from the motion's events alone.
+//!
+//! Between two events the variations follow a linear system (docs/theory.md, section 11), so that one variation is carried over the whole
+//! time between them at once, and through the jump (84). Nothing else is needed of the motion, which can be one of many side by side.
+//!
+//! The time that is counted is not fixed: it ends when the class is decided. Growth is summed over blocks of drive periods, whose
+//! scatter gives the standard error of their mean. docs/numerics.md, "The largest exponent of many motions", states the rule.
+
+use super::attractor::ZERO_EXPONENT;
+use super::variation::SingleVariation;
+use serde::{Deserialize, Serialize};
+use vibro_impact::Parameters;
+use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use vibro_impact::simulator::Event;
+
+/// Drive periods in a block.
+pub(crate) const BLOCK: u32 = 8;
+/// Blocks in which the variation turns into its direction before anything is counted.
+pub(crate) const ALIGN: u32 = 4;
+/// An exponent is decided to be positive or negative when it is farther than so many standard errors from the threshold, …
+const CONFIDENCE: f64 = 6.0;
+/// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some powers of ten for ever.
+const LEAST_GROWTH: f64 = 20.0;
+/// Fewer blocks do not tell their scatter.
+const LEAST_BLOCKS: u32 = 8;
+/// Squares of lengths between which a variation is not scaled.
+const SCALED: std::ops::Range<f64> = 1e-200..1e200;
+
+/// The largest exponent of a motion apart from the drive phase's zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LargestExponent {
+    /// Its estimate, 1/s; -∞ where all variations end in rest.
+    pub value: f64,
+    /// The standard error of the estimate, 1/s.
+    pub error: f64,
+    /// Drive periods that were counted.
+    pub periods: u32,
+}
+
+/// One variation of a motion and the logarithms of its growth.
+#[derive(Debug)]
+pub(crate) struct Tangent {
+    parameters: Parameters,
+    /// Made at the first event, and made ready for other parameters at the first event with them.
+    variation: Option<SingleVariation>,
+    ready: bool,
+    v: Augmented,
+    mode: SmoothMode,
+    /// Up to where the variation has come, s.
+    time: f64,
+    /// The length of a block and the end of the one under way, s.
+    block: f64,
+    block_end: f64,
+    /// The logarithm of the growth in the block so far.
+    growth: f64,
+    /// Blocks that are over, and the sums of the growth in those that count and of its square.
+    blocks: u32,
+    sums: [f64; 2],
+}
+
+impl Default for Tangent {
+    fn default() -> Self {
+        Self {
+            parameters: Parameters::default(),
+            variation: None,
+            ready: false,
+            v: [0.0; LANES],
+            mode: SmoothMode::Flight,
+            time: 0.0,
+            block: 0.0,
+            block_end: 0.0,
+            growth: 0.0,
+            blocks: 0,
+            sums: [0.0; 2],
+        }
+    }
+}
+
+impl Tangent {
+    /// Begins at `time`, s, with a motion that is in this mode. The first block begins at `from`, s, which may be some time before.
+    pub(crate) fn begin(&mut self, parameters: &Parameters, mode: SmoothMode, (from, time): (f64, f64)) {
+        // In general position, as `generic_frame`.
+        const START: Augmented = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.0, 0.0];
+        let block = f64::from(BLOCK) * parameters.period();
+        if self.parameters != *parameters {
+            (self.parameters, self.ready) = (*parameters, false);
+        }
+        (self.v, self.mode, self.time) = (START, mode, time);
+        (self.block, self.block_end) = (block, from + block);
+        (self.growth, self.blocks, self.sums) = (0.0, 0, [0.0; 2]);
+    }
+
+    /// Carries the variation to an event and through its jump. `after` is the state after its law.
+    pub(crate) fn event(&mut self, event: &Event, after: &Augmented) {
+        match *event {
+            Event::Impact { time, side, speed, .. } => {
+                self.carry(time, Some((f64::from(side) * speed, after)));
+            }
+            Event::Release { time, .. } => {
+                self.carry(time, None);
+                self.mode = SmoothMode::Flight;
+            }
+            // Together with the impact before it: what is left of the chatter takes no time.
+            Event::Rest { .. } => {
+                (self.v[RELATIVE], self.v[RELATIVE_RATE]) = (0.0, 0.0);
+                self.mode = SmoothMode::Rest;
+            }
+        }
+    }
+
+    /// Carries the variation to `end`, s, where blocks end too.
+    pub(crate) fn end_block(&mut self, end: f64) {
+        self.carry(end, None);
+        if end > self.block_end - 0.5 * self.block {
+            self.count_blocks(self.block_end);
+        }
+    }
+
+    fn carry(&mut self, time: f64, impact: Option<(f64, &Augmented)>) {
+        if time >= self.block_end {
+            self.count_blocks(time);
+        }
+        let variation = match &mut self.variation {
+            Some(variation) if self.ready => variation,
+            variation => {
+                // The simulator has accepted the parameters.
+                let Ok(model) = Model::new(&self.parameters) else { return };
+                self.ready = true;
+                let variation = variation.get_or_insert_with(|| SingleVariation::new(&model));
+                variation.renew(&model);
+                variation
+            }
+        };
+        variation.propagate(&mut self.v, (self.mode, (time - self.time).max(0.0)), impact);
+        self.time = time;
+        let square = self.v.iter().map(|x| x * x).sum::<f64>();
+        if !SCALED.contains(&square) {
+            self.scale(square.sqrt());
+        }
+    }
+
+    /// Ends the blocks up to `time`.
+    fn count_blocks(&mut self, time: f64) {
+        self.scale(self.length());
+        while self.block_end <= time {
+            self.blocks += 1;
+            if self.blocks > ALIGN {
+                self.sums[0] += self.growth;
+                self.sums[1] += self.growth * self.growth;
+            }
+            self.growth = 0.0;
+            self.block_end += self.block;
+        }
+    }
+
+    fn length(&self) -> f64 {
+        self.v.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// Makes the length one; a variation without length has shrunk by all.
+    fn scale(&mut self, length: f64) {
+        self.growth += length.ln();
+        let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+        for i in 0..LANES {
+            self.v[i] *= scale;
+        }
+    }
+
+    /// The exponent from the blocks so far.
+    pub(crate) fn exponent(&self) -> LargestExponent {
+        let counted = self.blocks.saturating_sub(ALIGN);
+        let (count, periods) = (f64::from(counted.max(1)), counted * BLOCK);
+        if self.sums[0] == f64::NEG_INFINITY {
+            return LargestExponent { value: f64::NEG_INFINITY, error: 0.0, periods };
+        }
+        let mean = self.sums[0] / count;
+        let variance = (self.sums[1] / count - mean * mean).max(0.0);
+        let error = (variance / (count - 1.0).max(1.0)).sqrt();
+        LargestExponent { value: mean / self.block, error: error / self.block, periods }
+    }
+
+    /// Whether the exponent is positive for certain.
+    pub(crate) fn is_positive(&self) -> bool {
+        self.sums[0] > 0.0 && self.is_decided(u32::MAX)
+    }
+
+    /// Whether the exponent's sign is decided, or it has been counted over `most` periods.
+    pub(crate) fn is_decided(&self, most: u32) -> bool {
+        let LargestExponent { value, error, periods } = self.exponent();
+        let clear = value.abs() - CONFIDENCE * error > ZERO_EXPONENT * self.parameters.box_frequency();
+        let enough = periods >= LEAST_BLOCKS * BLOCK || self.sums[0].is_infinite();
+        periods >= most || (clear && enough && self.sums[0].abs() > LEAST_GROWTH)
+    }
+}
+
+#[cfg(test)]
+#[path = "largest_exponent/tests.rs"]
+mod tests;

@@ -1,0 +1,180 @@
+use super::*;
+use crate::lyapunov::{SpectrumOptions, spectrum};
+use crate::smooth_pieces::{PieceEnd, smooth_pieces};
+use crate::stroboscopic::moving_block;
+use crate::trajectories::{Program, Start, Workspace};
+use crate::variation::{DIMENSION, Variation};
+use vibro_impact::parameters::{Groups, Scales};
+use vibro_impact::simulator::Simulator;
+use vibro_impact::steady::exact_orbit;
+
+fn system(f10: f64, kappa: f64) -> Parameters {
+    Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
+}
+
+/// The growth of a variation over some periods of a motion, as a logarithm: by this module and with the full matrices of
+/// `variation`; and how often the block came to rest.
+fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
+    let mut simulator = Simulator::new(p, &moving_block(p), 0.0).unwrap().without_energy_accounts();
+    simulator.advance_to(f64::from(skipped) * p.period()).unwrap();
+    let model = Model::new(p).unwrap();
+    let mut tangent = Tangent::default();
+    tangent.begin(p, simulator.contact().mode(), (simulator.time(), simulator.time()));
+    let mut variation = Variation::new(&model);
+    let mut frame = [[0.0; LANES]; DIMENSION];
+    frame[0] = tangent.v;
+    let (mut time, mut rested, mut logarithm) = (simulator.time(), 0, 0.0);
+    let begin = frame[0].iter().map(|x| x * x).sum::<f64>().ln() / 2.0;
+    for i in 1..=periods {
+        let end = f64::from(skipped + i) * p.period();
+        smooth_pieces(&mut simulator, &model, end, &mut |piece| {
+            time += piece.span;
+            variation.propagate(&mut frame, piece);
+            match piece.end {
+                PieceEnd::Impact { side, rate, impulse, after, rests } => {
+                    let (side, speed) = (side as i8, side * rate);
+                    tangent.event(&Event::Impact { time, side, speed, impulse }, &after);
+                    if rests {
+                        rested += 1;
+                        tangent.event(&Event::Rest { time, side }, &after);
+                    }
+                }
+                PieceEnd::Release => {
+                    tangent.event(&Event::Release { time, side: 1 }, &piece.start);
+                }
+                PieceEnd::End => {}
+            }
+        })
+        .unwrap();
+        let length = frame[0].iter().map(|x| x * x).sum::<f64>().sqrt();
+        logarithm += length.ln();
+        frame[0] = frame[0].map(|x| x / length);
+    }
+    // Less than a block, so that nothing has been scaled.
+    tangent.carry(simulator.time(), None);
+    ([tangent.length().ln() - begin, logarithm - begin], rested)
+}
+
+#[test]
+fn second_method_growth_is_that_of_full_matrices() {
+    /// The series for one variation are cut at 2e-6 of it, some twenty times.
+    const CUT: f64 = 2e-5;
+    for (f10, kappa, rests) in [(1.5, 0.75, false), (3.6, 0.75, false), (3.0, 0.0, true), (2.0, 0.3, false)] {
+        let p = system(f10, kappa);
+        let ([found, expected], rested) = growths(&p, 5, 7);
+        assert!((found - expected).abs() < CUT, "f10 = {f10}, kappa = {kappa}: {found} {expected}");
+        assert_eq!(rested > 0, rests, "f10 = {f10}, kappa = {kappa}");
+    }
+}
+
+/// The largest exponent of the motion from the common start, 1/s, over at least `most` periods where its sign is decided before.
+fn exponent(p: &Parameters, discard: u32, most: u32) -> LargestExponent {
+    let program = Program { discard, observed: true, exponent: Some(most), ..Program::default() };
+    let mut found = None;
+    let start = Start { parameters: *p, state: moving_block(p) };
+    Workspace::default().run(&mut std::iter::once(start), &program, &mut |_, outcome| {
+        found = outcome.unwrap().exponent;
+    });
+    found.expect("no period")
+}
+
+#[test]
+fn second_method_in_chaos_it_is_the_first_of_seven() {
+    for f10 in [3.6, 4.5] {
+        let p = system(f10, 0.75);
+        let found = exponent(&p, 200, 400);
+        let mut settled = Simulator::new(&p, &moving_block(&p), 0.0).unwrap().without_energy_accounts();
+        settled.advance_to(200.0 * p.period()).unwrap();
+        let seven = spectrum(&mut settled, &SpectrumOptions { periods: 2000, ..SpectrumOptions::default() });
+        let expected = seven.unwrap().exponents[0];
+        // Four standard errors: one in ten thousand by chance.
+        assert!((found.value - expected).abs() < 4.0 * found.error, "f10 = {f10}: {found:?} {expected}");
+        assert!(found.error < 0.2 * found.value && found.periods < 200, "f10 = {f10}: {found:?}");
+    }
+}
+
+#[test]
+fn closed_form_of_the_exact_orbit() {
+    let p = system(1.5, 0.75);
+    let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
+    let expected = p.drive_frequency / std::f64::consts::PI * orbit.spectral_radius().ln();
+    // Of a pair of complex multipliers the variation's length swings about its mean, by the same in a long and in a short time.
+    const SWING: f64 = 2.0;
+    const PERIODS: u32 = 400;
+    let mut simulator = Simulator::new(&p, &moving_block(&p), 0.0).unwrap().without_energy_accounts();
+    simulator.advance_to(300.0 * p.period()).unwrap();
+    let model = Model::new(&p).unwrap();
+    let mut tangent = Tangent::default();
+    tangent.begin(&p, simulator.contact().mode(), (simulator.time(), simulator.time()));
+    let mut time = simulator.time();
+    let end = time + f64::from(PERIODS) * p.period();
+    smooth_pieces(&mut simulator, &model, end, &mut |piece| {
+        time += piece.span;
+        if let PieceEnd::Impact { side, rate, impulse, after, .. } = piece.end {
+            let event = Event::Impact { time, side: side as i8, speed: side * rate, impulse };
+            tangent.event(&event, &after);
+        }
+    })
+    .unwrap();
+    tangent.end_block(end);
+    let found = tangent.exponent();
+    assert_eq!(found.periods, PERIODS - ALIGN * BLOCK);
+    let tolerance = SWING / (f64::from(found.periods) * p.period());
+    assert!((found.value - expected).abs() < tolerance, "{found:?} {expected}");
+    assert!(found.value < -tolerance && tangent.is_decided(10_000), "{found:?}");
+}
+
+#[test]
+fn closed_form_rule_of_decision() {
+    let p = system(1.5, 0.75);
+    let rate = p.box_frequency();
+    // Blocks with a mean growth and a scatter to either side of it.
+    let tangent = |blocks: u32, mean: f64, scatter: f64| Tangent {
+        parameters: p,
+        block: f64::from(BLOCK) * p.period(),
+        blocks: ALIGN + blocks,
+        sums: [f64::from(blocks) * mean, f64::from(blocks) * (mean * mean + scatter * scatter)],
+        ..Tangent::default()
+    };
+    let error = tangent(17, 2.0, 1.0).exponent().error * f64::from(BLOCK) * p.period();
+    assert!((error - 0.25).abs() < 1e-12, "{error}");
+    assert!(tangent(17, 2.0, 1.0).is_decided(400) && tangent(17, -2.0, 1.0).is_decided(400));
+    // Too much scatter, too little growth; nothing left; enough periods.
+    assert!(!tangent(17, 2.0, 1.5).is_decided(400));
+    assert!(!tangent(17, 1.0, 0.1).is_decided(400));
+    assert!(tangent(1, f64::NEG_INFINITY, 0.0).is_decided(400));
+    assert!(tangent(50, 0.0, 0.1).is_decided(400));
+    assert!(tangent(50, 0.0, 0.1).exponent().value < ZERO_EXPONENT * rate);
+}
+
+#[test]
+fn second_method_motions_whose_chaos_has_ended_have_no_more_impacts() {
+    // Where the drive is weak chaos is a transient, which ends without impacts.
+    let mut starts = (0..120).map(|k| {
+        let groups = Groups { f10: 0.28, sigma1: -1.2 + 0.02 * f64::from(k), ..Groups::basic() };
+        let parameters = groups.to_parameters(Scales::default()).unwrap();
+        Start { parameters, state: moving_block(&parameters) }
+    });
+    let starts: Vec<Start> = starts.by_ref().collect();
+    let program = Program {
+        discard: 300,
+        until_settled: true,
+        observed: true,
+        exponent: Some(400),
+        ..Program::default()
+    };
+    let mut ended = 0;
+    Workspace::default().run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
+        let outcome = outcome.unwrap();
+        if outcome.exponent.is_none_or(|e| e.error != 0.0) {
+            return;
+        }
+        ended += 1;
+        assert!(outcome.attractor.is_some_and(|a| a.approaching));
+        let p = &starts[number].parameters;
+        let mut simulator = Simulator::new(p, &outcome.state, 0.0).unwrap();
+        simulator.advance_to(300.0 * p.period()).unwrap();
+        assert_eq!((simulator.impacts().upper, simulator.impacts().lower), (0, 0), "{number}");
+    });
+    assert!(ended > 2, "{ended}");
+}

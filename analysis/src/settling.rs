@@ -1,0 +1,168 @@
+//! When a motion has settled on a period, so that it need not be simulated through the rest of what is discarded.
+//!
+//! Impacts tell it first, at no cost: their order, times and speeds, added up over each drive period, repeat. Then the states at
+//! whole drive periods are looked at, and have the last word. docs/numerics.md, "What has settled is not simulated further", says why
+//! the verdict at the end would be the same.
+
+use super::attractor::{RETURN, StroboscopicRecord, distance};
+use super::stroboscopic::StroboscopicState;
+
+/// The longest period that is recognized early, in drive periods.
+const LONGEST: u32 = 8;
+/// Drive periods over which impacts must have repeated, at least.
+const REPEATED: u32 = 16;
+/// As many for the longest period.
+const REMEMBERED: u32 = 4 * LONGEST;
+/// Impacts are looked at again after so many drive periods.
+const CHECK: u32 = 4;
+/// Sums over a drive period, of the speeds of its impacts (units of L ω10) and of their times (drive periods), repeat when they
+/// differ by no more.
+const SIMILAR: f64 = 1e-7;
+/// Differences under this may be round-off, and need not fall.
+const ROUNDING: f64 = 1e-11;
+/// A motion has settled when its states return to this (units of L and L ω10). Over the thousand periods that a study discards at
+/// most, returns of this size that do not grow add up to [`RETURN`].
+const STEADY: f64 = 1e-8;
+
+/// The impacts of one drive period.
+#[derive(Clone, Copy, Debug, Default)]
+struct PeriodImpacts {
+    /// Their order, as a number.
+    pattern: u64,
+    /// The sum of their speeds, and that of their times since the period's start.
+    sums: [f64; 2],
+}
+
+/// The impacts of the last drive periods of a motion.
+#[derive(Debug, Default)]
+pub(crate) struct ImpactRepetition {
+    /// The last periods, each at its number's remainder.
+    periods: [PeriodImpacts; REMEMBERED as usize],
+    /// The number of the period that is under way.
+    number: u32,
+    open: PeriodImpacts,
+}
+
+impl ImpactRepetition {
+    /// Forgets all: the motion begins.
+    pub(crate) fn clear(&mut self) {
+        (self.number, self.open) = (0, PeriodImpacts::default());
+    }
+
+    /// Takes note of an impact at `time` (drive periods since the start) with `speed` (any unit of the system); returns the period
+    /// with which the impacts before it repeat, if they do.
+    pub(crate) fn impact(&mut self, time: f64, upper: bool, speed: f64) -> Option<u32> {
+        let (number, before) = (time as u32, self.number);
+        while self.number < number {
+            self.periods[(self.number % REMEMBERED) as usize] = std::mem::take(&mut self.open);
+            self.number += 1;
+        }
+        let PeriodImpacts { pattern, sums } = &mut self.open;
+        *pattern = pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper));
+        sums[0] += speed;
+        sums[1] += time - f64::from(number);
+        if number / CHECK == before / CHECK { None } else { (1..=LONGEST).find(|&n| self.repeats(n)) }
+    }
+
+    /// Whether the last periods repeat after `lag` of them, and more exactly in the later half of them than in the earlier.
+    fn repeats(&self, lag: u32) -> bool {
+        let pairs = REPEATED.max(4 * lag) - lag;
+        if self.number < pairs + lag {
+            return false;
+        }
+        let at = |back: u32| &self.periods[((self.number - 1 - back) % REMEMBERED) as usize];
+        let mut most = [0.0f64; 2]; // of the later half and of the earlier
+        for back in 0..pairs {
+            let (a, b) = (at(back), at(back + lag));
+            let difference = a.sums.iter().zip(&b.sums).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            if a.pattern != b.pattern || difference > SIMILAR {
+                return false;
+            }
+            let half = &mut most[usize::from(2 * back >= pairs)];
+            *half = half.max(difference);
+        }
+        most[0] <= most[1].max(ROUNDING)
+    }
+}
+
+/// A motion whose impacts repeat, while its states are looked at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Confirmation {
+    /// The period with which its impacts repeat.
+    pub(crate) period: u32,
+    /// The number of the first sample, in half drive periods.
+    pub(crate) first: u32,
+    /// The state there.
+    pub(crate) start: StroboscopicState,
+}
+
+impl Confirmation {
+    /// For a motion at `time` (drive periods since the start): its first sample is taken at the next whole period.
+    pub(crate) fn new(period: u32, time: f64) -> Self {
+        Self { period, first: 2 * (time as u32 + 1), start: [0.0; 6] }
+    }
+
+    /// The number of the last sample: after two periods of the motion.
+    pub(crate) fn last(&self) -> u32 {
+        self.first + 4 * self.period
+    }
+
+    /// Whether the states of two periods since `start` and the order of impacts repeat with the period and with no shorter one.
+    pub(crate) fn holds(&self, record: &StroboscopicRecord) -> bool {
+        let n = self.period as usize;
+        let state = |k: usize| if k == 0 { &self.start } else { &record.periods[k - 1].state };
+        let same = |lag: usize, k: usize, near: f64| distance(state(k), state(k + lag)) < near;
+        let repeats = (0..=n).all(|k| same(n, k, STEADY))
+            && (0..n).all(|k| record.periods[k].pattern == record.periods[k + n].pattern);
+        // A shorter period that is nearly one would be found later, or not, by rounding.
+        let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, 2.0 * RETURN));
+        repeats && !(1..n).any(shorter)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The period in which impacts with these speeds, one in the middle of each drive period, are found to repeat, and which.
+    fn found(speed: impl Fn(f64) -> f64) -> Option<(u32, u32)> {
+        let mut impacts = ImpactRepetition::default();
+        (0..400).find_map(|k| Some((k, impacts.impact(f64::from(k) + 0.5, true, speed(f64::from(k)))?)))
+    }
+
+    #[test]
+    fn closed_form_repetition_of_made_up_impacts() {
+        use std::f64::consts::TAU;
+        assert_eq!(found(|_| 0.3), Some((16, 1)));
+        // The least period of the impacts, as soon as four of them have been seen.
+        assert_eq!(found(|k| (TAU * k / 4.0).cos()), Some((16, 4)));
+        assert_eq!(found(|k| (TAU * k / 8.0).cos()), Some((32, 8)));
+        assert_eq!(found(|k| (TAU * k / 9.0).cos()), None);
+        assert_eq!(found(|k| (TAU * k * 0.381_966_011).cos()), None);
+        // A transient: differences of 1 - q times q^k are similar when the first of sixteen is under 1e-7.
+        let (at, n) = found(|k| 1.0 + 0.9f64.powf(k)).unwrap();
+        assert!(n == 1 && (146..=154).contains(&at), "{at} {n}");
+        // Near an unstable motion differences grow, however small they are.
+        assert_eq!(found(|k| 1.0 + 1e-16 * 1.06f64.powf(k)).map(|f| f.1), Some(1), "round-off tells nothing");
+        assert_eq!(found(|k| if k < 16.0 { k } else { 1.0 + 1e-10 * 1.06f64.powf(k) }), None);
+    }
+
+    #[test]
+    fn closed_form_confirmation_of_made_up_states() {
+        let mut record = StroboscopicRecord::default();
+        let mut confirmed = |period: u32, coordinate: &dyn Fn(f64) -> f64| {
+            record.clear();
+            let confirmation = Confirmation { period, first: 0, start: [coordinate(0.0); 6] };
+            for j in 1..=confirmation.last() {
+                record.sample(j, [coordinate(0.5 * f64::from(j)); 6]);
+            }
+            confirmation.holds(&record)
+        };
+        let wave = |k: f64| (std::f64::consts::TAU * k / 3.0).cos();
+        assert!(confirmed(1, &|_| 0.3) && confirmed(3, &wave));
+        assert!(!confirmed(2, &|_| 0.3) && !confirmed(2, &wave) && !confirmed(6, &wave));
+        assert!(!confirmed(1, &|k| 2e-8 * k) && confirmed(1, &|k| 0.5e-8 * k));
+        // Nearly of period 1: left to the verdict at the end.
+        assert!(!confirmed(2, &|k| 0.9e-5 * (std::f64::consts::PI * k).cos()));
+    }
+}

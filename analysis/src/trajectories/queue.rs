@@ -1,0 +1,289 @@
+//! What a thread does with the motions in its lanes, from stage to stage.
+
+use super::{LargestExponent, Outcome, Program, Start};
+use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord, is_damped};
+use crate::error::Result;
+use crate::largest_exponent::{ALIGN, BLOCK, Tangent};
+use crate::settling::{Confirmation, ImpactRepetition};
+use crate::stroboscopic::Units;
+use std::ops::ControlFlow;
+use vibro_impact::Parameters;
+use vibro_impact::model::{Augmented, SmoothMode};
+use vibro_impact::simulator::{Event, Maximum, MotionQueue, Plan, Reports, Simulator, State};
+
+/// Drive periods between two looks at whether an exponent is decided: half of what is observed.
+const LOOK: u32 = 8 * BLOCK;
+
+/// What a lane is at, and what it has recorded of its motion.
+#[derive(Debug, Default)]
+pub(super) struct LaneRecord {
+    /// The motion's number.
+    number: usize,
+    parameters: Parameters,
+    units: Units,
+    /// The drive's period, s, and its reciprocal.
+    period: f64,
+    frequency: f64,
+    stage: Stage,
+    stroboscopic: StroboscopicRecord,
+    impacts: ImpactRepetition,
+    confirmation: Option<Confirmation>,
+    tangent: Tangent,
+    /// When the tangent begins, s, and whether it has begun.
+    tangent_from: f64,
+    tangent_begun: bool,
+    /// Whether there have been events since the exponent was last looked at.
+    moved_on: bool,
+    /// When the observation has begun, s.
+    observed_from: f64,
+    attractor: Option<Attractor>,
+    exponent: Option<LargestExponent>,
+    maxima: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Stage {
+    #[default]
+    Discarding,
+    /// Found to have settled while discarding, in a state at a whole drive period.
+    Settled(State),
+    Maxima,
+    Observing,
+    Exponent,
+}
+
+impl LaneRecord {
+    /// Begins with another motion; the memory is kept.
+    fn begin(&mut self, number: usize, start: &Start, program: &Program) {
+        self.maxima.clear();
+        self.impacts.clear();
+        (self.confirmation, self.attractor, self.exponent) = (None, None, None);
+        (self.number, self.stage) = (number, Stage::Discarding);
+        self.parameters = start.parameters;
+        (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
+        self.frequency = 1.0 / self.period;
+        // It is aligned when the observation begins, or begins with that where nothing but events could be reported before.
+        let align = (program.until_settled && program.maxima.is_none()).then_some(ALIGN * BLOCK);
+        let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
+        self.tangent_from = match (program.exponent, from) {
+            (Some(_), Some(from)) => from * self.period,
+            _ => f64::INFINITY,
+        };
+        self.tangent_begun = false;
+    }
+
+    /// Carries the tangent to an event, with which it begins where it is time to.
+    fn carry_tangent(&mut self, event: &Event, after: &Augmented) {
+        if self.tangent_begun {
+            self.tangent.event(event, after);
+            return;
+        }
+        let (time, mode) = match *event {
+            Event::Impact { time, .. } | Event::Release { time, .. } => (time, SmoothMode::Flight),
+            Event::Rest { time, .. } => (time, SmoothMode::Rest),
+        };
+        if time >= self.tangent_from {
+            self.tangent.begin(&self.parameters, mode, (self.tangent_from, time));
+            self.tangent_begun = true;
+        }
+    }
+
+    /// Whether the motion is chaotic for certain, `now` at the end of a block.
+    fn is_chaotic(&mut self, now: f64) -> bool {
+        self.tangent.end_block(now);
+        self.tangent.is_positive()
+    }
+
+    /// Takes note of an event of a motion that may have settled; returns the number of the first sample that is then asked for.
+    fn look_for_repetition(&mut self, event: &Event) -> Option<u32> {
+        if self.confirmation.is_some() {
+            self.stroboscopic.event(event);
+        }
+        let Event::Impact { time, side, speed, .. } = *event else { return None };
+        let time = time * self.frequency;
+        let period = self.impacts.impact(time, side > 0, self.units.speed(speed))?;
+        if self.confirmation.is_some() {
+            return None;
+        }
+        let confirmation = Confirmation::new(period, time);
+        self.confirmation = Some(confirmation);
+        Some(confirmation.first)
+    }
+
+    /// Takes a sample of a motion that may have settled.
+    fn confirm(&mut self, number: u32, state: &State) -> ControlFlow<(), u32> {
+        let Some(confirmation) = &mut self.confirmation else { return ControlFlow::Continue(u32::MAX) };
+        let sample = self.units.dimensionless(state);
+        if number <= confirmation.first {
+            self.stroboscopic.clear();
+            confirmation.start = sample;
+            return ControlFlow::Continue(number + 1);
+        }
+        self.stroboscopic.sample(number, sample);
+        if number < confirmation.last() {
+            return ControlFlow::Continue(number + 1);
+        }
+        if confirmation.holds(&self.stroboscopic) {
+            self.stage = Stage::Settled(*state);
+            return ControlFlow::Break(());
+        }
+        self.confirmation = None;
+        ControlFlow::Continue(u32::MAX)
+    }
+}
+
+/// The motions that a thread works on.
+pub(super) struct Motions<'a> {
+    starts: &'a mut dyn Iterator<Item = (usize, Start)>,
+    program: &'a Program,
+    finished: &'a mut dyn FnMut(usize, Result<Outcome<'_>>),
+    lanes: &'a mut [LaneRecord],
+}
+
+impl<'a> Motions<'a> {
+    pub(super) fn new(
+        starts: &'a mut dyn Iterator<Item = (usize, Start)>,
+        program: &'a Program,
+        finished: &'a mut dyn FnMut(usize, Result<Outcome<'_>>),
+        lanes: &'a mut [LaneRecord],
+    ) -> Self {
+        Self { starts, program, finished, lanes }
+    }
+
+    /// What comes next for the motion in a lane, if it has not come to the end of the program.
+    fn next_stage(&mut self, lane: usize, simulator: &Simulator) -> Option<Plan> {
+        let (record, program) = (&mut self.lanes[lane], self.program);
+        let (now, period) = (simulator.time(), record.period);
+        let events = Reports { origin: now, step: 0.5 * period, first: u32::MAX, maxima_of: None };
+        let plan = |from: f64, periods: u32, reports| {
+            let end = from + f64::from(periods) * period;
+            Some(Plan { simulator: lane, end, reports: Some(reports) })
+        };
+        match (record.stage, program.maxima) {
+            (Stage::Discarding, Some((of, keep))) => {
+                record.stage = Stage::Maxima;
+                plan(now, keep, Reports { origin: f64::INFINITY, maxima_of: Some(of.weights()), ..events })
+            }
+            (Stage::Discarding | Stage::Maxima, _) if program.observed => {
+                record.stage = Stage::Observing;
+                record.stroboscopic.clear();
+                if program.exponent.is_some() && !record.tangent_begun {
+                    record.tangent.begin(&record.parameters, simulator.contact().mode(), (now, now));
+                    record.tangent_begun = true;
+                }
+                record.observed_from = now;
+                let periods = if program.exponent.is_some() { LOOK } else { OBSERVED };
+                plan(now, periods, Reports { first: 1, ..events })
+            }
+            // What is chaotic for certain need not be observed further.
+            (Stage::Observing, _) if !record.stroboscopic.is_complete() && !record.is_chaotic(now) => {
+                let from = record.observed_from;
+                plan(from, OBSERVED, Reports { origin: from, first: 1, ..events })
+            }
+            (Stage::Settled(_), _) => {
+                let period = record.confirmation.map(|c| c.period);
+                record.attractor = Some(record.stroboscopic.attractor_of(simulator.parameters(), period));
+                None
+            }
+            (Stage::Observing | Stage::Exponent, _) => {
+                let attractor = record
+                    .attractor
+                    .get_or_insert_with(|| record.stroboscopic.attractor(simulator.parameters()));
+                let most = program.exponent.filter(|_| attractor.period.is_none() && !attractor.is_free())?;
+                record.tangent.end_block(now);
+                let exponent = record.tangent.exponent();
+                if record.stage == Stage::Exponent && !record.moved_on && is_damped(&record.parameters) {
+                    // Chaos has ended in the motion without impacts, to which all is damped but the drive's phase.
+                    attractor.approaching = true;
+                    record.exponent = Some(LargestExponent { value: 0.0, error: 0.0, ..exponent });
+                    return None;
+                }
+                if record.tangent.is_decided(most) {
+                    record.exponent = Some(exponent);
+                    return None;
+                }
+                (record.stage, record.moved_on) = (Stage::Exponent, false);
+                // In whole blocks, which it has been up to now.
+                let left = (most - exponent.periods).next_multiple_of(BLOCK);
+                plan(now, left.min(LOOK), events)
+            }
+            _ => None,
+        }
+    }
+
+    fn finish(&mut self, lane: usize, simulator: &Simulator, ended: vibro_impact::Result<()>) {
+        let record = &mut self.lanes[lane];
+        let state = match record.stage {
+            Stage::Settled(state) => state,
+            _ => simulator.state(),
+        };
+        let (attractor, exponent) = (record.attractor.take(), record.exponent);
+        let outcome = ended.map(|()| Outcome { state, maxima: &record.maxima, attractor, exponent });
+        (self.finished)(record.number, outcome.map_err(Into::into));
+    }
+}
+
+impl MotionQueue for Motions<'_> {
+    fn next(
+        &mut self,
+        lane: usize,
+        simulators: &mut [Simulator],
+        ended: Option<vibro_impact::Result<()>>,
+    ) -> Option<Plan> {
+        let (simulator, program) = (&mut simulators[lane], self.program);
+        if let Some(ended) = ended {
+            let going_on = if ended.is_ok() { self.next_stage(lane, simulator) } else { None };
+            if going_on.is_some() {
+                return going_on;
+            }
+            self.finish(lane, simulator, ended);
+        }
+        loop {
+            let (number, start) = self.starts.next()?;
+            if let Err(refused) = simulator.restart(&start.parameters, &start.state, 0.0) {
+                (self.finished)(number, Err(refused.into()));
+                continue;
+            }
+            let record = &mut self.lanes[lane];
+            record.begin(number, &start, program);
+            let until_settled = program.until_settled && program.observed && program.maxima.is_none();
+            // Samples at half drive periods, none of them before impacts repeat.
+            let reports =
+                Reports { origin: 0.0, step: 0.5 * record.period, first: u32::MAX, maxima_of: None };
+            let end = f64::from(program.discard) * record.period;
+            return Some(Plan { simulator: lane, end, reports: until_settled.then_some(reports) });
+        }
+    }
+
+    fn sample(&mut self, lane: usize, number: u32, state: &State) -> ControlFlow<(), u32> {
+        let record = &mut self.lanes[lane];
+        if record.stage == Stage::Discarding {
+            return record.confirm(number, state);
+        }
+        record.stroboscopic.sample(number, record.units.dimensionless(state));
+        ControlFlow::Continue(number + 1)
+    }
+
+    fn event(&mut self, lane: usize, event: &Event, after: &Augmented) -> Option<u32> {
+        let (record, program) = (&mut self.lanes[lane], self.program);
+        match record.stage {
+            Stage::Discarding => {
+                if program.exponent.is_some() {
+                    record.carry_tangent(event, after);
+                }
+                return record.look_for_repetition(event);
+            }
+            Stage::Observing => record.stroboscopic.event(event),
+            Stage::Exponent => record.moved_on = true,
+            _ => {}
+        }
+        if program.exponent.is_some() {
+            record.tangent.event(event, after);
+        }
+        None
+    }
+
+    fn maximum(&mut self, lane: usize, maximum: &Maximum) {
+        self.lanes[lane].maxima.push(maximum.value);
+    }
+}

@@ -1,0 +1,164 @@
+//! One variation that leaves the drive's phase alone, from event to event.
+//!
+//! Its growth is counted to some digits only, so that less goes into it than into the frames of `variation`: six columns, shorter
+//! series, fewer nodes. The memory serves one system after another.
+
+use super::{GRID_TIMES_RATE, jump, physical, varied};
+use vibro_impact::flow::Series;
+use vibro_impact::model::{Augmented, LANES, Model, SmoothMode};
+
+/// Coordinates without those of the drive.
+const COLUMNS: usize = 6;
+/// Terms of the series from one node to the next: the remainder is 0.16¹⁰/10! < 4e-15.
+const STEP: usize = 10;
+/// Terms of the series about a node: the remainder is 0.08⁴/4! < 2e-6 of the variation, nothing beside its growth from event to event.
+const TERMS: usize = 4;
+/// Number of nodes: flights of up to 5/rate need one product.
+const NODES: usize = 32;
+
+/// A matrix by columns.
+type Columns = [Augmented; COLUMNS];
+
+/// The product of a matrix with a variation. The sums of even and odd columns do not wait for each other.
+#[inline(always)]
+fn transit(a: &Columns, v: &Augmented) -> Augmented {
+    let mut sums = [[0.0; LANES]; 2];
+    for (k, (column, &x)) in a.iter().zip(v).enumerate() {
+        for (sum, &c) in sums[k % 2].iter_mut().zip(column) {
+            *sum += c * x;
+        }
+    }
+    let [mut even, odd] = sums;
+    for (even, odd) in even.iter_mut().zip(odd) {
+        *even += odd;
+    }
+    even
+}
+
+/// The transition matrices of one mode over any time.
+#[derive(Clone, Debug)]
+struct Transition {
+    /// Powers of the generator over their factorials, times the same power of the node distance.
+    terms: [Columns; TERMS],
+    nodes: [Columns; NODES + 1],
+    spacing: f64,
+}
+
+impl Transition {
+    const ZERO: Self = Self {
+        terms: [[[0.0; LANES]; COLUMNS]; TERMS],
+        nodes: [[[0.0; LANES]; COLUMNS]; NODES + 1],
+        spacing: 0.0,
+    };
+
+    #[inline(always)]
+    fn fill(&mut self, model: &Model, mode: SmoothMode) {
+        self.spacing = GRID_TIMES_RATE / model.rate;
+        let (share, speed) = (model.block_share, model.gap * model.rate);
+        let mut step = [[0.0; LANES]; COLUMNS];
+        for column in 0..COLUMNS {
+            let mut unit = [0.0; LANES];
+            unit[column] = 1.0;
+            let z = physical(&unit, share, model.gap, speed);
+            let series = Series::<STEP>::expand(model, mode, &z, None, self.spacing);
+            let mut sum = [0.0; LANES];
+            for (k, lane) in series.lanes.iter().enumerate().rev() {
+                let term = varied(lane, share, model.gap, speed);
+                if let Some(kept) = self.terms.get_mut(k) {
+                    kept[column] = term;
+                }
+                for (sum, x) in sum.iter_mut().zip(term) {
+                    *sum += x;
+                }
+            }
+            step[column] = sum;
+            self.nodes[0][column] = unit;
+        }
+        for i in 1..=NODES {
+            for column in 0..COLUMNS {
+                self.nodes[i][column] = transit(&step, &self.nodes[i - 1][column]);
+            }
+        }
+    }
+
+    /// The products of the series with the variation do not wait for each other.
+    #[inline(always)]
+    fn propagate(&self, v: &mut Augmented, span: f64) {
+        let steps = span / self.spacing;
+        let mut node = steps.round() as u32 as usize;
+        let part = steps - node as f64;
+        while node > NODES {
+            *v = transit(&self.nodes[NODES], v);
+            node -= NODES;
+        }
+        let at_node = transit(&self.nodes[node], v);
+        let (mut power, mut sum) = (1.0, at_node);
+        for term in &self.terms[1..] {
+            power *= part;
+            for (x, y) in sum.iter_mut().zip(transit(term, &at_node)) {
+                *x += power * y;
+            }
+        }
+        *v = sum;
+    }
+}
+
+/// What a [`SingleVariation`] does, to be compiled once for each instruction set. No operation is fused, so that all give the same
+/// bits.
+enum Work<'a> {
+    Fill(&'a mut Transition, &'a Model, SmoothMode),
+    Propagate(&'a Transition, &'a mut Augmented, f64),
+}
+
+impl pulp::WithSimd for Work<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        match self {
+            Self::Fill(transition, model, mode) => transition.fill(model, mode),
+            Self::Propagate(transition, v, span) => transition.propagate(v, span),
+        }
+    }
+}
+
+/// Transition matrices of both modes and the jumps at events.
+#[derive(Clone, Debug)]
+pub(crate) struct SingleVariation {
+    model: Model,
+    /// Of flight and of rest, and whether they are those of the model.
+    transitions: [Box<Transition>; 2],
+    ready: [bool; 2],
+}
+
+impl SingleVariation {
+    pub(crate) fn new(model: &Model) -> Self {
+        let transitions = [Box::new(Transition::ZERO), Box::new(Transition::ZERO)];
+        Self { model: *model, transitions, ready: [false; 2] }
+    }
+
+    /// Changes to another system.
+    pub(crate) fn renew(&mut self, model: &Model) {
+        (self.model, self.ready) = (*model, [false; 2]);
+    }
+
+    /// Propagates a variation for `span` s in one mode, and where that ends with an impact, through its jump: the impact is given by w'
+    /// before it and the state after it.
+    pub(crate) fn propagate(
+        &mut self,
+        v: &mut Augmented,
+        (mode, span): (SmoothMode, f64),
+        impact: Option<(f64, &Augmented)>,
+    ) {
+        let index = usize::from(mode == SmoothMode::Rest);
+        let transition = &mut *self.transitions[index];
+        if !self.ready[index] {
+            pulp::Arch::new().dispatch(Work::Fill(transition, &self.model, mode));
+            self.ready[index] = true;
+        }
+        pulp::Arch::new().dispatch(Work::Propagate(transition, v, span));
+        if let Some((rate, after)) = impact {
+            jump(&self.model, std::slice::from_mut(v), rate, after);
+        }
+    }
+}
