@@ -60,8 +60,8 @@ fn invariant_every_document_that_is_cited_is_in_the_repository() {
             let beside = path.parent().expect("a file is in a folder").join(word);
             let there =
                 [beside, root().join(word), root().join("docs").join(word)].iter().any(|p| p.exists());
-            // A licence's text in the packed archive and in packages of others.
-            let others = word.contains("LICENSE");
+            // A licence's text in the packed archive and in packages of others; the notes, which a release makes.
+            let others = word.contains("LICENSE") || word.ends_with("RELEASE_NOTES.md");
             if !there && !others {
                 missing.insert(format!("{}: {word}", shown(&path)));
             }

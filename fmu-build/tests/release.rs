@@ -297,7 +297,8 @@ fn each_altered_archive_is_refused_by_name() {
         content.insert("modelDescription.xml".into(), text.replacen(from, "other", 1).into_bytes());
     };
     let of_fmi3 = Version::Fmi3.own_binary();
-    let alterations: [(Version, &dyn Fn(&mut Content), &str); 4] = [
+    type Alteration<'a> = (Version, &'a dyn Fn(&mut Content), &'a str);
+    let alterations: [Alteration<'_>; 4] = [
         (Version::Fmi2, &|c| token(c, &guid()), "VibroImpact3DOF.fmu: instantiation token other"),
         (
             Version::Fmi3,
