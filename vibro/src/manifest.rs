@@ -1,7 +1,7 @@
 //! Manifests: what a folder of finished parts, or a finished result, was computed from. They keep results of different
 //! parameters apart.
 
-use crate::long_study::LongStudy;
+use crate::long_study::{FORMAT, LongStudy};
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -73,11 +73,16 @@ impl Manifest {
         let text = std::fs::read(path).map_err(Error::file("reading", path))?;
         let text = String::from_utf8(text).map_err(|_| problem("is no manifest of vibro: no text".into()))?;
         let found: Self = toml::from_str(&text).map_err(|e| {
-            let reason = e.to_string();
-            problem(format!(
-                "is no manifest of vibro, or a damaged one, and is left as it is: {}",
-                reason.trim_end()
-            ))
+            problem(match other_form(&text) {
+                Some(form) => format!(
+                    "describes parts in form {form}, and this vibro reads and writes form {FORMAT}; it is left as it is\n  allowed: \
+                     another --out, or to finish that run by the vibro that began it"
+                ),
+                None => format!(
+                    "is no manifest of vibro, or a damaged one, and is left as it is: {}",
+                    e.to_string().trim_end()
+                ),
+            })
         })?;
         if found.program == PROGRAM {
             Ok(found)
@@ -165,6 +170,15 @@ impl Manifest {
 pub fn fnv1a(bytes: &[u8]) -> u64 {
     let byte = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, byte)
+}
+
+/// The form of parts that a manifest names which cannot be read as one of this program's; none where it is this program's own form,
+/// or where the text is no manifest of parts.
+fn other_form(text: &str) -> Option<i64> {
+    let manifest: toml::Table = toml::from_str(text).ok()?;
+    let study = manifest.get("long_study")?.as_table()?;
+    let form = study.get("format").map_or(Some(1), toml::Value::as_integer)?;
+    (form != i64::from(FORMAT)).then_some(form)
 }
 
 #[cfg(test)]
