@@ -21,6 +21,7 @@ mod contact;
 mod flight;
 mod general;
 mod limits;
+mod snapshot;
 mod step;
 mod tables;
 mod types;
@@ -29,6 +30,7 @@ pub use batch::{
     LaneUse, Maximum, MotionQueue, Plan, Reports, TOGETHER, Way, advance_queue, advance_queue_by,
     advance_together,
 };
+pub use snapshot::Snapshot;
 pub use step::EventObserver;
 pub use types::{
     AdvanceOutcome, Contact, DueEvent, EnergyAccounts, Event, ImpactRecord, Loads, Pause, WorkCounters,
@@ -43,7 +45,7 @@ use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
 pub use limits::check_time;
-use limits::{check_contact, check_speeds, coordinates, limit};
+use limits::{check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use tables::ModeTables;
@@ -103,14 +105,6 @@ pub struct Simulator {
     pending: Pending,
     work: WorkCounters,
     keeps_energy_accounts: bool,
-}
-
-/// Everything that changes as the simulator advances, with its parameters, as plain data: restore then continue is
-/// bit-identical.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot {
-    parameters: Parameters,
-    hybrid: HybridState,
 }
 
 impl Simulator {
@@ -342,52 +336,6 @@ impl Simulator {
     /// Work done so far by this simulator; not part of a snapshot.
     pub fn work_counters(&self) -> &WorkCounters {
         &self.work
-    }
-
-    /// All that is needed to come back to this point.
-    #[inline]
-    pub fn snapshot(&self) -> Snapshot {
-        Snapshot { parameters: self.parameters, hybrid: self.hybrid }
-    }
-
-    /// [`snapshot`](Self::snapshot) into the place of an older one, without a copy in between.
-    #[inline]
-    pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
-        snapshot.parameters = self.parameters;
-        snapshot.hybrid = self.hybrid;
-    }
-
-    /// Puts back a snapshot, its parameters included; continuing gives the same bits as not having left.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new) when the snapshot's parameters or state are no valid ones (a foreign or damaged snapshot).
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let hybrid = snapshot.hybrid;
-        let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();
-        let record = [hybrid.record.last_time, hybrid.record.last_impulse, hybrid.record.last_speed];
-        let numbers = hybrid.y.iter().chain(hybrid.loads.iter().flatten()).chain(&record);
-        let plain = numbers.chain([&hybrid.record.total_impulse]).all(|x| x.is_finite());
-        let sums = [&hybrid.sums.input, &hybrid.sums.damped, &hybrid.sums.impact].into_iter().all(finite);
-        if !(plain && sums && finite(&hybrid.time) && finite(&hybrid.loads_from) && hybrid.phase.is_finite())
-        {
-            return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
-        }
-        let gap = snapshot.parameters.stop_gap;
-        if hybrid.y[1].abs() > gap {
-            return Err(Error::Penetration { value: hybrid.y[1], gap });
-        }
-        check_contact(&hybrid, gap)?;
-        if snapshot.parameters != self.parameters {
-            let model = Model::new(&snapshot.parameters)?;
-            check_time(model.rate, hybrid.time.value())?;
-            self.hybrid = hybrid;
-            self.install(&snapshot.parameters, model);
-        } else {
-            check_time(self.model.rate, hybrid.time.value())?;
-            self.hybrid = hybrid;
-            self.prepare_load_tables();
-        }
-        Ok(())
     }
 
     #[inline(always)]

@@ -1,0 +1,118 @@
+//! Taylor series of the augmented state about a point, by the recurrence docs/theory.md (8). How many coefficients a series has
+//! follows from its radius: the sub-step of 2.4/rate, which [`super`] divides into 16 intervals, or a part of it.
+
+use super::polynomial;
+use crate::model::{
+    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY,
+    SECONDARY_RATE, SmoothMode,
+};
+
+/// Coefficients of a series about an interval's centre: the remainder is 0.075¹⁰/10! < 2e-18 of the largest coordinate.
+pub const CENTRED: usize = 10;
+/// Coefficients of a series about the start, of radius 0.15/rate: the remainder is 0.15¹²/12! < 3e-19.
+pub const ANCHORED: usize = 12;
+/// Coefficients of a series over a whole sub-step, for the tables: the remainder is 2.4³⁰/30! < 1e-20.
+pub const WHOLE: usize = 30;
+
+/// 1/(k+1) of the recurrence.
+const RECIPROCALS: [f64; WHOLE] = {
+    let mut r = [0.0; WHOLE];
+    let mut k = 0;
+    while k < WHOLE {
+        r[k] = 1.0 / (k + 1) as f64;
+        k += 1;
+    }
+    r
+};
+
+/// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k lanes[k] u^k`; `free` likewise is the
+/// free relative acceleration.
+#[derive(Clone, Copy)]
+pub struct Series<const N: usize> {
+    /// Coefficients of the augmented state, by order.
+    pub lanes: [Augmented; N],
+    /// Coefficients of the free relative acceleration, by order.
+    pub free: [f64; N],
+}
+
+impl<const N: usize> Series<N> {
+    /// The recurrence docs/theory.md (8): each order follows from the one before through the equations of motion.
+    #[inline(always)]
+    pub fn expand(
+        model: &Model,
+        mode: SmoothMode,
+        z: &Augmented,
+        forces: Option<&Forces>,
+        radius: f64,
+    ) -> Self {
+        let mut lanes = [[0.0; LANES]; N];
+        let mut free = [0.0; N];
+        lanes[0] = *z;
+        let mut scale = 1.0; // r^k / k!
+        for k in 0..N {
+            let f = forces.map(|d| if k < 4 { d.map(|b| b[k] * scale) } else { [0.0; 3] });
+            let c = lanes[k];
+            let (a, relative) = model.acceleration(mode, &c, f);
+            free[k] = relative;
+            if k + 1 < N {
+                let q = radius * RECIPROCALS[k];
+                scale *= q;
+                let turn = q * model.omega;
+                lanes[k + 1] = [
+                    q * c[BOX_RATE],
+                    q * c[RELATIVE_RATE],
+                    q * c[SECONDARY_RATE],
+                    q * a[0],
+                    q * a[1],
+                    q * a[2],
+                    -turn * c[DRIVE_SIN],
+                    turn * c[DRIVE_COS],
+                ];
+            }
+        }
+        Self { lanes, free }
+    }
+
+    /// The augmented state at u.
+    #[inline(always)]
+    pub fn at(&self, u: f64) -> Augmented {
+        polynomial(&self.lanes, u)
+    }
+
+    /// The coefficients of `side · w - gap` (gap is L), negative while the block is inside.
+    #[inline(always)]
+    pub fn excess_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
+        let mut p = [0.0; N];
+        for (pk, lane) in p.iter_mut().zip(&self.lanes) {
+            *pk = side * lane[RELATIVE];
+        }
+        p[0] -= gap;
+        p
+    }
+
+    /// Time derivatives of the three bodies' displacements at the centre, `[body][order]` for the orders below M ≤ N, m/s^order:
+    /// the coefficients times k!/r^k, with `rate` = 1/r in 1/s.
+    pub fn derivatives<const M: usize>(&self, rate: f64) -> [[f64; M]; 3] {
+        let mut derivatives = [[0.0; M]; 3];
+        let mut scale = 1.0; // k!/r^k
+        for (k, lane) in self.lanes.iter().enumerate().take(M) {
+            if k > 0 {
+                scale *= k as f64 * rate;
+            }
+            let bodies = [lane[BOX], lane[BOX] + lane[RELATIVE], lane[SECONDARY]];
+            for (derivative, value) in derivatives.iter_mut().zip(bodies) {
+                derivative[k] = value * scale;
+            }
+        }
+        derivatives
+    }
+
+    /// The coefficients of the event functional: w in flight, the free relative acceleration in rest.
+    #[inline(always)]
+    pub fn functional(&self, mode: SmoothMode) -> [f64; N] {
+        match mode {
+            SmoothMode::Flight => self.lanes.map(|lane| lane[RELATIVE]),
+            SmoothMode::Rest => self.free,
+        }
+    }
+}
