@@ -173,7 +173,7 @@ impl StroboscopicRecord {
             Event::Impact { side, .. } => {
                 let upper = side > 0;
                 self.impacts[usize::from(!upper)] += 1;
-                self.pattern = self.pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper));
+                self.pattern = appended(self.pattern, upper);
             }
             _ => self.rests = true,
         }
@@ -228,6 +228,11 @@ impl StroboscopicRecord {
             sizes: sizes.map(f64::sqrt),
         }
     }
+}
+
+/// The order of some impacts, as a number, with one more at its end.
+pub(crate) fn appended(pattern: u64, upper: bool) -> u64 {
+    pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper))
 }
 
 /// Whether the motion without impacts has one limit: its flow is linear, and every part of it is damped, for which the block needs the

@@ -133,7 +133,7 @@ impl Tangent {
         };
         variation.propagate(&mut self.v, (self.mode, (time - self.time).max(0.0)), impact);
         self.time = time;
-        let square = self.v.iter().map(|x| x * x).sum::<f64>();
+        let square = self.square();
         if !SCALED.contains(&square) {
             self.scale(square.sqrt());
         }
@@ -141,7 +141,7 @@ impl Tangent {
 
     /// Ends the blocks up to `time`.
     fn count_blocks(&mut self, time: f64) {
-        self.scale(self.length());
+        self.scale(self.square().sqrt());
         while self.block_end <= time {
             self.blocks += 1;
             if self.blocks > ALIGN {
@@ -153,8 +153,9 @@ impl Tangent {
         }
     }
 
-    fn length(&self) -> f64 {
-        self.v.iter().map(|x| x * x).sum::<f64>().sqrt()
+    /// The square of the variation's length.
+    fn square(&self) -> f64 {
+        self.v.iter().map(|x| x * x).sum()
     }
 
     /// Makes the length one; a variation without length has shrunk by all.
@@ -194,5 +195,4 @@ impl Tangent {
 }
 
 #[cfg(test)]
-#[path = "largest_exponent/tests.rs"]
 mod tests;

@@ -52,6 +52,7 @@ pub mod basin;
 pub mod bifurcation;
 pub mod design_sweep;
 mod error;
+mod free_motion;
 pub mod isoperiodic;
 mod largest_exponent;
 pub mod lyapunov;

@@ -211,5 +211,4 @@ fn deviation(running: &[[f64; DIMENSION]], window: u32) -> f64 {
 }
 
 #[cfg(test)]
-#[path = "lyapunov/tests.rs"]
 mod tests;

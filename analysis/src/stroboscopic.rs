@@ -29,9 +29,9 @@ impl Units {
         Self { length: p.stop_gap, speed: p.stop_gap * p.box_frequency() }
     }
 
-    /// A speed, m/s, in units of L ω10.
-    pub(crate) fn speed(&self, speed: f64) -> f64 {
-        speed / self.speed
+    /// L ω10, m/s.
+    pub(crate) fn speed(&self) -> f64 {
+        self.speed
     }
 
     pub(crate) fn dimensionless(&self, state: &State) -> StroboscopicState {

@@ -29,8 +29,8 @@ pub struct Start {
 pub struct Program {
     /// Whole drive periods that are discarded.
     pub discard: u32,
-    /// Whether a motion that is found to have settled on a period within them ends there, as what it has settled on. Only for
-    /// motions that are observed and whose maxima are not asked for.
+    /// Whether a motion that is found to have settled on a period within them, or to have no more impacts, ends there, as what it would
+    /// be observed to be. Only for motions that are observed and whose maxima are not asked for.
     pub until_settled: bool,
     /// Whole drive periods over which the maxima of a displacement are collected, if any are.
     pub maxima: Option<(Displacement, u32)>,
@@ -39,6 +39,13 @@ pub struct Program {
     /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed, if it is.
     /// Only for motions that are observed; most of the observation counts in any case.
     pub exponent: Option<u32>,
+}
+
+impl Program {
+    /// Whether motions end as soon as it is known what they are.
+    fn ends_early(&self) -> bool {
+        self.until_settled && self.observed && self.maxima.is_none()
+    }
 }
 
 /// What has become of a motion.
@@ -117,5 +124,4 @@ pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Ve
 }
 
 #[cfg(test)]
-#[path = "trajectories/tests.rs"]
 mod tests;

@@ -52,7 +52,7 @@ fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
     }
     // Less than a block, so that nothing has been scaled.
     tangent.carry(simulator.time(), None);
-    ([tangent.length().ln() - begin, logarithm - begin], rested)
+    ([0.5 * tangent.square().ln() - begin, logarithm - begin], rested)
 }
 
 #[test]

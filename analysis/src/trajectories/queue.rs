@@ -3,6 +3,7 @@
 use super::{LargestExponent, Outcome, Program, Start};
 use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord, is_damped};
 use crate::error::Result;
+use crate::free_motion;
 use crate::largest_exponent::{ALIGN, BLOCK, Tangent};
 use crate::settling::{Confirmation, ImpactRepetition};
 use crate::stroboscopic::Units;
@@ -14,6 +15,9 @@ use vibro_impact::simulator::{Event, Maximum, MotionQueue, Plan, Reports, Simula
 /// Drive periods between two looks at whether an exponent is decided: half of what is observed.
 const LOOK: u32 = 8 * BLOCK;
 
+/// Drive periods without an impact after which it is looked at whether there will be any more.
+const QUIET: u32 = 4;
+
 /// What a lane is at, and what it has recorded of its motion.
 #[derive(Debug, Default)]
 pub(super) struct LaneRecord {
@@ -24,10 +28,14 @@ pub(super) struct LaneRecord {
     /// The drive's period, s, and its reciprocal.
     period: f64,
     frequency: f64,
+    /// 1/(L ω10), s/m.
+    per_speed: f64,
     stage: Stage,
     stroboscopic: StroboscopicRecord,
     impacts: ImpactRepetition,
     confirmation: Option<Confirmation>,
+    /// The drive period after which it is looked at whether there will be more impacts; put off by those that come before.
+    watched: u32,
     tangent: Tangent,
     /// When the tangent begins, s, and whether it has begun.
     tangent_from: f64,
@@ -58,12 +66,12 @@ impl LaneRecord {
         self.maxima.clear();
         self.impacts.clear();
         (self.confirmation, self.attractor, self.exponent) = (None, None, None);
-        (self.number, self.stage) = (number, Stage::Discarding);
+        (self.number, self.stage, self.watched) = (number, Stage::Discarding, QUIET);
         self.parameters = start.parameters;
         (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
-        self.frequency = 1.0 / self.period;
+        (self.frequency, self.per_speed) = (1.0 / self.period, 1.0 / self.units.speed());
         // It is aligned when the observation begins, or begins with that where nothing but events could be reported before.
-        let align = (program.until_settled && program.maxima.is_none()).then_some(ALIGN * BLOCK);
+        let align = program.ends_early().then_some(ALIGN * BLOCK);
         let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
         self.tangent_from = match (program.exponent, from) {
             (Some(_), Some(from)) => from * self.period,
@@ -94,25 +102,51 @@ impl LaneRecord {
         self.tangent.is_positive()
     }
 
-    /// Takes note of an event of a motion that may have settled; returns the number of the first sample that is then asked for.
+    /// Takes note of an event of a motion that may have settled; returns the number of the sample that is then asked for.
     fn look_for_repetition(&mut self, event: &Event) -> Option<u32> {
         if self.confirmation.is_some() {
             self.stroboscopic.event(event);
         }
         let Event::Impact { time, side, speed, .. } = *event else { return None };
         let time = time * self.frequency;
-        let period = self.impacts.impact(time, side > 0, self.units.speed(speed))?;
+        let period = self.impacts.impact(time, side > 0, self.per_speed * speed);
         if self.confirmation.is_some() {
             return None;
         }
-        let confirmation = Confirmation::new(period, time);
-        self.confirmation = Some(confirmation);
-        Some(confirmation.first)
+        if let Some(period) = period {
+            let confirmation = Confirmation::new(period, time);
+            self.confirmation = Some(confirmation);
+            return Some(confirmation.first);
+        }
+        let now = time as u32;
+        (now + 1 >= self.watched).then(|| self.watch(now))
     }
 
-    /// Takes a sample of a motion that may have settled.
-    fn confirm(&mut self, number: u32, state: &State) -> ControlFlow<(), u32> {
-        let Some(confirmation) = &mut self.confirmation else { return ControlFlow::Continue(u32::MAX) };
+    /// Puts off the look at whether there will be more impacts; returns the number of its sample.
+    fn watch(&mut self, now: u32) -> u32 {
+        self.watched = now + QUIET;
+        2 * self.watched
+    }
+
+    /// Takes a sample of a motion that may have no more impacts; `discard` drive periods are discarded.
+    fn look_ahead(&mut self, number: u32, state: &State, discard: u32) -> ControlFlow<(), u32> {
+        let (p, now) = (self.parameters, number / 2);
+        if number.is_multiple_of(2)
+            && free_motion::keeps_clear(&p, state)
+            && let Some(end) = free_motion::observe(&p, state, discard - now, &mut self.stroboscopic)
+        {
+            self.attractor = Some(self.stroboscopic.attractor(&p));
+            self.stage = Stage::Settled(end);
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(self.watch(now))
+    }
+
+    /// Takes a sample of a motion that may have settled, or may have no more impacts; `discard` drive periods are discarded.
+    fn confirm(&mut self, number: u32, state: &State, discard: u32) -> ControlFlow<(), u32> {
+        let Some(confirmation) = &mut self.confirmation else {
+            return self.look_ahead(number, state, discard);
+        };
         let sample = self.units.dimensionless(state);
         if number <= confirmation.first {
             self.stroboscopic.clear();
@@ -128,7 +162,7 @@ impl LaneRecord {
             return ControlFlow::Break(());
         }
         self.confirmation = None;
-        ControlFlow::Continue(u32::MAX)
+        ControlFlow::Continue(self.watch(number / 2))
     }
 }
 
@@ -181,8 +215,10 @@ impl<'a> Motions<'a> {
                 plan(from, OBSERVED, Reports { origin: from, first: 1, ..events })
             }
             (Stage::Settled(_), _) => {
-                let period = record.confirmation.map(|c| c.period);
-                record.attractor = Some(record.stroboscopic.attractor_of(simulator.parameters(), period));
+                if let Some(Confirmation { period, .. }) = record.confirmation {
+                    let attractor = record.stroboscopic.attractor_of(simulator.parameters(), Some(period));
+                    record.attractor = Some(attractor);
+                }
                 None
             }
             (Stage::Observing | Stage::Exponent, _) => {
@@ -246,19 +282,18 @@ impl MotionQueue for Motions<'_> {
             }
             let record = &mut self.lanes[lane];
             record.begin(number, &start, program);
-            let until_settled = program.until_settled && program.observed && program.maxima.is_none();
-            // Samples at half drive periods, none of them before impacts repeat.
-            let reports =
-                Reports { origin: 0.0, step: 0.5 * record.period, first: u32::MAX, maxima_of: None };
+            // Samples at half drive periods, none of them before impacts repeat or stay away.
+            let (step, first) = (0.5 * record.period, 2 * record.watched);
+            let reports = Reports { origin: 0.0, step, first, maxima_of: None };
             let end = f64::from(program.discard) * record.period;
-            return Some(Plan { simulator: lane, end, reports: until_settled.then_some(reports) });
+            return Some(Plan { simulator: lane, end, reports: program.ends_early().then_some(reports) });
         }
     }
 
     fn sample(&mut self, lane: usize, number: u32, state: &State) -> ControlFlow<(), u32> {
         let record = &mut self.lanes[lane];
         if record.stage == Stage::Discarding {
-            return record.confirm(number, state);
+            return record.confirm(number, state, self.program.discard);
         }
         record.stroboscopic.sample(number, record.units.dimensionless(state));
         ControlFlow::Continue(number + 1)

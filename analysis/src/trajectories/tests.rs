@@ -148,7 +148,7 @@ fn second_method_verdicts_are_those_of_whole_motions() {
         });
         found.into_iter().flatten().collect::<Vec<_>>()
     };
-    let (mut early, mut periods) = (0, std::collections::BTreeSet::new());
+    let (mut early, mut free, mut periods) = (0, 0, std::collections::BTreeSet::new());
     for way in [Way::Together, Way::OneByOne] {
         let pairs = run(true, way).into_iter().zip(run(false, way));
         for (k, ((state, found), (end, expected))) in pairs.enumerate() {
@@ -157,6 +157,8 @@ fn second_method_verdicts_are_those_of_whole_motions() {
             }
             early += usize::from(state != end);
             assert_eq!((found.period, found.is_free()), (expected.period, expected.is_free()), "motion {k}");
+            assert_eq!(found.approaching, expected.approaching, "motion {k}");
+            free += usize::from(state != end && found.is_free());
             if found.period.is_some() {
                 assert_eq!((found.impacts, found.rests), (expected.impacts, expected.rests), "motion {k}");
                 assert_eq!(found.is_symmetric(), expected.is_symmetric(), "motion {k}");
@@ -166,4 +168,5 @@ fn second_method_verdicts_are_those_of_whole_motions() {
         }
     }
     assert!(early > starts.len() && periods.len() > 3, "{early} of {}: {periods:?}", 2 * starts.len());
+    assert!(free > starts.len() / 10, "{free} without impacts");
 }

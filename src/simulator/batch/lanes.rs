@@ -11,6 +11,7 @@ mod passage;
 mod report;
 mod rows;
 mod substep;
+mod transition;
 
 use super::super::step::{AdvanceState, RENEW};
 use super::super::{Contact, Event, Pause, Simulator};

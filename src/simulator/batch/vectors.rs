@@ -29,6 +29,9 @@ pub(crate) struct Wide<S: Simd> {
     x: S::f64s,
 }
 
+/// A bit for each lane of a vector, the first lane's the lowest.
+const LANE_BITS: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+
 /// A truth value in each lane of a vector.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask<S: Simd> {
@@ -158,8 +161,7 @@ impl<S: Simd> Mask<S> {
     /// From a bit for each lane, the first lane's the lowest.
     #[inline(always)]
     pub(crate) fn from_bits(simd: S, bits: u64) -> Self {
-        const BITS: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
-        let lanes = S::as_simd_u64s(&BITS).0[0];
+        let lanes = S::as_simd_u64s(&LANE_BITS).0[0];
         Self { simd, m: simd.equal_u64s(simd.and_u64s(simd.splat_u64s(bits), lanes), lanes) }
     }
 
@@ -175,12 +177,11 @@ impl<S: Simd> Mask<S> {
         if size_of::<S::m64s>() == 1 {
             return u64::from(bytemuck::bytes_of(&self.m)[0]);
         }
-        let (ones, none) = (self.simd.splat_u64s(u64::MAX), self.simd.splat_u64s(0));
-        let ones = self.simd.select_u64s(self.m, ones, none);
-        let lanes: &[u64] = bytemuck::cast_slice(std::slice::from_ref(&ones));
+        let chosen = self.simd.select_u64s(self.m, S::as_simd_u64s(&LANE_BITS).0[0], self.simd.splat_u64s(0));
+        let lanes: &[u64] = bytemuck::cast_slice(std::slice::from_ref(&chosen));
         let mut bits = 0;
-        for (lane, ones) in lanes.iter().enumerate() {
-            bits |= (ones >> 63) << lane;
+        for bit in lanes {
+            bits |= bit;
         }
         bits
     }

@@ -95,7 +95,7 @@ impl Reporter {
         ControlFlow::Continue(())
     }
 
-    /// Reports an event and takes note of the sample that is asked for.
+    /// Reports an event and takes note of the sample that is asked for; returns whether one is.
     #[inline(always)]
     fn report_event(
         &mut self,
@@ -103,10 +103,12 @@ impl Reporter {
         after: &Augmented,
         now: f64,
         (queue, lane): (&mut (dyn MotionQueue + '_), usize),
-    ) {
-        if let Some(number) = queue.event(lane, event, after) {
+    ) -> bool {
+        let asked = queue.event(lane, event, after);
+        if let Some(number) = asked {
             self.set_next(number, now);
         }
+        asked.is_some()
     }
 
     /// Reports a sub-step that began at `from`, brought `events` and ended, after their law, in the state `after`. Breaks where no
@@ -206,8 +208,9 @@ impl Rounds<'_> {
                 impulse: states.last_impulse.0[lane],
             };
             let (after, now) = (states.state(lane), states.time(lane).value());
-            reporter.report_event(&event, &after, now, (self.work.queue, lane));
-            states.next_sample.0[lane] = reporter.next_sample();
+            if reporter.report_event(&event, &after, now, (self.work.queue, lane)) {
+                states.next_sample.0[lane] = reporter.next_sample();
+            }
         }
         ended
     }

@@ -1,6 +1,7 @@
 //! The numbers of the motions under way, the same number of all motions side by side in a row.
 
 use super::LaneSet;
+use super::transition::Transition;
 use crate::flow::{CORE, INTERVALS, Table};
 use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN};
 use crate::numerics::double_double::DoubleDouble;
@@ -23,8 +24,8 @@ pub(super) struct LaneSystems {
     tables: [Option<Arc<ModeTables>>; ROW],
     /// Weights of the coordinates in w at the end of each interval.
     pub(super) sample: [[Row; 8]; INTERVALS],
-    /// Rows of the matrix that gives the state after a whole sub-step.
-    pub(super) full: [[Row; 8]; 8],
+    /// The matrix that gives the state after a whole sub-step.
+    pub(super) full: Transition,
     /// Weights of the coordinates' sizes in the bound on |w''| over a sub-step.
     pub(super) bound: [Row; 8],
     /// End of the advance, leading and trailing part, s.
@@ -65,7 +66,7 @@ impl LaneSystems {
             parameters: [None; ROW],
             tables: [const { None }; ROW],
             sample: [[row; 8]; INTERVALS],
-            full: [[row; 8]; 8],
+            full: Transition::ZERO,
             bound: [row; 8],
             end: [row; 2],
             substep: row,
@@ -113,11 +114,9 @@ impl LaneSystems {
             for i in 0..INTERVALS {
                 self.sample[i][j].0[lane] = core.sample[j][i];
             }
-            for i in 0..8 {
-                self.full[i][j].0[lane] = core.full[j][i];
-            }
             self.bound[j].0[lane] = core.bound[j];
         }
+        self.full.load(lane, &core.full);
         let interval = simulator.interval();
         let r = 0.5 * interval;
         let m = &simulator.model;

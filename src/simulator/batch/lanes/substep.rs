@@ -5,7 +5,7 @@ use super::passage::{CentredFlights, REACH};
 use super::rows::{LaneStates, LaneSystems, SubstepStarts};
 use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
-use crate::model::{BOX_RATE, RELATIVE, RELATIVE_RATE};
+use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
 use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
 use pulp::Simd;
 
@@ -170,8 +170,19 @@ fn advance_whole_substep<S: Simd>(
     let load = |row: &Row| Wide::load(simd, row, v);
     let chosen = Mask::from_bits(simd, chosen);
     let z = Wide::load_each(simd, &states.z, v);
-    for ((row, before), full) in states.z.iter_mut().zip(z).zip(&systems.full) {
-        chosen.select(Wide::dot(simd, full, v, &z), before).store(row, v);
+    let driven = [z[BOX], z[BOX_RATE], z[DRIVE_COS], z[DRIVE_SIN]];
+    let moving = [z[0], z[1], z[2], z[3], z[4], z[5]];
+    let drive = [z[DRIVE_COS], z[DRIVE_SIN]];
+    let full = &systems.full;
+    for (k, [a, b, c]) in
+        [[BOX, RELATIVE, SECONDARY], [BOX_RATE, RELATIVE_RATE, SECONDARY_RATE]].into_iter().enumerate()
+    {
+        chosen.select(Wide::dot(simd, &full.driven[k], v, &driven), z[a]).store(&mut states.z[a], v);
+        chosen.select(Wide::dot(simd, &full.relative[k], v, &z), z[b]).store(&mut states.z[b], v);
+        chosen.select(Wide::dot(simd, &full.secondary[k], v, &moving), z[c]).store(&mut states.z[c], v);
+    }
+    for (k, j) in [DRIVE_COS, DRIVE_SIN].into_iter().enumerate() {
+        chosen.select(Wide::dot(simd, &full.drive[k], v, &drive), z[j]).store(&mut states.z[j], v);
     }
     let time = WideDoubleDouble::load(simd, &states.time, v);
     let later = time.plus(load(&systems.substep));

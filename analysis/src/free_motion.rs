@@ -1,0 +1,166 @@
+//! The motion of a block that never meets a stop again: proved by its energy, and computed for all time at once.
+//!
+//! In free flight box and block do not feel each other (docs/theory.md (6)). The drive moves the box alone, which comes to its forced
+//! vibration; block and secondary oscillator come to rest in the middle.
+
+use super::attractor::{OBSERVED, StroboscopicRecord};
+use super::stroboscopic::Units;
+use nalgebra::{Complex, SMatrix, SVector};
+use vibro_impact::flow::{Column, Series, WHOLE, substep};
+use vibro_impact::model::{LANES, Model, SmoothMode};
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::State;
+
+/// What rounding may add to the bound on |w|, relatively.
+const MARGIN: f64 = 1e-9;
+
+/// Whether a block that flies in this state at a whole drive period never meets a stop again.
+///
+/// The box is at most the forced amplitude and its transient away from the middle, the block at most its displacement. Springs and
+/// dampers take energy from the transients and add none, so that each body stays where its springs hold at most today's energy: a
+/// transient of the box with the energy E within √(2 E/k1), and the block, whose springs k23 and k3 act in series, within √(2 E (1/k23 + 1/k3)).
+/// A block at a stop is not found to keep clear of it, since the bound holds for the present w too.
+pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
+    let ([x1, x2, x3], [v1, v2, v3]) = (state.x, state.v);
+    let omega = p.drive_frequency;
+    let impedance = Complex::new(p.box_stiffness - p.box_mass * omega * omega, p.box_damping * omega);
+    let forced = p.drive_amplitude / impedance;
+    let now = forced * Complex::from_polar(1.0, p.drive_phase);
+    let (x, v) = (x1 - now.im, v1 - omega * now.re);
+    let twice_box = p.box_mass * v * v + p.box_stiffness * x * x;
+    let twice_block = p.block_mass * v2 * v2
+        + p.secondary_mass * v3 * v3
+        + p.coupling_stiffness * (x2 - x3) * (x2 - x3)
+        + p.secondary_stiffness * x3 * x3;
+    let block = twice_block * (1.0 / p.coupling_stiffness + 1.0 / p.secondary_stiffness);
+    // Not so either where a spring is missing: the bound is infinite or no number then.
+    forced.norm() + (twice_box / p.box_stiffness).sqrt() + block.sqrt() < (1.0 - MARGIN) * p.stop_gap
+}
+
+/// The states of a free flight every half drive period.
+#[derive(Clone, Debug)]
+struct FreeFlight {
+    /// The transition matrix over half a drive period.
+    half: SMatrix<f64, LANES, LANES>,
+    z: SVector<f64, LANES>,
+}
+
+impl FreeFlight {
+    /// From a state at a whole drive period.
+    fn new(model: &Model, p: &Parameters, state: &State) -> Self {
+        let pieces = (0.5 * p.period() / substep(model)).ceil().max(1.0);
+        let length = 0.5 * p.period() / pieces;
+        let mut piece = SMatrix::<f64, LANES, LANES>::zeros();
+        for j in 0..LANES {
+            let unit = Column::unit(j).z;
+            let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &unit, None, length);
+            piece.set_column(j, &SVector::from(series.at(1.0)));
+        }
+        let [x1, w, x3, v1, dw, v3] = state.to_relative();
+        let (sin, cos) = p.drive_phase.sin_cos();
+        let z = SVector::from([x1, w, x3, v1, dw, v3, cos, sin]);
+        Self { half: piece.pow(pieces as u32), z }
+    }
+
+    /// Goes on by so many half periods.
+    fn advance(&mut self, halves: u32) {
+        self.z = self.half.pow(halves) * self.z;
+    }
+
+    fn state(&self) -> State {
+        let z = &self.z;
+        State::from_relative(&[z[0], z[1], z[2], z[3], z[4], z[5]])
+    }
+}
+
+/// Records what a motion [without further impacts](keeps_clear), with this state at a whole drive period, would be observed to be
+/// `later` whole periods from there. Returns its state after the observation, or `None` where the parameters make no model.
+pub(crate) fn observe(
+    p: &Parameters,
+    state: &State,
+    later: u32,
+    record: &mut StroboscopicRecord,
+) -> Option<State> {
+    let units = Units::of(p);
+    let mut flight = FreeFlight::new(&Model::new(p).ok()?, p, state);
+    flight.advance(2 * later);
+    record.clear();
+    for number in 1..=2 * OBSERVED {
+        flight.z = flight.half * flight.z;
+        record.sample(number, units.dimensionless(&flight.state()));
+    }
+    Some(flight.state())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stroboscopic::dimensional;
+    use vibro_impact::Simulator;
+
+    /// Matrix powers and the simulator's sub-steps round differently, in units of L and L ω10.
+    const ROUNDING: f64 = 1e-11;
+
+    /// Systems whose forced vibration keeps the box clear of the block in the middle.
+    fn systems() -> [Parameters; 3] {
+        let weak = Parameters { drive_amplitude: 0.02, ..Parameters::default() };
+        let slow = Parameters { drive_frequency: 0.4, drive_phase: 1.1, ..weak };
+        [weak, slow, Parameters { secondary_damping: 0.0, stop_gap: 0.37, drive_frequency: 2.3, ..weak }]
+    }
+
+    #[test]
+    fn second_method_states_are_those_of_the_simulator() {
+        for p in systems() {
+            let state = dimensional(&p, &[0.05, -0.08, 0.02, 0.03, 0.04, -0.05]);
+            assert!(keeps_clear(&p, &state));
+            let mut record = StroboscopicRecord::default();
+            observe(&p, &state, 30, &mut record).unwrap();
+            let mut simulator = Simulator::new(&p, &state, 0.0).unwrap();
+            for (k, observed) in record.periods.iter().enumerate() {
+                simulator.advance_to((31 + k) as f64 * p.period()).unwrap();
+                let simulated = Units::of(&p).dimensionless(&simulator.state());
+                for (a, b) in observed.state.iter().zip(simulated) {
+                    assert!((a - b).abs() < ROUNDING, "{k}: {a} {b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn invariant_what_keeps_clear_has_no_impact_and_the_bound_is_not_far_off() {
+        let mut clear_of = [0, 0];
+        for p in systems() {
+            for k in 1..=60 {
+                let size = 0.02 * f64::from(k);
+                let direction = [0.1, -0.9, 0.3, 0.2, 0.1, -0.2].map(|x| size * x);
+                let state = dimensional(&p, &direction);
+                if state.x[1] - state.x[0] <= -p.stop_gap {
+                    continue;
+                }
+                let clear = keeps_clear(&p, &state);
+                let mut simulator = Simulator::new(&p, &state, 0.0).unwrap();
+                simulator.advance_to(60.0 * p.period()).unwrap();
+                let impacts = simulator.impacts().upper + simulator.impacts().lower;
+                assert!(!clear || impacts == 0, "{size} {impacts}");
+                clear_of[0] += usize::from(clear);
+                clear_of[1] += usize::from(impacts == 0);
+            }
+        }
+        assert!(clear_of[0] > 10 && 3 * clear_of[0] > clear_of[1], "{clear_of:?}");
+    }
+
+    #[test]
+    fn without_a_spring_nothing_is_proved() {
+        let [weak, ..] = systems();
+        let middle = State { x: [0.0; 3], v: [0.0; 3] };
+        assert!(keeps_clear(&weak, &dimensional(&weak, &[0.0; 6])));
+        for p in [
+            Parameters { box_stiffness: 0.0, ..weak },
+            Parameters { coupling_stiffness: 0.0, ..weak },
+            Parameters { secondary_stiffness: 0.0, ..weak },
+            Parameters { box_damping: 0.0, drive_frequency: 1.0, ..weak },
+        ] {
+            assert!(!keeps_clear(&p, &middle), "{p:?}");
+        }
+    }
+}
