@@ -254,7 +254,10 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 /// [`Error::File`]; what `fill` returns.
 pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
-    let beside = path.with_extension(format!("{}.{WRITING}", std::process::id()));
+    // With the whole name: files that differ in their ending alone may be written at the same time.
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.{WRITING}", std::process::id()));
+    let beside = path.with_file_name(name);
     let failed = || Error::file("writing", &beside);
     let mut file = BufWriter::new(File::create(&beside).map_err(failed())?);
     fill(&mut file)?;

@@ -1,6 +1,7 @@
 //! Tables for CSV files.
 
 use crate::{Error, Result};
+use rayon::prelude::*;
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,6 +58,33 @@ impl CsvRows {
     pub fn text(self) -> Result<Vec<u8>> {
         self.0.into_inner().map_err(Error::output("a table"))
     }
+}
+
+/// CSV text of `count` groups of rows in their order; `fill` appends the rows of one. They are formatted on all threads.
+///
+/// # Errors
+/// [`Error::Output`]; what `fill` returns.
+pub fn csv_in_groups(
+    header: &[&str],
+    count: usize,
+    fill: impl Fn(&mut CsvRows, usize) -> Result<()> + Sync,
+) -> Result<Vec<u8>> {
+    /// Groups whose text is in memory beside the whole.
+    const TOGETHER: usize = 64;
+    let mut text = CsvRows::new(header)?.text()?;
+    let head = text.len();
+    // Each has the header, to whose length its rows are held, and which is then cut off.
+    let group = |index| {
+        let mut rows = CsvRows::new(header)?;
+        fill(&mut rows, index)?;
+        rows.text()
+    };
+    for first in (0..count).step_by(TOGETHER) {
+        let indices = first..count.min(first + TOGETHER);
+        let groups: Vec<Vec<u8>> = indices.into_par_iter().map(group).collect::<Result<_>>()?;
+        groups.iter().for_each(|group| text.extend_from_slice(&group[head..]));
+    }
+    Ok(text)
 }
 
 /// A number in decimals that read back as the same bits.

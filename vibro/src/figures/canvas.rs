@@ -126,6 +126,27 @@ pub fn text_width(words: &str, size: f64) -> f64 {
     sum * size / f64::from(face.units_per_em())
 }
 
+/// A number written with at most one decimal.
+#[derive(Clone, Copy)]
+struct Rounded(f64);
+
+impl std::fmt::Display for Rounded {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        /// Up to here doubles tell tenths apart, and whole numbers of them are written several times faster.
+        const MOST: f64 = 1e15;
+        let tenths = (self.0 * 10.0).round();
+        if tenths.abs() < MOST {
+            let (sign, size) = (if tenths < 0.0 { "-" } else { "" }, tenths.abs() as u64);
+            return match size % 10 {
+                0 => write!(f, "{sign}{}", size / 10),
+                tenth => write!(f, "{sign}{}.{tenth}", size / 10),
+            };
+        }
+        let text = format!("{:.1}", tenths / 10.0);
+        f.write_str(text.strip_suffix(".0").unwrap_or(&text))
+    }
+}
+
 /// An SVG that is being written.
 #[derive(Debug, Default)]
 pub struct Canvas {
@@ -138,10 +159,9 @@ pub struct Canvas {
 
 impl Canvas {
     /// A number with at most one decimal.
-    fn number(&mut self, value: f64) -> String {
+    fn number(&mut self, value: f64) -> Rounded {
         self.broken |= !value.is_finite();
-        let text = format!("{:.1}", (value * 10.0).round() / 10.0 + 0.0);
-        text.strip_suffix(".0").map(str::to_owned).unwrap_or(text)
+        Rounded(value)
     }
 
     fn push(&mut self, text: std::fmt::Arguments<'_>) {
@@ -164,7 +184,7 @@ impl Canvas {
                     1 => "L",
                     _ => " ",
                 });
-                data.push_str(&format!("{x} {y}"));
+                let _ = write!(data, "{x} {y}");
             }
             if close {
                 data.push('z');
@@ -208,7 +228,7 @@ impl Canvas {
         for [a, b] in corners {
             let (x, y) = (self.number(a.0.min(b.0)), self.number(a.1.min(b.1)));
             let (w, h) = (self.number((b.0 - a.0).abs()), self.number((b.1 - a.1).abs()));
-            data.push_str(&format!("M{x} {y}h{w}v{h}h-{w}z"));
+            let _ = write!(data, "M{x} {y}h{w}v{h}h-{w}z");
         }
         if !data.is_empty() {
             let colour = Self::hex(colour);
@@ -225,7 +245,7 @@ impl Canvas {
         let mut data = String::new();
         for &(x, y) in centres {
             let (x, y) = (self.number(x - radius), self.number(y));
-            data.push_str(&format!("M{x} {y}a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0-{across} 0z"));
+            let _ = write!(data, "M{x} {y}a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0-{across} 0z");
         }
         if data.is_empty() {
             return;
@@ -332,10 +352,18 @@ fn fonts() -> Arc<usvg::fontdb::Database> {
 /// # Errors
 /// [`Error::Output`].
 pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
+    svg_and_png(drawing).map(|(_, png)| png)
+}
+
+/// As SVG text and as a PNG file made from it, drawn once.
+///
+/// # Errors
+/// As [`svg`] and [`png`].
+pub fn svg_and_png(drawing: &impl Drawing) -> Result<(String, Vec<u8>)> {
+    let (svg, (width, height)) = (svg(drawing)?, drawing.size());
     let failed = || Error::output("a PNG file")("no memory for its pixels");
     let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
-    let tree = usvg::Tree::from_str(&svg(drawing)?, &options).map_err(Error::output("a PNG file"))?;
-    let (width, height) = drawing.size();
+    let tree = usvg::Tree::from_str(&svg, &options).map_err(Error::output("a PNG file"))?;
     let (columns, rows) = (width / PNG_SHRINK, height / PNG_SHRINK);
     let mut pixels = tiny_skia::Pixmap::new(columns, rows).ok_or_else(failed)?;
     let scale = |pixels: u32, size: f32| pixels as f32 / size;
@@ -355,5 +383,5 @@ pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
     let mut writer = encoder.write_header().map_err(Error::output("a PNG file"))?;
     writer.write_image_data(&colours).map_err(Error::output("a PNG file"))?;
     writer.finish().map_err(Error::output("a PNG file"))?;
-    Ok(file)
+    Ok((svg, file))
 }

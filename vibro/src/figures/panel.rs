@@ -212,13 +212,14 @@ fn merged(cells: &[u8], columns: usize, most: (usize, usize)) -> (usize, Cow<'_,
         return (columns, Cow::Borrowed(cells));
     }
     let part = |i: usize, from: usize, to: usize| i * from / to..(i + 1) * from / to;
+    let last = cells.iter().copied().max().unwrap_or_default();
     let common = |i: usize, j: usize| {
         let mut counts = [0_u32; 256];
         for row in part(j, rows, up) {
             let row = &cells[row * columns..(row + 1) * columns];
             part(i, columns, across).for_each(|column| counts[usize::from(row[column])] += 1);
         }
-        (0..=u8::MAX).rev().max_by_key(|class| counts[usize::from(*class)]).unwrap_or_default()
+        (0..=last).rev().max_by_key(|class| counts[usize::from(*class)]).unwrap_or_default()
     };
     (across, (0..up).flat_map(|j| (0..across).map(move |i| common(i, j))).collect())
 }

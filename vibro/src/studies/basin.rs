@@ -5,7 +5,7 @@ use super::lengths::Lengths;
 use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
-use crate::table::{CsvRows, Table, exact};
+use crate::table::{Table, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
@@ -67,19 +67,19 @@ fn attractor_table(basin: &Basin) -> Table {
 /// Each start with the number of its attractor.
 fn cell_table(request: &Request, basin: &Basin) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
-    let mut csv =
-        CsvRows::new([COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image"])?;
-    for (j, row) in basin.cells.chunks(x.count).enumerate() {
-        for (i, destination) in row.iter().enumerate() {
+    let header = [COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image"];
+    let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
+    csv_in_groups(&header, y.count, |rows, j| {
+        let value = exact(y.value(j));
+        xs.iter().zip(&basin.cells[j * x.count..]).try_for_each(|(x, destination)| {
             let (number, mirror) = match destination {
                 Destination::Outside => (String::new(), ""),
                 Destination::Attractor(n) => ((n + 1).to_string(), "false"),
                 Destination::Mirror(n) => ((n + 1).to_string(), "true"),
             };
-            csv.push([&exact(x.value(i)), &exact(y.value(j)), &number, mirror])?;
-        }
-    }
-    csv.text()
+            rows.push([x, &value, &number, mirror])
+        })
+    })
 }
 
 fn remarks(basin: &Basin) -> Vec<String> {

@@ -4,7 +4,8 @@ use super::Study;
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY};
 use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Panel, Path, Shape, THIN};
-use crate::table::{CsvRows, exact};
+use crate::table::{csv_in_groups, exact};
+use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, PlanePoint, Request, SettledMotion};
@@ -53,20 +54,21 @@ const TOLD: usize = 8;
 /// [`Error::Output`](crate::Error::Output).
 pub fn isoperiodic(set: &ParameterSet, request: &Request, plane: &Isoperiodic, name: &str) -> Result<Study> {
     let pair = format!("({}, {})", set.symbol(request.x.name), set.symbol(request.y.name));
+    let (table, panels) = rayon::join(|| csv(request, plane), || panels(set, request, plane));
     let figure = Figure {
         title: format!("Simulated motion over {pair}"),
         caption: vec![
             method(request),
             format!("Past the paper. Elsewhere {}", set.caption_but(&[request.x.name, request.y.name])),
         ],
-        panels: panels(set, request, plane),
+        panels,
         columns: 2,
         panel: (1700, 1400),
         shared_legend: true,
     };
     let what = format!("simulated motion over {pair}: period, impacts and class");
     Ok(Study {
-        tables: vec![(name.into(), csv(request, plane)?)],
+        tables: vec![(name.into(), table?)],
         figure: Some(figure),
         ..Study::without_figure(name, what).with_remarks(remarks(plane))
     })
@@ -157,7 +159,7 @@ fn border(request: &Request, plane: &Isoperiodic) -> Vec<Path> {
 
 fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
-    let mut csv = CsvRows::new([
+    let header = [
         x.name.name(),
         y.name.name(),
         "class",
@@ -169,38 +171,43 @@ fn csv(request: &Request, plane: &Isoperiodic) -> Result<Vec<u8>> {
         "lambda1_error",
         "exact_orbit",
         "on_exact_orbit",
-    ])?;
-    for (j, row) in plane.points.chunks(x.count).enumerate() {
-        for (i, PlanePoint { theory, motion }) in row.iter().enumerate() {
-            let word = |tell: &dyn Fn(&SettledMotion) -> String| motion.as_ref().map_or(String::new(), tell);
-            csv.push([
-                &exact(x.value(i)),
-                &exact(y.value(j)),
-                &motion.map_or("refused".into(), |m| m.class.name()),
-                &word(&|m| exact(m.impacts[0])),
-                &word(&|m| exact(m.impacts[1])),
-                &word(&|m| m.rests.to_string()),
-                &word(&|m| m.symmetric.to_string()),
-                &word(&|m| m.exponent.map_or(String::new(), |e| exact(e[0]))),
-                &word(&|m| m.exponent.map_or(String::new(), |e| exact(e[1]))),
-                theory.name(),
-                &word(&|m| m.on_orbit.to_string()),
-            ])?;
-        }
-    }
-    csv.text()
+    ];
+    let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
+    csv_in_groups(&header, y.count, |rows, j| {
+        let value = exact(y.value(j));
+        xs.iter().zip(&plane.points[j * x.count..]).try_for_each(|(x, point)| {
+            let cells = cells(x, &value, point);
+            rows.push(cells.iter().map(|cell| cell.as_bytes()))
+        })
+    })
+}
+
+/// The cells of a point's row; those of its motion are empty where the simulator refused it.
+fn cells<'a>(x: &'a str, y: &'a str, point: &PlanePoint) -> [Cow<'a, str>; 11] {
+    const EMPTY: Cow<str> = Cow::Borrowed("");
+    let (x, y, theory) = (x.into(), y.into(), point.theory.name().into());
+    let Some(m) = &point.motion else {
+        return [x, y, "refused".into(), EMPTY, EMPTY, EMPTY, EMPTY, EMPTY, EMPTY, theory, EMPTY];
+    };
+    let number = |value: f64| Cow::Owned(exact(value));
+    let word = |holds: bool| Cow::Borrowed(if holds { "true" } else { "false" });
+    let [upper, lower] = m.impacts.map(number);
+    let [lambda, error] = m.exponent.map_or([EMPTY; 2], |e| e.map(number));
+    let class = m.class.name().into();
+    [x, y, class, upper, lower, word(m.rests), word(m.symmetric), lambda, error, theory, word(m.on_orbit)]
 }
 
 fn remarks(plane: &Isoperiodic) -> Vec<String> {
     let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
     let motions = || plane.points.iter().filter_map(|p| p.motion);
-    let mut classes: Vec<(String, usize)> = Vec::new();
-    for name in motions().map(|m| m.class.name()) {
-        match classes.iter_mut().find(|c| c.0 == name) {
-            Some(class) => class.1 += 1,
-            None => classes.push((name, 1)),
+    let mut counts: Vec<(MotionClass, usize)> = Vec::new();
+    for class in motions().map(|m| m.class) {
+        match counts.iter_mut().find(|c| c.0 == class) {
+            Some(count) => count.1 += 1,
+            None => counts.push((class, 1)),
         }
     }
+    let mut classes: Vec<(String, usize)> = counts.into_iter().map(|(c, count)| (c.name(), count)).collect();
     classes.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
     let told: Vec<String> = classes
         .iter()

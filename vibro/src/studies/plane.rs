@@ -4,7 +4,7 @@ use super::Study;
 use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREY, ORANGE};
 use crate::figures::chart::{Colour, Figure, Layer, Panel, Shape};
-use crate::table::{CsvRows, exact};
+use crate::table::{csv_in_groups, exact};
 use rayon::prelude::*;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, plane};
@@ -80,14 +80,12 @@ fn panel(set: &ParameterSet, index: usize, plane: &Plane, count: usize) -> Panel
 fn csv(plane: &Plane) -> Result<(String, Vec<u8>)> {
     let (x, y) = (&plane.x, &plane.y);
     let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
-    let mut csv = CsvRows::new([x.name.name(), y.name.name(), "class"])?;
-    for (j, row) in plane.classes.chunks(x.count).enumerate() {
+    let text = csv_in_groups(&[x.name.name(), y.name.name(), "class"], y.count, |rows, j| {
         let value = exact(y.value(j));
-        for (class, x) in row.iter().zip(&xs) {
-            csv.push([x, &value, class.name()])?;
-        }
-    }
-    Ok((format!("plane-{}-{}", x.name.name(), y.name.name()), csv.text()?))
+        let classes = &plane.classes[j * x.count..];
+        xs.iter().zip(classes).try_for_each(|(x, class)| rows.push([x, &value, class.name()]))
+    })?;
+    Ok((format!("plane-{}-{}", x.name.name(), y.name.name()), text))
 }
 
 fn shares(plane: &Plane) -> String {

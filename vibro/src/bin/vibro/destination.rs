@@ -114,14 +114,9 @@ impl<'a> Destination<'a> {
         std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
         for study in studies {
             write_manifest(out, &self.manifest(study))?;
-            for (name, csv) in &study.tables {
-                write_whole(&out.join(format!("{name}.csv")), csv)?;
-            }
-            if let Some(figure) = &study.figure {
-                let path = |ending: &str| out.join(format!("{}.{ending}", study.name));
-                write_whole(&path("svg"), canvas::svg(figure)?.as_bytes())?;
-                write_whole(&path("png"), &canvas::png(figure)?)?;
-            }
+            // The disk takes long tables while the processor draws.
+            let (tables, pictures) = rayon::join(|| write_tables(study, out), || write_pictures(study, out));
+            tables.and(pictures)?;
         }
         Ok(())
     }
@@ -140,6 +135,18 @@ impl<'a> Destination<'a> {
     fn manifest(&self, study: &Study) -> Manifest {
         Manifest::of_result(&study.name, self.invocation, study.set.as_deref().unwrap_or(self.set))
     }
+}
+
+fn write_tables(study: &Study, out: &Path) -> Result<()> {
+    study.tables.iter().try_for_each(|(name, csv)| write_whole(&out.join(format!("{name}.csv")), csv))
+}
+
+fn write_pictures(study: &Study, out: &Path) -> Result<()> {
+    let Some(figure) = &study.figure else { return Ok(()) };
+    let (svg, png) = canvas::svg_and_png(figure)?;
+    let path = |ending: &str| out.join(format!("{}.{ending}", study.name));
+    write_whole(&path("svg"), svg.as_bytes())?;
+    write_whole(&path("png"), &png)
 }
 
 fn manifest_path(out: &Path, name: &str) -> PathBuf {
