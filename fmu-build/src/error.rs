@@ -1,5 +1,6 @@
 //! The one error type of the packager.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// What can go wrong while packing or running; every message says what was wrong and what to do.
@@ -106,7 +107,7 @@ pub enum Error {
         /// Its value.
         value: String,
         /// What is allowed.
-        allowed: &'static str,
+        allowed: Cow<'static, str>,
     },
 }
 

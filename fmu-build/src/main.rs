@@ -4,6 +4,7 @@ use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
+use fmu_build::release::{self, notes};
 use fmu_build::table::Table;
 use fmu_build::version::Version;
 use fmu_build::{archive, compile, explorer, package, platforms, reference, run};
@@ -86,7 +87,7 @@ fn main() -> ExitCode {
         Some(Task::Refresh { description: false }) => refresh(),
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         Some(Task::Release { tag, preview, platform, output }) => {
-            release(&Intent { tag, preview }, &platform, output)
+            assemble(&Intent { tag, preview }, &platform, output)
         }
         None => build(&arguments),
     };
@@ -129,13 +130,10 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
 }
 
 /// Assembles a release and lists it.
-fn release(intent: &Intent, platforms: &[String], output: Option<PathBuf>) -> fmu_build::Result<()> {
+fn assemble(intent: &Intent, platforms: &[String], output: Option<PathBuf>) -> fmu_build::Result<()> {
     let folder = output.unwrap_or_else(|| compile::workspace().join("dist"));
-    let left_out = fmu_build::release::assemble(compile::workspace(), intent, platforms, &folder)?;
-    let notes = folder.join(fmu_build::release::NOTES);
-    let text = std::fs::read_to_string(&notes).unwrap_or_default();
-    let files = text.lines().filter(|line| line.starts_with('|'));
-    println!("{}", files.collect::<Vec<_>>().join("\n"));
+    let (parts, left_out) = release::assemble(compile::workspace(), intent, platforms, &folder)?;
+    print!("{}", notes::table(&parts));
     for part in left_out {
         println!("{part}");
     }
@@ -161,7 +159,7 @@ fn native(step: f64, steps: u32, start: &[f64]) -> fmu_build::Result<()> {
             return Err(fmu_build::Error::Option {
                 name: "--start",
                 value: format!("{start:?}"),
-                allowed: "six numbers",
+                allowed: "six numbers".into(),
             });
         }
     };

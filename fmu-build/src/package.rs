@@ -5,7 +5,7 @@ use crate::compile;
 use crate::error::Result;
 use crate::platforms::{self, Binaries, LeftOut};
 use crate::sketch::Sketch;
-use crate::version::Version;
+use crate::version::{MODEL_DESCRIPTION, Version};
 use crate::{date, explorer, icon, licences, page, reference, terminals};
 use std::path::{Path, PathBuf};
 use vibro::figures::canvas;
@@ -56,7 +56,7 @@ pub fn described() -> Result<Content> {
 /// [`Error::File`](crate::Error::File) when a licence cannot be read, and as [`Version::description`] and [`icon()`].
 pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Result<Content> {
     let mut content = Content::from([
-        ("modelDescription.xml".to_owned(), version.description(date::of_sources())?.into_bytes()),
+        (MODEL_DESCRIPTION.to_owned(), version.description(date::of_sources())?.into_bytes()),
         ("documentation/index.html".to_owned(), page::page(live.is_some()).into_bytes()),
         // Nothing is read from it; hosts hand over its place all the same.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),

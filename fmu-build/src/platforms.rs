@@ -8,7 +8,6 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
 /// A platform of the archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,15 +69,13 @@ impl Binaries {
 
     /// Path inside the archive of a version → bytes.
     pub fn of(&self, version: Version) -> BTreeMap<String, Vec<u8>> {
-        let folder = |b: &Binary| if version == Version::Fmi2 { b.folder } else { b.tuple };
-        self.0.iter().map(|b| (path(folder(b), b.ending), b.bytes.clone())).collect()
+        self.0.iter().map(|b| (version.binary((b.folder, b.tuple), b.ending), b.bytes.clone())).collect()
     }
 
     /// Names of the folders in the archive of a version, this machine's own first.
     pub fn names(&self, version: Version) -> Vec<&'static str> {
-        let name = |b: &Binary| if version == Version::Fmi2 { b.folder } else { b.tuple };
         let (own, others): (Vec<&Binary>, _) = self.0.iter().partition(|b| b.folder == PLATFORM);
-        own.into_iter().chain(others).map(name).collect()
+        own.into_iter().chain(others).map(|b| version.folder((b.folder, b.tuple))).collect()
     }
 }
 
@@ -109,11 +106,6 @@ impl Display for LeftOut {
 pub const TOOLS: &str = "install cargo-zigbuild, zig and, for wheels, maturin (`pip install -r fmu-build/requirements.txt` in a virtual environment) \
      and put them on the PATH";
 
-/// Path of the library inside an archive.
-fn path(folder: &str, ending: &str) -> String {
-    format!("binaries/{folder}/{MODEL_IDENTIFIER}{ending}")
-}
-
 fn read(library: &PathBuf) -> Result<Vec<u8>> {
     fs::read(library).map_err(Error::file("reading", library))
 }
@@ -134,8 +126,7 @@ pub fn own() -> Result<Binaries> {
 pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
-    let wanted =
-        |p: &Platform| only.is_empty() || p.folder == PLATFORM || only.iter().any(|name| name == p.tuple);
+    let wanted = |p: &Platform| p.folder == PLATFORM || is_asked_for(p.tuple, only);
     for platform in PLATFORMS.into_iter().filter(wanted) {
         let Platform { folder, tuple, ending, .. } = platform;
         match platform.build() {
@@ -152,10 +143,15 @@ pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     Ok((Binaries(binaries), left_out))
 }
 
+/// Whether a platform is asked for by its name in FMI 3.0; where no name is given, all are.
+pub fn is_asked_for(tuple: &str, only: &[String]) -> bool {
+    only.is_empty() || only.iter().any(|name| name == tuple)
+}
+
 impl Platform {
     /// Where its binary is in the archive of a version.
     pub fn path(&self, version: Version) -> String {
-        path(if version == Version::Fmi2 { self.folder } else { self.tuple }, self.ending)
+        version.binary((self.folder, self.tuple), self.ending)
     }
 
     /// Compiles its binary; the error says what to install.

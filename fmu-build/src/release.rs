@@ -46,13 +46,18 @@ struct Assembly<'a> {
     left_out: Vec<String>,
 }
 
-/// Assembles a release into a folder, which it replaces, and returns what had to be left out. The platforms are those asked for, by their
-/// names in FMI 3.0, or all where none is.
+/// Assembles a release into a folder, which it replaces, and returns its files and what had to be left out. The platforms are those
+/// asked for, by their names in FMI 3.0, or all where none is.
 ///
 /// # Errors
 /// [`Error::Release`] where the sources disagree, where what was built does, and where a tag is released and a part is missing; before
 /// the end nothing is put into the folder.
-pub fn assemble(workspace: &Path, intent: &Intent, only: &[String], into: &Path) -> Result<Vec<String>> {
+pub fn assemble(
+    workspace: &Path,
+    intent: &Intent,
+    only: &[String],
+    into: &Path,
+) -> Result<(Vec<Part>, Vec<String>)> {
     check_names(only)?;
     check_replaceable(into)?;
     let agreed = agreed(workspace, intent)?;
@@ -77,7 +82,7 @@ pub fn assemble(workspace: &Path, intent: &Intent, only: &[String], into: &Path)
     write_file(&folder.join(NOTES), notes::notes(&agreed, &parts, &left_out).as_bytes())?;
     write_file(&folder.join(SUMS), sums(&folder)?.as_bytes())?;
     copy(&folder, into)?;
-    Ok(left_out)
+    Ok((parts, left_out))
 }
 
 impl Assembly<'_> {
@@ -127,9 +132,7 @@ impl Assembly<'_> {
         let source = wheels::unpack(&sdist, version, &target().join("dist/source"))?;
         let tried = "the wheels are built from it".to_owned();
         self.add(&wheels::sdist_file(version), "Python package, sources (needs a Rust toolchain)", tried)?;
-        for platform in
-            WHEELS.iter().filter(|p| self.only.is_empty() || self.only.iter().any(|o| o == p.tuple))
-        {
+        for platform in WHEELS.iter().filter(|p| platforms::is_asked_for(p.tuple, self.only)) {
             match wheels::wheel(platform, &source, self.folder) {
                 Ok(()) => {
                     let what = format!("Python package, Python 3.9 or later: {}", platform.words);
@@ -166,7 +169,7 @@ fn check_names(only: &[String]) -> Result<()> {
         Some(unknown) => Err(Error::Option {
             name: "--platform",
             value: unknown.clone(),
-            allowed: "x86_64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin, aarch64-linux, x86-linux, x86-windows",
+            allowed: platforms::PLATFORMS.map(|p| p.tuple).join(", ").into(),
         }),
     }
 }
@@ -180,7 +183,7 @@ fn check_replaceable(folder: &Path) -> Result<()> {
     Err(Error::Option {
         name: "--output",
         value: folder.display().to_string(),
-        allowed: "a folder that is empty, not there yet, or holds an earlier release",
+        allowed: "a folder that is empty, not there yet, or holds an earlier release".into(),
     })
 }
 

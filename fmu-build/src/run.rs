@@ -4,7 +4,7 @@ use crate::archive;
 use crate::compile::SHARED_LIBRARY;
 use crate::error::{Error, Result};
 use crate::host;
-use crate::version::Version;
+use crate::version::{MODEL_DESCRIPTION, Version};
 use crate::{describe, fmi3};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
@@ -78,7 +78,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     }
     let file = folder.path().join(format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}"));
     archive::write_file(&file, &library)?;
-    let text = |archive: &Path| archive::read(archive, "modelDescription.xml");
+    let text = |archive: &Path| archive::read(archive, MODEL_DESCRIPTION);
     let guid = describe::from_xml(&String::from_utf8_lossy(&text(archive)?))?.guid;
     let token = fmi3::from_xml(&String::from_utf8_lossy(&text(&beside)?))?.instantiation_token;
 

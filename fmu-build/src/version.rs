@@ -6,6 +6,9 @@ use crate::{check, describe, fmi3};
 use std::path::{Path, PathBuf};
 use vibro_fmi::fmi3::description::{CLOCKED, MAIN, MODEL_IDENTIFIER};
 
+/// Path inside every archive of what describes its model.
+pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+
 /// Which archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
@@ -45,13 +48,22 @@ impl Version {
         fmi2.with_file_name(format!("{stem}{}.fmu", self.suffix()))
     }
 
-    /// Path inside the archive of this machine's own binary.
-    pub fn own_binary(self) -> String {
-        let folder = if self == Self::Fmi2 { PLATFORM } else { PLATFORM_TUPLE };
-        format!("binaries/{folder}/{MODEL_IDENTIFIER}{SHARED_LIBRARY}")
+    /// The folder of a platform under `binaries/`: its name in FMI 2.0, or its tuple in FMI 3.0.
+    pub fn folder(self, (name, tuple): (&'static str, &'static str)) -> &'static str {
+        if self == Self::Fmi2 { name } else { tuple }
     }
 
-    /// `modelDescription.xml`, checked, with the date on which it was made, where there is one.
+    /// Path inside the archive of a platform's binary, by the platform's names in FMI 2.0 and 3.0 and the library's ending.
+    pub fn binary(self, names: (&'static str, &'static str), ending: &str) -> String {
+        format!("binaries/{}/{MODEL_IDENTIFIER}{ending}", self.folder(names))
+    }
+
+    /// Path inside the archive of this machine's own binary.
+    pub fn own_binary(self) -> String {
+        self.binary((PLATFORM, PLATFORM_TUPLE), SHARED_LIBRARY)
+    }
+
+    /// The text of [`MODEL_DESCRIPTION`], checked, with the date on which it was made, where there is one.
     ///
     /// # Errors
     /// [`Error::Invalid`] with everything that is wrong.

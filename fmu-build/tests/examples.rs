@@ -25,10 +25,9 @@ fn orbit() -> PathBuf {
 }
 
 #[test]
-#[ignore = "installs dask, pyarrow, matplotlib and mypy: cargo test --test examples -- --ignored"]
+#[ignore = "installs the Python package, dask, pyarrow, matplotlib and mypy: cargo test --test examples -- --ignored"]
 fn the_scripts_do_what_they_say() {
-    let requirements = ["tests/fmpy/requirements.txt", "tests/examples/requirements.txt"];
-    let mut pytest = Command::new(common::python::python_with(&requirements));
+    let mut pytest = Command::new(common::python::install_wheel(&["tests/examples/requirements.txt"]));
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/examples"]);
     pytest.current_dir(common::python::root()).env("PYTHONDONTWRITEBYTECODE", "1");
     pytest.env("VIBRO_IMPACT_FMU", common::python::fmu()).env("VIBRO_ORBIT", orbit());

@@ -349,7 +349,7 @@ fn a_folder_with_anything_else_in_it_is_not_replaced() {
 /// and imported in a clean environment.
 #[test]
 #[ignore = "builds archives, wheels and pages: needs minutes, fmu-build/requirements.txt on the PATH and a package index"]
-fn the_whole_for_this_machine_is_what_its_sums_say_and_builds_from_its_sources() {
+fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_its_sources() {
     if let Some(tools) = wheels::missing_tool() {
         panic!("not tested: {tools}");
     }
@@ -359,10 +359,18 @@ fn the_whole_for_this_machine_is_what_its_sums_say_and_builds_from_its_sources()
         let options = [("LTO", "off"), ("CODEGEN_UNITS", "16"), ("OPT_LEVEL", "1")];
         command.envs(options.map(|(name, value)| (format!("CARGO_PROFILE_FMU_{name}"), value)));
     };
-    let mut release = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
-    release.args(["release", "--preview", "--platform", compile::PLATFORM_TUPLE, "--output"]).arg(&dist);
-    quick(&mut release);
-    println!("{}", common::python::run("the release", &mut release));
+    let release = |into: &Path| {
+        let mut release = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+        release.args(["release", "--preview", "--platform", compile::PLATFORM_TUPLE, "--output"]).arg(into);
+        quick(&mut release);
+        release
+    };
+    println!("{}", common::python::run("the release", &mut release(&dist)));
+    // Everything is compiled again in another folder, and the wheel from sources that are unpacked there.
+    let (again, elsewhere) = (folder.path().join("again"), folder.path().join("elsewhere"));
+    common::python::run("the release again", release(&again).env("CARGO_TARGET_DIR", &elsewhere));
+    let [first, second] = [&dist, &again].map(|dist| fs::read_to_string(dist.join(SUMS)).unwrap());
+    assert_eq!(first, second, "two folders, the same bytes");
     let notes = fs::read_to_string(dist.join(NOTES)).unwrap();
     println!("{notes}");
     let own = WHEELS.iter().find(|p| p.is_own()).unwrap().file(VERSION);

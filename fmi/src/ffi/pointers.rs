@@ -13,14 +13,19 @@ use std::ptr;
 /// count from walking through the host's memory.
 const MAX_COUNT: usize = 4096;
 
+/// Whether a pointer can be followed, as far as its address tells.
+#[inline]
+fn can_be_followed<T>(pointer: *const T) -> bool {
+    !pointer.is_null() && pointer.is_aligned()
+}
+
 /// Refuses a pointer that cannot be followed.
 ///
 /// # Errors
 /// [`Fault::Pointer`].
 #[inline]
 pub fn check_pointer<T>(pointer: *const T, argument: &'static str) -> Result<(), Fault> {
-    let valid = !pointer.is_null() && pointer.is_aligned();
-    if valid { Ok(()) } else { Err(Fault::Pointer { argument }) }
+    if can_be_followed(pointer) { Ok(()) } else { Err(Fault::Pointer { argument }) }
 }
 
 /// The pointer, if it is null or aligned.
@@ -123,7 +128,7 @@ pub unsafe fn out<'a, T>(pointer: *mut T, count: usize, argument: &'static str) 
 #[inline]
 pub unsafe fn variable<'a, T>(pointer: *mut T) -> Option<&'a Cell<MaybeUninit<T>>> {
     // SAFETY: not null, aligned, living as the caller says; any bytes are valid as this cell.
-    (!pointer.is_null() && pointer.is_aligned()).then(|| unsafe { &*pointer.cast() })
+    can_be_followed(pointer).then(|| unsafe { &*pointer.cast() })
 }
 
 /// The host's array, or its single value: only written, never read, since it may hold anything.

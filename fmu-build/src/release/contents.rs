@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::inspect;
 use crate::licences;
 use crate::platforms::PLATFORMS;
-use crate::version::Version;
+use crate::version::{MODEL_DESCRIPTION, Version};
 use flate2::read::GzDecoder;
 use std::collections::BTreeSet;
 use std::fs;
@@ -61,8 +61,7 @@ fn archives(dist: &Path, version: &str) -> Result<Vec<String>> {
         let path = archive_of(dist, edition);
         let place = file_name(&path);
         let content = archive::read_all(&path)?;
-        let xml = String::from_utf8_lossy(content.get("modelDescription.xml").map_or(&[], Vec::as_slice))
-            .into_owned();
+        let xml = text(&content, MODEL_DESCRIPTION);
         wrong.extend(description(&place, &xml, token, version));
         let mut of_platforms = Vec::new();
         for platform in PLATFORMS {
@@ -166,6 +165,7 @@ fn same_archives(dist: &Path, content: &Content, folder: &str, place: &str) -> R
     Ok(wrong)
 }
 
+/// A file as text, which is empty where there is no such file.
 fn text(content: &Content, name: &str) -> String {
     String::from_utf8_lossy(content.get(name).map_or(&[], Vec::as_slice)).into_owned()
 }

@@ -16,6 +16,16 @@ pub struct Part {
     pub tried: String,
 }
 
+/// The table of the files, in Markdown.
+pub fn table(parts: &[Part]) -> String {
+    let mut text = String::from("| file | MB | what it is | how it was tried |\n|---|---|---|---|\n");
+    for Part { file, size, what, tried } in parts {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "| `{file}` | {:.2} | {what} | {tried} |", *size as f64 / 1e6);
+    }
+    text
+}
+
 /// The notes. A section of changes that is not of the version says that nothing is released.
 pub fn notes(agreed: &Agreed, parts: &[Part], left_out: &[String]) -> String {
     let Agreed { version, changes } = agreed;
@@ -27,11 +37,7 @@ pub fn notes(agreed: &Agreed, parts: &[Part], left_out: &[String]) -> String {
             changes.name
         ),
     };
-    text += "\n## Files\n\n| file | MB | what it is | how it was tried |\n|---|---|---|---|\n";
-    for Part { file, size, what, tried } in parts {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "| `{file}` | {:.2} | {what} | {tried} |", *size as f64 / 1e6);
-    }
+    text += &format!("\n## Files\n\n{}", table(parts));
     text += "\n`sha256sum --check SHA256SUMS` compares what was downloaded. The Python package is installed by\n`pip install` and the \
              name of its file for your system; NumPy comes with it.\n";
     if !left_out.is_empty() {

@@ -39,11 +39,13 @@ pub fn python() -> PathBuf {
 /// process: no test's package is replaced while it runs.
 pub fn python_with_wheel() -> PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(install_wheel).clone()
+    PYTHON.get_or_init(|| install_wheel(&[])).clone()
 }
 
-fn install_wheel() -> PathBuf {
-    let python = python_with(&["tests/fmpy/requirements.txt", "tests/python/requirements.txt"]);
+/// The same with further requirements, in an environment of its own.
+pub fn install_wheel(also: &[&str]) -> PathBuf {
+    let usual = ["tests/fmpy/requirements.txt", "tests/python/requirements.txt"];
+    let python = python_with(&[&usual[..], also].concat());
     let programs = python.parent().expect("a program is in a folder");
     let folder = programs.parent().expect("an environment is a folder");
     let lock = File::create(folder.with_extension("wheel-lock")).expect("target can be written");
