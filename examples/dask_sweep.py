@@ -1,16 +1,17 @@
-"""A sweep or a plane of the packaged FMU on dask: a cluster of this machine's cores, or any scheduler.
+"""A sweep or a plane of machines on dask: a cluster of this machine's cores, or any scheduler.
 
     python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:200 --output sweep.parquet
     python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:100 --vary drive.amplitude=0.05:0.25:50 \\
         --set stop.restitution=0.6 --scheduler tcp://node1:8786 --output plane.parquet
+    python examples/dask_sweep.py --fmu target/VibroImpact3DOF.fmu --vary drive.frequency=0.9:1.2:200
 
-Every point is a run with fmpy; the last periods are measured, by samples. The table has the names of `vibro sweep`, which
-needs no Python, measures exactly and shares its work by --shard: use this one where a cluster has fmpy, or the FMU is part of
-a larger model. A run starts as there: all at rest in the middle but the block, which moves with the speed L ω10 of the point,
-unless --set or --vary gives another start. (A machine that starts at rest may never come to its first impact.) The start is in
-the table. A point that fails is a row with its reason and without measured values. Workers need fmpy and numpy; the FMU is
-sent to them, also to those that join later. The points of a worker that is lost are computed again by the others. The table is
-the same for any number of workers.
+Every point is a motion whose last periods are measured. Workers need the Python package alone, which measures exactly. With --fmu they
+need fmpy and numpy instead, and measure by samples: that is the way for an FMU that is part of a larger model. The FMU is then sent to
+them, also to those that join later. The table has the names of `vibro sweep`, which needs no Python and shares its work by --shard. A motion
+starts as there: all at rest in the middle but the block, which moves with the speed L ω10 of the point, unless --set or --vary gives
+another start. (A machine that starts at rest may never come to its first impact.) The start is in the table. A point that fails is a row
+with its reason and without measured values. The points of a worker that is lost are computed again by the others. The table is the same
+for any number of workers.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import math
 import os
 import shutil
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Iterable, Iterator, Mapping, Union
@@ -31,7 +32,6 @@ from dask.distributed import Client, WorkerPlugin, as_completed, get_worker
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FMU = Path(__file__).parents[1] / "target" / "VibroImpact3DOF.fmu"
 PLUGIN = "vibro-impact-fmu"
 RETRIES = 10  # of a chunk whose workers are lost
 BODIES = ("box.s", "block.s", "secondary.s")
@@ -67,31 +67,68 @@ class FmuPlugin(WorkerPlugin):  # type: ignore[misc] # distributed comes without
 
 @dataclass(frozen=True)
 class Measure:
-    """What is run and measured at each point."""
+    """What is run and measured at each point, by the Python package."""
 
     discard: int = 400  # drive periods before what is measured
     periods: int = 60  # measured
-    per_period: int = 64  # samples
 
-    def row(self, unzipped: str, description: Any, point: Mapping[str, float]) -> Row:
+    def row(self, point: Mapping[str, float]) -> Row:
         """One point: what was given, the start, what was measured, and why it was not."""
-        defaults = {v.name: float(v.start) for v in description.modelVariables if v.type == "Real" and v.start}
+        defaults = self.defaults()
         given = {**moving_block({**defaults, **point}), **point}
         start = {name: given.get(name, defaults.get(name, 0.0)) for name in START}
         row: Row = {**point, **start, **dict.fromkeys(MEASURED), "reason": None}
         try:
-            row.update(self.run(unzipped, description, given))
+            row.update(self.run(given))
         except Exception as error:  # whatever it is, the other points are still wanted
             row["reason"] = str(error) or type(error).__name__
         return row
 
-    def run(self, unzipped: str, description: Any, values: Mapping[str, float]) -> dict[str, float]:
+    def defaults(self) -> dict[str, float]:
+        """Names and values of what may be set."""
+        import vibro_impact as vi
+
+        machine = vi.Machine()
+        parameters = {name.replace("_", ".", 1): getattr(machine, name) for name in vi.SI_NAMES}
+        return {**parameters, **dict.fromkeys(START, 0.0)}
+
+    def run(self, values: Mapping[str, float]) -> Mapping[str, Union[float, str, None]]:
         """With these values set: amplitudes (m), impacts per period, and power lost at the stops (W) over the last periods."""
+        import vibro_impact as vi
+
+        parameters = {name.replace(".", "_"): value for name, value in values.items() if name not in START}
+        start = [values.get(name, 0.0) for name in START]
+        return vi.Machine(**parameters).measure(MEASURED, start, settle=self.discard, periods=self.periods)
+
+
+@dataclass(frozen=True)
+class FmuMeasure(Measure):
+    """The same by the packaged FMU, with fmpy."""
+
+    per_period: int = 64  # samples
+    model: Any = None  # folder and description of the FMU; those that the worker has unpacked where there is none
+
+    def opened(self) -> tuple[str, Any]:
+        """Folder and description of the FMU."""
+        if self.model is not None:
+            folder, description = self.model
+            return folder, description
+        plugin: Any = get_worker().plugins[PLUGIN]
+        return plugin.unzipped, plugin.description
+
+    def defaults(self) -> dict[str, float]:
+        """Names and values of what may be set."""
+        variables = self.opened()[1].modelVariables
+        settable = (v for v in variables if v.type == "Real" and v.start and v.causality != "input")
+        return {v.name: float(v.start) for v in settable}
+
+    def run(self, values: Mapping[str, float]) -> Mapping[str, Union[float, str, None]]:
+        """As by the Python package, from samples."""
         import fmpy
         from fmpy.fmi1 import FMICallException
 
-        defaults = {v.name: v.start for v in description.modelVariables}
-        period = 2.0 * math.pi / float(values.get("drive.frequency", defaults["drive.frequency"]))
+        unzipped, description = self.opened()
+        period = 2.0 * math.pi / float(values.get("drive.frequency", self.defaults()["drive.frequency"]))
         names = [*BODIES, "impacts.upper", "impacts.lower", "energy.impact"]
         skipped = self.discard * period
         said: list[str] = []  # the FMU's own words, which name what is wrong and what is allowed
@@ -126,6 +163,7 @@ class Measure:
         finally:
             slave.freeInstance()
         table: NDArray[np.float64] = np.array(rows)
+        result: dict[str, Union[float, str, None]]
         result = {name: float(np.abs(table[:, k]).max()) for k, name in enumerate(AMPLITUDES)}
         result["impacts.upper"] = (after[0] - before[0]) / self.periods
         result["impacts.lower"] = (after[1] - before[1]) / self.periods
@@ -144,11 +182,7 @@ def moving_block(values: Mapping[str, float]) -> dict[str, float]:
 
 def chunk(measure: Measure, points: list[tuple[int, dict[str, float]]]) -> list[Row]:
     """Some points on a worker: their place, what was varied, what was measured."""
-    plugin: Any = get_worker().plugins[PLUGIN]
-    rows: list[Row] = []
-    for index, point in points:
-        rows.append({"index": index, **measure.row(plugin.unzipped, plugin.description, point)})
-    return rows
+    return [{"index": index, **measure.row(point)} for index, point in points]
 
 
 def grid(axes: Mapping[str, Iterable[float]], fixed: Mapping[str, float]) -> list[dict[str, float]]:
@@ -157,10 +191,11 @@ def grid(axes: Mapping[str, Iterable[float]], fixed: Mapping[str, float]) -> lis
 
 
 def sweep(
-    client: Client, fmu: Path, points: list[dict[str, float]], measure: Measure, size: int = 8
+    client: Client, points: list[dict[str, float]], measure: Measure, fmu: Union[Path, None] = None, size: int = 8
 ) -> Iterator[list[Row]]:
     """Yields the rows of each chunk as it is done, in any order."""
-    client.register_plugin(FmuPlugin(Path(fmu).read_bytes()))
+    if fmu is not None:
+        client.register_plugin(FmuPlugin(fmu.read_bytes()))
     numbered = list(enumerate(points))
     futures = [
         client.submit(chunk, measure, numbered[i : i + size], retries=RETRIES, pure=False)
@@ -182,7 +217,9 @@ def write(path: Path, rows: list[Row], measure: Measure) -> None:
     columns = {
         name: pa.array([row[name] for row in ordered], pa.string() if name == "reason" else pa.float64()) for name in names
     }
-    about = {"discard": measure.discard, "periods": measure.periods, "samples per period": measure.per_period}
+    about = {"discard": measure.discard, "periods": measure.periods}
+    if isinstance(measure, FmuMeasure):
+        about["samples per period"] = measure.per_period
     table = pa.table(columns).replace_schema_metadata({k: str(v) for k, v in about.items()})
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     parquet.write_table(table, unfinished, compression="zstd")
@@ -208,21 +245,25 @@ def setting(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(f"{text}: allowed is NAME=VALUE") from None
 
 
-def known(fmu: Path, names: Iterable[str]) -> None:
-    """Refuses names that are no Real parameter or start value of the FMU."""
-    import fmpy
-
-    variables = fmpy.read_model_description(str(fmu)).modelVariables
-    allowed = {v.name for v in variables if v.type == "Real" and v.start is not None and v.causality != "input"}
+def known(measure: Measure, names: Iterable[str]) -> None:
+    """Refuses names that are no parameter or start value."""
+    allowed = measure.defaults()
     for name in names:
         if name not in allowed:
             raise SystemExit(f"{name}: allowed are {', '.join(sorted(allowed))}")
 
 
+def by_fmu(fmu: Path, discard: int, periods: int) -> FmuMeasure:
+    """To measure by an FMU, whose names are read here."""
+    import fmpy
+
+    return FmuMeasure(discard, periods, model=("", fmpy.read_model_description(str(fmu))))
+
+
 def main() -> None:
     """Makes or joins a cluster, sweeps, writes the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--fmu", default=FMU, type=Path)
+    parser.add_argument("--fmu", type=Path, help="this FMU, by fmpy [default: the Python package]")
     parser.add_argument("--vary", action="append", type=axis, required=True, metavar="NAME=FROM:TO:COUNT")
     parser.add_argument("--set", action="append", default=[], type=setting, metavar="NAME=VALUE")
     parser.add_argument("--discard", default=Measure.discard, type=int, help="drive periods before what is measured")
@@ -235,9 +276,13 @@ def main() -> None:
         parser.error(f"--discard {arguments.discard} --periods {arguments.periods}: allowed are 0 and 1 or more")
 
     axes, fixed = dict(arguments.vary), dict(arguments.set)
-    known(arguments.fmu, [*axes, *fixed])
+    measure = Measure(arguments.discard, arguments.periods)
+    if arguments.fmu:
+        measure = by_fmu(arguments.fmu, arguments.discard, arguments.periods)
+    known(measure, [*axes, *fixed])
+    if isinstance(measure, FmuMeasure):
+        measure = replace(measure, model=None)
     points = grid(axes, fixed)
-    measure = Measure(discard=arguments.discard, periods=arguments.periods)
     if arguments.scheduler:
         client = Client(arguments.scheduler)
     else:
@@ -245,7 +290,7 @@ def main() -> None:
         client = Client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
     rows: list[Row] = []
     with client:
-        for done in sweep(client, arguments.fmu, points, measure):
+        for done in sweep(client, points, measure, arguments.fmu):
             rows += done
             print(f"\r{len(rows)} of {len(points)} points", end="", flush=True)
     print()

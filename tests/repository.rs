@@ -13,31 +13,37 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
+/// The file of these tests, which names what they forbid.
+fn own() -> PathBuf {
+    root().join("tests/repository.rs")
+}
+
+/// Every file under a folder.
+fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder of the repository") {
         let path = entry.expect("an entry").path();
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or("");
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        if path.is_dir() {
-            if !PASSED_OVER.contains(&name) && !path.join("pyvenv.cfg").exists() {
-                texts(&path, found);
-            }
-        } else if TEXTS.contains(&ending) || path.ends_with(".ci/run") {
+        if !path.is_dir() {
             found.push(path);
+        } else if !PASSED_OVER.contains(&name) && !path.join("pyvenv.cfg").exists() {
+            walk(&path, found);
         }
     }
 }
 
-/// Every text of the repository with its path, this test's own apart.
+/// Every text of the repository with its path, that of these tests apart.
 fn all() -> Vec<(PathBuf, String)> {
     let mut paths = Vec::new();
-    texts(root(), &mut paths);
-    let own = root().join("tests/repository.rs");
+    walk(root(), &mut paths);
+    let is_text = |path: &PathBuf| {
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        (TEXTS.contains(&ending) || path.ends_with(".ci/run")) && *path != own()
+    };
     let read = |path: PathBuf| {
         let text = fs::read_to_string(&path).expect("UTF-8");
         (path, text)
     };
-    paths.into_iter().filter(|path| *path != own).map(read).collect()
+    paths.into_iter().filter(is_text).map(read).collect()
 }
 
 /// Words that may name a file: letters, digits and `/._-`.
@@ -99,15 +105,71 @@ fn invariant_every_equation_that_is_cited_is_on_the_theory_page() {
     assert!(cited > 0, "no comment cites an equation");
 }
 
+/// The relative paths of a text that go up, e.g. `../README.md`.
+fn climbing(text: &str) -> impl Iterator<Item = &str> {
+    let paths = text.split(|c: char| !(c.is_alphanumeric() || "/._-".contains(c)));
+    // A path behind `env!("CARGO_MANIFEST_DIR")` begins with the separator, and one at the end of a sentence ends with its stop.
+    let paths = paths.map(|path| path.strip_prefix("/").unwrap_or(path));
+    let paths = paths.map(|path| if path.ends_with("..") { path } else { path.trim_end_matches('.') });
+    paths.filter(|path| path.contains('/') && path.split('/').any(|name| name == ".."))
+}
+
+/// Where a path leads from a folder of the repository, or nothing where it leads out.
+fn followed(folder: &Path, path: &str) -> Option<PathBuf> {
+    let mut place = folder.strip_prefix(root()).expect("a folder of the repository").to_owned();
+    for name in Path::new(path) {
+        if name != ".." {
+            place.push(name);
+        } else if !place.pop() {
+            return None;
+        }
+    }
+    Some(place)
+}
+
+/// Whether a path in a file leads to something of the repository, or to what is made there: read from the file's folder, or from
+/// that of its package, as paths behind `env!("CARGO_MANIFEST_DIR")` are.
+fn leads_into_the_repository(file: &Path, path: &str) -> bool {
+    let beside = file.parent().expect("a file is in a folder");
+    let package = beside.ancestors().find(|folder| folder.join("Cargo.toml").exists()).expect("a package");
+    let made = |place: &Path| PASSED_OVER.iter().any(|folder| place.starts_with(folder));
+    let places = [beside, package].map(|folder| followed(folder, path));
+    places.into_iter().flatten().any(|place| root().join(&place).exists() || made(&place))
+}
+
 #[test]
-fn invariant_nothing_points_outside_the_repository() {
+fn invariant_every_relative_path_that_goes_up_stays_in_the_repository() {
+    // The entry of an archive, from the folder of the archive in which it is named.
+    const IN_THE_ARCHIVE: &str = "../../documentation/fmi-ls-ref.txt";
+    let mut files = Vec::new();
+    walk(root(), &mut files);
+    let (mut found, mut followed) = (Vec::new(), 0);
+    for file in files.iter().filter(|file| **file != own()) {
+        // Pictures and fonts are no text.
+        let Ok(text) = fs::read_to_string(file) else { continue };
+        for path in climbing(&text).filter(|path| *path != IN_THE_ARCHIVE) {
+            followed += 1;
+            if !leads_into_the_repository(file, path) {
+                found.push(format!("{}: {path}", shown(file)));
+            }
+        }
+    }
+    assert!(found.is_empty(), "not in the repository: {found:#?}");
+    assert!(followed > 0, "no file cites a path that goes up");
+    // The rule refuses what leads out, also by way of a folder inside, and what is not there.
+    let page = root().join("docs/theory.md");
+    for outside in ["../../other/data.csv", "../docs/../../other", "../other/data.csv"] {
+        assert!(climbing(outside).eq([outside]) && !leads_into_the_repository(&page, outside), "{outside}");
+    }
+}
+
+#[test]
+fn invariant_no_text_cites_an_issue_without_its_address() {
     let mut found = Vec::new();
     for (path, text) in all() {
         for (number, line) in text.lines().enumerate() {
-            let outside = line.contains("../shared");
-            let issue = ["issue #", "Issue #", "see issue "].iter().any(|w| line.contains(w))
-                && !line.contains("://");
-            if outside || issue {
+            let issue = ["issue #", "Issue #", "see issue "].iter().any(|w| line.contains(w));
+            if issue && !line.contains("://") {
                 found.push(format!("{}:{}: {line}", shown(&path), number + 1));
             }
         }

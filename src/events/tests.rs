@@ -128,15 +128,22 @@ fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
     assert!(found > 1000);
 }
 
-/// [`flight_crossing`] in the machine's best instructions.
-struct Flight<'a>(&'a [f64; PADDED], f64);
+/// [`flight_crossing`] from a start to an end, and the iterations it takes, in the machine's best instructions.
+struct Flight<'a>(&'a [f64; PADDED], f64, f64);
 
 impl pulp::WithSimd for Flight<'_> {
-    type Output = Option<f64>;
+    type Output = (Option<f64>, u64);
 
-    fn with_simd<S: Simd>(self, simd: S) -> Option<f64> {
-        flight_crossing(simd, self.0, -1.0, self.1, &mut 0)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut iterations = 0;
+        (flight_crossing(simd, self.0, self.1, self.2, &mut iterations), iterations)
     }
+}
+
+/// The same in vectors and in single numbers.
+fn flights(c: &[f64; PADDED], lo: f64, hi: f64) -> [(Option<f64>, u64); 2] {
+    let flight = || Flight(c, lo, hi);
+    [pulp::Arch::new().dispatch(flight()), pulp::WithSimd::with_simd(flight(), pulp::Scalar)]
 }
 
 #[test]
@@ -156,10 +163,7 @@ fn second_method_nearly_straight_passages() {
         }
         let hi = if random() > 0.0 { 1.0 } else { random() };
         let sure = first_crossing(&c, -1.0, hi, &mut 0);
-        for root in [
-            pulp::Arch::new().dispatch(Flight(&c, hi)),
-            pulp::WithSimd::with_simd(Flight(&c, hi), pulp::Scalar),
-        ] {
+        for (root, _) in flights(&c, -1.0, hi) {
             match (root, sure) {
                 (Some(a), Some(b)) => {
                     found += 1;
@@ -246,5 +250,58 @@ fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
         let mut iterations = 0;
         assert_eq!(refine(&line, (-1.0, 1.0), 1.0, factor, &mut iterations), 1.0 - step);
         assert_eq!(iterations, expected);
+    }
+}
+
+/// The estimates by which a flight ends, against the coefficients c at which they equal the resolution in 60 digits. The flight
+/// p = u - 1/2 + c u⁸ starts from u = 1/2, where its step is m = (c/256)/(1 + c/16), and it has K = 28 c/(1 - 8 c). The first
+/// estimate is 4 K m² and the second 8 K² m² (m + 4 K m²); the resolution is ε (1/2 - m).
+#[test]
+fn golden_flights_end_where_their_estimates_say() {
+    const FIRST: f64 = 4.019_556_791_509_709e-5;
+    const SECOND: f64 = 3.092_014_722_553_670_4e-3;
+    /// The estimates grow as c³ and c⁵, and their rounding is some ε.
+    const BESIDE: f64 = 1e-14;
+    let ends = |c8: f64, most: u64| {
+        let mut c = [0.0; PADDED];
+        [c[0], c[1], c[8]] = [-0.5, 1.0, c8];
+        let sure = first_crossing(&c, -1.0, 1.0, &mut 0).unwrap();
+        flights(&c, -1.0, 1.0).map(|(root, iterations)| {
+            assert!((root.unwrap() - sure).abs() <= 2.0 * f64::EPSILON, "{c8}: {root:?} {sure}");
+            iterations <= most
+        })
+    };
+    for (tight, steps) in [(FIRST, 1), (SECOND, 2)] {
+        assert_eq!(ends(tight * (1.0 - BESIDE), steps), [true; 2], "{steps}");
+        assert_eq!(ends(tight * (1.0 + BESIDE), steps), [false; 2], "{steps}");
+    }
+    // At equality the estimate still ends the flight: at a root in the centre both sides are zero.
+    for bend in [0.0, 0.125] {
+        let mut c = [0.0; PADDED];
+        [c[1], c[2]] = [1.0, bend];
+        assert_eq!(flights(&c, -1.0, 1.0), [(Some(0.0), 1); 2], "{bend}");
+    }
+}
+
+/// Flights with a root at either end, exact in the coefficients: p = s (u - r) (1 + b (u - r)).
+#[test]
+fn closed_form_flights_with_roots_at_the_ends() {
+    /// Of the larger ones the root is found by the second step, of the smaller ones by the first.
+    const BENDS: [f64; 5] = [0.0, 1.0 / 1024.0, -1.0 / 1024.0, 0.125, -0.125];
+    for s in (1..1000).map(f64::from) {
+        for (r, b) in [-0.25, 0.5, 0.75].into_iter().flat_map(|r| BENDS.map(|b| (r, b))) {
+            let mut c = [0.0; PADDED];
+            [c[0], c[1], c[2]] = [-s * r * (1.0 - b * r), s * (1.0 - 2.0 * b * r), s * b];
+            // At the end it is no passage, which at most rounding finds before it.
+            for (root, _) in flights(&c, -1.0, r) {
+                assert!(root.is_none_or(|u| u < r && r - u < ROOT), "{s} {r} {b}: {root:?}");
+            }
+            // At the start, or just before it by rounding, it is one at the start, and none before it.
+            for lo in [r, r.next_up()] {
+                for (root, _) in flights(&c, lo, 1.0) {
+                    assert!(root.is_some_and(|u| u >= lo && u - lo < ROOT), "{s} {r} {b}: {root:?}");
+                }
+            }
+        }
     }
 }
