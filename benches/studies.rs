@@ -56,6 +56,18 @@ fn processor() -> Option<f64> {
     Some(ticks * TICK)
 }
 
+/// Name of the processors (Linux) and their widest vectors.
+fn machine() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let name = name.map_or("an unnamed processor", |(_, name)| name.trim());
+    #[cfg(target_arch = "x86_64")]
+    let vectors = if is_x86_feature_detected!("avx512f") { "AVX-512" } else { "AVX2 or less" };
+    #[cfg(not(target_arch = "x86_64"))]
+    let vectors = std::env::consts::ARCH;
+    format!("{name} ({vectors})")
+}
+
 fn at(f10: f64) -> Parameters {
     let group = find_group("f10").expect("a group");
     *ParameterSet::basic().with(group, f10).expect("allowed").parameters()
@@ -240,40 +252,46 @@ fn works() -> Vec<Work> {
 /// Side by side and one by one in turns, on one thread: with the widest vectors of the machine, and with those of AVX2.
 fn lanes() -> String {
     let mut table = String::from(
-        "| work | motions | vectors | one by one, µs a motion | side by side, µs a motion | ratio | lanes occupied | lanes that moved | sub-steps for each handed over |\n|---|---|---|---|---|---|---|---|---|\n",
+        "| work | motions | vectors | single path, µs a motion | one by one | side by side | single path / side by side | one by one / side by side | lanes occupied | lanes that moved | sub-steps for each handed over |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let vectors =
         [("widest", (Way::OneByOne, Way::Together)), ("AVX2", (Way::OneByOneAvx2, Way::TogetherAvx2))];
     for Work { name, starts, program } in works() {
         for (vectors, ways) in vectors {
-            let mut spaces = [Workspace::default(), Workspace::default()];
-            (spaces[0].way, spaces[1].way) = ways;
-            let mut best = [f64::INFINITY; 2];
+            let mut spaces = [ways.0, ways.0, ways.1].map(|way| {
+                let mut space = Workspace::default();
+                space.way = way;
+                space
+            });
+            let to_its_end = Program { until_settled: false, ..program };
+            let mut best = [f64::INFINITY; 3];
             for _ in 0..ROUNDS {
-                for (space, best) in spaces.iter_mut().zip(&mut best) {
+                let programs = [&to_its_end, &program, &program];
+                for ((space, best), program) in spaces.iter_mut().zip(&mut best).zip(programs) {
                     space.used = LaneUse::default();
                     let begin = Instant::now();
-                    space.run(&mut starts.iter().copied(), &program, &mut |_, outcome| {
+                    space.run(&mut starts.iter().copied(), program, &mut |_, outcome| {
                         let _ = black_box(outcome);
                     });
                     *best = best.min(begin.elapsed().as_secs_f64());
                 }
             }
-            let used = spaces[1].used;
-            let [alone, together] = best.map(|time| 1e6 * time / starts.len() as f64);
+            let used = spaces[2].used;
+            let [single, alone, together] = best.map(|time| 1e6 * time / starts.len() as f64);
             let each = used.substeps as f64 / used.handed_over.max(1) as f64;
-            let (count, ratio) = (starts.len(), alone / together);
+            let (count, gain, ratio) = (starts.len(), single / together, alone / together);
             let (occupied, moved) = (used.occupation(), used.utilisation());
             writeln!(
                 table,
-                "| {name} | {count} | {vectors} | {alone:.1} | {together:.1} | {ratio:.2} | {occupied:.2} | {moved:.2} | {each:.0} |"
+                "| {name} | {count} | {vectors} | {single:.1} | {alone:.1} | {together:.1} | {gain:.2} | {ratio:.2} | {occupied:.2} | {moved:.2} | {each:.0} |"
             )
             .expect("memory");
         }
     }
     format!(
         "## Side by side and one by one\n\nThe same motions with the same reports on one thread, tables and the recognition of periods included: least times of {ROUNDS} rounds in \
-         which both ways run in turns.\nA lane is occupied while it has a motion; in a round it moves it, or hands it over to the code for a single one.\n\n{table}"
+         which all ways run in turns.\nThe single path simulates each motion to its end, as `attractor::observe` does; one by one and side by side end it once it is known \
+         what it has settled on.\nA lane is occupied while it has a motion; in a round it moves it, or hands it over to the code for a single one.\n\n{table}"
     )
 }
 
@@ -307,7 +325,8 @@ fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let on = |name: &str| asked.is_empty() || asked.iter().any(|a| a == name);
     let mut text = format!(
-        "# Studies\n\nWritten by `cargo bench --bench studies` on {THREADS} threads: least times of {ROUNDS} rounds. "
+        "# Studies\n\nWritten by `cargo bench --bench studies` on {THREADS} threads of {}: least times of {ROUNDS} rounds. ",
+        machine()
     );
     for (name, part) in [("studies", studies as fn() -> String), ("lanes", lanes), ("work", work)] {
         if on(name) {
