@@ -155,7 +155,8 @@ impl Tangent {
 
     /// The square of the variation's length.
     fn square(&self) -> f64 {
-        self.v.iter().map(|x| x * x).sum()
+        let [a, b, c, d, e, f, ..] = self.v.map(|x| x * x);
+        (a + b) + (c + d) + (e + f)
     }
 
     /// Makes the length one; a variation without length has shrunk by all.

@@ -185,15 +185,15 @@ fn by_strong_coupling(groups: &Groups) -> vibro_impact::Result<SteadyStateClass>
 /// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
 pub fn exact(p: &Parameters) -> vibro_impact::Result<(SteadyStateClass, Option<ExactOrbit>)> {
     let family = OrbitFamily::new(p)?;
-    let mut motions = [(false, false); 2];
-    for (motion, sheet) in motions.iter_mut().zip([Sheet::Upper, Sheet::Lower]) {
-        let Some(orbit) = family.orbit(sheet)? else { continue };
-        if orbit.is_stable() {
-            return Ok((SteadyStateClass::Stable, Some(orbit))); // the other orbit does not change the class
+    for sheet in [Sheet::Upper, Sheet::Lower] {
+        match family.orbit(sheet)? {
+            Some(orbit) if orbit.is_stable() => return Ok((SteadyStateClass::Stable, Some(orbit))),
+            // The lower orbit is never stable, docs/theory.md (80), and does not change the class.
+            Some(orbit) if orbit.is_clear() => return Ok((SteadyStateClass::Unstable, None)),
+            _ => {}
         }
-        *motion = (orbit.is_clear(), false);
     }
-    Ok((SteadyStateClass::of(motions), None))
+    Ok((SteadyStateClass::None, None))
 }
 
 /// Two axes of a plane.

@@ -179,19 +179,18 @@ fn jump(model: &Model, variations: &mut [Augmented], rate: f64, after: &Augmente
         return;
     }
     let kappa = model.restitution;
-    // The state just before and after the impact, also where a merge followed it.
-    let centre = after[3] + model.block_share * after[RELATIVE_RATE];
-    let with = |w: f64| {
-        let mut z = *after;
-        (z[3], z[RELATIVE_RATE]) = (centre - model.block_share * w, w);
-        model.acceleration(SmoothMode::Flight, &z, None).1
-    };
-    let kick = (with(-kappa * rate) + kappa * with(rate)) / rate;
-    // The centre of mass feels the damper's force on the box jump; everything in 1/rate of the model.
+    // a_w⁺ + κ a_w⁻. The free acceleration is linear in w' (docs/theory.md (13)), whose parts cancel: what is left is 1 + κ times the
+    // acceleration of a block that moves with the box, as fast as their centre of mass, also where a merge followed the impact.
+    let mut together = *after;
+    together[3] += model.block_share * after[RELATIVE_RATE];
+    together[RELATIVE_RATE] = 0.0;
+    let kick =
+        (1.0 + kappa) * model.acceleration(SmoothMode::Flight, &together, None).1 / (rate * model.rate);
+    // The centre of mass feels the damper's force on the box jump. Everything is in 1/rate of the model.
     let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
     for v in variations.iter_mut() {
         let w = v[RELATIVE];
-        v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick / model.rate * w;
+        v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick * w;
         v[3] -= push * w;
         v[RELATIVE] = -kappa * w;
     }

@@ -233,15 +233,19 @@ def test_eq_79_half_cycle_map_by_differences(case: str) -> None:
 
 @pytest.mark.parametrize("case", CASES)
 def test_eq_80_determinants(case: str) -> None:
-    """(80): det S = κ², and the product of the multipliers of (79)."""
+    """(80): det S = κ², the product of the multipliers of (79), and their distances from one."""
     with mpmath.workdps(DIGITS):
         k = orbit(case)
         S = saltation(k)
         assert abs(mpmath.det(S) - evaluated(80, r"\detS", k)) < TIGHT
         product = mpmath.mpf(1)
-        for multiplier in mpmath.eig(evaluated(79, "D_h", {**k, "S": S}), left=False, right=False):
+        D = evaluated(79, "D_h", {**k, "S": S})
+        for multiplier in mpmath.eig(D, left=False, right=False):
             product = product * multiplier
         assert abs(product - eq(80).relations[1].right({**NUMERIC, **k})) < mpmath.mpf(10) ** -15
+        unit = mpmath.eye(6)
+        found = mpmath.det(unit - D) / mpmath.det(unit + mpmath.expm(mpmath.pi * k["A"]))
+        assert abs(found - eq(80).relations[2].right({**NUMERIC, **k})) < TIGHT * (1 + abs(found))
 
 
 def test_eq_58_multipliers_as_the_mass_ratio_vanishes() -> None:

@@ -16,7 +16,7 @@ use vibro_impact::simulator::{Event, Maximum, MotionQueue, Plan, Reports, Simula
 const LOOK: u32 = 8 * BLOCK;
 
 /// Drive periods without an impact after which it is looked at whether there will be any more.
-const QUIET: u32 = 4;
+const QUIET: u32 = 8;
 
 /// What a lane is at, and what it has recorded of its motion.
 #[derive(Debug, Default)]

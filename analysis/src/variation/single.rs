@@ -37,30 +37,33 @@ fn transit(a: &Columns, v: &Augmented) -> Augmented {
 
 /// The transition matrices of one mode over any time.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))] // so that a column is one cache line
 struct Transition {
     /// Powers of the generator over their factorials, times the same power of the node distance.
     terms: [Columns; TERMS],
     nodes: [Columns; NODES + 1],
-    spacing: f64,
+    /// The reciprocal of the node distance, 1/s.
+    per_spacing: f64,
 }
 
 impl Transition {
     const ZERO: Self = Self {
         terms: [[[0.0; LANES]; COLUMNS]; TERMS],
         nodes: [[[0.0; LANES]; COLUMNS]; NODES + 1],
-        spacing: 0.0,
+        per_spacing: 0.0,
     };
 
     #[inline(always)]
     fn fill(&mut self, model: &Model, mode: SmoothMode) {
-        self.spacing = GRID_TIMES_RATE / model.rate;
+        let spacing = GRID_TIMES_RATE / model.rate;
+        self.per_spacing = 1.0 / spacing;
         let (share, speed) = (model.block_share, model.gap * model.rate);
         let mut step = [[0.0; LANES]; COLUMNS];
         for column in 0..COLUMNS {
             let mut unit = [0.0; LANES];
             unit[column] = 1.0;
             let z = physical(&unit, share, model.gap, speed);
-            let series = Series::<STEP>::expand(model, mode, &z, None, self.spacing);
+            let series = Series::<STEP>::expand(model, mode, &z, None, spacing);
             let mut sum = [0.0; LANES];
             for (k, lane) in series.lanes.iter().enumerate().rev() {
                 let term = varied(lane, share, model.gap, speed);
@@ -81,25 +84,24 @@ impl Transition {
         }
     }
 
-    /// The products of the series with the variation do not wait for each other.
+    /// The matrices commute. The products of the series with the variation wait neither for each other nor for the node.
     #[inline(always)]
     fn propagate(&self, v: &mut Augmented, span: f64) {
-        let steps = span / self.spacing;
-        let mut node = steps.round() as u32 as usize;
+        let steps = span * self.per_spacing;
+        let mut node = (steps + 0.5) as u32 as usize;
         let part = steps - node as f64;
-        while node > NODES {
-            *v = transit(&self.nodes[NODES], v);
-            node -= NODES;
-        }
-        let at_node = transit(&self.nodes[node], v);
-        let (mut power, mut sum) = (1.0, at_node);
+        let (mut power, mut sum) = (1.0, *v);
         for term in &self.terms[1..] {
             power *= part;
-            for (x, y) in sum.iter_mut().zip(transit(term, &at_node)) {
+            for (x, y) in sum.iter_mut().zip(transit(term, v)) {
                 *x += power * y;
             }
         }
-        *v = sum;
+        while node > NODES {
+            sum = transit(&self.nodes[NODES], &sum);
+            node -= NODES;
+        }
+        *v = transit(&self.nodes[node], &sum);
     }
 }
 

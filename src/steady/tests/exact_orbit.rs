@@ -3,6 +3,7 @@
 use crate::State;
 use crate::error::Error;
 use crate::parameters::{Groups, Parameters, Scales};
+use crate::steady::Sheet;
 use crate::steady::exact_orbit::*;
 use std::f64::consts::{PI, TAU};
 
@@ -261,6 +262,32 @@ fn closed_form_of_the_determinant_of_the_half_map() {
         let scale = orbit.spectral_radius().powi(3).max(1.0);
         assert!((product.re - expected).abs() < PRODUCT * scale && product.im.abs() < PRODUCT * scale);
     }
+}
+
+#[test]
+fn closed_form_of_the_determinant_at_the_fold() {
+    // docs/theory.md (80): the slope of the quadratic tells on which side of one the real multipliers are.
+    let mut lower = 0;
+    for orbit in orbits() {
+        let p = orbit.parameters();
+        let (a, b, _) = OrbitFamily::new(p).unwrap().quadratic();
+        let flight = Flight::new(p).unwrap().transition(PI);
+        let [one, pair] = [
+            (nalgebra::Matrix2::identity() + flight.one).determinant(),
+            (nalgebra::Matrix4::identity() + flight.pair).determinant(),
+        ];
+        let impulse = orbit.impulse() / (p.block_mass * p.drive_frequency * p.stop_gap);
+        let share = (1.0 + p.stop_restitution) / (1.0 + p.block_mass / p.box_mass);
+        let expected = share.powi(2) * (a + 0.5 * b / impulse) * one * pair;
+        let found: nalgebra::Complex<f64> = orbit.multipliers().into_iter().map(|m| 1.0 - m).product();
+        let scale = (1.0 + orbit.spectral_radius()).powi(3);
+        assert!((found.re - expected).abs() < PRODUCT * scale, "{found} {expected}");
+        if orbit.sheet() == Sheet::Lower {
+            assert!(expected < 0.0 && orbit.spectral_radius() > 1.0 && !orbit.is_stable());
+            lower += 1;
+        }
+    }
+    assert!(lower > 0);
 }
 
 #[test]
