@@ -100,6 +100,18 @@ impl LongStudy {
         }
     }
 
+    /// Checks that results and tables of a plane fit into memory, before anything is computed or written.
+    ///
+    /// # Errors
+    /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
+    pub fn check(&self) -> Result<()> {
+        match &self.kind {
+            StudyKind::Basin(request) => studies::check_basins(request),
+            StudyKind::Isoperiodic(request) => studies::check_isoperiodic(request),
+            _ => Ok(()),
+        }
+    }
+
     /// The diagram of a sweep; `None` for another kind, or where parts belong to other shards.
     ///
     /// # Errors
@@ -112,7 +124,8 @@ impl LongStudy {
     /// Computes the parts of the shard; the tables and pictures too where all parts are there.
     ///
     /// # Errors
-    /// As [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`], [`design_sweep::fill`] and [`tree_in_parts`].
+    /// As [`check`](Self::check), [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`], [`design_sweep::fill`] and
+    /// [`tree_in_parts`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         self.run_telling(task, &|_, _| ())
     }
@@ -126,6 +139,7 @@ impl LongStudy {
         task: &Task,
         tell: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Option<Vec<Study>>> {
+        self.check()?;
         match &self.kind {
             StudyKind::Sweep { at, orbits, .. } => {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };

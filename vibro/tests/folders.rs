@@ -179,6 +179,20 @@ fn manifests_say_what_a_result_was_computed_from() {
 }
 
 #[test]
+fn planes_whose_tables_do_not_fit_into_memory_are_refused_before_anything_is_written() {
+    let out = folder("folders-memory");
+    std::fs::create_dir_all(&out).unwrap();
+    // Each fits as a plane, but not with its table.
+    for (study, resolution) in [("plane", "5000"), ("isoperiodic", "2500"), ("basin", "5000")] {
+        let error = refused(&out, &[study, "--resolution", resolution]);
+        let side: f64 = resolution.parse().unwrap();
+        assert!(error.contains(&format!("points of the plane: {} asked for", side * side)), "{error}");
+        assert!(error.contains("fit into memory"), "{error}");
+    }
+    assert!(std::fs::read_dir(&out).unwrap().next().is_none());
+}
+
+#[test]
 fn what_others_have_written_is_refused_by_name_and_never_removed() {
     let out = folder("folders-foreign");
     std::fs::create_dir_all(out.join("basin.parts")).unwrap();

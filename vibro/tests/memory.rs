@@ -21,9 +21,6 @@ fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     const POINTS: usize = SIDE * SIDE;
     /// What threads, tables of systems and the allocator take, whatever the number of points.
     const FIXED: usize = 6 << 20;
-    /// A row of the table with all numbers in full is 167 bytes long. The rest is for the codes of two pictures and for the rows that
-    /// are not yet in the text; the table twice would take more.
-    const ROW: usize = 180;
     let axis = |name, range| ParameterAxis::new(find_group(name).unwrap(), range, SIDE).unwrap();
     // Where 1 + ε σ1 < 0 there is no system, so that nothing is simulated.
     let (x, y) = (axis("sigma1", (-12.0, -11.0)), axis("f10", (0.5, 4.0)));
@@ -36,7 +33,7 @@ fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     let reckoned = 2 * size_of::<PlanePoint>() * POINTS;
     assert!(parts < reckoned + FIXED, "{parts} of {reckoned}");
     assert!(parts > reckoned / 2, "{parts} of {reckoned}: not counted");
-    // The longest rows there are.
+    // The longest rows there are. The table twice would take more than is reckoned with.
     for point in &mut plane.points {
         let exponent = Some([0.123_456_789_012_345_67, 0.001_234_567_890_123_456_7]);
         let impacts = [1.0 / 3.0, 2.0 / 3.0];
@@ -47,6 +44,6 @@ fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     let study = studies::isoperiodic(&set, &request, &plane, "plane").unwrap();
     assert!(study.tables[0].1.len() > 100 * POINTS);
     let all = most_held() - before;
-    let reckoned = (size_of::<PlanePoint>() + ROW) * POINTS;
+    let reckoned = (size_of::<PlanePoint>() + studies::POINT_IN_TABLE) * POINTS;
     assert!(all < reckoned.max(parts) + FIXED, "{all} of {reckoned}");
 }

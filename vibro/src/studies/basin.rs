@@ -5,7 +5,7 @@ use super::lengths::Lengths;
 use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
-use crate::table::{Table, csv_in_groups, exact};
+use crate::table::{Table, check_plane, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
@@ -19,6 +19,17 @@ const PAIRS: [[Colour; 2]; 4] =
 const OUTSIDE: Colour = Colour(235, 235, 235);
 /// Most attractors that are shown and listed: their numbers fit into the codes of a picture's cells.
 const SHOWN: usize = 101;
+
+/// The most that a row of the table takes, bytes.
+const ROW: usize = 64;
+
+/// Checks that a plane of starts fits into memory with its table, before it is computed.
+///
+/// # Errors
+/// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
+pub fn check_basins(request: &Request) -> Result<()> {
+    check_plane((request.x.count, request.y.count), size_of::<Destination>(), ROW)
+}
 
 /// The study of a plane of starts.
 ///

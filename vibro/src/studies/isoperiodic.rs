@@ -4,7 +4,7 @@ use super::Study;
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY};
 use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Panel, Path, Shape, THIN};
-use crate::table::{csv_in_groups, exact};
+use crate::table::{check_plane, csv_in_groups, exact};
 use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::MotionClass;
@@ -45,8 +45,19 @@ const IMPACTS: [Entry<f64>; 8] = [
     ("(b) over 4", Colour(68, 1, 84), |_| true),
 ];
 
+/// The most that a point takes in the table and in the codes of the two pictures, bytes: a row with all numbers in full has 167.
+pub const POINT_IN_TABLE: usize = 180;
+
 /// Most classes listed on the screen.
 const TOLD: usize = 8;
+
+/// Checks that a plane fits into memory with its table, before it is computed.
+///
+/// # Errors
+/// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
+pub fn check_isoperiodic(request: &Request) -> Result<()> {
+    check_plane((request.x.count, request.y.count), size_of::<PlanePoint>(), POINT_IN_TABLE)
+}
 
 /// The study of a plane of motions.
 ///

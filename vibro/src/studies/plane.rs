@@ -4,7 +4,7 @@ use super::Study;
 use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREY, ORANGE};
 use crate::figures::chart::{Colour, Figure, Layer, Panel, Shape};
-use crate::table::{csv_in_groups, exact};
+use crate::table::{check_plane, csv_in_groups, exact};
 use rayon::prelude::*;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, plane};
@@ -14,16 +14,22 @@ const PANEL: (u32, u32) = (1350, 1150);
 /// The colour of the background: no motion.
 const PAPER: Colour = Colour(255, 255, 255);
 
+/// The most that a row of the table takes, bytes.
+const ROW: usize = 64;
+
 /// Planes of pairs of parameters, classified by one theory; `done` hears of each finished row.
 ///
 /// # Errors
-/// Pairs that are no planes, ranges that are not allowed.
+/// Pairs that are no planes, ranges that are not allowed, planes that do not fit into memory.
 pub fn planes(
     set: &ParameterSet,
     pairs: &[(ParameterAxis, ParameterAxis)],
     method: Method,
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
+    for (x, y) in pairs {
+        check_plane((x.count, y.count), size_of::<SteadyStateClass>(), ROW)?;
+    }
     let planes =
         pairs.iter().map(|&(x, y)| Ok(plane(set, x, y, method, done)?)).collect::<Result<Vec<_>>>()?;
     let undefined = planes.iter().flat_map(|p| &p.classes).any(|c| *c == SteadyStateClass::Undefined);

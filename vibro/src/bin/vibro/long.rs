@@ -131,6 +131,7 @@ pub fn perform_as(
     invocation: &Invocation,
     shard: Option<Shard>,
 ) -> Result<()> {
+    study.check()?;
     let out = place(study, common, invocation)?;
     let manifest = Manifest::of_parts(study, invocation);
     let parts = PartFolder::open(&out.join(folder(study)), &manifest, common.discard_unfinished)?;
