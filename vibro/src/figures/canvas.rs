@@ -358,7 +358,7 @@ pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
 /// As SVG text and as a PNG file made from it, drawn once.
 ///
 /// # Errors
-/// As [`svg`] and [`png`].
+/// As [`svg()`] and [`png()`].
 pub fn svg_and_png(drawing: &impl Drawing) -> Result<(String, Vec<u8>)> {
     let (svg, (width, height)) = (svg(drawing)?, drawing.size());
     let failed = || Error::output("a PNG file")("no memory for its pixels");
