@@ -153,7 +153,7 @@ impl Tangent {
         }
     }
 
-    /// The square of the variation's length.
+    /// The square of the variation's length, to which the drive's phase adds nothing.
     fn square(&self) -> f64 {
         let [a, b, c, d, e, f, ..] = self.v.map(|x| x * x);
         (a + b) + (c + d) + (e + f)
