@@ -160,7 +160,8 @@ pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Ba
             return Err(Error::Form { text, expected: "from < to, both finite, and at least 1 cell" });
         }
     }
-    check_cells("cells of the plane", (x.count, y.count), size_of::<Destination>())?;
+    // The parts are put together beside the whole.
+    check_cells("cells of the plane", (x.count, y.count), 2 * size_of::<Destination>())?;
     let part = |workspace: &mut Workspace, part| cells(p, request, rows(request, part), workspace);
     let Some(parts) = task.complete_with(count(request), part)? else { return Ok(None) };
     let mut found = Basin::default();

@@ -186,8 +186,8 @@ fn check(sweep: &Sweep) -> Result<()> {
     let states = 2 * LONGEST as usize * size_of::<StroboscopicState>();
     let maxima = MAXIMA_IN_A_PERIOD.saturating_mul(*keep as usize).saturating_mul(size_of::<(f64, u32)>());
     let value = maxima.saturating_add(states + size_of::<Option<SweepPoint>>());
-    // Both directions.
-    check_count("values of the diagram", axis.count, value.saturating_mul(2))
+    // Both directions, and the parts beside the whole.
+    check_count("values of the diagram", axis.count, value.saturating_mul(4))
 }
 
 /// Number of parts of a sweep.

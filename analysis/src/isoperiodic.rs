@@ -166,7 +166,8 @@ pub fn count(request: &Request) -> usize {
 /// simulator refuses; what the parts' folder refuses.
 pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
     check_pair(&request.x, &request.y)?;
-    check_cells("points of the plane", (request.x.count, request.y.count), size_of::<PlanePoint>())?;
+    // The parts are put together beside the whole.
+    check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<PlanePoint>())?;
     if let StartRule::State(start) = &request.start {
         let p = set.parameters();
         Simulator::new(p, &dimensional(p, start), 0.0)?;

@@ -209,16 +209,16 @@ pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     Ok(())
 }
 
-/// The memory that the result of a study over a plane may take, bytes.
+/// The memory that a study may take for its results, bytes.
 const MOST_MEMORY: usize = 1 << 30;
 
-/// Checks that a plane of so many columns and rows fits into memory, at `size` bytes for each of its cells.
+/// Checks that a plane of so many columns and rows fits into memory, where at most `held` bytes are held at a time for each of its
+/// cells.
 ///
 /// # Errors
 /// [`Error::TooMany`], with the number that would fit.
-pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), size: usize) -> Result<()> {
-    // Half of it: the parts are put together beside the whole.
-    let most = MOST_MEMORY / 2 / size.max(1);
+pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), held: usize) -> Result<()> {
+    let most = MOST_MEMORY / held.max(1);
     match columns.checked_mul(rows) {
         Some(count) if count <= most => Ok(()),
         _ => {
@@ -228,12 +228,12 @@ pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), size: us
     }
 }
 
-/// Checks that so many results of a study along a line fit into memory, at up to `size` bytes for each.
+/// Checks that so many results of a study along a line fit into memory, where at most `held` bytes are held at a time for each.
 ///
 /// # Errors
 /// [`Error::TooMany`], with the number that would fit.
-pub fn check_count(what: &'static str, count: usize, size: usize) -> Result<()> {
-    let most = MOST_MEMORY / 2 / size.max(1);
+pub fn check_count(what: &'static str, count: usize, held: usize) -> Result<()> {
+    let most = MOST_MEMORY / held.max(1);
     if count <= most { Ok(()) } else { Err(Error::TooMany { what, count: count as f64, most, side: None }) }
 }
 
@@ -249,7 +249,8 @@ pub fn plane(
     done: &(dyn Fn() + Sync),
 ) -> Result<Plane> {
     check_pair(&x, &y)?;
-    check_cells("points of the plane", (x.count, y.count), size_of::<SteadyStateClass>())?;
+    // The rows are put together beside the whole.
+    check_cells("points of the plane", (x.count, y.count), 2 * size_of::<SteadyStateClass>())?;
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()
         .map(|j| {
@@ -272,15 +273,15 @@ mod tests {
 
     #[test]
     fn planes_that_do_not_fit_into_memory_are_refused_with_the_number_that_fits() {
-        assert!(check_cells("points", (1000, 1000), 100).is_ok());
+        assert!(check_cells("points", (1000, 1000), 200).is_ok());
         for side in [30_000, 1 << 40, usize::MAX] {
-            let error = check_cells("points", (side, side), 100).unwrap_err();
+            let error = check_cells("points", (side, side), 200).unwrap_err();
             let Error::TooMany { most, side: Some(fits), .. } = error else { panic!("{error}") };
             assert!(
-                check_cells("points", (most, 1), 100).is_ok()
-                    && check_cells("points", (most + 1, 1), 100).is_err()
+                check_cells("points", (most, 1), 200).is_ok()
+                    && check_cells("points", (most + 1, 1), 200).is_err()
             );
-            assert!(check_cells("points", (fits, fits), 100).is_ok() && fits > 2000);
+            assert!(check_cells("points", (fits, fits), 200).is_ok() && fits > 2000);
             assert!(error.to_string().contains(&format!("{fits} × {fits}")), "{error}");
         }
     }

@@ -2,7 +2,6 @@
 
 use crate::{Error, Result};
 use rayon::prelude::*;
-use vibro_analysis::plane::check_cells;
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -86,16 +85,6 @@ pub fn csv_in_groups(
         groups.iter().for_each(|group| text.extend_from_slice(&group[head..]));
     }
     Ok(text)
-}
-
-/// Checks that the table of a plane fits into memory beside the plane: `point` is what a point of it takes, `row` the most that one
-/// takes in the table, bytes.
-///
-/// # Errors
-/// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
-pub fn check_plane((columns, rows): (usize, usize), point: usize, row: usize) -> Result<()> {
-    // `check_cells` reckons with twice the size that it is given.
-    Ok(check_cells("points of the plane", (columns, rows), (point + row).div_ceil(2))?)
 }
 
 /// A number in decimals that read back as the same bits.

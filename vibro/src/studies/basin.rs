@@ -5,10 +5,11 @@ use super::lengths::Lengths;
 use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
-use crate::table::{Table, check_plane, csv_in_groups, exact};
+use crate::table::{Table, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
+use vibro_analysis::plane::check_cells;
 use vibro_analysis::stroboscopic::COORDINATES;
 
 /// Colours of attractors and of their mirror images; more share the last.
@@ -28,7 +29,8 @@ const ROW: usize = 64;
 /// # Errors
 /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
 pub fn check_basins(request: &Request) -> Result<()> {
-    check_plane((request.x.count, request.y.count), size_of::<Destination>(), ROW)
+    let held = size_of::<Destination>() + ROW;
+    Ok(check_cells("points of the plane", (request.x.count, request.y.count), held)?)
 }
 
 /// The study of a plane of starts.

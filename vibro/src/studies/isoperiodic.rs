@@ -4,12 +4,12 @@ use super::Study;
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY};
 use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Panel, Path, Shape, THIN};
-use crate::table::{check_plane, csv_in_groups, exact};
+use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, PlanePoint, Request, SettledMotion};
-use vibro_analysis::plane::SteadyStateClass;
+use vibro_analysis::plane::{SteadyStateClass, check_cells};
 
 const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);
@@ -56,7 +56,8 @@ const TOLD: usize = 8;
 /// # Errors
 /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
 pub fn check_isoperiodic(request: &Request) -> Result<()> {
-    check_plane((request.x.count, request.y.count), size_of::<PlanePoint>(), POINT_IN_TABLE)
+    let held = size_of::<PlanePoint>() + POINT_IN_TABLE;
+    Ok(check_cells("points of the plane", (request.x.count, request.y.count), held)?)
 }
 
 /// The study of a plane of motions.

@@ -4,10 +4,10 @@ use super::Study;
 use crate::Result;
 use crate::figures::canvas::palette::{BLUE, GREY, ORANGE};
 use crate::figures::chart::{Colour, Figure, Layer, Panel, Shape};
-use crate::table::{check_plane, csv_in_groups, exact};
+use crate::table::{csv_in_groups, exact};
 use rayon::prelude::*;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, plane};
+use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, check_cells, plane};
 
 const LIGHT: Colour = Colour(205, 205, 205);
 const PANEL: (u32, u32) = (1350, 1150);
@@ -28,7 +28,7 @@ pub fn planes(
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
     for (x, y) in pairs {
-        check_plane((x.count, y.count), size_of::<SteadyStateClass>(), ROW)?;
+        check_cells("points of the plane", (x.count, y.count), size_of::<SteadyStateClass>() + ROW)?;
     }
     let planes =
         pairs.iter().map(|&(x, y)| Ok(plane(set, x, y, method, done)?)).collect::<Result<Vec<_>>>()?;
