@@ -1,4 +1,4 @@
-//! Stepping, getting and setting allocate nothing. Alone in its process, since it has an allocator of its own.
+//! Stepping, getting and setting allocate nothing, nor does a motion of a queue. Alone in its process, since it has an allocator of its own.
 #![allow(unsafe_code)] // an allocator is one, and so is the C interface
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -9,6 +9,10 @@ use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi3::abi::*;
 use vibro_fmi::fmi3::description as description3;
+use vibro_impact::Parameters;
+use vibro_impact::simulator::{
+    Event, Maximum, MotionQueue, Plan, Reports, Simulator, State, TOGETHER, advance_queue,
+};
 
 thread_local! {
     /// Allocations of a test's own thread: the harness allocates in others meanwhile.
@@ -32,6 +36,65 @@ unsafe impl GlobalAlloc for Counting {
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
+
+/// Motions of different systems, a tenth of them with rest, of which all is reported.
+#[derive(Default)]
+struct Motions {
+    left: u32,
+    samples: usize,
+    rests: usize,
+    maxima: usize,
+}
+
+impl MotionQueue for Motions {
+    fn next(
+        &mut self,
+        lane: usize,
+        simulators: &mut [Simulator],
+        ended: Option<vibro_impact::Result<()>>,
+    ) -> Option<Plan> {
+        ended.transpose().expect("motions end well");
+        self.left = self.left.checked_sub(1)?;
+        let stop_restitution = if self.left.is_multiple_of(10) { 0.0 } else { 0.75 };
+        let drive_amplitude = 0.1 + 0.001 * f64::from(self.left);
+        let p = Parameters { drive_amplitude, stop_restitution, ..Parameters::default() };
+        let state = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
+        simulators[lane].restart(&p, &state, 0.0).expect("a start");
+        let reports =
+            Reports { origin: 0.0, step: 0.5 * p.period(), first: 1, maxima_of: Some([0.0, 1.0, 0.0]) };
+        Some(Plan { simulator: lane, end: 30.0 * p.period(), reports: Some(reports) })
+    }
+
+    fn sample(&mut self, _: usize, number: u32, _: &State) -> std::ops::ControlFlow<(), u32> {
+        self.samples += 1;
+        std::ops::ControlFlow::Continue(number + 1)
+    }
+
+    fn event(&mut self, _: usize, event: &Event, _: &vibro_impact::model::Augmented) -> Option<u32> {
+        self.rests += usize::from(matches!(event, Event::Rest { .. }));
+        None
+    }
+
+    fn maximum(&mut self, _: usize, _: &Maximum) {
+        self.maxima += 1;
+    }
+}
+
+#[test]
+fn a_motion_of_a_queue_allocates_nothing() {
+    let state = State { x: [0.0; 3], v: [0.0; 3] };
+    let simulator = |_| Simulator::new(&Parameters::default(), &state, 0.0).unwrap();
+    let mut simulators: Vec<Simulator> = (0..TOGETHER).map(simulator).collect();
+    let mut allocated = |left| {
+        let (before, mut motions) = (COUNT.get(), Motions { left, ..Motions::default() });
+        advance_queue(&mut simulators, &mut motions);
+        assert!(motions.samples >= 59 * left as usize && motions.rests > 0 && motions.maxima > 0);
+        COUNT.get() - before
+    };
+    // The first run makes what all others use again.
+    allocated(10 * TOGETHER as u32);
+    assert_eq!(allocated(10 * TOGETHER as u32), allocated(40 * TOGETHER as u32));
+}
 
 #[test]
 fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
