@@ -1,0 +1,219 @@
+//! What a machine consists of, as plain data in SI units: bodies, springs, stops, friction, links and loads.
+//!
+//! A [`Description`] is what a file says ([`crate::file`]) or a program puts together; [`crate::Assembly`] is a description that
+//! was checked. Everything refers to bodies by their place in [`Description::bodies`].
+
+/// A machine of bodies with one coordinate each, and of elements between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Description {
+    /// The machine's name.
+    pub name: String,
+    /// Acceleration of gravity g, m/s²; it acts on a body by g times its [`Free::gravity`].
+    pub gravity: f64,
+    /// Whether the machine starts at rest in equilibrium instead of at the bodies' own start values.
+    pub starts_at_rest: bool,
+    /// The bodies, in the file's order.
+    pub bodies: Vec<Body>,
+    /// Springs with their dashpots.
+    pub springs: Vec<Spring>,
+    /// One-sided contacts, rigid and compliant.
+    pub stops: Vec<Stop>,
+    /// Coulomb friction.
+    pub frictions: Vec<Friction>,
+    /// Rigid links.
+    pub links: Vec<Link>,
+    /// Forces or torques on bodies.
+    pub loads: Vec<Load>,
+}
+
+/// How a coordinate or an elongation is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Along a line: m, m/s, N.
+    Translation,
+    /// About an axis: rad, rad/s, N m.
+    Rotation,
+}
+
+/// A body with one coordinate s, positive in one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Its name, unique among the bodies; `ground` is none.
+    pub name: String,
+    /// What its coordinate is measured in.
+    pub dimension: Dimension,
+    /// Whether it moves freely or as prescribed.
+    pub kind: BodyKind,
+}
+
+/// Whether a body's motion follows from the forces on it or is given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyKind {
+    /// It has inertia, and forces move it.
+    Free(Free),
+    /// Its coordinate is this signal of time, in m or rad, plus `rate` times the time in s.
+    Prescribed {
+        /// The coordinate but for the even motion.
+        motion: Signal,
+        /// The rate of an even motion that is added, m/s or rad/s.
+        rate: f64,
+    },
+}
+
+/// A body that forces move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// Mass in kg, or moment of inertia in kg m²; positive.
+    pub inertia: f64,
+    /// Cosine of the angle between the coordinate's direction and gravity: 1 where s points downwards, -1 where upwards.
+    pub gravity: f64,
+    /// Coordinate at time 0, m or rad.
+    pub s: f64,
+    /// Its rate at time 0, m/s or rad/s.
+    pub v: f64,
+}
+
+/// The weights of the bodies' coordinates in an elongation e = Σ arm · s, by the bodies' places; no body twice, no arm zero.
+/// Between ground and a body the arm is ±1; from body a to body b it is -1 for a and +1 for b.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arms {
+    /// Place of the body and its arm.
+    pub terms: Vec<(usize, f64)>,
+    /// What the elongation is measured in.
+    pub dimension: Dimension,
+}
+
+/// A spring and a dashpot side by side. Its force f = preload + stiffness · e + damping · e' resists e: it acts on a body by
+/// -arm · f.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spring {
+    /// Its name, unique among the springs.
+    pub name: String,
+    /// Its elongation e.
+    pub arms: Arms,
+    /// N/m or N m/rad, not negative.
+    pub stiffness: f64,
+    /// N s/m or N m s/rad, not negative.
+    pub damping: f64,
+    /// The force at e = 0, N or N m.
+    pub preload: f64,
+}
+
+/// A contact that closes where e reaches the gap and pushes e back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// Its name, unique among the stops.
+    pub name: String,
+    /// Its elongation e.
+    pub arms: Arms,
+    /// The value of e at which it closes, m or rad; of any sign.
+    pub gap: f64,
+    /// Rigid or compliant.
+    pub law: StopLaw,
+}
+
+/// What a stop does when it is closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StopLaw {
+    /// e stays at most the gap; an impact reverses e' with the restitution coefficient, from 0 to 1.
+    Rigid {
+        /// Speed after over speed before a single impact.
+        restitution: f64,
+    },
+    /// While e is beyond the gap a spring and a dashpot push back, and never pull.
+    Compliant {
+        /// N/m or N m/rad, not negative.
+        stiffness: f64,
+        /// N s/m or N m s/rad, not negative.
+        damping: f64,
+        /// How the dashpot's share is limited.
+        limit: DampingLimit,
+    },
+}
+
+/// The limits of a compliant stop's force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DampingLimit {
+    /// f = max(0, stiffness (e - gap) + damping e'): it never pulls.
+    NoPull,
+    /// The dashpot's share is at most the spring's in size, so that f lies between 0 and 2 stiffness (e - gap): the law of the
+    /// Modelica Standard Library's `ElastoGap`.
+    Elastogap,
+}
+
+/// Coulomb friction that resists e': of the size `force` where it slips, up to `static_force` (or `force`) where it sticks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Friction {
+    /// Its name, unique among the frictions.
+    pub name: String,
+    /// Its elongation e.
+    pub arms: Arms,
+    /// The level while slipping, N or N m; where it is not positive there is no friction.
+    pub force: Signal,
+    /// The level up to which it sticks, if it is another one; at least `force`.
+    pub static_force: Option<Signal>,
+}
+
+/// A rigid link: e = 0 at all times, so that one coordinate follows from the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Its name, unique among the links.
+    pub name: String,
+    /// What is kept at zero.
+    pub arms: Arms,
+}
+
+/// A force or torque on a body in its coordinate's direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// Its name, unique among the loads.
+    pub name: String,
+    /// Place of the body.
+    pub body: usize,
+    /// N or N m.
+    pub force: Signal,
+}
+
+/// A quantity as a function of time: the sum of all its parts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signal {
+    /// A constant.
+    pub constant: f64,
+    /// Sines of time.
+    pub harmonics: Vec<Harmonic>,
+    /// Jumps: from `time` (s) on, `height` is added. By rising time.
+    pub steps: Vec<Step>,
+    /// A record.
+    pub table: Option<Record>,
+    /// Whether a value from outside is added, which is 0 until it is set.
+    pub input: bool,
+}
+
+/// amplitude · sin(2π · frequency · t + phase).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Harmonic {
+    /// In the signal's unit.
+    pub amplitude: f64,
+    /// Hz, positive.
+    pub frequency: f64,
+    /// rad.
+    pub phase: f64,
+}
+
+/// A jump of a signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// s.
+    pub time: f64,
+    /// What is added from that time on, in the signal's unit.
+    pub height: f64,
+}
+
+/// A record: values at rising times; before the first and after the last it keeps their values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// Time (s) and value at each knot, two or more, by rising time.
+    pub knots: Vec<(f64, f64)>,
+    /// Between the knots a monotone cubic instead of a straight line.
+    pub cubic: bool,
+}
