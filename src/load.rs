@@ -199,7 +199,7 @@ impl Simulator {
 /// Slopes at the samples: the harmonic mean of the neighbouring chords, weighted by their lengths, and zero where these
 /// differ in sign, as F. N. Fritsch and J. Butland give them (SIAM J. Sci. Stat. Comput. 5 (1984) 300–304); at the ends the
 /// three-point formula, limited so that the cubic stays monotone. Two samples make a straight line.
-fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
+pub fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
     let steps: Vec<(f64, f64)> = samples
         .windows(2)
         .map(|pair| (pair[1].0 - pair[0].0, (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)))

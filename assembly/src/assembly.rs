@@ -1,0 +1,36 @@
+//! A machine that was checked: immutable, ready to move.
+
+use crate::description::{BodyKind, Description};
+use crate::error::Error;
+use crate::system::System;
+
+/// A machine that was checked, with its matrices.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    /// What it consists of.
+    pub description: Description,
+    pub(crate) system: System,
+    /// Coordinate and rate of each body at time 0; of prescribed ones 0.
+    pub(crate) starts: Vec<(f64, f64)>,
+}
+
+impl Assembly {
+    /// The machine of a description.
+    ///
+    /// # Errors
+    /// As [`System::new`].
+    pub fn new(description: Description) -> Result<Self, Error> {
+        let system = System::new(&description)?;
+        let starts = description
+            .bodies
+            .iter()
+            .map(|b| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) })
+            .collect();
+        Ok(Self { description, system, starts })
+    }
+
+    /// The matrices.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+}

@@ -1,0 +1,60 @@
+//! What can go wrong with a machine and its motion; every message names the quantity, its value and what is allowed.
+
+/// An error of a machine or its motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A link adds nothing to the others.
+    #[error("link.{link}: it follows from the other links, or moves no free body; allowed are links of which each takes one coordinate away")]
+    Redundant {
+        /// Name of the link.
+        link: String,
+    },
+    /// The inertia's numbers are too far apart.
+    #[error("the inertias: not positive in double precision after the links; allowed are ratios up to about 1e15")]
+    Inertia,
+    /// Stops close and nothing can give way.
+    #[error("jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can")]
+    Jammed {
+        /// s.
+        time: f64,
+        /// The stops, as `stop.NAME`, with commas.
+        stops: String,
+    },
+    /// A rigid stop is violated by a jump of a prescribed motion or an input.
+    #[error("stop.{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion; allowed is at most 0")]
+    Violated {
+        /// Name of the stop.
+        stop: String,
+        /// s.
+        time: f64,
+        /// e - gap.
+        excess: f64,
+    },
+    /// The modes change without end at one instant, or the events of one call have no end.
+    #[error("the motion cannot go on at t = {time} s: {cause}")]
+    Stuck {
+        /// s.
+        time: f64,
+        /// What happens, with the elements.
+        cause: String,
+    },
+    /// An end before the present or not a number.
+    #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
+    Step {
+        /// s.
+        time: f64,
+        /// s.
+        end: f64,
+    },
+    /// A number that is none.
+    #[error("{name} = {value}: allowed is {allowed}")]
+    OutOfRange {
+        /// What it is.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+    },
+}

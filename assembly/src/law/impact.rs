@@ -1,0 +1,147 @@
+//! Impacts of one or many stops at one instant (docs/assembly-law.md (A7) to (A9)).
+
+use super::box_qp::{Jam, Problem};
+use super::{Sizes, ZERO};
+use crate::mode::Contact;
+use crate::system::System;
+use nalgebra::DVector;
+
+/// After this many impacts of one instant the velocities are projected on what is admissible.
+const MAX_IMPACTS: usize = 1000;
+
+/// One impact: the stops that take part with an impulse, and what it does to the energy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Impact {
+    /// Place of the stop, closing speed before, impulse. Those without impulse are not listed.
+    pub stops: Vec<(usize, f64, f64)>,
+    /// Energy lost, J.
+    pub lost: f64,
+    /// Work of prescribed motions, J.
+    pub work: f64,
+}
+
+/// The impacts of one instant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Impacts {
+    /// One after another.
+    pub sequence: Vec<Impact>,
+    /// Whether the sequence was ended by a projection.
+    pub projected: bool,
+    /// Energy that the projection took, J.
+    pub projected_loss: f64,
+}
+
+/// The velocities at an instant and the stops that touch there.
+pub struct Instant<'a> {
+    /// The machine.
+    pub system: &'a System,
+    /// Largest sizes so far.
+    pub sizes: &'a Sizes,
+    /// Places of the rigid stops with e = gap.
+    pub touching: &'a [usize],
+    /// Restitution coefficients in force by stop: 0 where chatter ends.
+    pub restitution: &'a [f64],
+}
+
+impl Instant<'_> {
+    fn speed(&self, stop: usize, z: &DVector<f64>) -> f64 {
+        self.system.stops[stop].elongation.rate.dot(z)
+    }
+
+    /// Carries out impacts until no touching stop closes; changes the velocities in `z`.
+    ///
+    /// # Errors
+    /// [`Jam`], whose contacts are places of stops.
+    pub fn collide(&self, z: &mut DVector<f64>) -> Result<Impacts, Jam> {
+        let mut impacts = Impacts::default();
+        let mut largest = 0.0f64;
+        loop {
+            let speeds: Vec<f64> = self.touching.iter().map(|&i| self.speed(i, z)).collect();
+            largest = speeds.iter().fold(largest, |most, &u| most.max(u));
+            let zero = |place: usize| {
+                let rate = &self.system.stops[self.touching[place]].elongation.rate;
+                (ZERO * largest).max(self.sizes.zero(rate))
+            };
+            if (0..speeds.len()).all(|k| speeds[k] <= zero(k)) {
+                return Ok(impacts);
+            }
+            if impacts.sequence.len() >= MAX_IMPACTS {
+                self.project(z, &mut impacts)?;
+                return Ok(impacts);
+            }
+            // Those that leave take no part; their turn comes when this impact drives them together.
+            let taking: Vec<usize> = (0..speeds.len()).filter(|&k| speeds[k] >= -zero(k)).collect();
+            let stops: Vec<usize> = taking.iter().map(|&k| self.touching[k]).collect();
+            let u: Vec<f64> = taking.iter().map(|&k| speeds[k].max(0.0)).collect();
+            let zeros: Vec<f64> = taking.iter().map(|&k| zero(k)).collect();
+            let impact = self.impact(&stops, &u, &zeros, z)?;
+            impacts.sequence.push(impact);
+        }
+    }
+
+    /// One impact of the stops with closing speeds `u`, by (A7).
+    fn impact(&self, stops: &[usize], u: &[f64], zeros: &[f64], z: &mut DVector<f64>) -> Result<Impact, Jam> {
+        let b = DVector::from_fn(u.len(), |k, _| (1.0 + self.restitution[stops[k]]) * u[k]);
+        let p = self.impulses(stops, b, zeros)?;
+        let mut impact = Impact { stops: Vec::new(), lost: 0.0, work: 0.0 };
+        for (k, &stop) in stops.iter().enumerate() {
+            if p[k] > 0.0 {
+                impact.stops.push((stop, u[k], p[k]));
+                impact.lost += 0.5 * (1.0 - self.restitution[stop]) * u[k] * p[k];
+                impact.work += p[k] * self.prescribed_speed(stop, z);
+            }
+        }
+        self.apply(stops, &p, z);
+        Ok(impact)
+    }
+
+    /// The part of a stop's closing speed that prescribed bodies make.
+    fn prescribed_speed(&self, stop: usize, z: &DVector<f64>) -> f64 {
+        let n = self.system.coordinates;
+        let e = &self.system.stops[stop].elongation;
+        self.speed(stop, z) - e.w.dot(&z.rows(n, n))
+    }
+
+    /// P >= 0 with b - G P <= 0, complementary.
+    fn impulses(&self, stops: &[usize], b: DVector<f64>, zeros: &[f64]) -> Result<DVector<f64>, Jam> {
+        let contacts: Vec<Contact> = stops.iter().map(|&i| Contact::Stop(i)).collect();
+        let count = stops.len();
+        let problem = Problem {
+            columns: self.system.columns(&contacts),
+            b,
+            lo: DVector::zeros(count),
+            hi: DVector::from_element(count, f64::INFINITY),
+            zero: DVector::from_column_slice(zeros),
+        };
+        match problem.solve() {
+            Ok(solution) => Ok(solution.lambda),
+            Err(jam) => Err(Jam { contacts: jam.contacts.iter().map(|&k| stops[k]).collect() }),
+        }
+    }
+
+    fn apply(&self, stops: &[usize], p: &DVector<f64>, z: &mut DVector<f64>) {
+        let n = self.system.coordinates;
+        let mut kick = DVector::zeros(n);
+        for (k, &stop) in stops.iter().enumerate() {
+            kick.axpy(p[k], &self.system.stops[stop].elongation.w, 1.0);
+        }
+        let change = self.system.inertia.solve(&kick);
+        let mut v = z.rows_mut(n, n);
+        v -= change;
+    }
+
+    /// The nearest velocities, in the inertia's metric, with which no touching stop closes: an impact of all with
+    /// restitution 0.
+    fn project(&self, z: &mut DVector<f64>, impacts: &mut Impacts) -> Result<(), Jam> {
+        let u: Vec<f64> = self.touching.iter().map(|&i| self.speed(i, z)).collect();
+        let zeros: Vec<f64> =
+            self.touching.iter().map(|&i| self.sizes.zero(&self.system.stops[i].elongation.rate)).collect();
+        let p = self.impulses(self.touching, DVector::from_column_slice(&u), &zeros)?;
+        for (k, &stop) in self.touching.iter().enumerate() {
+            impacts.projected_loss += p[k] * (0.5 * u[k] - self.prescribed_speed(stop, z));
+        }
+        self.apply(self.touching, &p, z);
+        impacts.projected = true;
+        Ok(())
+    }
+}

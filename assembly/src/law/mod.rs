@@ -1,0 +1,32 @@
+//! The law at events: contact forces and impulses, impacts, and which mode follows (docs/assembly-law.md).
+
+pub mod box_qp;
+pub mod impact;
+pub mod selection;
+
+use crate::system::Row;
+use nalgebra::DVector;
+
+/// What is under this part of the sum of its terms' largest sizes so far counts as zero: some hundreds of roundings.
+pub const ZERO: f64 = 1e-13;
+
+/// The largest size of each coordinate of the augmented state so far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sizes(pub DVector<f64>);
+
+impl Sizes {
+    /// The sum of the sizes of a row's terms.
+    pub fn of(&self, row: &Row) -> f64 {
+        row.iter().zip(self.0.iter()).map(|(r, s)| r.abs() * s).sum()
+    }
+
+    /// Below this a row's value counts as zero.
+    pub fn zero(&self, row: &Row) -> f64 {
+        ZERO * self.of(row)
+    }
+
+    /// Takes in a state.
+    pub fn include(&mut self, z: &DVector<f64>) {
+        self.0.iter_mut().zip(z.iter()).for_each(|(s, x)| *s = s.max(x.abs()));
+    }
+}

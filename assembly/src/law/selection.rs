@@ -1,0 +1,437 @@
+//! Which mode follows: order by order in the derivatives of the motion (docs/assembly-law.md (A10) to (A12)).
+
+use super::box_qp::{Jam, Problem, Solution};
+use super::{Sizes, ZERO};
+use crate::description::StopLaw;
+use crate::mode::{Contact, FrictionState, Mode, StopState};
+use crate::system::{Row, System};
+use nalgebra::{DMatrix, DVector};
+
+/// What is not yet known of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stop {
+    Is(StopState),
+    /// A rigid stop with e = gap, whose derivatives so far are all zero.
+    Touching,
+    /// A compliant stop with e = gap, likewise.
+    AtEdge,
+    /// A compliant stop whose force is at the limit of two states, with the state above and the one below it.
+    AtLimit(StopState, StopState),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Friction {
+    Is(FrictionState),
+    /// e' = 0 and all derivatives so far; the level's first derivative that is not zero is of this order.
+    Resting(usize),
+    /// The same with |f| at its level throughout so far, in this direction.
+    AtLevel(f64),
+}
+
+/// The choice of the mode that follows an instant.
+pub struct Selection<'a> {
+    system: &'a System,
+    /// z and its derivatives, as far as they are known.
+    derivatives: Vec<DVector<f64>>,
+    /// Bounds of the sizes of the same.
+    sizes: Vec<Sizes>,
+    stops: Vec<Stop>,
+    frictions: Vec<Friction>,
+    /// Contacts with positive slack in the first solution: the preferred basis.
+    preferred: Vec<Contact>,
+}
+
+/// Rigid stops that touch, by stop; and whether each friction has e' = 0 by an event's verdict.
+pub struct Touching<'a> {
+    /// By stop.
+    pub stops: &'a [bool],
+    /// By friction.
+    pub resting: &'a [bool],
+    /// Compliant stops with e = gap by an event's verdict.
+    pub edges: &'a [bool],
+    /// Compliant stops whose force is at a limit by an event's verdict.
+    pub limits: &'a [bool],
+}
+
+impl<'a> Selection<'a> {
+    /// The mode that follows the state `z`, in which no touching stop closes with a speed.
+    ///
+    /// # Errors
+    /// [`Jam`], whose contacts are places of stops: prescribed bodies drive them together.
+    pub fn select(system: &'a System, z: &DVector<f64>, sizes: &Sizes, touching: &Touching) -> Result<Mode, Jam> {
+        let mut released = Vec::new();
+        loop {
+            let mut selection = Self::begin(system, z, sizes, touching, &released);
+            match selection.run()? {
+                Some(friction) => released.push(friction),
+                None => return Ok(selection.finish()),
+            }
+        }
+    }
+
+    fn begin(
+        system: &'a System,
+        z: &DVector<f64>,
+        sizes: &Sizes,
+        touching: &Touching,
+        released: &[(usize, f64)],
+    ) -> Self {
+        let mut selection = Self {
+            system,
+            derivatives: vec![z.clone()],
+            sizes: vec![sizes.clone()],
+            stops: Vec::new(),
+            frictions: Vec::new(),
+            preferred: Vec::new(),
+        };
+        for i in 0..system.stops.len() {
+            let state = selection.classify_stop(i, touching);
+            selection.stops.push(state);
+        }
+        for i in 0..system.frictions.len() {
+            let state = selection.classify_friction(i, touching.resting[i]);
+            selection.frictions.push(state);
+        }
+        for &(i, direction) in released {
+            selection.frictions[i] = Friction::Is(slipping(direction));
+        }
+        selection
+    }
+
+    /// -1, 0 or 1: the sign of a row's derivative of some order, zero where it is rounding.
+    fn sign(&self, row: &Row, order: usize) -> f64 {
+        let value = row.dot(&self.derivatives[order]);
+        if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
+    }
+
+    fn classify_stop(&self, i: usize, touching: &Touching) -> Stop {
+        let stop = &self.system.stops[i];
+        let excess = self.sign(&stop.excess, 0);
+        let rate = self.sign(&stop.elongation.rate, 0);
+        if let StopLaw::Rigid { .. } = stop.law {
+            return match (touching.stops[i] || excess >= 0.0, rate) {
+                (false, _) => Stop::Is(StopState::Open),
+                (true, rate) if rate < 0.0 => Stop::Is(StopState::Open),
+                (true, _) => Stop::Touching,
+            };
+        }
+        if touching.edges[i] || excess == 0.0 {
+            return match rate {
+                r if r > 0.0 => Stop::Is(self.entering(i)),
+                r if r < 0.0 => Stop::Is(StopState::Below),
+                _ => Stop::AtEdge,
+            };
+        }
+        if excess < 0.0 {
+            return Stop::Is(StopState::Below);
+        }
+        let pull = self.sign(&stop.force, 0);
+        if pull < 0.0 && !touching.limits[i] {
+            return Stop::Is(StopState::Free);
+        }
+        if stop.is_elastogap() {
+            let cap = self.sign(&(&stop.force - 2.0 * &stop.spring), 0);
+            if cap > 0.0 && !touching.limits[i] {
+                return Stop::Is(StopState::Capped);
+            }
+            if cap == 0.0 || (touching.limits[i] && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0])) {
+                return Stop::AtLimit(StopState::Capped, StopState::Pressed);
+            }
+        }
+        if pull == 0.0 || touching.limits[i] {
+            return Stop::AtLimit(StopState::Pressed, StopState::Free);
+        }
+        Stop::Is(StopState::Pressed)
+    }
+
+    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
+    fn entering(&self, i: usize) -> StopState {
+        let stop = &self.system.stops[i];
+        if stop.is_elastogap() && stop.force != stop.spring { StopState::Capped } else { StopState::Pressed }
+    }
+
+    fn classify_friction(&self, i: usize, resting: bool) -> Friction {
+        let friction = &self.system.frictions[i];
+        let mut level = friction.level.clone();
+        let mut order = 0;
+        // The level is a signal, so that its derivatives are known at once.
+        let sign = loop {
+            let sign = self.sign(&level, 0);
+            if sign != 0.0 || order >= self.system.signals.size {
+                break sign;
+            }
+            level = self.system.signals.derivative(&level);
+            order += 1;
+        };
+        if sign <= 0.0 {
+            return Friction::Is(FrictionState::Off);
+        }
+        let rate = self.sign(&friction.elongation.rate, 0);
+        if rate == 0.0 || resting { Friction::Resting(order) } else { Friction::Is(slipping(rate)) }
+    }
+
+    /// Goes through the orders; `Some` names a friction with a static level that leaves, so that all begins anew.
+    fn run(&mut self) -> Result<Option<(usize, f64)>, Jam> {
+        for order in 0..=self.system.signals.size {
+            self.decide_compliant(order);
+            if let Some(released) = self.solve(order)? {
+                return Ok(Some(released));
+            }
+            let open = self.stops.iter().any(|s| !matches!(s, Stop::Is(_)))
+                || self.frictions.iter().any(|f| !matches!(f, Friction::Is(_)));
+            if !open {
+                break;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up to k + 1 are known.
+    fn decide_compliant(&mut self, order: usize) {
+        for i in 0..self.stops.len() {
+            let stop = &self.system.stops[i];
+            match self.stops[i] {
+                Stop::AtEdge => {
+                    let sign = self.sign(&stop.elongation.rate, order);
+                    if sign != 0.0 {
+                        self.stops[i] =
+                            Stop::Is(if sign > 0.0 { self.entering(i) } else { StopState::Below });
+                    }
+                }
+                Stop::AtLimit(above, below) if order > 0 => {
+                    let difference = match above {
+                        StopState::Capped => &stop.force - 2.0 * &stop.spring,
+                        _ => stop.force.clone(),
+                    };
+                    let sign = self.sign(&difference, order);
+                    if sign != 0.0 {
+                        self.stops[i] = Stop::Is(if sign > 0.0 { above } else { below });
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The states as a mode's, with what is open as it is until it is decided.
+    fn states(&self) -> (Vec<StopState>, Vec<FrictionState>) {
+        let stops = self.stops.iter().map(|s| match *s {
+            Stop::Is(state) => state,
+            Stop::Touching => StopState::Closed,
+            Stop::AtEdge => StopState::Below,
+            Stop::AtLimit(_, below) => below,
+        });
+        let frictions = self.frictions.iter().map(|f| match *f {
+            Friction::Is(state) => state,
+            Friction::Resting(_) | Friction::AtLevel(_) => FrictionState::Stuck,
+        });
+        (stops.collect(), frictions.collect())
+    }
+
+    /// The accelerations' derivative of an order, and what it decides.
+    fn solve(&mut self, order: usize) -> Result<Option<(usize, f64)>, Jam> {
+        let (stops, frictions) = self.states();
+        let free = self.system.free_acceleration(&stops, &frictions);
+        let contacts: Vec<Contact> = (0..stops.len())
+            .filter(|&i| stops[i] == StopState::Closed)
+            .map(Contact::Stop)
+            .chain((0..frictions.len()).filter(|&i| frictions[i] == FrictionState::Stuck).map(Contact::Friction))
+            .collect();
+        let z = self.derivatives[order].clone();
+        let mut acceleration = &free * &z;
+        if !contacts.is_empty() {
+            let mut problem = self.problem(order, &contacts, &free, true);
+            let mut solution = self.solved(&problem, &contacts)?;
+            if self.frictions_with_static(&contacts) {
+                if let Some(released) = self.leaving(&contacts, &solution, order) {
+                    return Ok(Some(released));
+                }
+                problem = self.problem(order, &contacts, &free, false);
+                solution = self.solved(&problem, &contacts)?;
+            }
+            let mut forces = DVector::zeros(self.system.coordinates);
+            for (k, &contact) in contacts.iter().enumerate() {
+                forces.axpy(solution.lambda[k], &self.system.elongation_of(contact).w, 1.0);
+            }
+            acceleration -= self.system.inertia.solve(&forces);
+            if order == 0 {
+                self.preferred = solution.free.iter().map(|&k| contacts[k]).collect();
+            }
+            self.decide(order, &contacts, &problem, &solution);
+        }
+        self.differentiate(&z, &acceleration, &free, order);
+        Ok(None)
+    }
+
+    /// Adds the next derivative of z, and a bound of its size by the free accelerations' terms.
+    fn differentiate(&mut self, z: &DVector<f64>, acceleration: &DVector<f64>, free: &DMatrix<f64>, order: usize) {
+        let (n, signals) = (self.system.coordinates, &self.system.signals);
+        let mut next = DVector::zeros(signals.size);
+        let mut size = DVector::zeros(signals.size);
+        let sizes = &self.sizes[order];
+        for k in 0..n {
+            next[k] = z[n + k];
+            size[k] = sizes.0[n + k];
+            next[n + k] = acceleration[k];
+            size[n + k] = free.row(k).iter().zip(sizes.0.iter()).map(|(f, s)| f.abs() * s).sum::<f64>();
+            // A contact force can be as large as what it holds against, however light the body it acts on.
+            size[n + k] = size[n + k].max(acceleration[k].abs());
+        }
+        for j in signals.one..signals.size {
+            let mut unit = Row::zeros(signals.size);
+            unit[j] = 1.0;
+            let row = signals.derivative(&unit);
+            next[j] = row.dot(z);
+            size[j] = sizes.of(&row);
+        }
+        self.derivatives.push(next);
+        self.sizes.push(Sizes(size));
+    }
+
+    /// The contacts' problem at an order. With `bilateral` a friction with a static level of its own is held whatever it takes.
+    fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>, bilateral: bool) -> Problem {
+        let m = contacts.len();
+        let z = &self.derivatives[order];
+        let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
+        let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
+        let mut hi = DVector::from_element(m, f64::INFINITY);
+        for (k, &contact) in contacts.iter().enumerate() {
+            let e = self.system.elongation_of(contact);
+            let row = free.tr_mul(&e.w) + &e.drift;
+            b[k] = row.dot(z);
+            // The terms' sizes, those of the forces before they are summed up on a body included.
+            let terms: f64 = (0..self.system.coordinates)
+                .map(|c| e.w[c].abs() * free.row(c).iter().zip(self.sizes[order].0.iter()).map(|(f, s)| f.abs() * s).sum::<f64>())
+                .sum();
+            zero[k] = ZERO * (terms + self.sizes[order].of(&e.drift));
+            match contact {
+                Contact::Stop(i) => {
+                    if self.stops[i] == Stop::Touching {
+                        lo[k] = 0.0;
+                    }
+                }
+                Contact::Friction(i) => {
+                    let friction = &self.system.frictions[i];
+                    let level = friction.static_level.dot(&self.level_derivative(order));
+                    let held = bilateral && friction.has_static;
+                    match self.frictions[i] {
+                        Friction::Resting(first) if order < first => (lo[k], hi[k]) = (0.0, 0.0),
+                        Friction::Resting(first) if order == first && !held => (lo[k], hi[k]) = (-level, level),
+                        Friction::AtLevel(direction) if !held => {
+                            if direction > 0.0 {
+                                hi[k] = level;
+                            } else {
+                                lo[k] = -level;
+                            }
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+        Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
+    }
+
+    /// The derivative of z of an order, for signals alone.
+    fn level_derivative(&self, order: usize) -> DVector<f64> {
+        self.derivatives[order].clone()
+    }
+
+    fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
+        problem.solve().map_err(|jam| Jam {
+            contacts: jam
+                .contacts
+                .iter()
+                .filter_map(|&k| if let Contact::Stop(i) = contacts[k] { Some(i) } else { None })
+                .collect(),
+        })
+    }
+
+    fn frictions_with_static(&self, contacts: &[Contact]) -> bool {
+        contacts.iter().any(|c| matches!(c, Contact::Friction(i) if self.system.frictions[*i].has_static && !matches!(self.frictions[*i], Friction::Is(_))))
+    }
+
+    /// The friction with a static level whose holding force exceeds that level most, with its direction.
+    fn leaving(&self, contacts: &[Contact], held: &Solution, order: usize) -> Option<(usize, f64)> {
+        let mut most: Option<(usize, f64, f64)> = None;
+        for (k, &contact) in contacts.iter().enumerate() {
+            let Contact::Friction(i) = contact else { continue };
+            if !self.system.frictions[i].has_static {
+                continue;
+            }
+            let level = self.system.frictions[i].static_level.dot(&self.level_derivative(order));
+            let force = held.lambda[k];
+            let ratio = match self.frictions[i] {
+                Friction::Resting(first) if first == order => force.abs() / level,
+                // At the level already: what it takes beyond the level's own change.
+                Friction::AtLevel(d) if d * force - level > ZERO * (force.abs() + level.abs()) => f64::INFINITY,
+                _ => continue,
+            };
+            if ratio > 1.0 + ZERO && most.is_none_or(|(_, _, r)| ratio > r) {
+                most = Some((i, force.signum(), ratio));
+            }
+        }
+        most.map(|(i, direction, _)| (i, direction))
+    }
+
+    /// What the solution of an order decides.
+    fn decide(&mut self, order: usize, contacts: &[Contact], problem: &Problem, solution: &Solution) {
+        for (k, &contact) in contacts.iter().enumerate() {
+            let (force, left) = (solution.lambda[k], solution.residual[k]);
+            let compliance = problem.columns.column(k).norm_squared();
+            let zero_force = if compliance > 0.0 { problem.zero[k] / compliance } else { 0.0 };
+            match contact {
+                Contact::Stop(i) if self.stops[i] == Stop::Touching => {
+                    if left < -problem.zero[k] {
+                        self.stops[i] = Stop::Is(StopState::Open);
+                    } else if force > zero_force {
+                        self.stops[i] = Stop::Is(StopState::Closed);
+                    }
+                }
+                Contact::Stop(_) => {}
+                Contact::Friction(i) => {
+                    let level = self.system.frictions[i].static_level.dot(&self.level_derivative(order));
+                    match self.frictions[i] {
+                        Friction::Is(_) => {}
+                        _ if left.abs() > problem.zero[k] => {
+                            self.frictions[i] = Friction::Is(slipping(left));
+                        }
+                        Friction::Resting(first) if order == first => {
+                            let room = level - force.abs();
+                            self.frictions[i] = if room > ZERO * level + zero_force {
+                                Friction::Is(FrictionState::Stuck)
+                            } else {
+                                Friction::AtLevel(force.signum())
+                            };
+                        }
+                        Friction::AtLevel(d) if level - d * force > zero_force => {
+                            self.frictions[i] = Friction::Is(FrictionState::Stuck);
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
+    fn finish(self) -> Mode {
+        let (stops, frictions) = self.states();
+        let mut contacts = self.preferred.clone();
+        let closed = (0..stops.len()).filter(|&i| stops[i] == StopState::Closed).map(Contact::Stop);
+        let stuck =
+            (0..frictions.len()).filter(|&i| frictions[i] == FrictionState::Stuck).map(Contact::Friction);
+        let all: Vec<Contact> = closed.chain(stuck).collect();
+        contacts.retain(|c| all.contains(c));
+        for contact in all {
+            if !contacts.contains(&contact) {
+                contacts.push(contact);
+            }
+        }
+        let basis = self.system.independent(&contacts);
+        Mode { stops, frictions, basis }
+    }
+}
+
+fn slipping(direction: f64) -> FrictionState {
+    if direction > 0.0 { FrictionState::Up } else { FrictionState::Down }
+}

@@ -1,0 +1,246 @@
+//! A mode: which stops are closed or pressed, which friction slips or sticks; and its linear system z' = A z with the
+//! functionals that end it (docs/assembly-law.md (A5)).
+
+use crate::law::box_qp::independent;
+use crate::system::{Elongation, Row, System};
+use nalgebra::{DMatrix, DVector};
+
+/// The state of a stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StopState {
+    /// A rigid stop with e < gap, or leaving it.
+    Open,
+    /// A rigid stop that is kept at e = gap.
+    Closed,
+    /// A compliant stop with e < gap.
+    Below,
+    /// A compliant stop with its linear force.
+    Pressed,
+    /// A compliant stop beyond its gap whose force would pull: it is 0.
+    Free,
+    /// An `ElastoGap` whose dashpot's share is as large as its spring's: the force is 2 stiffness (e - gap).
+    Capped,
+}
+
+/// The state of a friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FrictionState {
+    /// Its level is not positive.
+    Off,
+    /// e' > 0.
+    Up,
+    /// e' < 0.
+    Down,
+    /// e' = 0.
+    Stuck,
+}
+
+impl FrictionState {
+    /// The sign of e' while slipping, else 0.
+    pub fn direction(self) -> f64 {
+        match self {
+            Self::Up => 1.0,
+            Self::Down => -1.0,
+            Self::Off | Self::Stuck => 0.0,
+        }
+    }
+}
+
+/// A contact that keeps e'' at zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Contact {
+    /// A rigid stop, by its place.
+    Stop(usize),
+    /// A friction, by its place.
+    Friction(usize),
+}
+
+/// The state of every element, and the independent contacts whose forces are found.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Mode {
+    /// By stop.
+    pub stops: Vec<StopState>,
+    /// By friction.
+    pub frictions: Vec<FrictionState>,
+    /// Closed stops and sticking frictions that are independent of one another; the forces of the others are set to zero.
+    pub basis: Vec<Contact>,
+}
+
+/// What a watched functional tells when it passes from below zero to above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Watch {
+    /// A rigid stop meets its gap.
+    Meets(usize),
+    /// A closed stop's force falls to zero.
+    Opens(usize),
+    /// A compliant stop comes to its gap from below.
+    Presses(usize),
+    /// A compliant stop's force falls to zero or rises from it, or meets its cap, or e falls to the gap.
+    Changes(usize),
+    /// A slipping friction's rate comes to zero.
+    Stops(usize),
+    /// A sticking friction's force reaches its level, upwards (true) or downwards.
+    Slips(usize, bool),
+    /// A friction's level passes zero.
+    Level(usize),
+}
+
+/// The linear system of a mode.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// z' = A z.
+    pub a: DMatrix<f64>,
+    /// The forces of the basis, by its order.
+    pub lambda: Vec<Row>,
+    /// What ends the mode, each negative inside it.
+    pub watched: Vec<(Watch, Row)>,
+}
+
+impl System {
+    /// The elongation of a contact.
+    pub fn elongation_of(&self, contact: Contact) -> &Elongation {
+        match contact {
+            Contact::Stop(i) => &self.stops[i].elongation,
+            Contact::Friction(i) => &self.frictions[i].elongation,
+        }
+    }
+
+    /// The force of a stop in a state in which the state determines it: compliant ones.
+    pub fn stop_force(&self, i: usize, state: StopState) -> Option<Row> {
+        match state {
+            StopState::Pressed => Some(self.stops[i].force.clone()),
+            StopState::Capped => Some(2.0 * &self.stops[i].spring),
+            _ => None,
+        }
+    }
+
+    /// M⁻¹ times the forces that the state determines in given states: accelerations without contact forces.
+    pub fn free_acceleration(&self, stops: &[StopState], frictions: &[FrictionState]) -> DMatrix<f64> {
+        let mut forces = self.forces.clone();
+        for (i, &state) in stops.iter().enumerate() {
+            if let Some(force) = self.stop_force(i, state) {
+                forces.ger(-1.0, &self.stops[i].elongation.w, &force, 1.0);
+            }
+        }
+        for (friction, state) in self.frictions.iter().zip(frictions) {
+            let direction = state.direction();
+            if direction != 0.0 {
+                forces.ger(-direction, &friction.elongation.w, &friction.level, 1.0);
+            }
+        }
+        self.inertia.solve(&forces)
+    }
+
+    /// L⁻¹ w of several contacts as columns.
+    pub fn columns(&self, contacts: &[Contact]) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(self.coordinates, contacts.len());
+        for (k, &contact) in contacts.iter().enumerate() {
+            columns.set_column(k, &self.elongation_of(contact).column);
+        }
+        columns
+    }
+
+    /// An independent part of contacts, in their order of preference.
+    pub fn independent(&self, contacts: &[Contact]) -> Vec<Contact> {
+        let places: Vec<usize> = (0..contacts.len()).collect();
+        let mut basis: Vec<Contact> =
+            independent(&self.columns(contacts), &places).into_iter().map(|k| contacts[k]).collect();
+        basis.sort();
+        basis
+    }
+
+    /// The linear system of a mode.
+    pub fn linear(&self, mode: &Mode) -> Linear {
+        let (n, size) = (self.coordinates, self.signals.size);
+        let mut acceleration = self.free_acceleration(&mode.stops, &mode.frictions);
+        let m = mode.basis.len();
+        let mut lambda = Vec::new();
+        if m > 0 {
+            let columns = self.columns(&mode.basis);
+            let mut demand = DMatrix::zeros(m, size); // e'' without contact forces
+            for (k, &contact) in mode.basis.iter().enumerate() {
+                let e = self.elongation_of(contact);
+                let row = acceleration.tr_mul(&e.w) + &e.drift;
+                demand.set_row(k, &row.transpose());
+            }
+            // G = AᵀA = RᵀR by the QR decomposition of the columns, which does not square their condition.
+            let r = columns.clone().qr().r();
+            r.tr_solve_upper_triangular_mut(&mut demand);
+            r.solve_upper_triangular_mut(&mut demand);
+            let mut directions = DMatrix::zeros(n, m);
+            for (k, &contact) in mode.basis.iter().enumerate() {
+                directions.set_column(k, &self.elongation_of(contact).w);
+                lambda.push(demand.row(k).transpose());
+            }
+            acceleration -= self.inertia.solve(&directions) * &demand;
+        }
+        let mut a = DMatrix::zeros(size, size);
+        for k in 0..n {
+            a[(k, n + k)] = 1.0;
+        }
+        a.view_mut((n, 0), (n, size)).copy_from(&acceleration);
+        for j in self.signals.one..size {
+            let mut unit = Row::zeros(size);
+            unit[j] = 1.0;
+            a.row_mut(j).copy_from(&self.signals.derivative(&unit).transpose());
+        }
+        let watched = self.watched(mode, &lambda);
+        Linear { a, lambda, watched }
+    }
+
+    /// The functionals that end a mode.
+    fn watched(&self, mode: &Mode, lambda: &[Row]) -> Vec<(Watch, Row)> {
+        let mut watched = Vec::new();
+        for (i, &state) in mode.stops.iter().enumerate() {
+            let stop = &self.stops[i];
+            let damped = stop.force != stop.spring;
+            match state {
+                StopState::Open => watched.push((Watch::Meets(i), stop.excess.clone())),
+                StopState::Closed => {}
+                StopState::Below => watched.push((Watch::Presses(i), stop.excess.clone())),
+                StopState::Pressed => {
+                    watched.push((Watch::Changes(i), -&stop.force));
+                    if stop.is_elastogap() && damped {
+                        watched.push((Watch::Changes(i), &stop.force - 2.0 * &stop.spring));
+                    }
+                }
+                StopState::Free => {
+                    watched.push((Watch::Changes(i), stop.force.clone()));
+                    watched.push((Watch::Changes(i), -&stop.excess));
+                }
+                StopState::Capped => {
+                    watched.push((Watch::Changes(i), 2.0 * &stop.spring - &stop.force));
+                    watched.push((Watch::Changes(i), -&stop.excess));
+                }
+            }
+        }
+        for (i, (&state, friction)) in mode.frictions.iter().zip(&self.frictions).enumerate() {
+            match state {
+                FrictionState::Off => watched.push((Watch::Level(i), friction.level.clone())),
+                FrictionState::Up | FrictionState::Down => {
+                    watched.push((Watch::Stops(i), -state.direction() * &friction.elongation.rate));
+                    watched.push((Watch::Level(i), -&friction.level));
+                }
+                FrictionState::Stuck => watched.push((Watch::Level(i), -&friction.level)),
+            }
+        }
+        for (&contact, force) in mode.basis.iter().zip(lambda) {
+            match contact {
+                Contact::Stop(i) => watched.push((Watch::Opens(i), -force)),
+                Contact::Friction(i) => {
+                    let level = &self.frictions[i].static_level;
+                    watched.push((Watch::Slips(i, true), force - level));
+                    watched.push((Watch::Slips(i, false), -force - level));
+                }
+            }
+        }
+        // What never changes needs no watch: a level that is a positive constant, say.
+        watched.retain(|(_, row)| !self.is_constant_and_negative(row));
+        watched
+    }
+
+    fn is_constant_and_negative(&self, row: &DVector<f64>) -> bool {
+        let one = self.signals.one;
+        row[one] < 0.0 && row.iter().enumerate().all(|(j, &x)| j == one || x == 0.0)
+    }
+}

@@ -1,0 +1,307 @@
+//! What happens at an event: impacts, the mode that follows, and what is reported.
+
+use super::event::{Event, EventKind};
+use super::{Motion, Observer};
+use crate::error::Error;
+use crate::flow::ORDERS;
+use crate::law::box_qp::Jam;
+use crate::law::impact::{Impacts, Instant};
+use crate::law::selection::{Selection, Touching};
+use crate::law::ZERO;
+use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
+use crate::motion::step::row_dot;
+use nalgebra::{DMatrix, DVector};
+
+/// A stop whose bounces would be lower than this part of its largest e so far is closed.
+const LEAST_BOUNCE: f64 = 1e-12;
+
+/// What an event says of the elements that take part.
+#[derive(Default)]
+struct Flags {
+    stops: Vec<bool>,
+    resting: Vec<bool>,
+    edges: Vec<bool>,
+    limits: Vec<bool>,
+}
+
+impl Motion {
+    /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero.
+    pub(super) fn settle(&mut self, ended: &[Watch], observer: &mut Observer) -> Result<(), Error> {
+        let flags = self.flags(ended);
+        self.place_on_contacts(&flags);
+        let before = self.hybrid.mode.clone();
+        let touching: Vec<usize> = (0..flags.stops.len()).filter(|&i| flags.stops[i]).collect();
+        let (impacts, closing) = self.collide(&touching, &flags)?;
+        self.report_impacts(&impacts, observer);
+        let mode = self.select(&flags)?;
+        self.enter(mode, &flags);
+        self.report_changes(&before, &closing, observer);
+        Ok(())
+    }
+
+    /// A knot of a signal: prescribed bodies may have jumped.
+    pub(super) fn knot(&mut self, observer: &mut Observer) -> Result<(), Error> {
+        self.hybrid.sizes.include(&self.hybrid.z);
+        self.check_jumps()?;
+        report(observer, self.time(), EventKind::Knot);
+        self.settle(&[], observer)
+    }
+
+    /// A jump of a prescribed body must not violate a rigid stop.
+    fn check_jumps(&self) -> Result<(), Error> {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        for (i, stop) in system.stops.iter().enumerate() {
+            let excess = stop.excess.dot(z);
+            if stop.restitution().is_some() && excess > self.hybrid.sizes.zero(&stop.excess) {
+                let stop = self.assembly.description.stops[i].name.clone();
+                return Err(Error::Violated { stop, time: self.time(), excess });
+            }
+        }
+        Ok(())
+    }
+
+    fn flags(&self, ended: &[Watch]) -> Flags {
+        let (system, hybrid) = (&self.assembly.system, &self.hybrid);
+        let mut flags = Flags {
+            stops: vec![false; system.stops.len()],
+            resting: vec![false; system.frictions.len()],
+            edges: vec![false; system.stops.len()],
+            limits: vec![false; system.stops.len()],
+        };
+        for (i, stop) in system.stops.iter().enumerate() {
+            if stop.restitution().is_some() {
+                let near = stop.excess.dot(&hybrid.z) >= -hybrid.sizes.zero(&stop.excess);
+                flags.stops[i] = near || hybrid.mode.stops.get(i) == Some(&StopState::Closed);
+            }
+        }
+        for (i, state) in hybrid.mode.frictions.iter().enumerate() {
+            flags.resting[i] = *state == FrictionState::Stuck;
+        }
+        for &watch in ended {
+            match watch {
+                Watch::Meets(i) => flags.stops[i] = true,
+                Watch::Stops(i) => flags.resting[i] = true,
+                Watch::Presses(i) => flags.edges[i] = true,
+                Watch::Changes(i) => {
+                    let stop = &system.stops[i];
+                    let edge = stop.excess.dot(&hybrid.z).abs() <= hybrid.sizes.zero(&stop.excess);
+                    if edge { flags.edges[i] = true } else { flags.limits[i] = true }
+                }
+                Watch::Opens(_) | Watch::Slips(..) | Watch::Level(_) => {}
+            }
+        }
+        flags
+    }
+
+    /// The rows that are zero by the law: e - gap and e' of closed stops, e' of sticking friction, moved onto zero by the least
+    /// change in the inertia's metric.
+    pub(super) fn keep_contacts(&mut self) {
+        let basis = self.hybrid.mode.basis.clone();
+        if basis.is_empty() {
+            return;
+        }
+        let stops: Vec<Contact> = basis.iter().copied().filter(|c| matches!(c, Contact::Stop(_))).collect();
+        self.project(&stops, false);
+        self.project(&basis, true);
+    }
+
+    /// Puts touching stops exactly on their gap.
+    fn place_on_contacts(&mut self, flags: &Flags) {
+        let contacts: Vec<Contact> =
+            (0..flags.stops.len()).filter(|&i| flags.stops[i]).map(Contact::Stop).collect();
+        let independent = self.assembly.system.independent(&contacts);
+        self.project(&independent, false);
+    }
+
+    fn project(&mut self, contacts: &[Contact], rates: bool) {
+        if contacts.is_empty() {
+            return;
+        }
+        let system = &self.assembly.system;
+        let (n, m) = (system.coordinates, contacts.len());
+        let z = &self.hybrid.z;
+        let mut off = DVector::from_fn(m, |k, _| match (contacts[k], rates) {
+            (Contact::Stop(i), false) => system.stops[i].excess.dot(z),
+            (contact, _) => system.elongation_of(contact).rate.dot(z),
+        });
+        let r = system.columns(contacts).qr().r();
+        r.tr_solve_upper_triangular_mut(&mut off);
+        r.solve_upper_triangular_mut(&mut off);
+        let mut sum = DVector::zeros(n);
+        for (k, &contact) in contacts.iter().enumerate() {
+            sum.axpy(off[k], &system.elongation_of(contact).w, 1.0);
+        }
+        let change = system.inertia.solve(&sum);
+        let first = if rates { n } else { 0 };
+        let mut part = self.hybrid.z.rows_mut(first, n);
+        part -= change;
+    }
+
+    fn jammed(&self, jam: &Jam) -> Error {
+        let names = jam.contacts.iter().map(|&i| format!("stop.{}", self.assembly.description.stops[i].name));
+        Error::Jammed { time: self.time(), stops: names.collect::<Vec<_>>().join(", ") }
+    }
+
+    /// Impacts of the touching stops; those whose bounces would be too low to matter end at once. Returns the impacts, and the
+    /// stops that close with the time until their bounces would have accumulated.
+    fn collide(&mut self, touching: &[usize], flags: &Flags) -> Result<(Impacts, Vec<(usize, f64)>), Error> {
+        let assembly = self.assembly.clone();
+        let system = &assembly.system;
+        let mut restitution: Vec<f64> = system.stops.iter().map(|s| s.restitution().unwrap_or(0.0)).collect();
+        let before = self.hybrid.z.clone();
+        let mut closing: Vec<(usize, f64)> = Vec::new();
+        loop {
+            let mut z = before.clone();
+            let instant =
+                Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
+            let impacts = instant.collide(&mut z).map_err(|jam| self.jammed(&jam))?;
+            self.hybrid.z = z;
+            let last: Vec<(usize, f64)> =
+                impacts.sequence.iter().flat_map(|i| i.stops.iter().map(|s| (s.0, s.1))).collect();
+            if last.is_empty() {
+                return Ok((impacts, closing));
+            }
+            let found = self.plastic(&last, &restitution, flags)?;
+            if found.is_empty() {
+                return Ok((impacts, closing));
+            }
+            for (stop, left) in found {
+                restitution[stop] = 0.0;
+                closing.push((stop, left));
+            }
+        }
+    }
+
+    /// The stops of an impact whose bounces are too low to matter, with the time until they would have accumulated.
+    fn plastic(
+        &mut self,
+        hit: &[(usize, f64)],
+        restitution: &[f64],
+        flags: &Flags,
+    ) -> Result<Vec<(usize, f64)>, Error> {
+        let candidates: Vec<(usize, f64)> = hit.iter().copied().filter(|&(i, _)| restitution[i] > 0.0).collect();
+        if candidates.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mode = self.select(flags)?;
+        let linear = self.table_of(&mode);
+        let system = &self.assembly.system;
+        let n = system.coordinates;
+        let acceleration: DVector<f64> = linear.a.rows(n, n) * &self.hybrid.z;
+        let mut found = Vec::new();
+        for (i, _) in candidates {
+            let stop = &system.stops[i];
+            let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
+            let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
+            let scale = self.hybrid.sizes.of(&stop.excess);
+            if a > 0.0 && rebound >= 0.0 && rebound * rebound < 2.0 * a * LEAST_BOUNCE * scale {
+                let left = if restitution[i] < 1.0 { 2.0 * rebound / (a * (1.0 - restitution[i])) } else { 0.0 };
+                found.push((i, left));
+            }
+        }
+        Ok(found)
+    }
+
+    fn select(&self, flags: &Flags) -> Result<Mode, Error> {
+        let touching = Touching {
+            stops: &flags.stops,
+            resting: &flags.resting,
+            edges: &flags.edges,
+            limits: &flags.limits,
+        };
+        Selection::select(&self.assembly.system, &self.hybrid.z, &self.hybrid.sizes, &touching)
+            .map_err(|jam| self.jammed(&jam))
+    }
+
+    /// Puts a mode in force, and finds the order with which each watched functional leaves zero.
+    fn enter(&mut self, mode: Mode, flags: &Flags) {
+        self.table = self.table_of(&mode);
+        self.hybrid.mode = mode;
+        self.keep_contacts();
+        let hybrid = &self.hybrid;
+        let departing = self.table.watched.iter().map(|w| {
+            let zero = |k: usize| ZERO * sized(&w.coefficients, k, &hybrid.sizes.0);
+            let value = row_dot(&w.coefficients, 0, &hybrid.z);
+            let flagged = match w.watch {
+                Watch::Meets(i) => flags.stops[i],
+                Watch::Presses(i) | Watch::Changes(i) => flags.edges[i] || flags.limits[i],
+                Watch::Stops(i) => flags.resting[i],
+                Watch::Opens(_) | Watch::Slips(..) | Watch::Level(_) => false,
+            };
+            if value < -zero(0) && !(flagged && is_participant(w.watch, value, zero(0))) {
+                return 0;
+            }
+            (1..ORDERS).find(|&k| row_dot(&w.coefficients, k, &hybrid.z).abs() > zero(k)).unwrap_or(ORDERS)
+        });
+        self.hybrid.departing = departing.collect();
+    }
+
+    fn report_impacts(&mut self, impacts: &Impacts, observer: &mut Observer) {
+        let time = self.time();
+        for impact in &impacts.sequence {
+            self.hybrid.energy.impact(impact.lost, impact.work);
+            for &(stop, speed, impulse) in &impact.stops {
+                let record = &mut self.hybrid.impacts[stop];
+                *record = (record.0 + 1, impulse);
+                report(observer, time, EventKind::Impact { stop, speed, impulse, stops: impact.stops.len() });
+            }
+        }
+        self.hybrid.energy.impact(impacts.projected_loss, 0.0);
+    }
+
+    fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
+        let time = self.time();
+        for (i, &now) in self.hybrid.mode.stops.iter().enumerate() {
+            let Some(&was) = before.stops.get(i) else { continue };
+            let kind = match (was, now) {
+                (a, b) if a == b => continue,
+                (_, StopState::Closed) => {
+                    let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
+                    report(observer, time + left, EventKind::Close { stop: i });
+                    continue;
+                }
+                (StopState::Closed, StopState::Open) => EventKind::Open { stop: i },
+                (StopState::Below, _) => EventKind::Press { stop: i, speed: self.stop(i)[1] },
+                (_, StopState::Below | StopState::Free) => EventKind::Free { stop: i },
+                (StopState::Free, _) => EventKind::Press { stop: i, speed: self.stop(i)[1] },
+                _ => continue,
+            };
+            report(observer, time, kind);
+        }
+        for (i, &now) in self.hybrid.mode.frictions.iter().enumerate() {
+            let Some(&was) = before.frictions.get(i) else { continue };
+            if was == now {
+                continue;
+            }
+            let level = |acts| EventKind::Level { friction: i, acts };
+            match (was, now) {
+                (_, FrictionState::Off) => report(observer, time, level(false)),
+                (FrictionState::Off, _) => report(observer, time, level(true)),
+                _ => {}
+            }
+            match now {
+                FrictionState::Stuck => report(observer, time, EventKind::Stick { friction: i }),
+                FrictionState::Up | FrictionState::Down if was != FrictionState::Off => {
+                    let (direction, force) = (now.direction(), self.friction(i)[2]);
+                    report(observer, time, EventKind::Slip { friction: i, direction, force });
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// A flagged functional whose value differs from zero by rounding of the event's time.
+fn is_participant(watch: Watch, value: f64, zero: f64) -> bool {
+    matches!(watch, Watch::Meets(_) | Watch::Presses(_) | Watch::Stops(_) | Watch::Changes(_)) && value.abs() <= 1e3 * zero
+}
+
+fn sized(matrix: &DMatrix<f64>, row: usize, sizes: &DVector<f64>) -> f64 {
+    (0..sizes.len()).map(|j| matrix[(row, j)].abs() * sizes[j]).sum()
+}
+
+fn report(observer: &mut Observer, time: f64, kind: EventKind) {
+    if let Some(observer) = observer {
+        observer(&Event { time, kind });
+    }
+}

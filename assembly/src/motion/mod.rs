@@ -1,0 +1,226 @@
+//! A motion: the state of a machine that advances from event to event, exactly.
+
+mod contact;
+mod event;
+mod step;
+
+pub use event::{Event, EventKind};
+
+use crate::assembly::Assembly;
+use crate::error::Error;
+use crate::flow::Table;
+use crate::law::Sizes;
+use crate::mode::{Contact, FrictionState, Mode, StopState};
+use crate::signals::Input;
+use nalgebra::DVector;
+use std::collections::HashMap;
+use std::sync::Arc;
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// Modes whose tables are kept; beyond, all are dropped and those in use are made again.
+const KEPT_MODES: usize = 256;
+
+/// What is told of events while a motion advances.
+pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
+
+/// Where an advance ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// At the time asked for.
+    End,
+    /// After the law of an event.
+    Event,
+}
+
+/// All that changes while a motion advances.
+#[derive(Clone, Debug)]
+pub struct Hybrid {
+    time: DoubleDouble,
+    z: DVector<f64>,
+    mode: Mode,
+    /// Orders of the zero that each watched functional has at the time of the last event, 0 for none.
+    departing: Vec<usize>,
+    sizes: Sizes,
+    inputs: Vec<(f64, Input)>,
+    /// By stop: impacts, last impulse (N s).
+    impacts: Vec<(u64, f64)>,
+    energy: crate::energy::Accounts,
+    /// Events at the present instant without progress.
+    chain: usize,
+}
+
+/// A motion of a machine.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    assembly: Arc<Assembly>,
+    hybrid: Hybrid,
+    tables: HashMap<Mode, Arc<Table>>,
+    table: Arc<Table>,
+}
+
+impl Motion {
+    /// The motion from the start that the machine gives, at time 0.
+    ///
+    /// # Errors
+    /// [`Error::Jammed`] where prescribed bodies drive stops together at once.
+    pub fn new(assembly: Arc<Assembly>) -> Result<Self, Error> {
+        let system = &assembly.system;
+        let mut z = DVector::zeros(system.signals.size);
+        let n = system.coordinates;
+        for (k, &body) in system.bodies_of.iter().enumerate() {
+            (z[k], z[n + k]) = assembly.starts[body];
+        }
+        let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
+        system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
+        let mut sizes = Sizes(DVector::zeros(system.signals.size));
+        sizes.include(&z);
+        for j in system.signals.one..system.signals.constant_size_until() {
+            sizes.0[j] = 1.0;
+        }
+        let mode = Mode { stops: Vec::new(), frictions: Vec::new(), basis: Vec::new() };
+        let energy = crate::energy::Accounts::new(system);
+        let impacts = vec![(0, 0.0); system.stops.len()];
+        let hybrid = Hybrid {
+            time: DoubleDouble::default(),
+            z,
+            mode,
+            departing: Vec::new(),
+            sizes,
+            inputs,
+            impacts,
+            energy,
+            chain: 0,
+        };
+        let empty = Arc::new(Table::new(
+            crate::mode::Linear {
+                a: nalgebra::DMatrix::zeros(system.signals.size, system.signals.size),
+                lambda: Vec::new(),
+                watched: Vec::new(),
+            },
+            system.signals.one,
+        ));
+        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty };
+        motion.settle(&[], &mut None)?;
+        Ok(motion)
+    }
+
+    /// The machine.
+    pub fn assembly(&self) -> &Arc<Assembly> {
+        &self.assembly
+    }
+
+    /// Present time, s.
+    pub fn time(&self) -> f64 {
+        self.hybrid.time.value()
+    }
+
+    /// The mode in force.
+    pub fn mode(&self) -> &Mode {
+        &self.hybrid.mode
+    }
+
+    /// A body's coordinate, rate and acceleration: m, m/s, m/s² or rad, rad/s, rad/s².
+    pub fn body(&self, i: usize) -> [f64; 3] {
+        let system = &self.assembly.system;
+        let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
+        let acceleration = self.table.a.rows(n, n) * z;
+        [rows.s.dot(z), rows.v.dot(z), rows.weights.dot(&acceleration) + rows.drift.dot(z)]
+    }
+
+    /// A spring's elongation, its rate and its force.
+    pub fn spring(&self, i: usize) -> [f64; 3] {
+        let (spring, z) = (&self.assembly.system.springs[i], &self.hybrid.z);
+        [spring.elongation.e.dot(z), spring.elongation.rate.dot(z), spring.force.dot(z)]
+    }
+
+    /// A stop's elongation, its rate and its force.
+    pub fn stop(&self, i: usize) -> [f64; 3] {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        let stop = &system.stops[i];
+        let state = self.hybrid.mode.stops[i];
+        let force = match state {
+            StopState::Closed => self.contact_force(Contact::Stop(i)),
+            _ => system.stop_force(i, state).map_or(0.0, |row| row.dot(z)),
+        };
+        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
+    }
+
+    /// A friction's elongation, its rate and its force.
+    pub fn friction(&self, i: usize) -> [f64; 3] {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        let friction = &system.frictions[i];
+        let state = self.hybrid.mode.frictions[i];
+        let force = match state {
+            FrictionState::Stuck => self.contact_force(Contact::Friction(i)),
+            _ => state.direction() * friction.level.dot(z),
+        };
+        [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
+    }
+
+    /// A load's force.
+    pub fn load(&self, i: usize) -> f64 {
+        self.assembly.system.loads[i].dot(&self.hybrid.z)
+    }
+
+    fn contact_force(&self, contact: Contact) -> f64 {
+        let place = self.hybrid.mode.basis.iter().position(|&c| c == contact);
+        place.map_or(0.0, |k| self.table.lambda[k].dot(&self.hybrid.z))
+    }
+
+    /// Impacts of a stop since the start, and the last impulse, N s.
+    pub fn impacts(&self, i: usize) -> (u64, f64) {
+        self.hybrid.impacts[i]
+    }
+
+    /// The energy accounts.
+    pub fn energy(&self) -> &crate::energy::Accounts {
+        &self.hybrid.energy
+    }
+
+    /// Sets an input from the present time on: value and derivatives of orders 1 to 3, by the place of the input among all.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for what is not finite; [`Error::Violated`] and [`Error::Jammed`] where it moves a prescribed body.
+    pub fn set_input(&mut self, i: usize, derivatives: Input) -> Result<(), Error> {
+        if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
+            return Err(Error::OutOfRange {
+                name: format!("input {i}"),
+                value,
+                allowed: "a finite number".into(),
+            });
+        }
+        let before = self.hybrid.clone();
+        self.hybrid.inputs[i] = (self.time(), derivatives);
+        self.refill();
+        self.settle(&[], &mut None).inspect_err(|_| self.hybrid = before)
+    }
+
+    /// All that changes, to go on from later.
+    pub fn save(&self) -> Hybrid {
+        self.hybrid.clone()
+    }
+
+    /// Goes back to what was saved of a motion of the same machine.
+    pub fn restore(&mut self, saved: &Hybrid) {
+        self.hybrid = saved.clone();
+        self.table = self.table_of(&self.hybrid.mode.clone());
+    }
+
+    fn refill(&mut self) {
+        let signals = &self.assembly.system.signals;
+        signals.fill(self.hybrid.time, &self.hybrid.inputs, self.hybrid.z.as_mut_slice());
+    }
+
+    fn table_of(&mut self, mode: &Mode) -> Arc<Table> {
+        if let Some(table) = self.tables.get(mode) {
+            return table.clone();
+        }
+        if self.tables.len() >= KEPT_MODES {
+            self.tables.clear();
+        }
+        let system = &self.assembly.system;
+        let table = Arc::new(Table::new(system.linear(mode), system.signals.one));
+        self.tables.insert(mode.clone(), table.clone());
+        table
+    }
+}

@@ -1,0 +1,229 @@
+//! Signals of time as coordinates of the augmented state, in which every mode is one autonomous linear system
+//! (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and for what is polynomial between knots
+//! its value and derivatives.
+
+use crate::description::{Record, Signal, Step};
+use nalgebra::DVector;
+use std::f64::consts::TAU;
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// Value and derivatives of an input: a cubic from the time it was set.
+pub type Input = [f64; 4];
+
+/// The part of a signal that is a polynomial between knots.
+#[derive(Clone, Debug)]
+struct Piece {
+    /// Place of its value in the augmented state; its derivatives follow.
+    first: usize,
+    /// Value and derivatives that are carried.
+    count: usize,
+    steps: Vec<Step>,
+    table: Option<Cubics>,
+    rate: f64,
+    /// Its place among the inputs.
+    input: Option<usize>,
+}
+
+/// A record as cubics between its knots.
+#[derive(Clone, Debug)]
+struct Cubics {
+    knots: Vec<(f64, f64)>,
+    /// Derivatives of orders 0 to 3 at the start of each interval.
+    starts: Vec<[f64; 4]>,
+}
+
+impl Cubics {
+    fn of(record: &Record) -> Self {
+        let knots = record.knots.clone();
+        let slopes = record.cubic.then(|| vibro_impact::load::monotone_slopes(&knots));
+        let starts = knots
+            .windows(2)
+            .enumerate()
+            .map(|(i, pair)| {
+                let ((t0, y0), (t1, y1)) = (pair[0], pair[1]);
+                let h = t1 - t0;
+                let chord = (y1 - y0) / h;
+                let Some(slopes) = &slopes else { return [y0, chord, 0.0, 0.0] };
+                let (a, b) = (slopes[i], slopes[i + 1]);
+                [y0, a, 2.0 * (3.0 * chord - 2.0 * a - b) / h, 6.0 * (a + b - 2.0 * chord) / (h * h)]
+            })
+            .collect();
+        Self { knots, starts }
+    }
+
+    /// Value and derivatives just after a time; constant outside the record.
+    fn at(&self, time: f64) -> [f64; 4] {
+        let after = self.knots.partition_point(|&(t, _)| t <= time);
+        if after == 0 {
+            return [self.knots[0].1, 0.0, 0.0, 0.0];
+        }
+        if after == self.knots.len() {
+            return [self.knots[after - 1].1, 0.0, 0.0, 0.0];
+        }
+        shifted(&self.starts[after - 1], time - self.knots[after - 1].0)
+    }
+}
+
+/// A cubic's value and derivatives a time `dt` later.
+pub fn shifted(d: &[f64; 4], dt: f64) -> [f64; 4] {
+    [
+        d[0] + dt * (d[1] + dt * (0.5 * d[2] + dt * d[3] / 6.0)),
+        d[1] + dt * (d[2] + dt * 0.5 * d[3]),
+        d[2] + dt * d[3],
+        d[3],
+    ]
+}
+
+/// The signals of a machine as coordinates from [`Signals::one`] on.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// Place of the coordinate that is always 1.
+    pub one: usize,
+    /// Frequencies, Hz; each has a cosine and a sine behind the number 1.
+    frequencies: Vec<f64>,
+    pieces: Vec<Piece>,
+    /// The length of the augmented state.
+    pub size: usize,
+    /// How many signals take an input.
+    pub inputs: usize,
+}
+
+/// Makes [`Signals`]: first every signal is announced, then each has a row.
+#[derive(Debug)]
+pub struct Builder {
+    signals: Signals,
+    /// Amplitudes of cosine and sine, and the constant, by signal.
+    parts: Vec<Parts>,
+}
+
+#[derive(Debug)]
+struct Parts {
+    constant: f64,
+    /// Place of the frequency, cosine's and sine's amplitude.
+    harmonics: Vec<(usize, f64, f64)>,
+    piece: Option<usize>,
+}
+
+impl Builder {
+    /// For an augmented state whose coordinates before `one` are not signals.
+    pub fn new(one: usize) -> Self {
+        let signals = Signals { one, frequencies: Vec::new(), pieces: Vec::new(), size: 0, inputs: 0 };
+        Self { signals, parts: Vec::new() }
+    }
+
+    /// Announces a signal, with the rate of an even motion that is added; returns its number.
+    pub fn add(&mut self, signal: &Signal, rate: f64) -> usize {
+        let mut harmonics = Vec::new();
+        for h in &signal.harmonics {
+            let frequencies = &mut self.signals.frequencies;
+            let place = frequencies.iter().position(|&f| f == h.frequency).unwrap_or_else(|| {
+                frequencies.push(h.frequency);
+                frequencies.len() - 1
+            });
+            harmonics.push((place, h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos()));
+        }
+        let table = signal.table.as_ref();
+        let degree = match (signal.input || table.is_some_and(|t| t.cubic), table.is_some() || rate != 0.0) {
+            (true, _) => 3,
+            (_, true) => 1,
+            _ => 0,
+        };
+        let needs_piece = degree > 0 || !signal.steps.is_empty();
+        let piece = needs_piece.then(|| {
+            let input = signal.input.then(|| {
+                self.signals.inputs += 1;
+                self.signals.inputs - 1
+            });
+            self.signals.pieces.push(Piece {
+                first: 0,
+                count: degree + 1,
+                steps: signal.steps.clone(),
+                table: table.map(Cubics::of),
+                rate,
+                input,
+            });
+            self.signals.pieces.len() - 1
+        });
+        self.parts.push(Parts { constant: signal.constant, harmonics, piece });
+        self.parts.len() - 1
+    }
+
+    /// The coordinates, and the row of each signal in the order of the announcements.
+    pub fn finish(mut self) -> (Signals, Vec<DVector<f64>>) {
+        let signals = &mut self.signals;
+        let mut place = signals.one + 1 + 2 * signals.frequencies.len();
+        for piece in &mut signals.pieces {
+            piece.first = place;
+            place += piece.count;
+        }
+        signals.size = place;
+        let rows = self.parts.iter().map(|parts| {
+            let mut row = DVector::zeros(signals.size);
+            row[signals.one] = parts.constant;
+            for &(f, cosine, sine) in &parts.harmonics {
+                row[signals.one + 1 + 2 * f] += cosine;
+                row[signals.one + 2 + 2 * f] += sine;
+            }
+            if let Some(p) = parts.piece {
+                row[signals.pieces[p].first] += 1.0;
+            }
+            row
+        });
+        let rows = rows.collect();
+        (self.signals, rows)
+    }
+}
+
+impl Signals {
+    /// The row of a signal's time derivative.
+    pub fn derivative(&self, row: &DVector<f64>) -> DVector<f64> {
+        let mut rate = DVector::zeros(self.size);
+        for (f, frequency) in self.frequencies.iter().enumerate() {
+            let omega = TAU * frequency;
+            let cosine = self.one + 1 + 2 * f;
+            rate[cosine] = omega * row[cosine + 1];
+            rate[cosine + 1] = -omega * row[cosine];
+        }
+        for piece in &self.pieces {
+            for k in 1..piece.count {
+                rate[piece.first + k] = row[piece.first + k - 1];
+            }
+        }
+        rate
+    }
+
+    /// Writes the signals just after a time into the augmented state.
+    pub fn fill(&self, time: DoubleDouble, inputs: &[(f64, Input)], z: &mut [f64]) {
+        z[self.one] = 1.0;
+        for (f, &frequency) in self.frequencies.iter().enumerate() {
+            // The turns in 32 digits less their whole number: the phase does not drift.
+            let turns = time.times(DoubleDouble::new(frequency)).fraction().value();
+            let (sine, cosine) = (TAU * turns).sin_cos();
+            (z[self.one + 1 + 2 * f], z[self.one + 2 + 2 * f]) = (cosine, sine);
+        }
+        let t = time.value();
+        for piece in &self.pieces {
+            let mut d = piece.table.as_ref().map_or([0.0; 4], |table| table.at(t));
+            d[0] += piece.steps.iter().filter(|s| s.time <= t).map(|s| s.height).sum::<f64>();
+            d[0] += time.times(DoubleDouble::new(piece.rate)).value();
+            d[1] += piece.rate;
+            if let Some((from, input)) = piece.input.map(|i| &inputs[i]) {
+                let now = shifted(input, t - from);
+                d.iter_mut().zip(now).for_each(|(d, n)| *d += n);
+            }
+            z[piece.first..piece.first + piece.count].copy_from_slice(&d[..piece.count]);
+        }
+    }
+
+    /// The first knot after a time, s.
+    pub fn next_knot(&self, time: f64) -> Option<f64> {
+        let steps = self.pieces.iter().flat_map(|p| p.steps.iter().map(|s| s.time));
+        let knots = self.pieces.iter().filter_map(|p| p.table.as_ref()).flat_map(|t| t.knots.iter().map(|k| k.0));
+        steps.chain(knots).filter(|&t| t > time).min_by(f64::total_cmp)
+    }
+
+    /// The first place behind the coordinates whose size never changes: 1, cosines and sines.
+    pub fn constant_size_until(&self) -> usize {
+        self.one + 1 + 2 * self.frequencies.len()
+    }
+}

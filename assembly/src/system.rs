@@ -1,0 +1,364 @@
+//! The machine as matrices: minimal coordinates, inertia, and every elongation, rate and force as a row that acts on the
+//! augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
+
+use crate::description::{Arms, BodyKind, DampingLimit, Description, StopLaw};
+use crate::error::Error;
+use crate::signals::{Builder, Signals};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// A link whose largest arm on a free coordinate is under this part of its largest arm adds nothing to the others.
+const NO_PIVOT: f64 = 1e-12;
+
+/// A row that acts on the augmented state.
+pub type Row = DVector<f64>;
+
+/// What is common to all elements: the elongation e = Σ arm · s and its rate.
+#[derive(Clone, Debug)]
+pub struct Elongation {
+    /// e.
+    pub e: Row,
+    /// e'.
+    pub rate: Row,
+    /// The direction in which its force acts on the coordinates, w = ∂e'/∂v; the acceleration is e'' = w·a + drift·z.
+    pub w: DVector<f64>,
+    /// The part of e'' that prescribed bodies make.
+    pub drift: Row,
+    /// L⁻¹ w.
+    pub column: DVector<f64>,
+}
+
+/// A body's coordinate.
+#[derive(Clone, Debug)]
+pub struct BodyRows {
+    /// s.
+    pub s: Row,
+    /// Its rate.
+    pub v: Row,
+    /// s'' = weights·a + drift·z.
+    pub weights: DVector<f64>,
+    /// The part that prescribed bodies make.
+    pub drift: Row,
+}
+
+/// A spring with its dashpot.
+#[derive(Clone, Debug)]
+pub struct SpringRows {
+    /// Its elongation.
+    pub elongation: Elongation,
+    /// N/m.
+    pub stiffness: f64,
+    /// N s/m.
+    pub damping: f64,
+    /// N.
+    pub preload: f64,
+    /// Its force.
+    pub force: Row,
+}
+
+/// A stop.
+#[derive(Clone, Debug)]
+pub struct StopRows {
+    /// Its elongation.
+    pub elongation: Elongation,
+    /// e - gap.
+    pub excess: Row,
+    /// What it does.
+    pub law: StopLaw,
+    /// A compliant stop's force where its law is linear: stiffness (e - gap) + damping e'.
+    pub force: Row,
+    /// The force of its spring alone: stiffness (e - gap).
+    pub spring: Row,
+}
+
+impl StopRows {
+    /// The restitution coefficient of a rigid stop.
+    pub fn restitution(&self) -> Option<f64> {
+        match self.law {
+            StopLaw::Rigid { restitution } => Some(restitution),
+            StopLaw::Compliant { .. } => None,
+        }
+    }
+
+    /// Whether the dashpot's share is limited as in an `ElastoGap`.
+    pub fn is_elastogap(&self) -> bool {
+        matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Elastogap, .. })
+    }
+}
+
+/// Friction.
+#[derive(Clone, Debug)]
+pub struct FrictionRows {
+    /// Its elongation.
+    pub elongation: Elongation,
+    /// The level while slipping.
+    pub level: Row,
+    /// The level up to which it sticks.
+    pub static_level: Row,
+    /// Whether the two differ.
+    pub has_static: bool,
+}
+
+/// The machine as matrices; it does not change during a motion.
+#[derive(Clone, Debug)]
+pub struct System {
+    /// Number of coordinates q, N.
+    pub coordinates: usize,
+    /// The body whose coordinate each q is.
+    pub bodies_of: Vec<usize>,
+    /// Signals behind q and v in the augmented state.
+    pub signals: Signals,
+    /// Cholesky factor L of the inertia.
+    pub inertia: Cholesky<f64, Dyn>,
+    /// The inertia.
+    pub mass: DMatrix<f64>,
+    /// The forces on the coordinates that always act: M a = forces · z + …
+    pub forces: DMatrix<f64>,
+    /// All bodies.
+    pub bodies: Vec<BodyRows>,
+    /// Springs.
+    pub springs: Vec<SpringRows>,
+    /// Stops.
+    pub stops: Vec<StopRows>,
+    /// Friction.
+    pub frictions: Vec<FrictionRows>,
+    /// The force of each load.
+    pub loads: Vec<Row>,
+    /// The body of each load.
+    pub load_bodies: Vec<usize>,
+    /// Inertia of each free body; 0 for prescribed ones.
+    pub inertias: Vec<f64>,
+    /// Weight of each body: inertia times gravity's acceleration along s.
+    pub weights: Vec<f64>,
+}
+
+/// The free bodies' coordinates in terms of q and of the prescribed bodies.
+struct Reduction {
+    kept: Vec<usize>,
+    /// By body: weights of q.
+    q: Vec<DVector<f64>>,
+    /// By body: weights of the prescribed bodies' coordinates, by body.
+    prescribed: Vec<DVector<f64>>,
+}
+
+/// Eliminates one coordinate for each link: the one with the largest arm that is left, so that no arm is divided by a small one.
+fn reduce(d: &Description) -> Result<Reduction, Error> {
+    let count = d.bodies.len();
+    let free: Vec<bool> = d.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
+    let mut equations: Vec<(usize, DVector<f64>)> = Vec::new();
+    for link in &d.links {
+        let mut row: DVector<f64> = DVector::zeros(count);
+        link.arms.terms.iter().for_each(|&(body, arm)| row[body] += arm);
+        let largest = row.amax();
+        for (pivot, other) in &equations {
+            let share = row[*pivot];
+            row.axpy(-share, other, 1.0);
+            row[*pivot] = 0.0;
+        }
+        let pivot = (0..count).filter(|&i| free[i]).max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()));
+        let Some(pivot) = pivot.filter(|&p| row[p].abs() > NO_PIVOT * largest) else {
+            return Err(Error::Redundant { link: link.name.clone() });
+        };
+        row /= row[pivot];
+        row[pivot] = 1.0;
+        for (_, other) in &mut equations {
+            let share = other[pivot];
+            other.axpy(-share, &row, 1.0);
+            other[pivot] = 0.0;
+        }
+        equations.push((pivot, row));
+    }
+    let dependent = |i: usize| equations.iter().find(|(pivot, _)| *pivot == i).map(|(_, row)| row);
+    let kept: Vec<usize> = (0..count).filter(|&i| free[i] && dependent(i).is_none()).collect();
+    let n = kept.len();
+    let mut q = vec![DVector::zeros(n); count];
+    let mut prescribed = vec![DVector::zeros(count); count];
+    for i in 0..count {
+        if !free[i] {
+            prescribed[i][i] = 1.0;
+        } else if let Some(row) = dependent(i) {
+            for j in (0..count).filter(|&j| j != i && row[j] != 0.0) {
+                match kept.iter().position(|&k| k == j) {
+                    Some(place) => q[i][place] -= row[j],
+                    None => prescribed[i][j] -= row[j],
+                }
+            }
+        } else if let Some(place) = kept.iter().position(|&k| k == i) {
+            q[i][place] = 1.0;
+        }
+    }
+    Ok(Reduction { kept, q, prescribed })
+}
+
+impl System {
+    /// The matrices of a machine.
+    ///
+    /// # Errors
+    /// [`Error::Redundant`] for a link that follows from others or moves nothing; [`Error::Inertia`] where the inertia is not
+    /// positive in double precision.
+    pub fn new(d: &Description) -> Result<Self, Error> {
+        let reduction = reduce(d)?;
+        let n = reduction.kept.len();
+        let mut builder = Builder::new(2 * n);
+        let motions: Vec<Option<usize>> = d
+            .bodies
+            .iter()
+            .map(|b| match &b.kind {
+                BodyKind::Prescribed { motion, rate } => Some(builder.add(motion, *rate)),
+                BodyKind::Free(_) => None,
+            })
+            .collect();
+        let loads: Vec<usize> = d.loads.iter().map(|l| builder.add(&l.force, 0.0)).collect();
+        let levels: Vec<(usize, Option<usize>)> = d
+            .frictions
+            .iter()
+            .map(|f| (builder.add(&f.force, 0.0), f.static_force.as_ref().map(|s| builder.add(s, 0.0))))
+            .collect();
+        let (signals, rows) = builder.finish();
+        let bodies = bodies(d, &reduction, &signals, &motions, &rows);
+        let inertias: Vec<f64> = d
+            .bodies
+            .iter()
+            .map(|b| if let BodyKind::Free(free) = b.kind { free.inertia } else { 0.0 })
+            .collect();
+        let weights: Vec<f64> = d
+            .bodies
+            .iter()
+            .map(|b| if let BodyKind::Free(free) = b.kind { free.inertia * free.gravity * d.gravity } else { 0.0 })
+            .collect();
+        let mut mass = DMatrix::zeros(n, n);
+        for (body, &inertia) in bodies.iter().zip(&inertias) {
+            mass.ger(inertia, &body.weights, &body.weights, 1.0);
+        }
+        let Some(inertia) = Cholesky::new(mass.clone()) else { return Err(Error::Inertia) };
+        let mut system = Self {
+            coordinates: n,
+            bodies_of: reduction.kept,
+            forces: DMatrix::zeros(n, signals.size),
+            signals,
+            inertia,
+            mass,
+            bodies,
+            springs: Vec::new(),
+            stops: Vec::new(),
+            frictions: Vec::new(),
+            loads: loads.iter().map(|&i| rows[i].clone()).collect(),
+            load_bodies: d.loads.iter().map(|l| l.body).collect(),
+            inertias,
+            weights,
+        };
+        system.add_elements(d, &levels, &rows);
+        system.add_forces();
+        Ok(system)
+    }
+
+    /// A row with the number 1's coordinate alone.
+    fn constant(&self, value: f64) -> Row {
+        let mut row = Row::zeros(self.signals.size);
+        row[self.signals.one] = value;
+        row
+    }
+
+    fn elongation(&self, arms: &Arms) -> Elongation {
+        let size = self.signals.size;
+        let mut sum = Elongation {
+            e: Row::zeros(size),
+            rate: Row::zeros(size),
+            w: DVector::zeros(self.coordinates),
+            drift: Row::zeros(size),
+            column: DVector::zeros(self.coordinates),
+        };
+        for &(body, arm) in &arms.terms {
+            let rows = &self.bodies[body];
+            sum.e.axpy(arm, &rows.s, 1.0);
+            sum.rate.axpy(arm, &rows.v, 1.0);
+            sum.w.axpy(arm, &rows.weights, 1.0);
+            sum.drift.axpy(arm, &rows.drift, 1.0);
+        }
+        sum.column = sum.w.clone();
+        self.inertia.l_dirty().solve_lower_triangular_mut(&mut sum.column);
+        sum
+    }
+
+    fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[Row]) {
+        for spring in &d.springs {
+            let elongation = self.elongation(&spring.arms);
+            let force = self.constant(spring.preload)
+                + spring.stiffness * &elongation.e
+                + spring.damping * &elongation.rate;
+            let (stiffness, damping, preload) = (spring.stiffness, spring.damping, spring.preload);
+            self.springs.push(SpringRows { elongation, stiffness, damping, preload, force });
+        }
+        for stop in &d.stops {
+            let elongation = self.elongation(&stop.arms);
+            let excess = &elongation.e - self.constant(stop.gap);
+            let (stiffness, damping) = match stop.law {
+                StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping),
+                StopLaw::Rigid { .. } => (0.0, 0.0),
+            };
+            let spring = stiffness * &excess;
+            let force = &spring + damping * &elongation.rate;
+            self.stops.push(StopRows { elongation, excess, law: stop.law, force, spring });
+        }
+        for (friction, (level, static_level)) in d.frictions.iter().zip(levels) {
+            self.frictions.push(FrictionRows {
+                elongation: self.elongation(&friction.arms),
+                level: rows[*level].clone(),
+                static_level: rows[static_level.unwrap_or(*level)].clone(),
+                has_static: static_level.is_some(),
+            });
+        }
+    }
+
+    /// Weight, loads, springs, and what prescribed bodies do through links.
+    fn add_forces(&mut self) {
+        let mut forces = std::mem::replace(&mut self.forces, DMatrix::zeros(0, 0));
+        for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {
+            if inertia > 0.0 {
+                forces.ger(1.0, &body.weights, &self.constant(weight), 1.0);
+                forces.ger(-inertia, &body.weights, &body.drift, 1.0);
+            }
+        }
+        for (&body, row) in self.load_bodies.iter().zip(&self.loads) {
+            forces.ger(1.0, &self.bodies[body].weights, row, 1.0);
+        }
+        for spring in &self.springs {
+            forces.ger(-1.0, &spring.elongation.w, &spring.force, 1.0);
+        }
+        self.forces = forces;
+    }
+}
+
+/// The rows of all bodies' coordinates.
+fn bodies(
+    d: &Description,
+    reduction: &Reduction,
+    signals: &Signals,
+    motions: &[Option<usize>],
+    rows: &[Row],
+) -> Vec<BodyRows> {
+    let n = reduction.kept.len();
+    let prescribed = |i: usize, order: usize| {
+        let mut sum = Row::zeros(signals.size);
+        for (j, motion) in motions.iter().enumerate() {
+            let weight = reduction.prescribed[i][j];
+            if let Some(motion) = motion.filter(|_| weight != 0.0) {
+                let mut row = rows[motion].clone();
+                for _ in 0..order {
+                    row = signals.derivative(&row);
+                }
+                sum.axpy(weight, &row, 1.0);
+            }
+        }
+        sum
+    };
+    (0..d.bodies.len())
+        .map(|i| {
+            let (mut s, mut v) = (prescribed(i, 0), prescribed(i, 1));
+            for k in 0..n {
+                s[k] += reduction.q[i][k];
+                v[n + k] += reduction.q[i][k];
+            }
+            BodyRows { s, v, weights: reduction.q[i].clone(), drift: prescribed(i, 2) }
+        })
+        .collect()
+}

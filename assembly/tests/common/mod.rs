@@ -1,0 +1,77 @@
+//! Machines put together in a few words, for tests.
+#![allow(dead_code)]
+
+use std::sync::Arc;
+use vibro_assembly::description::*;
+use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::{Assembly, Motion};
+
+/// A free body.
+pub fn body(name: &str, inertia: f64, s: f64, v: f64) -> Body {
+    let free = Free { inertia, gravity: 0.0, s, v };
+    Body { name: name.into(), dimension: Dimension::Translation, kind: BodyKind::Free(free) }
+}
+
+/// A free body on which gravity acts.
+pub fn heavy(name: &str, inertia: f64, gravity: f64, s: f64, v: f64) -> Body {
+    let free = Free { inertia, gravity, s, v };
+    Body { name: name.into(), dimension: Dimension::Translation, kind: BodyKind::Free(free) }
+}
+
+/// A prescribed body.
+pub fn prescribed(name: &str, motion: Signal, rate: f64) -> Body {
+    Body { name: name.into(), dimension: Dimension::Translation, kind: BodyKind::Prescribed { motion, rate } }
+}
+
+/// Arms by body and weight.
+pub fn arms(terms: &[(usize, f64)]) -> Arms {
+    Arms { terms: terms.to_vec(), dimension: Dimension::Translation }
+}
+
+/// A spring.
+pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
+    let name = format!("spring{}", terms[0].0);
+    Spring { name, arms: arms(terms), stiffness, damping, preload: 0.0 }
+}
+
+/// A rigid stop.
+pub fn rigid(name: &str, terms: &[(usize, f64)], gap: f64, restitution: f64) -> Stop {
+    Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Rigid { restitution } }
+}
+
+/// A compliant stop.
+pub fn compliant(name: &str, terms: &[(usize, f64)], gap: f64, stiffness: f64, damping: f64, limit: DampingLimit) -> Stop {
+    Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Compliant { stiffness, damping, limit } }
+}
+
+/// Friction of a constant level.
+pub fn friction(terms: &[(usize, f64)], force: f64) -> Friction {
+    Friction { name: "friction".into(), arms: arms(terms), force: constant(force), static_force: None }
+}
+
+/// A constant signal.
+pub fn constant(constant: f64) -> Signal {
+    Signal { constant, ..Signal::default() }
+}
+
+/// A sine.
+pub fn sine(amplitude: f64, frequency: f64, phase: f64) -> Signal {
+    Signal { harmonics: vec![Harmonic { amplitude, frequency, phase }], ..Signal::default() }
+}
+
+/// Its motion from the start.
+pub fn motion(description: Description) -> Motion {
+    Motion::new(Arc::new(Assembly::new(description).unwrap())).unwrap()
+}
+
+/// All events up to a time.
+pub fn events(motion: &mut Motion, end: f64) -> Vec<Event> {
+    let mut all = Vec::new();
+    motion.advance_observed(end, &mut |event| all.push(event.clone())).unwrap();
+    all
+}
+
+/// The times of events of one kind.
+pub fn times(events: &[Event], kind: impl Fn(&EventKind) -> bool) -> Vec<f64> {
+    events.iter().filter(|e| kind(&e.kind)).map(|e| e.time).collect()
+}
