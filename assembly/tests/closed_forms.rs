@@ -9,6 +9,9 @@ use vibro_assembly::motion::EventKind;
 /// Some roundings of numbers of order one, and of sums of a few hundred of them.
 const ROUNDING: f64 = 1e-12;
 
+/// What is left of a transient that falls by more than a quarter with each impact, after more than a hundred, and rounding.
+const SETTLED: f64 = 1e-12;
+
 fn is_impact(kind: &EventKind) -> bool {
     matches!(kind, EventKind::Impact { .. })
 }
@@ -67,7 +70,10 @@ fn closed_form_impact_pair() {
     let mut motion = motion(d);
     let all = events(&mut motion, 400.0);
     let last = all.iter().rev().find_map(|e| if let EventKind::Impact { speed, .. } = e.kind { Some(speed) } else { None });
-    println!("impact pair {last:?} of {}", all.len());
+    // The block's own speed c: it reverses, c(1 - ε) = -b(1 + ε) with the base's speed b at the impact, and in half a period
+    // it goes 2(L + sqrt(1 - b²)) = π c. The closing speed is c - b = 4c/3.
+    let c = 1.50557395311726;
+    assert!((last.unwrap() - 4.0 * c / 3.0).abs() < SETTLED, "{last:?}");
 }
 
 #[test]
@@ -117,7 +123,91 @@ fn others_models_elastogap() {
         ..Description::default()
     };
     let mut m = motion(d);
-    let all = events(&mut m, 5.0);
-    println!("elastogap {:?}\n{all:#?}", m.body(0));
-    println!("balance {}", m.energy().balance());
+    let energy = |m: &vibro_assembly::Motion| m.kinetic_and_stored().0 + m.kinetic_and_stored().1;
+    let before = energy(&m);
+    events(&mut m, 5.0);
+    assert!((m.body(0)[0] + 0.707885294079811).abs() < ROUNDING, "{:?}", m.body(0));
+    let change = energy(&m) - before;
+    assert!((m.energy().balance() - change).abs() < ROUNDING * before, "{change} {}", m.energy().balance());
+}
+
+/// MSL's Rotational.Examples.CoupledClutches: four wheels with J = 1, the first at 10 rad/s under 10 sin(10 π t); clutches with
+/// μ = 0.5, peak 1.1, normal force 20 N times cos(0.4 π t), a step at 0.4 s and one at 0.9 s.
+#[test]
+fn others_models_coupled_clutches() {
+    let step = |time: f64, height: f64| Signal { steps: vec![Step { time, height }], ..Signal::default() };
+    let clutch = |name: &str, between: [usize; 2], force: Signal, peak: Signal| Friction {
+        name: name.into(),
+        arms: arms(&[(between[0], -1.0), (between[1], 1.0)]),
+        force,
+        static_force: Some(peak),
+    };
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let d = Description {
+        bodies: (1..=4).map(|i| body(&format!("J{i}"), 1.0, 0.0, if i == 1 { 10.0 } else { 0.0 })).collect(),
+        frictions: vec![
+            clutch("clutch1", [0, 1], sine(10.0, 0.2, quarter), sine(11.0, 0.2, quarter)),
+            clutch("clutch2", [1, 2], step(0.4, 10.0), step(0.4, 11.0)),
+            clutch("clutch3", [2, 3], step(0.9, 10.0), step(0.9, 11.0)),
+        ],
+        loads: vec![Load { name: "torque".into(), body: 0, force: sine(10.0, 5.0, 0.0) }],
+        ..Description::default()
+    };
+    let mut m = motion(d);
+    let all = events(&mut m, 1.5);
+    let changes = times(&all, |k| {
+        matches!(k, EventKind::Stick { .. } | EventKind::Slip { .. } | EventKind::Level { acts: false, .. })
+    });
+    let expected = [
+        0.709621474693747,
+        0.791662359154816,
+        0.831108506137653,
+        0.906850192797880,
+        1.00029585989464,
+        1.14396749247317,
+        1.25,
+    ];
+    assert_eq!(changes.len(), expected.len(), "{all:#?}");
+    for (found, exact) in changes.iter().zip(expected) {
+        assert!((found - exact).abs() < 1e2 * ROUNDING, "{changes:?}");
+    }
+    assert!((m.body(0)[1] - 3.24705827241880).abs() < ROUNDING * 10.0, "{:?}", m.body(0));
+}
+
+#[test]
+fn closed_form_bead_column() {
+    // Five beads that fall on a floor one upon the other, plastic: all lie, each contact bears what is above it.
+    let count = 5;
+    let bodies = (0..count).map(|i| heavy(&format!("bead{i}"), 1.0, -1.0, 0.1 * (i + 1) as f64, 0.0)).collect();
+    let mut stops = vec![rigid("floor", &[(0, -1.0)], 0.0, 0.0)];
+    for i in 1..count {
+        stops.push(rigid(&format!("contact{i}"), &[(i - 1, 1.0), (i, -1.0)], 0.0, 0.0));
+    }
+    let mut m = motion(Description { gravity: 9.81, bodies, stops, ..Description::default() });
+    let all = events(&mut m, 2.0);
+    for i in 0..count {
+        assert!((m.stop(i)[2] - 9.81 * (count - i) as f64).abs() < ROUNDING * 10.0, "{:?} {all:#?}", m.stop(i));
+        assert_eq!(m.body(i)[1], 0.0);
+    }
+    assert!((m.energy().impacts.value() - 9.81 * 1.5).abs() < ROUNDING * 100.0, "{}", m.energy().impacts.value());
+}
+
+#[test]
+fn closed_form_redundant_stops() {
+    // Two floors at the same height under one block: whatever the forces' shares, the block lies.
+    let d = Description {
+        gravity: 9.81,
+        bodies: vec![heavy("block", 2.0, -1.0, 0.3, 0.0)],
+        stops: vec![rigid("left", &[(0, -1.0)], 0.0, 0.2), rigid("right", &[(0, -1.0)], 0.0, 0.7)],
+        ..Description::default()
+    };
+    let mut m = motion(d);
+    let all = events(&mut m, 0.25);
+    let fall = (0.6f64 / 9.81).sqrt();
+    let v = 0.7 * 9.81 * fall; // the livelier stop decides
+    let after = 0.25 - fall;
+    assert!((m.body(0)[0] - (v * after - 0.5 * 9.81 * after * after)).abs() < ROUNDING, "{all:?}");
+    m.advance_to(5.0).unwrap();
+    assert_eq!(m.body(0)[0..2], [0.0, 0.0]);
+    assert!((m.stop(0)[2] + m.stop(1)[2] - 2.0 * 9.81).abs() < ROUNDING * 10.0);
 }

@@ -177,6 +177,11 @@ impl Motion {
         &self.hybrid.energy
     }
 
+    /// Kinetic and stored energy, J.
+    pub fn kinetic_and_stored(&self) -> (f64, f64) {
+        crate::energy::mechanical(&self.assembly.system, &self.hybrid.z)
+    }
+
     /// Sets an input from the present time on: value and derivatives of orders 1 to 3, by the place of the input among all.
     ///
     /// # Errors
