@@ -95,7 +95,7 @@ fn machine(reading: &mut Reading, root: &Table) -> Description {
     keys.extend(SECTIONS);
     reading.known(root, &keys);
     let mut machine = Description::default();
-    if let Some(entry) = reading.required(root, "name", "the machine's name") {
+    if let Some(entry) = reading.required(root, "name", "allowed is a name, such as \"Damper\"") {
         machine.name = reading.string(&entry, "allowed is a name, such as \"Damper\"").unwrap_or_default();
     }
     if let Some(entry) = reading.optional(root, "gravity") {

@@ -1,5 +1,6 @@
 //! What is said about a machine that cannot be: every problem of it, each with its place.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// Problems written out at most; of a larger number the rest is only counted.
@@ -27,11 +28,24 @@ impl Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, text) = (cut(&self.name, LONGEST_NAME), cut(&self.text, LONGEST_TEXT));
         match &self.value {
-            Some(value) => write!(f, "{} = {value}: {}", self.name, self.text),
-            None if self.name.is_empty() => f.write_str(&self.text),
-            None => write!(f, "{}: {}", self.name, self.text),
+            Some(value) => write!(f, "{name} = {}: {text}", cut(value, LONGEST_NAME)),
+            None if name.is_empty() => f.write_str(&text),
+            None => write!(f, "{name}: {text}"),
         }
+    }
+}
+
+/// Characters of a name or value, and of what is said of it, that are written out: a damaged file must not fill the screen.
+const LONGEST_NAME: usize = 150;
+const LONGEST_TEXT: usize = 2_000;
+
+/// A text up to some character, with an ellipsis where it is longer.
+pub(crate) fn cut(text: &str, longest: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(longest) {
+        Some((end, _)) => format!("{}…", &text[..end]).into(),
+        None => text.into(),
     }
 }
 

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 const LONGEST: usize = 100;
 
 /// What a name consists of.
-const NAME: &str = "allowed are up to 100 letters from a to z, digits and _, a letter first";
+const NAME: &str = "allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first";
 
 /// What is wrong with a name, if anything.
 pub(crate) fn problem_of(name: &str) -> Option<&'static str> {

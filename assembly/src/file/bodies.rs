@@ -62,8 +62,8 @@ fn body(
         _ => {
             reading.known(table, &["mass", "inertia", "motion", "dimension", "gravity", "start"]);
             let text = match given.len() {
-                0 => format!("has no inertia: {KINDS}"),
-                _ => format!("has {}: {KINDS}", given.join(" and ")),
+                0 => format!("has no inertia; {KINDS}"),
+                _ => format!("has {}; {KINDS}", given.join(" and ")),
             };
             reading.refuse_table(table, text);
             None

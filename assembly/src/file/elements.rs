@@ -51,7 +51,7 @@ fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Op
 
 fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<StopLaw> {
     if !table.has("restitution") && !table.has("stiffness") {
-        let text = "has no law: allowed is restitution (a rigid stop) or stiffness (a compliant one)";
+        let text = "has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
         reading.refuse_table(table, text);
         return None;
     }
@@ -124,7 +124,7 @@ fn arms(reading: &mut Reading, table: &Table, names: &Names) -> Option<Arms> {
         (None, None) => {
             reading.refuse_table(
                 table,
-                "has no ends: allowed is between = [A, B] or arms = { A = 1.0, B = -1.0 }",
+                "has no ends; allowed is between = [A, B] or arms = { A = 1.0, B = -1.0 }",
             );
             None
         }

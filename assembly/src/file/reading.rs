@@ -4,7 +4,7 @@ use super::Records;
 use crate::description::Dimension;
 use crate::kinds::Kind;
 use crate::parameters;
-use crate::refusal::{Problem, advice};
+use crate::refusal::{Problem, advice, cut};
 use std::collections::HashMap;
 use std::ops::Range;
 use toml::Spanned;
@@ -16,19 +16,35 @@ const QUOTED: usize = 60;
 /// The text as TOML, and what is wrong with it as TOML.
 pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     let (root, errors) = DeTable::parse_recoverable(text);
-    let lines = Lines::of(text);
-    // What follows the first error is often its consequence: the rest of the same line is no news.
-    let mut last = None;
-    let problem = |error: toml::de::Error| {
+    // What follows the first error is mostly its consequence.
+    let problem = errors.first().map(|error| {
         let span = error.span().unwrap_or(0..0);
-        let line = lines.of_byte(span.start);
-        let news = last.replace(line) != Some(line);
-        let value = quoted(text, &span);
-        let text =
-            if value.is_empty() { error.message().into() } else { format!("{}: {value}", error.message()) };
-        news.then(|| Problem { line: Some(line), name: String::new(), value: None, text })
-    };
-    (root, errors.into_iter().filter_map(problem).collect())
+        let line = Lines::of(text).of_byte(span.start);
+        let (value, said) = (quoted(text, &span), error.message());
+        match said.contains("duplicate") {
+            true => Problem { line: Some(line), name: dotted_at(text, span.start), value: None, text: "is there twice".into() },
+            false => {
+                let text = if value.is_empty() { said.into() } else { format!("{said}: {value}") };
+                Problem { line: Some(line), name: String::new(), value: None, text }
+            }
+        }
+    });
+    (root, problem.into_iter().collect())
+}
+
+/// The dotted name of what begins at a byte: the header it stands in, or the header above with the key.
+fn dotted_at(text: &str, byte: usize) -> String {
+    let start = text[..byte].rfind('\n').map_or(0, |at| at + 1);
+    let line = text[start..].lines().next().unwrap_or("").trim();
+    let header = |line: &str| Some(line.strip_prefix('[')?.split(']').next()?.trim().to_owned());
+    if let Some(name) = header(line) {
+        return name;
+    }
+    let key = line.split('=').next().unwrap_or("").trim();
+    match text[..start].lines().rev().find_map(|line| header(line.trim())) {
+        Some(table) => format!("{table}.{key}"),
+        None => key.into(),
+    }
 }
 
 /// Where each line of a text begins.
@@ -49,11 +65,8 @@ impl Lines {
 fn quoted(text: &str, span: &Range<usize>) -> String {
     let whole = text.get(span.clone()).unwrap_or("").trim();
     let line = whole.lines().next().unwrap_or("");
-    match line.char_indices().nth(QUOTED) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None if line.len() < whole.len() => format!("{line}…"),
-        None => line.into(),
-    }
+    let quoted = cut(line, QUOTED);
+    if quoted.len() == line.len() && line.len() < whole.len() { format!("{line}…") } else { quoted.into() }
 }
 
 /// A table of the file by its dotted name.
@@ -183,7 +196,7 @@ impl<'a> Reading<'a> {
     }
 
     fn missing(&mut self, table: &Table, key: &str, allowed: &str) {
-        let text = format!("is missing: {allowed}");
+        let text = format!("missing; {allowed}");
         let name = table.dotted(key);
         self.problems.push(Problem { line: Some(table.line), name, value: None, text });
     }

@@ -34,8 +34,9 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
 /// `offset` is another name of the constant.
 pub(super) fn flat(reading: &mut Reading, table: &Table, values: Values, also: &[&str]) -> Option<Signal> {
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
-        let keys: Vec<_> = KEYS.iter().chain(also).copied().collect();
-        reading.refuse_table(table, format!("has no signal: allowed are one or more of {}", keys.join(", ")));
+        let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];
+        let parts: Vec<_> = parts.iter().chain(also).copied().collect();
+        reading.refuse_table(table, format!("has no signal; allowed are one or more of {}", parts.join(", ")));
         return None;
     }
     let constant = constant(reading, table, values, also.contains(&"offset"));
