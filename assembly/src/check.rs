@@ -6,13 +6,31 @@ mod starts;
 
 use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
 use crate::parameters::slots;
-use crate::refusal::Problem;
+use crate::refusal::{Problem, Refusal};
 
 /// Bodies, elements, or harmonics and steps, at most; a machine of more is refused before anything is made of it.
 pub(crate) const MOST: usize = 10_000;
 
 /// Knots of a record, at most.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
+
+impl Description {
+    /// Whether the description is a machine: what its file or its parameters would be refused for, a program's may have as well.
+    ///
+    /// ```
+    /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
+    /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies with mass or inertia");
+    /// ```
+    ///
+    /// # Errors
+    /// A [`Refusal`] with every problem found.
+    pub fn check(&self) -> Result<(), Refusal> {
+        match check(self) {
+            problems if problems.is_empty() => Ok(()),
+            problems => Err(Refusal { file: String::new(), problems }),
+        }
+    }
+}
 
 /// All problems of a machine, or none. Numbers outside their ranges and broken structure hide what would follow from them.
 pub(crate) fn check(machine: &Description) -> Vec<Problem> {

@@ -118,7 +118,7 @@ fn machine(reading: &mut Reading, root: &Table) -> Description {
 
 impl Description {
     /// The machine as the text of a file that reads back to an equal machine: SI units, every number to its last digit, records
-    /// within the text.
+    /// within the text. The description is one that [`check`](Self::check) accepts.
     ///
     /// ```
     /// use vibro_assembly::file::{no_records, parse};

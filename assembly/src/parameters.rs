@@ -5,7 +5,7 @@
 //! names there are follows from the machine's topology and never from its numbers. The knots of records have no names.
 
 use crate::check::check;
-use crate::description::{Arms, BodyKind, Description, Dimension, Signal, StopLaw};
+use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
 use crate::kinds::{self, Kind};
 use crate::refusal::{Problem, Refusal, advice};
 use vibro_impact::parameters::Range;
@@ -174,13 +174,56 @@ impl<'a> Slots<'a> {
         self.all.push(Slot { name, kind, dimension: self.dimension, value });
     }
 
-    fn arms(&mut self, of: &str, arms: &'a mut Arms, bodies: &[(String, Dimension)]) {
-        if !arms.levers {
-            return;
+    fn body(&mut self, body: &'a mut Body, at_rest: bool) {
+        let of = format!("body.{}", body.name);
+        self.dimension = body.dimension;
+        match &mut body.kind {
+            BodyKind::Free(Free { inertia, gravity, s, v }) => {
+                let translation = body.dimension == Dimension::Translation;
+                let key = if translation { "mass" } else { "inertia" };
+                self.push(format!("{of}.{key}"), kinds::INERTIA, inertia);
+                if translation {
+                    self.push(format!("{of}.gravity"), kinds::COSINE, gravity);
+                }
+                if !at_rest {
+                    self.push(format!("{of}.start.s"), kinds::START, s);
+                    self.push(format!("{of}.start.v"), kinds::START_RATE, v);
+                }
+            }
+            BodyKind::Prescribed { motion, rate } => {
+                self.signal(&format!("{of}.motion"), motion, kinds::POSITION);
+                self.push(format!("{of}.motion.rate"), kinds::RATE, rate);
+            }
         }
-        for (body, arm) in &mut arms.terms {
+    }
+
+    /// The arms of an element, whose dimension holds for what follows; gives its dotted name.
+    fn element(
+        &mut self,
+        section: &str,
+        name: &str,
+        arms: &'a mut Arms,
+        bodies: &[(String, Dimension)],
+    ) -> String {
+        let of = format!("{section}.{name}");
+        self.dimension = arms.dimension;
+        let levers = if arms.levers { &mut arms.terms[..] } else { &mut [] };
+        for (body, arm) in levers {
             let Some((body, dimension)) = bodies.get(*body) else { continue };
             self.push(format!("{of}.arms.{body}"), kinds::arm_of(*dimension, arms.dimension), arm);
+        }
+        of
+    }
+
+    fn law(&mut self, of: &str, law: &'a mut StopLaw) {
+        match law {
+            StopLaw::Rigid { restitution } => {
+                self.push(format!("{of}.restitution"), kinds::RESTITUTION, restitution);
+            }
+            StopLaw::Compliant { stiffness, damping, .. } => {
+                self.push(format!("{of}.stiffness"), kinds::STIFFNESS, stiffness);
+                self.push(format!("{of}.damping"), kinds::DAMPING, damping);
+            }
         }
     }
 
@@ -225,65 +268,27 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     let bodies: Vec<_> = machine.bodies.iter().map(|b| (b.name.clone(), b.dimension)).collect();
     let mut slots = Slots { all: Vec::new(), dimension: Dimension::Translation };
     slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
-    for body in &mut machine.bodies {
-        let of = format!("body.{}", body.name);
-        slots.dimension = body.dimension;
-        match &mut body.kind {
-            BodyKind::Free(free) => {
-                let (inertia, cosine) = match body.dimension {
-                    Dimension::Translation => ("mass", Some(kinds::COSINE)),
-                    Dimension::Rotation => ("inertia", None),
-                };
-                slots.push(format!("{of}.{inertia}"), kinds::INERTIA, &mut free.inertia);
-                if let Some(cosine) = cosine {
-                    slots.push(format!("{of}.gravity"), cosine, &mut free.gravity);
-                }
-                if !machine.starts_at_rest {
-                    slots.push(format!("{of}.start.s"), kinds::START, &mut free.s);
-                    slots.push(format!("{of}.start.v"), kinds::START_RATE, &mut free.v);
-                }
-            }
-            BodyKind::Prescribed { motion, rate } => {
-                slots.signal(&format!("{of}.motion"), motion, kinds::POSITION);
-                slots.push(format!("{of}.motion.rate"), kinds::RATE, rate);
-            }
-        }
-    }
+    machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
     for spring in &mut machine.springs {
-        let of = format!("spring.{}", spring.name);
-        slots.dimension = spring.arms.dimension;
-        slots.arms(&of, &mut spring.arms, &bodies);
+        let of = slots.element("spring", &spring.name, &mut spring.arms, &bodies);
         slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
         slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
         slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
     }
     for stop in &mut machine.stops {
-        let of = format!("stop.{}", stop.name);
-        slots.dimension = stop.arms.dimension;
-        slots.arms(&of, &mut stop.arms, &bodies);
+        let of = slots.element("stop", &stop.name, &mut stop.arms, &bodies);
         slots.push(format!("{of}.gap"), kinds::GAP, &mut stop.gap);
-        match &mut stop.law {
-            StopLaw::Rigid { restitution } => {
-                slots.push(format!("{of}.restitution"), kinds::RESTITUTION, restitution);
-            }
-            StopLaw::Compliant { stiffness, damping, .. } => {
-                slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, stiffness);
-                slots.push(format!("{of}.damping"), kinds::DAMPING, damping);
-            }
-        }
+        slots.law(&of, &mut stop.law);
     }
     for friction in &mut machine.frictions {
-        let of = format!("friction.{}", friction.name);
-        slots.dimension = friction.arms.dimension;
-        slots.arms(&of, &mut friction.arms, &bodies);
+        let of = slots.element("friction", &friction.name, &mut friction.arms, &bodies);
         slots.level(&format!("{of}.force"), &mut friction.force);
         if let Some(level) = &mut friction.static_force {
             slots.level(&format!("{of}.static"), level);
         }
     }
     for link in &mut machine.links {
-        slots.dimension = link.arms.dimension;
-        slots.arms(&format!("link.{}", link.name), &mut link.arms, &bodies);
+        slots.element("link", &link.name, &mut link.arms, &bodies);
     }
     for load in &mut machine.loads {
         slots.dimension = bodies.get(load.body).map_or(Dimension::Translation, |b| b.1);

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 /// Problems written out at most; of a larger number the rest is only counted.
-const SHOWN: usize = 50;
+pub(crate) const SHOWN: usize = 50;
 
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::signals::{self, Values};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Signal};
 use crate::kinds::{self, Kind};
 use crate::parameters::has_unit;
-use toml::de::{DeArray, DeValue};
+use toml::de::DeValue;
 
 /// The keys of which a body has exactly one.
 const KINDS: &str = "allowed is one of mass, inertia, motion";
@@ -167,12 +167,10 @@ fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
     let elements =
         sections.filter_map(|section| section.get_ref().as_table()).flat_map(|section| section.values());
     let pairs = elements.filter_map(|element| element.get_ref().get("between")?.get_ref().as_array());
-    let ends = |pair: &DeArray| {
-        pair.iter().filter_map(|end| end.get_ref().as_str().map(str::to_owned)).collect::<Vec<_>>()
-    };
-    let mut others = pairs.map(ends).filter(|ends| ends.iter().any(|end| end == name)).flatten();
+    let ends = pairs.filter(|pair| pair.iter().any(|end| end.get_ref().as_str() == Some(name)));
+    let mut others = ends.flat_map(|pair| pair.iter()).filter_map(|end| end.get_ref().as_str());
     others.find_map(|other| {
-        let body = root.entries.get("body")?.get_ref().get(other.as_str())?.get_ref();
+        let body = root.entries.get("body")?.get_ref().get(other)?.get_ref();
         match (body.get("mass").is_some(), body.get("inertia").is_some()) {
             (true, false) => Some(Dimension::Translation),
             (false, true) => Some(Dimension::Rotation),

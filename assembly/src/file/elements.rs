@@ -8,8 +8,10 @@ use crate::description::{
 };
 use crate::kinds;
 use crate::parameters::has_unit;
-use crate::refusal::advice;
 use vibro_impact::quantities::symbols;
+
+/// What is said of a name that is no body's.
+const NO_BODY: &str = "no body has this name";
 
 /// Reads the elements. One with problems is left out, since the file is refused then.
 pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: &mut Description) {
@@ -31,22 +33,47 @@ pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: 
     }
 }
 
+/// The elongation of an element with what `read` finds beside it in the elongation's dimension. Where the ends are wrong the rest is
+/// read all the same, in the dimension in which less is wrong with it, so that all problems are told at once.
+fn with_arms<T>(
+    reading: &mut Reading,
+    table: &Table,
+    names: &Names,
+    read: impl Fn(&mut Reading, Dimension) -> Option<T>,
+) -> Option<(Arms, T)> {
+    if let Some(arms) = arms(reading, table, names) {
+        let rest = read(reading, arms.dimension)?;
+        return Some((arms, rest));
+    }
+    let before = reading.problems.len();
+    let mut problems_in = |dimension| {
+        read(reading, dimension);
+        reading.problems.split_off(before)
+    };
+    let (line, turn) = (problems_in(Dimension::Translation), problems_in(Dimension::Rotation));
+    reading.problems.extend(if turn.len() < line.len() { turn } else { line });
+    None
+}
+
 fn spring(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Spring> {
     reading.known(table, &["between", "arms", "stiffness", "damping", "preload"]);
-    let arms = arms(reading, table, names)?;
-    let dimension = arms.dimension;
-    let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
-    let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
-    let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
-    Some(Spring { name, arms, stiffness: stiffness?, damping: damping?, preload: preload? })
+    let (arms, (stiffness, damping, preload)) = with_arms(reading, table, names, |reading, dimension| {
+        let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
+        let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+        let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
+        Some((stiffness?, damping?, preload?))
+    })?;
+    Some(Spring { name, arms, stiffness, damping, preload })
 }
 
 fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Stop> {
     reading.known(table, &["between", "arms", "gap", "restitution", "stiffness", "damping", "law"]);
-    let arms = arms(reading, table, names)?;
-    let gap = reading.required_number(table, "gap", kinds::GAP, arms.dimension);
-    let law = law(reading, table, arms.dimension);
-    Some(Stop { name, arms, gap: gap?, law: law? })
+    let (arms, (gap, law)) = with_arms(reading, table, names, |reading, dimension| {
+        let gap = reading.required_number(table, "gap", kinds::GAP, dimension);
+        let law = law(reading, table, dimension);
+        Some((gap?, law?))
+    })?;
+    Some(Stop { name, arms, gap, law })
 }
 
 fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<StopLaw> {
@@ -85,16 +112,18 @@ fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<Sto
 
 fn friction(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Friction> {
     reading.known(table, &["between", "arms", "force", "static"]);
-    let arms = arms(reading, table, names)?;
-    let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension: arms.dimension };
-    let allowed = format!("{}, or a signal", kinds::LEVEL.allowed(arms.dimension));
-    let force = reading.required(table, "force", &allowed);
-    let force = force.and_then(|entry| signals::value(reading, &entry, values));
-    let static_force = match reading.optional(table, "static") {
-        None => Some(None),
-        Some(entry) => signals::value(reading, &entry, values).map(Some),
-    };
-    Some(Friction { name, arms, force: force?, static_force: static_force? })
+    let (arms, (force, static_force)) = with_arms(reading, table, names, |reading, dimension| {
+        let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
+        let allowed = format!("{}, or a signal", kinds::LEVEL.allowed(dimension));
+        let force = reading.required(table, "force", &allowed);
+        let force = force.and_then(|entry| signals::value(reading, &entry, values));
+        let static_force = match reading.optional(table, "static") {
+            None => Some(None),
+            Some(entry) => signals::value(reading, &entry, values).map(Some),
+        };
+        Some((force?, static_force?))
+    })?;
+    Some(Friction { name, arms, force, static_force })
 }
 
 fn load(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Load> {
@@ -111,7 +140,7 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     let name = reading.string(entry, "allowed is the name of a body")?;
     let found = names.find(&name);
     if found.is_none() {
-        reading.refuse(entry, format!("no body has this name; {}", advice(&name, names.all())));
+        reading.refuse_name(entry, &name, NO_BODY, names.all());
     }
     found
 }
@@ -171,8 +200,7 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     let name = reading.string(entry, "allowed is \"ground\" or the name of a body")?;
     let found = names.find(&name);
     if found.is_none() {
-        let valid = names.all().chain(["ground"]);
-        reading.refuse(entry, format!("no body has this name; {}", advice(&name, valid)));
+        reading.refuse_name(entry, &name, NO_BODY, names.all().chain(["ground"]));
     }
     found.map(Some)
 }
@@ -186,7 +214,7 @@ fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let mut sound = true;
     for entry in reading.all(&table) {
         let Some((body, dimension)) = names.find(&entry.key) else {
-            reading.refuse(&entry, format!("no body has this name; {}", advice(&entry.key, names.all())));
+            reading.refuse_name(&entry, &entry.key, NO_BODY, names.all());
             sound = false;
             continue;
         };

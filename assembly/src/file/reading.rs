@@ -4,7 +4,7 @@ use super::Records;
 use crate::description::Dimension;
 use crate::kinds::Kind;
 use crate::parameters;
-use crate::refusal::{Problem, advice, cut};
+use crate::refusal::{Problem, SHOWN, advice, cut};
 use std::collections::HashMap;
 use std::ops::Range;
 use toml::Spanned;
@@ -22,7 +22,12 @@ pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
         let line = Lines::of(text).of_byte(span.start);
         let (value, said) = (quoted(text, &span), error.message());
         match said.contains("duplicate") {
-            true => Problem { line: Some(line), name: dotted_at(text, span.start), value: None, text: "is there twice".into() },
+            true => Problem {
+                line: Some(line),
+                name: dotted_at(text, span.start),
+                value: None,
+                text: "is there twice".into(),
+            },
             false => {
                 let text = if value.is_empty() { said.into() } else { format!("{said}: {value}") };
                 Problem { line: Some(line), name: String::new(), value: None, text }
@@ -140,6 +145,20 @@ impl<'a> Reading<'a> {
         });
     }
 
+    /// Notes that a name is not among the valid ones. The nearest is sought only for problems that are written out, since a search for
+    /// each of thousands would take minutes.
+    pub fn refuse_name<'n>(
+        &mut self,
+        entry: &Entry,
+        name: &str,
+        said: &str,
+        valid: impl Iterator<Item = &'n str> + Clone,
+    ) {
+        let shown = self.problems.len() < SHOWN;
+        let text = if shown { format!("{said}; {}", advice(name, valid)) } else { said.into() };
+        self.refuse(entry, text);
+    }
+
     /// Notes a problem of a table.
     pub fn refuse_table(&mut self, table: &Table, text: impl Into<String>) {
         let (line, name) = (Some(table.line), table.name.clone());
@@ -228,8 +247,7 @@ impl<'a> Reading<'a> {
     pub fn known(&mut self, table: &Table, keys: &[&str]) {
         for entry in self.all(table) {
             if !keys.contains(&entry.key.as_str()) {
-                let text = format!("no such key; {}", advice(&entry.key, keys.iter().copied()));
-                self.refuse(&entry, text);
+                self.refuse_name(&entry, &entry.key, "no such key", keys.iter().copied());
             }
         }
     }

@@ -36,7 +36,8 @@ pub(super) fn flat(reading: &mut Reading, table: &Table, values: Values, also: &
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
         let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];
         let parts: Vec<_> = parts.iter().chain(also).copied().collect();
-        reading.refuse_table(table, format!("has no signal; allowed are one or more of {}", parts.join(", ")));
+        reading
+            .refuse_table(table, format!("has no signal; allowed are one or more of {}", parts.join(", ")));
         return None;
     }
     let constant = constant(reading, table, values, also.contains(&"offset"));

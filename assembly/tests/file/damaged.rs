@@ -8,8 +8,30 @@ use crate::refusals::SOUND;
 
 /// Pieces of text that mean something to TOML or to a machine.
 const PIECES: [&str; 24] = [
-    "[", "]", "{", "}", "=", "\"", "'", "\n", ",", ".", "#", "-", "1e999", "nan", "inf", "\"\"\"", "[[", "é", "\u{0}", "ground",
-    "box", "1979-05-27", "true", "0x",
+    "[",
+    "]",
+    "{",
+    "}",
+    "=",
+    "\"",
+    "'",
+    "\n",
+    ",",
+    ".",
+    "#",
+    "-",
+    "1e999",
+    "nan",
+    "inf",
+    "\"\"\"",
+    "[[",
+    "é",
+    "\u{0}",
+    "ground",
+    "box",
+    "1979-05-27",
+    "true",
+    "0x",
 ];
 
 fn is_refused_with_words(text: &str) {
@@ -70,4 +92,15 @@ fn invariant_more_elements_than_allowed_are_refused() {
     let text = format!("name = \"Many\"\n[body.b]\nmass = 1.0\n{springs}");
     let refusal = parse(&text, "m.toml", &no_records).unwrap_err();
     assert_eq!(refusal.to_string(), "m.toml: elements: there are 10001; allowed are up to 10000");
+}
+
+/// Thousands of problems are refused in a moment, and their message stays readable.
+#[test]
+fn invariant_thousands_of_problems_are_counted() {
+    let body = |i: usize| format!("[body.b{i}]\nmass = 1.0\n[spring.s{i}]\nbetween = [\"c{i}\", \"d{i}\"]\n");
+    let text: String = std::iter::once("name = \"Wrong\"\n".into()).chain((0..5_000).map(body)).collect();
+    let refusal = parse(&text, "m.toml", &no_records).unwrap_err();
+    assert_eq!(refusal.problems.len(), 15_000, "two ends and a stiffness each");
+    let said = refusal.to_string();
+    assert!(said.lines().count() == 51 && said.ends_with("and 14950 more"), "{said}");
 }

@@ -7,13 +7,23 @@ use vibro_assembly::file::{no_records, parse, read};
 #[test]
 fn invariant_every_example_is_a_machine() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
-    let files = std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("an entry").path());
+    let files =
+        std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("an entry").path());
     let mut names = Vec::new();
     for file in files.filter(|file| file.extension().is_some_and(|e| e == "toml")) {
         let machine = read(&file).unwrap_or_else(|refusal| panic!("{refusal}"));
         let text = std::fs::read_to_string(&file).expect("it was read before");
-        assert!(text.starts_with('#') && text.contains("# Held against: "), "{} says nothing of itself", file.display());
-        assert_eq!(parse(&machine.to_toml(), "written.toml", &no_records).as_ref(), Ok(&machine), "{}", file.display());
+        assert!(
+            text.starts_with('#') && text.contains("# Held against: "),
+            "{} says nothing of itself",
+            file.display()
+        );
+        assert_eq!(
+            parse(&machine.to_toml(), "written.toml", &no_records).as_ref(),
+            Ok(&machine),
+            "{}",
+            file.display()
+        );
         names.push(machine.name);
     }
     let all = names.len();
@@ -27,7 +37,8 @@ fn invariant_every_example_is_a_machine() {
 fn golden_machines_of_the_page_are_machines() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/assemblies.md");
     let page = std::fs::read_to_string(page).expect("the page is there");
-    let blocks: Vec<_> = page.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let blocks: Vec<_> =
+        page.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     let machines: Vec<_> = blocks.into_iter().filter(|block| block.contains("name = ")).collect();
     assert!(machines.len() >= 3);
     for machine in machines {

@@ -32,12 +32,18 @@ fn closed_form_every_key_lands_in_its_place_in_si() {
     assert_eq!(m.stops[0].law, StopLaw::Rigid { restitution: 0.7 });
     let law = StopLaw::Compliant { stiffness: 2e6, damping: 150.0, limit: DampingLimit::NoPull };
     assert_eq!((m.stops[1].gap, m.stops[1].law), (0.004, law));
-    assert_eq!((m.frictions[0].force.constant, m.frictions[0].static_force.as_ref().unwrap().constant), (0.4, 0.5));
+    assert_eq!(
+        (m.frictions[0].force.constant, m.frictions[0].static_force.as_ref().unwrap().constant),
+        (0.4, 0.5)
+    );
     let force = &m.loads[0].force;
     assert_eq!(force.harmonics, [Harmonic { amplitude: 150.0, frequency: 10.0, phase: 0.0 }]);
     assert_eq!(force.steps, [Step { time: 0.4, height: 20.0 }, Step { time: 0.9, height: -20.0 }]);
     assert_eq!(force.table, Some(Record { knots: vec![(0.0, 0.0), (1.0, 2.5)], cubic: false }));
-    assert_eq!(m.links[0].arms, Arms { terms: vec![(2, 1.0), (3, -3.0)], dimension: Dimension::Rotation, levers: true });
+    assert_eq!(
+        m.links[0].arms,
+        Arms { terms: vec![(2, 1.0), (3, -3.0)], dimension: Dimension::Rotation, levers: true }
+    );
 }
 
 #[test]
@@ -53,7 +59,10 @@ fn closed_form_other_ways_to_write_the_same() {
         ("law = \"no-pull\"", ""),
         ("preload = 0.0", ""),
         (", phase = 0.0 }]", " }]"),
-        ("harmonics = [{ amplitude = \"150 N\", frequency = \"10 Hz\", phase = 0.0 }]", "amplitude = 150\nfrequency = \"600 rpm\""),
+        (
+            "harmonics = [{ amplitude = \"150 N\", frequency = \"10 Hz\", phase = 0.0 }]",
+            "amplitude = 150\nfrequency = \"600 rpm\"",
+        ),
         ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = 0.5 }"),
         ("motion = { rate = \"0.5 m/s\" }", "motion = { offset = 0, rate = 0.5, input = false }"),
         ("motion = { rate = \"0.5 m/s\" }", "motion.rate = 0.5"),
@@ -75,8 +84,14 @@ fn closed_form_what_a_prescribed_body_is_measured_in() {
     };
     let levers = "arms = { drive = 1.0 }";
     assert_eq!(base("motion = { rate = \"10 rpm\" }", levers), Dimension::Rotation);
-    assert_eq!(base("motion = { harmonics = [{ amplitude = \"1 deg\", frequency = 1.0 }] }", levers), Dimension::Rotation);
-    assert_eq!(base("motion = { amplitude = 1.0, frequency = \"3 rad/s\", phase = \"1 rad\" }", levers), Dimension::Translation);
+    assert_eq!(
+        base("motion = { harmonics = [{ amplitude = \"1 deg\", frequency = 1.0 }] }", levers),
+        Dimension::Rotation
+    );
+    assert_eq!(
+        base("motion = { amplitude = 1.0, frequency = \"3 rad/s\", phase = \"1 rad\" }", levers),
+        Dimension::Translation
+    );
     assert_eq!(base("motion = { rate = 10.0 }", "between = [\"drive\", \"wheel\"]"), Dimension::Rotation);
     assert_eq!(base("motion = { input = true }", "between = [\"drive\", \"box\"]"), Dimension::Translation);
     assert_eq!(base("motion = { input = true }\ndimension = \"rotation\"", levers), Dimension::Rotation);
@@ -87,13 +102,26 @@ fn closed_form_what_a_prescribed_body_is_measured_in() {
 fn closed_form_what_is_allowed() {
     assert_eq!(changed("gap = \"4 mm\"", "gap = \"-4 mm\"").stops[1].gap, -0.004);
     assert_eq!(changed("preload = 0.0", "preload = \"-3 N\"").springs[0].preload, -3.0);
-    assert_eq!(changed("restitution = 0.7", "restitution = 1").stops[0].law, StopLaw::Rigid { restitution: 1.0 });
-    assert_eq!(changed("s = \"2 mm\"", "s = \"5 mm\"").bodies[1].dimension, Dimension::Translation, "e = gap is no violation");
-    let at_rest = SOUND.replace("start = { s = \"2 mm\", v = 0.0 }\n", "").replace("name =", "start = \"rest\"\nname =");
+    assert_eq!(
+        changed("restitution = 0.7", "restitution = 1").stops[0].law,
+        StopLaw::Rigid { restitution: 1.0 }
+    );
+    assert_eq!(
+        changed("s = \"2 mm\"", "s = \"5 mm\"").bodies[1].dimension,
+        Dimension::Translation,
+        "e = gap is no violation"
+    );
+    let at_rest = SOUND
+        .replace("start = { s = \"2 mm\", v = 0.0 }\n", "")
+        .replace("name =", "start = \"rest\"\nname =");
     assert!(machine(&at_rest).starts_at_rest);
     let linked = SOUND.replace("inertia = 1\n", "inertia = 1\nstart = { s = 0.1 }\n");
-    let linked = linked.replace("inertia = \"0.02 kg m2\"\n", "inertia = \"0.02 kg m2\"\nstart = { s = 0.3 }\n");
-    assert!(matches!(machine(&linked).bodies[3].kind, BodyKind::Free(Free { s: 0.1, .. })), "0.3 - 3 · 0.1 is round-off");
+    let linked =
+        linked.replace("inertia = \"0.02 kg m2\"\n", "inertia = \"0.02 kg m2\"\nstart = { s = 0.3 }\n");
+    assert!(
+        matches!(machine(&linked).bodies[3].kind, BodyKind::Free(Free { s: 0.1, .. })),
+        "0.3 - 3 · 0.1 is round-off"
+    );
 }
 
 /// A stop between a body and one of prescribed motion is checked against the motion's value at time 0.
@@ -117,7 +145,11 @@ fn closed_form_start_against_a_prescribed_motion() {
 fn invariant_records_are_read_beside_the_file() {
     let folder = std::env::temp_dir().join(format!("vibro-assembly-{}", std::process::id()));
     std::fs::create_dir_all(folder.join("data")).unwrap();
-    std::fs::write(folder.join("data/record.csv"), "\u{feff}time,force\r\n# by hand\r\n0.0, 1e-3\r\n0.5,2\r\n").unwrap();
+    std::fs::write(
+        folder.join("data/record.csv"),
+        "\u{feff}time,force\r\n# by hand\r\n0.0, 1e-3\r\n0.5,2\r\n",
+    )
+    .unwrap();
     let file = folder.join("machine.toml");
     std::fs::write(&file, SOUND.replace("record.csv", "data/record.csv")).unwrap();
     let read = vibro_assembly::file::read(&file);

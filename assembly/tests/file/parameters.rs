@@ -68,12 +68,24 @@ fn golden_refusals_leave_the_machine_as_it_was() {
     let mut machine = sound();
     for (name, value, message) in [
         ("stop.uper.gap", 1.0, "stop.uper.gap: no parameter has this name; the nearest is `stop.upper.gap`"),
-        ("stop.upper.gap", 0.001, "stop.upper.gap = 0.001: the start violates it with e = 0.002 m; allowed is e <= gap"),
+        (
+            "stop.upper.gap",
+            0.001,
+            "stop.upper.gap = 0.001: the start violates it with e = 0.002 m; allowed is e <= gap",
+        ),
         ("stop.upper.gap", f64::NAN, "stop.upper.gap = NaN: allowed is a finite number"),
         ("body.box.mass", 0.0, "body.box.mass = 0.0: allowed is a finite number > 0"),
-        ("friction.guide.force", 0.6, "friction.guide.static = 0.5: allowed is a number >= friction.guide.force = 0.6"),
+        (
+            "friction.guide.force",
+            0.6,
+            "friction.guide.static = 0.5: allowed is a number >= friction.guide.force = 0.6",
+        ),
         ("link.gear.arms.drum", 0.0, "link.gear.arms.drum = 0.0: allowed is a finite number other than 0"),
-        ("load.shaker.steps[0].time", 2.0, "load.shaker.steps[1].time = 0.9: allowed is a time after 2.0 s, that of the step before"),
+        (
+            "load.shaker.steps[0].time",
+            2.0,
+            "load.shaker.steps[1].time = 0.9: allowed is a time after 2.0 s, that of the step before",
+        ),
     ] {
         assert_eq!(machine.replace(name, value).unwrap_err().to_string(), message);
         assert_eq!(machine, sound());

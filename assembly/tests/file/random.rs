@@ -6,7 +6,10 @@ use vibro_assembly::Description;
 use vibro_assembly::description::*;
 
 fn any_number() -> impl Strategy<Value = f64> {
-    prop_oneof![proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL | proptest::num::f64::ZERO, -10.0..10.0]
+    prop_oneof![
+        proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL | proptest::num::f64::ZERO,
+        -10.0..10.0
+    ]
 }
 
 fn positive() -> impl Strategy<Value = f64> {
