@@ -9,8 +9,10 @@ use std::f64::consts::PI;
 /// numbers, because a thousandth is no exact number while a division by 1000 rounds once.
 #[derive(Debug, PartialEq)]
 pub struct Unit {
-    si: &'static str,
-    symbol: &'static str,
+    /// The SI unit of its dimension.
+    pub si: &'static str,
+    /// Its symbol, as files and the command line write it.
+    pub symbol: &'static str,
     times: f64,
     over: f64,
 }
@@ -20,6 +22,16 @@ const fn unit(si: &'static str, symbol: &'static str, times: f64, over: f64) -> 
 }
 
 impl Unit {
+    /// A number of this unit in the SI unit.
+    pub fn si(&self, number: f64) -> f64 {
+        number * self.times / self.over
+    }
+
+    /// Whether numbers are the same in this unit and in the SI unit.
+    pub fn is_si(&self) -> bool {
+        self.times == self.over
+    }
+
     /// How many of this unit a value in the SI unit is.
     ///
     /// ```
@@ -28,11 +40,6 @@ impl Unit {
     /// ```
     pub fn number(&self, si: f64) -> f64 {
         si * self.over / self.times
-    }
-
-    /// The SI unit of its dimension.
-    pub fn si(&self) -> &'static str {
-        self.si
     }
 
     /// Its symbol, as labels write it.
@@ -129,7 +136,7 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     let plain =
         symbol.replace(['·', '*', ' ', '⋅'], ".").replace(['µ', 'μ'], "u").replace('²', "2").replace('^', "");
     let unit = UNITS.iter().find(|u| u.si == si && u.symbol == plain)?;
-    Some(Quantity { value: number * unit.times / unit.over, unit: Some(unit) })
+    Some(Quantity { value: unit.si(number), unit: Some(unit) })
 }
 
 /// Reads a number of any quantity, with or without a unit of the dimension of `si`, the SI unit as [`UNITS`] writes it. `None`
@@ -191,9 +198,9 @@ mod tests {
     #[test]
     fn invariant_every_symbol_reads_as_its_own_unit() {
         for unit in &UNITS {
-            let found = quantity_in(unit.si(), &format!("1 {}", unit.plain())).and_then(|q| q.unit);
-            assert_eq!(found, Some(unit), "{}", unit.plain());
-            assert_eq!(symbols(unit.si()).next(), Some(unit.si()), "the SI unit stands first");
+            let found = quantity_in(unit.si, &format!("1 {}", unit.symbol)).and_then(|q| q.unit);
+            assert_eq!(found, Some(unit), "{}", unit.symbol);
+            assert_eq!(symbols(unit.si).next(), Some(unit.si), "the SI unit stands first");
         }
     }
 }

@@ -109,8 +109,8 @@ fn machine(reading: &mut Reading, root: &Table) -> Description {
     }
     let bodies = reading.section(root, "body");
     let names = bodies::read(reading, root, &bodies, &mut machine);
-    if root.entries.get("gravity").is_none() {
-        bodies::without_gravity(reading, &bodies);
+    if !root.has("gravity") {
+        bodies::without_gravity(reading, &machine);
     }
     elements::read(reading, root, &names, &mut machine);
     machine

@@ -30,7 +30,7 @@ impl Units {
     /// Notes the unit of a physical parameter; a unit of another dimension, or another name, changes nothing.
     pub fn set(&mut self, name: &str, symbol: &str) {
         let Some(place) = FIELDS.iter().position(|f| f.name == name) else { return };
-        if let Some(unit) = UNITS.iter().position(|u| u.si() == FIELDS[place].unit && u.plain() == symbol) {
+        if let Some(unit) = UNITS.iter().position(|u| u.si == FIELDS[place].unit && u.symbol == symbol) {
             self.0[place] = unit as u8 + 1;
         }
     }
@@ -46,7 +46,7 @@ impl From<BTreeMap<String, String>> for Units {
 
 impl From<Units> for BTreeMap<String, String> {
     fn from(units: Units) -> Self {
-        let written = |name: &str| Some((name.to_owned(), units.get(name)?.plain().to_owned()));
+        let written = |name: &str| Some((name.to_owned(), units.get(name)?.symbol.to_owned()));
         FIELDS.iter().filter_map(|f| written(f.name)).collect()
     }
 }

@@ -68,7 +68,12 @@ fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &m
         if let Some(text) = problem_of(name) {
             problems.push(Problem::new(dotted, None, text));
         } else if let Some(other) = first.insert(name, section) {
-            let text = format!("another element has this name: {other}.{name}");
+            let same = other == section;
+            let text = if same {
+                "is there twice".into()
+            } else {
+                format!("another element has this name: {other}.{name}")
+            };
             problems.push(Problem::new(dotted, None, text));
         }
     }

@@ -5,6 +5,7 @@ use super::signals::{self, Values};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Signal};
 use crate::kinds::{self, Kind};
 use crate::parameters::has_unit;
+use crate::refusal::Problem;
 use toml::de::DeValue;
 
 /// The keys of which a body has exactly one.
@@ -180,10 +181,14 @@ fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
 }
 
 /// Refuses gravity of bodies in a file that says nothing of gravity.
-pub(super) fn without_gravity(reading: &mut Reading, section: &[(String, Table)]) {
-    for (_, table) in section {
-        if let Some(entry) = reading.optional(table, "gravity") {
-            reading.refuse(&entry, "gravity is missing at the top level, such as gravity = \"9.81 m/s2\"");
+pub(super) fn without_gravity(reading: &mut Reading, machine: &Description) {
+    for body in &machine.bodies {
+        if let BodyKind::Free(Free { gravity, .. }) = body.kind
+            && gravity != 0.0
+        {
+            let text = "gravity is missing at the top level, such as gravity = \"9.81 m/s2\"";
+            let name = format!("body.{}.gravity", body.name);
+            reading.place(Problem::new(name, Some(format!("{gravity:?}")), text));
         }
     }
 }

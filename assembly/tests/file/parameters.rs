@@ -121,3 +121,36 @@ proptest! {
         prop_assert_eq!(same, Ok(machine));
     }
 }
+
+/// What no file can say is refused in a program's description as well, before anything is made of it.
+#[test]
+fn golden_refusals_of_a_program_s_description() {
+    let changed = |change: fn(&mut Description)| {
+        let mut machine = sound();
+        change(&mut machine);
+        machine.check().map_err(|refusal| refusal.to_string())
+    };
+    let cases: [(fn(&mut Description), &str); 8] = [
+        (|m| m.springs[0].arms.terms[0].0 = 9, "spring.mount: there is no body 9, counted from 0"),
+        (
+            |m| m.springs[0].arms.terms[0].1 = 2.0,
+            "spring.mount.arms = [2.0]: allowed without levers are the arms -1 of the first end and 1 of the second",
+        ),
+        (|m| m.links[0].arms.terms[1].0 = 2, "link.gear.arms.wheel = -3.0: the body is named twice"),
+        (|m| m.links[0].arms.terms.clear(), "link.gear.arms: names no body; allowed are one body or more"),
+        (
+            |m| m.stops[0].arms.terms[1].0 = 2,
+            "stop.upper.arms.wheel = 1.0: allowed without levers is a body of the element's dimension",
+        ),
+        (|m| m.loads[0].body = 7, "load.shaker.on: there is no body 7, counted from 0"),
+        (
+            |m| m.loads[0].force.table.as_mut().unwrap().knots[1].1 = f64::NAN,
+            "load.shaker.table[1] = [1.0, NaN]: allowed are finite numbers",
+        ),
+        (|m| m.bodies[1].name = "box".into(), "body.box: is there twice"),
+    ];
+    assert_eq!(changed(|_| {}), Ok(()));
+    for (change, message) in cases {
+        assert_eq!(changed(change), Err(message.to_owned()));
+    }
+}
