@@ -125,12 +125,13 @@ proptest! {
 /// What no file can say is refused in a program's description as well, before anything is made of it.
 #[test]
 fn golden_refusals_of_a_program_s_description() {
-    let changed = |change: fn(&mut Description)| {
+    type Change = fn(&mut Description);
+    let changed = |change: Change| {
         let mut machine = sound();
         change(&mut machine);
         machine.check().map_err(|refusal| refusal.to_string())
     };
-    let cases: [(fn(&mut Description), &str); 8] = [
+    let cases: [(Change, &str); 8] = [
         (|m| m.springs[0].arms.terms[0].0 = 9, "spring.mount: there is no body 9, counted from 0"),
         (
             |m| m.springs[0].arms.terms[0].1 = 2.0,

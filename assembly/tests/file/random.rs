@@ -80,6 +80,9 @@ prop_compose! {
 /// What an elongation is made from: whether by levers, its dimension, two places and as many arms.
 type Raw = (bool, bool, usize, usize, [f64; 2]);
 
+/// A stop's elongation, gap, rigidity, restitution, stiffness, damping, and whether it is clipped.
+type RawStop = (Raw, f64, bool, f64, f64, f64, bool);
+
 fn raw_arms() -> impl Strategy<Value = Raw> {
     let arm = || any_number().prop_filter("an arm is not zero", |arm| *arm != 0.0);
     (any::<bool>(), any::<bool>(), 0..100_usize, 0..100_usize, [arm(), arm()])
@@ -121,7 +124,7 @@ prop_compose! {
             Spring { name: format!("spring_{i}"), arms: arms_of(&bodies, raw), stiffness, damping, preload }
         };
         let springs = springs.into_iter().enumerate().map(spring).collect();
-        let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, (Raw, f64, bool, f64, f64, f64, bool))| {
+        let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, RawStop)| {
             let limit = if clipped { DampingLimit::Elastogap } else { DampingLimit::NoPull };
             let arms = arms_of(&bodies, raw);
             // Where the start of a rigid stop is, is another test's question.
