@@ -42,6 +42,7 @@ pub mod load;
 pub mod model;
 pub mod numerics;
 pub mod parameters;
+pub mod quantities;
 pub mod reference;
 pub mod simulator;
 mod state;

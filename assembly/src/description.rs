@@ -81,6 +81,16 @@ pub struct Arms {
     pub terms: Vec<(usize, f64)>,
     /// What the elongation is measured in.
     pub dimension: Dimension,
+    /// Whether the arms are levers, which may be varied, instead of the signs that follow from `between`.
+    pub levers: bool,
+}
+
+impl Arms {
+    /// The elongation from body `a` to body `b`, where `None` is ground: s_b - s_a.
+    pub fn between(a: Option<usize>, b: Option<usize>, dimension: Dimension) -> Self {
+        let terms = a.map(|a| (a, -1.0)).into_iter().chain(b.map(|b| (b, 1.0))).collect();
+        Self { terms, dimension, levers: false }
+    }
 }
 
 /// A spring and a dashpot side by side. Its force f = preload + stiffness · e + damping · e' resists e: it acts on a body by
@@ -181,7 +191,7 @@ pub struct Signal {
     pub constant: f64,
     /// Sines of time.
     pub harmonics: Vec<Harmonic>,
-    /// Jumps: from `time` (s) on, `height` is added. By rising time.
+    /// Jumps: from `time` (s) on, `height` is added. Each time is after the one before.
     pub steps: Vec<Step>,
     /// A record.
     pub table: Option<Record>,
@@ -212,7 +222,7 @@ pub struct Step {
 /// A record: values at rising times; before the first and after the last it keeps their values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// Time (s) and value at each knot, two or more, by rising time.
+    /// Time (s) and value at each knot, two or more, each time after the one before.
     pub knots: Vec<(f64, f64)>,
     /// Between the knots a monotone cubic instead of a straight line.
     pub cubic: bool,

@@ -2,18 +2,25 @@
 //! compliant stops, Coulomb friction and loads, written as a text file.
 //!
 //! ```text
-//! description → system → law (impacts, selection) → mode → flow → motion → energy
+//! file → description → system → law (impacts, selection) → mode → flow → motion → energy
 //! ```
+//!
+//! The law is in `docs/assembly-law.md`, the file's grammar in `docs/assemblies.md`.
 #![forbid(unsafe_code)]
 
 pub mod assembly;
+mod check;
 pub mod description;
 pub mod energy;
 pub mod error;
+pub mod file;
 pub mod flow;
+mod kinds;
 pub mod law;
 pub mod mode;
 pub mod motion;
+pub mod parameters;
+pub mod refusal;
 pub mod signals;
 pub mod system;
 
@@ -21,3 +28,5 @@ pub use assembly::Assembly;
 pub use description::Description;
 pub use error::Error;
 pub use motion::Motion;
+pub use parameters::Parameter;
+pub use refusal::{Problem, Refusal};

@@ -1,80 +1,13 @@
-//! Units: a number, or a number with a unit of the parameter's dimension, on input; and the units in which labels show
-//! parameters.
+//! Numbers of a parameter, with or without a unit of its dimension, and the units in which labels show parameters. What a unit
+//! is stands in [`vibro_impact::quantities`].
 
 use super::Name;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 use vibro_impact::parameters::FIELDS;
-
-/// A unit of an SI unit's dimension: a value in it times `times`, divided by `over`, is the value in the SI unit. Two
-/// numbers, because a thousandth is no exact number while a division by 1000 rounds once.
-#[derive(Debug, PartialEq)]
-pub struct Unit {
-    si: &'static str,
-    symbol: &'static str,
-    times: f64,
-    over: f64,
-}
-
-const fn unit(si: &'static str, symbol: &'static str, times: f64, over: f64) -> Unit {
-    Unit { si, symbol, times, over }
-}
-
-impl Unit {
-    /// How many of this unit a value in the SI unit is.
-    ///
-    /// ```
-    /// use vibro_analysis::{Name, typed_unit};
-    ///
-    /// let unit = typed_unit(Name::find("stop.gap")?, "5 mm").unwrap();
-    /// assert_eq!((unit.number(0.005), unit.symbol()), (5.0, "mm".into()));
-    /// # Ok::<(), vibro_analysis::Error>(())
-    /// ```
-    pub fn number(&self, si: f64) -> f64 {
-        si * self.over / self.times
-    }
-
-    /// Its symbol, as labels write it.
-    pub fn symbol(&self) -> String {
-        self.symbol.replace('.', "·").replace("um", "µm")
-    }
-
-    /// Its symbol, as files and the command line write it.
-    pub(super) fn plain(&self) -> &'static str {
-        self.symbol
-    }
-
-    /// Whether it counts revolutions, while the SI unit of an angular frequency counts radians.
-    pub(super) fn counts_revolutions(&self) -> bool {
-        ["Hz", "mHz", "kHz", "rpm", "1/min"].contains(&self.symbol)
-    }
-}
-
-/// The units understood, the SI unit of each dimension first. `si` is the unit of a
-/// [`Field`](vibro_impact::parameters::Field), of which `1` is that of groups too.
-#[rustfmt::skip]
-static UNITS: [Unit; 47] = [
-    unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
-    unit("N/m", "N/m", 1.0, 1.0), unit("N/m", "N/mm", 1e3, 1.0), unit("N/m", "kN/m", 1e3, 1.0),
-    unit("N/m", "kN/mm", 1e6, 1.0), unit("N/m", "MN/m", 1e6, 1.0), unit("N/m", "N/cm", 1e2, 1.0),
-    unit("N.s/m", "N.s/m", 1.0, 1.0), unit("N.s/m", "kN.s/m", 1e3, 1.0), unit("N.s/m", "N.s/mm", 1e3, 1.0),
-    unit("N.s/m", "kg/s", 1.0, 1.0),
-    unit("m", "m", 1.0, 1.0), unit("m", "cm", 1.0, 1e2), unit("m", "mm", 1.0, 1e3), unit("m", "um", 1.0, 1e6),
-    unit("1", "1", 1.0, 1.0), unit("1", "%", 1.0, 1e2),
-    unit("N", "N", 1.0, 1.0), unit("N", "mN", 1.0, 1e3), unit("N", "kN", 1e3, 1.0), unit("N", "MN", 1e6, 1.0),
-    unit("rad/s", "rad/s", 1.0, 1.0), unit("rad/s", "1/s", 1.0, 1.0), unit("rad/s", "Hz", 2.0 * PI, 1.0),
-    unit("rad/s", "mHz", 2.0 * PI, 1e3), unit("rad/s", "kHz", 2e3 * PI, 1.0), unit("rad/s", "rpm", PI, 30.0),
-    unit("rad/s", "1/min", PI, 30.0), unit("rad/s", "deg/s", PI, 180.0),
-    unit("rad", "rad", 1.0, 1.0), unit("rad", "mrad", 1.0, 1e3), unit("rad", "deg", PI, 180.0),
-    unit("rad", "°", PI, 180.0),
-    unit("s", "s", 1.0, 1.0), unit("s", "ms", 1.0, 1e3), unit("s", "us", 1.0, 1e6), unit("s", "min", 60.0, 1.0),
-    unit("s", "h", 3600.0, 1.0),
-    unit("m/s", "m/s", 1.0, 1.0), unit("m/s", "cm/s", 1.0, 1e2), unit("m/s", "mm/s", 1.0, 1e3),
-    // What is written in place of a point is replaced before the table is read; these three have no point.
-    unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
-];
+pub use vibro_impact::quantities::{Quantity, Unit, quantity_in};
+use vibro_impact::quantities::{UNITS, in_si, split, symbols};
 
 /// The unit in which each physical parameter was written: its place in [`UNITS`] and 1, or 0 where it had none. A file has
 /// the units' symbols by the parameters' names.
@@ -118,53 +51,6 @@ impl From<Units> for BTreeMap<String, String> {
     }
 }
 
-/// A number as it was written: its value and the unit that stood beside it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quantity {
-    /// In the SI unit.
-    pub value: f64,
-    /// What was written.
-    pub unit: Option<&'static Unit>,
-}
-
-/// A number and what stands behind it, if anything.
-fn split(text: &str) -> Option<(f64, &str)> {
-    let text = text.trim();
-    if let Ok(value) = text.parse() {
-        return Some((value, ""));
-    }
-    // Words such as `nanometre` begin with what would be read as a number.
-    if !text.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c)) {
-        return None;
-    }
-    let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
-    let mut parts = ends.map(|end| text.split_at(end));
-    parts.find_map(|(number, rest)| Some((number.trim_end().parse().ok()?, rest.trim())))
-}
-
-/// The quantity of a number and a symbol of a unit, which may be empty; `None` for a unit of another dimension.
-fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
-    if symbol.is_empty() {
-        return Some(Quantity { value: number, unit: None });
-    }
-    let plain = symbol.replace(['·', '*', ' ', '⋅'], ".").replace(['µ', 'μ'], "u");
-    let unit = UNITS.iter().find(|u| u.si == si && u.symbol == plain)?;
-    Some(Quantity { value: number * unit.times / unit.over, unit: Some(unit) })
-}
-
-/// Reads a number of any quantity, with or without a unit of the dimension of `si`, which is `s`, `m/s` or the unit of a
-/// parameter. `None` for what is neither.
-///
-/// ```
-/// let time = vibro_analysis::quantity_in("s", "20 ms").expect("a time");
-/// assert!(time.value == 0.02 && time.unit.is_some());
-/// assert_eq!(vibro_analysis::quantity_in("s", "20 mm"), None);
-/// ```
-pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
-    let (number, symbol) = split(text)?;
-    in_si(si, number, symbol)
-}
-
 /// Reads a number of a parameter, with or without a unit such as `48 kN/m`; without one it is in the parameter's SI unit.
 ///
 /// # Errors
@@ -174,8 +60,7 @@ fn quantity(name: Name, text: &str) -> Result<Quantity> {
         || Error::NotANumber { name: name.name(), text: text.trim().into(), allowed: name.allowed() };
     let (number, symbol) = split(text).ok_or_else(no_number)?;
     in_si(name.unit(), number, symbol).ok_or_else(|| {
-        let units = UNITS.iter().filter(|u| u.si == name.unit()).map(|u| u.symbol);
-        let allowed = units.collect::<Vec<_>>().join(", ");
+        let allowed = symbols(name.unit()).collect::<Vec<_>>().join(", ");
         Error::Unit { name: name.name(), unit: symbol.into(), allowed }
     })
 }

@@ -25,7 +25,7 @@ pub fn prescribed(name: &str, motion: Signal, rate: f64) -> Body {
 
 /// Arms by body and weight.
 pub fn arms(terms: &[(usize, f64)]) -> Arms {
-    Arms { terms: terms.to_vec(), dimension: Dimension::Translation }
+    Arms { terms: terms.to_vec(), dimension: Dimension::Translation, levers: true }
 }
 
 /// A spring.

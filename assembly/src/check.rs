@@ -1,0 +1,203 @@
+//! Whether a description is a machine: what no single number shows. The file's reader and the table of parameters both end here.
+
+mod links;
+mod names;
+mod starts;
+
+use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
+use crate::parameters::slots;
+use crate::refusal::{Problem, Refusal};
+
+/// Bodies, elements, or harmonics and steps, at most; a machine of more is refused before anything is made of it.
+pub(crate) const MOST: usize = 10_000;
+
+/// Knots of a record, at most.
+pub(crate) const MOST_KNOTS: usize = 1_000_000;
+
+impl Description {
+    /// Whether the description is a machine: what its file or its parameters would be refused for, a program's may have as well.
+    ///
+    /// ```
+    /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
+    /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies with mass or inertia");
+    /// ```
+    ///
+    /// # Errors
+    /// A [`Refusal`] with every problem found.
+    pub fn check(&self) -> Result<(), Refusal> {
+        match check(self) {
+            problems if problems.is_empty() => Ok(()),
+            problems => Err(Refusal { file: String::new(), problems }),
+        }
+    }
+}
+
+/// All problems of a machine, or none. Numbers outside their ranges and broken structure hide what would follow from them.
+pub(crate) fn check(machine: &Description) -> Vec<Problem> {
+    let mut problems = names::check(machine);
+    if !problems.is_empty() {
+        return problems;
+    }
+    for slot in slots(&mut machine.clone()) {
+        if !slot.kind.contains(*slot.value) {
+            problems.push(refused(slot.name, *slot.value, format!("allowed is {}", slot.kind.range.allowed)));
+        }
+    }
+    arms(machine).for_each(|(name, arms)| check_arms(machine, &name, arms, &mut problems));
+    signals(machine).for_each(|(name, signal)| check_signal(&name, signal, &mut problems));
+    loads(machine, &mut problems);
+    if !problems.is_empty() {
+        return problems;
+    }
+    levels(machine, &mut problems);
+    bodies(machine, &mut problems);
+    links::check(machine, &mut problems);
+    if problems.is_empty() {
+        starts::check(machine, &mut problems);
+    }
+    problems
+}
+
+/// A problem of a number.
+fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Problem {
+    Problem::new(name, Some(format!("{value:?}")), text)
+}
+
+/// The elongation of every element that has one, with the element's dotted name.
+fn arms(machine: &Description) -> impl Iterator<Item = (String, &Arms)> {
+    let springs = machine.springs.iter().map(|s| (format!("spring.{}", s.name), &s.arms));
+    let stops = machine.stops.iter().map(|s| (format!("stop.{}", s.name), &s.arms));
+    let frictions = machine.frictions.iter().map(|f| (format!("friction.{}", f.name), &f.arms));
+    let links = machine.links.iter().map(|l| (format!("link.{}", l.name), &l.arms));
+    springs.chain(stops).chain(frictions).chain(links)
+}
+
+fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec<Problem>) {
+    if arms.terms.is_empty() {
+        problems.push(Problem::new(
+            format!("{name}.arms"),
+            None,
+            "names no body; allowed are one body or more",
+        ));
+    }
+    let signs: Vec<_> = arms.terms.iter().map(|term| term.1).collect();
+    if !arms.levers && ![&[-1.0][..], &[1.0], &[-1.0, 1.0]].contains(&&signs[..]) {
+        let text = "allowed without levers are the arms -1 of the first end and 1 of the second";
+        problems.push(Problem::new(format!("{name}.arms"), Some(format!("{signs:?}")), text));
+    }
+    let mut seen = vec![false; machine.bodies.len()];
+    for &(body, arm) in &arms.terms {
+        let of = |body: &Body| format!("{name}.arms.{}", body.name);
+        match machine.bodies.get(body) {
+            None => {
+                problems.push(Problem::new(name, None, format!("there is no body {body}, counted from 0")))
+            }
+            Some(found) if std::mem::replace(&mut seen[body], true) => {
+                problems.push(refused(of(found), arm, "the body is named twice"));
+            }
+            Some(found) if !arms.levers && found.dimension != arms.dimension => {
+                problems.push(refused(
+                    of(found),
+                    arm,
+                    "allowed without levers is a body of the element's dimension",
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// Every signal, with its dotted name.
+fn signals(machine: &Description) -> impl Iterator<Item = (String, &Signal)> {
+    let motions = machine.bodies.iter().filter_map(|b| match &b.kind {
+        BodyKind::Prescribed { motion, .. } => Some((format!("body.{}.motion", b.name), motion)),
+        BodyKind::Free(_) => None,
+    });
+    let levels = machine.frictions.iter().map(|f| (format!("friction.{}.force", f.name), &f.force));
+    let largest = machine.frictions.iter();
+    let largest =
+        largest.filter_map(|f| Some((format!("friction.{}.static", f.name), f.static_force.as_ref()?)));
+    let loads = machine.loads.iter().map(|l| (format!("load.{}", l.name), &l.force));
+    motions.chain(levels).chain(largest).chain(loads)
+}
+
+fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
+    for (i, pair) in signal.steps.windows(2).enumerate() {
+        if pair[1].time <= pair[0].time {
+            let text = format!("allowed is a time after {:?} s, that of the step before", pair[0].time);
+            problems.push(refused(format!("{name}.steps[{}].time", i + 1), pair[1].time, text));
+        }
+    }
+    let Some(record) = &signal.table else { return };
+    let table = format!("{name}.table");
+    if record.knots.len() < 2 || record.knots.len() > MOST_KNOTS {
+        let text = format!("has {} knots; allowed are 2 to {MOST_KNOTS}", record.knots.len());
+        problems.push(Problem::new(&table, None, text));
+    }
+    if let Some(i) = record.knots.iter().position(|k| !(k.0.is_finite() && k.1.is_finite())) {
+        let knot = format!("[{:?}, {:?}]", record.knots[i].0, record.knots[i].1);
+        problems.push(Problem::new(format!("{table}[{i}]"), Some(knot), "allowed are finite numbers"));
+    } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
+        let text = format!("allowed is a time after {:?} s, that of the knot before", record.knots[i].0);
+        problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
+    }
+}
+
+/// Loads act on bodies that forces move.
+fn loads(machine: &Description, problems: &mut Vec<Problem>) {
+    for load in &machine.loads {
+        let name = format!("load.{}.on", load.name);
+        match machine.bodies.get(load.body) {
+            None => problems.push(Problem::new(
+                name,
+                None,
+                format!("there is no body {}, counted from 0", load.body),
+            )),
+            Some(Body { name: body, kind: BodyKind::Prescribed { .. }, .. }) => {
+                let text = "the motion of this body is prescribed; allowed is a body with mass or inertia";
+                problems.push(Problem::new(name, Some(format!("{body:?}")), text));
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// A static level is at least the level while slipping, where both are constants.
+fn levels(machine: &Description, problems: &mut Vec<Problem>) {
+    for friction in &machine.frictions {
+        let Some(largest) = &friction.static_force else { continue };
+        let force = friction.force.constant;
+        if friction.force.is_constant() && largest.is_constant() && largest.constant < force {
+            let text = format!("allowed is a number >= friction.{}.force = {force:?}", friction.name);
+            problems.push(refused(format!("friction.{}.static", friction.name), largest.constant, text));
+        }
+    }
+}
+
+/// A machine has a body that moves freely, and none that nothing acts on; gravity turns nothing.
+fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
+    if !machine.bodies.iter().any(|b| matches!(b.kind, BodyKind::Free(_))) {
+        let text = "allowed is a machine of one or more bodies with mass or inertia";
+        problems.push(Problem::new("body", None, text));
+    }
+    let mut touched = vec![false; machine.bodies.len()];
+    arms(machine).for_each(|(_, arms)| arms.terms.iter().for_each(|term| touched[term.0] = true));
+    machine.loads.iter().for_each(|load| touched[load.body] = true);
+    for (body, touched) in machine.bodies.iter().zip(touched) {
+        let name = format!("body.{}", body.name);
+        if !touched {
+            let text =
+                "nothing acts on this body; allowed is a body with a spring, stop, friction, link or load";
+            problems.push(Problem::new(&name, None, text));
+        }
+        if let (Dimension::Rotation, BodyKind::Free(free)) = (body.dimension, &body.kind)
+            && free.gravity != 0.0
+        {
+            problems.push(refused(
+                format!("{name}.gravity"),
+                free.gravity,
+                "allowed is 0, since gravity turns no body",
+            ));
+        }
+    }
+}

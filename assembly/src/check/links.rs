@@ -1,0 +1,69 @@
+//! Links: each ties one more coordinate than those before it.
+
+use crate::description::{BodyKind, Description};
+use crate::refusal::Problem;
+
+/// What is left of a link after those before it counts as nothing below this share of the largest numbers on the way: it is
+/// round-off, of which an elimination of 10,000 links keeps less.
+const NOTHING: f64 = 1e-11;
+
+/// Problems of the links of a machine whose numbers are in their ranges.
+pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
+    let free: Vec<_> = machine.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
+    let mut ties = Elimination { rows: Vec::new() };
+    for link in &machine.links {
+        let name = format!("link.{}", link.name);
+        let terms: Vec<_> = link.arms.terms.iter().copied().filter(|term| free[term.0]).collect();
+        if terms.is_empty() {
+            let text =
+                "ties bodies of prescribed motion only; allowed is a link with a body with mass or inertia";
+            problems.push(Problem::new(name, None, text));
+        } else if !ties.add(free.len(), &terms) {
+            let text =
+                "the links before it already tie these bodies, so that it is redundant or contradicts them";
+            problems.push(Problem::new(name, None, text));
+        }
+    }
+    let movable = free.iter().filter(|&&free| free).count();
+    if problems.is_empty() && movable > 0 && ties.rows.len() == movable {
+        problems.push(Problem::new(
+            "link",
+            None,
+            "the links leave nothing to move; allowed are fewer links than bodies",
+        ));
+    }
+}
+
+/// Rows in echelon form, each with the place of its pivot, which is 1.
+struct Elimination {
+    rows: Vec<(usize, Vec<(usize, f64)>)>,
+}
+
+impl Elimination {
+    /// Adds a row, unless it depends on those before it.
+    fn add(&mut self, columns: usize, terms: &[(usize, f64)]) -> bool {
+        let (mut row, mut sizes) = (vec![0.0; columns], vec![0.0_f64; columns]);
+        for &(column, arm) in terms {
+            (row[column], sizes[column]) = (arm, arm.abs());
+        }
+        for (pivot, other) in &self.rows {
+            let factor = row[*pivot];
+            if factor == 0.0 {
+                continue;
+            }
+            for &(column, arm) in other {
+                row[column] -= factor * arm;
+                sizes[column] = sizes[column].max((factor * arm).abs());
+            }
+            row[*pivot] = 0.0;
+        }
+        let left = |c: &usize| row[*c].abs() > NOTHING * sizes[*c];
+        let Some(pivot) = (0..columns).filter(left).max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()))
+        else {
+            return false;
+        };
+        let terms = (0..columns).filter(left).map(|c| (c, row[c] / row[pivot])).collect();
+        self.rows.push((pivot, terms));
+        true
+    }
+}

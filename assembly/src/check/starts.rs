@@ -1,0 +1,107 @@
+//! Starts: links hold and rigid stops are not passed at time 0.
+
+use super::refused;
+use crate::description::{Arms, BodyKind, Description, Dimension, Record, Signal, StopLaw};
+use crate::refusal::Problem;
+use std::f64::consts::TAU;
+
+/// Where a link holds in start values that were written with ten digits or more.
+const WRITTEN: f64 = 1e-9;
+
+/// Zero, against the sizes of the terms: what round-off leaves of numbers that are equal as they were written.
+const ZERO: f64 = 1e-13;
+
+/// Problems of the start of a machine that is sound otherwise. What the start at rest is, only the equilibrium shows.
+pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
+    if machine.starts_at_rest {
+        return at_rest(machine, problems);
+    }
+    let starts: Vec<_> = machine.bodies.iter().map(|b| start(&b.kind)).collect();
+    for link in &machine.links {
+        let unit = unit(link.arms.dimension);
+        for (what, after, which) in [("e", "", 0), ("e'", "/s", 1)] {
+            let (e, size) = elongation(&link.arms, &starts, which);
+            if e.abs() > WRITTEN * size {
+                let text =
+                    format!("at the start {what} = {e:?} {unit}{after}; allowed are starts with {what} = 0");
+                problems.push(Problem::new(format!("link.{}", link.name), None, text));
+                break;
+            }
+        }
+    }
+    for stop in &machine.stops {
+        let (e, size) = elongation(&stop.arms, &starts, 0);
+        if matches!(stop.law, StopLaw::Rigid { .. }) && e - stop.gap > ZERO * (size + stop.gap.abs()) {
+            let text = format!(
+                "the start violates it with e = {e:?} {}; allowed is e <= gap",
+                unit(stop.arms.dimension)
+            );
+            problems.push(refused(format!("stop.{}.gap", stop.name), stop.gap, text));
+        }
+    }
+}
+
+fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
+    for body in &machine.bodies {
+        let BodyKind::Free(free) = body.kind else { continue };
+        for (key, value) in [("s", free.s), ("v", free.v)] {
+            if value != 0.0 {
+                let text =
+                    "the machine starts at rest; allowed is no start of a body beside start = \"rest\"";
+                problems.push(refused(format!("body.{}.start.{key}", body.name), value, text));
+            }
+        }
+    }
+}
+
+fn unit(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::Translation => "m",
+        Dimension::Rotation => "rad",
+    }
+}
+
+/// An elongation or its rate at the start, and the largest that its terms' sizes allow.
+fn elongation(arms: &Arms, starts: &[[f64; 2]], which: usize) -> (f64, f64) {
+    let terms = arms.terms.iter().map(|&(body, arm)| arm * starts[body][which]);
+    terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
+}
+
+/// Coordinate and rate at time 0. NaN, with which no comparison holds, is where a cubic record is between two knots.
+fn start(kind: &BodyKind) -> [f64; 2] {
+    let (motion, rate) = match kind {
+        BodyKind::Free(free) => return [free.s, free.v],
+        BodyKind::Prescribed { motion, rate } => (motion, rate),
+    };
+    let [s, v] = signal(motion);
+    [s, v + rate]
+}
+
+/// A signal and its rate just after time 0, with nothing put in from outside.
+fn signal(signal: &Signal) -> [f64; 2] {
+    let mut sum = [signal.constant, 0.0];
+    for harmonic in &signal.harmonics {
+        let (sin, cos) = harmonic.phase.sin_cos();
+        sum[0] += harmonic.amplitude * sin;
+        sum[1] += harmonic.amplitude * TAU * harmonic.frequency * cos;
+    }
+    sum[0] += signal.steps.iter().filter(|step| step.time <= 0.0).map(|step| step.height).sum::<f64>();
+    let [s, v] = signal.table.as_ref().map_or([0.0; 2], record);
+    [sum[0] + s, sum[1] + v]
+}
+
+fn record(record: &Record) -> [f64; 2] {
+    let knots = &record.knots;
+    let after = knots.partition_point(|knot| knot.0 <= 0.0);
+    if after == 0 || after == knots.len() {
+        return [knots[after.saturating_sub(1)].1, 0.0];
+    }
+    let ((t0, y0), (t1, y1)) = (knots[after - 1], knots[after]);
+    match (record.cubic, t0 == 0.0) {
+        (false, _) => {
+            let slope = (y1 - y0) / (t1 - t0);
+            [y0 - slope * t0, slope]
+        }
+        (true, at_knot) => [if at_knot { y0 } else { f64::NAN }, f64::NAN],
+    }
+}

@@ -1,0 +1,135 @@
+//! The file of a machine: TOML text to a checked [`Description`], and back.
+//!
+//! `docs/assemblies.md` is the reference of what may stand in it. Every problem of a file is told at once, with line, dotted name,
+//! value, what is allowed and, for a name that is not known, the nearest:
+//!
+//! ```
+//! let text = r#"
+//! name = "Bouncer"
+//! [body.ball]
+//! mass = "20 g"
+//! [stop.floor]
+//! between = ["ground", "bal"]
+//! gap = "1 N"
+//! restitution = 0.9
+//! "#;
+//! let refused = vibro_assembly::file::parse(text, "ball.toml", &vibro_assembly::file::no_records).unwrap_err();
+//! assert_eq!(
+//!     refused.to_string(),
+//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; the nearest is `ball`\n\
+//!      ball.toml:7: stop.floor.gap = \"1 N\": allowed is a finite number, in m, cm, mm, um"
+//! );
+//! ```
+
+mod bodies;
+mod elements;
+mod reading;
+mod records;
+mod signals;
+mod write;
+
+pub use records::{no_records, records_beside};
+
+use crate::check::check;
+use crate::description::{Description, Dimension};
+use crate::kinds;
+use crate::refusal::{Problem, Refusal};
+use reading::{Reading, Table};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Reads a record by its path as the machine's file gives it, which is relative and leads to no folder above.
+pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
+
+/// Bytes of a file or of a record, at most.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The sections of a file.
+const SECTIONS: [&str; 6] = ["body", "spring", "stop", "friction", "link", "load"];
+
+/// Reads the machine in a file; records are read from its folder.
+///
+/// # Errors
+/// A [`Refusal`] with every problem found, or why the file cannot be read.
+pub fn read(path: &Path) -> Result<Description, Refusal> {
+    let name = path.display().to_string();
+    let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
+    let text = read_text(path).map_err(cannot)?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    parse(&text, &name, &records_beside(&folder))
+}
+
+fn read_text(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    std::fs::File::open(path)?.take(MOST_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MOST_BYTES {
+        return Err(io::Error::other(format!("it has more than {MOST_BYTES} bytes")));
+    }
+    Ok(text)
+}
+
+/// Reads a machine from TOML text. `file` is what messages call it.
+///
+/// # Errors
+/// A [`Refusal`] with every problem found.
+pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Refusal> {
+    let refusal = |problems| Refusal { file: file.into(), problems };
+    let (root, broken) = reading::toml(text);
+    if !broken.is_empty() {
+        return Err(refusal(broken));
+    }
+    let mut reading = Reading::new(text, records);
+    let machine = machine(&mut reading, &Table::root(root.get_ref()));
+    if reading.problems.is_empty() {
+        let found = check(&machine);
+        found.into_iter().for_each(|problem| reading.place(problem));
+    }
+    match reading.finish() {
+        problems if problems.is_empty() => Ok(machine),
+        problems => Err(refusal(problems)),
+    }
+}
+
+fn machine(reading: &mut Reading, root: &Table) -> Description {
+    let mut keys = vec!["name", "gravity", "start"];
+    keys.extend(SECTIONS);
+    reading.known(root, &keys);
+    let mut machine = Description::default();
+    if let Some(entry) = reading.required(root, "name", "allowed is a name, such as \"Damper\"") {
+        machine.name = reading.string(&entry, "allowed is a name, such as \"Damper\"").unwrap_or_default();
+    }
+    if let Some(entry) = reading.optional(root, "gravity") {
+        machine.gravity = reading.number(&entry, kinds::GRAVITY, Dimension::Translation).unwrap_or(0.0);
+    }
+    if let Some(entry) = reading.optional(root, "start") {
+        machine.starts_at_rest = entry.value.as_str() == Some("rest");
+        if !machine.starts_at_rest {
+            reading.refuse(&entry, "allowed is \"rest\", or a body's own start");
+        }
+    }
+    let bodies = reading.section(root, "body");
+    let names = bodies::read(reading, root, &bodies, &mut machine);
+    if !root.has("gravity") {
+        bodies::without_gravity(reading, &machine);
+    }
+    elements::read(reading, root, &names, &mut machine);
+    machine
+}
+
+impl Description {
+    /// The machine as the text of a file that reads back to an equal machine: SI units, every number to its last digit, records
+    /// within the text. The description is one that [`check`](Self::check) accepts.
+    ///
+    /// ```
+    /// use vibro_assembly::file::{no_records, parse};
+    ///
+    /// let text = "name = \"A\"\n[body.b]\nmass = \"3 g\"\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = \"1 N/mm\"\n";
+    /// let machine = parse(text, "a.toml", &no_records)?;
+    /// assert!(machine.to_toml().contains("mass = 0.003\n"));
+    /// assert_eq!(parse(&machine.to_toml(), "written.toml", &no_records)?, machine);
+    /// # Ok::<(), vibro_assembly::Refusal>(())
+    /// ```
+    pub fn to_toml(&self) -> String {
+        write::machine(self)
+    }
+}

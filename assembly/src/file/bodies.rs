@@ -1,0 +1,194 @@
+//! Bodies: what has mass or inertia, and what moves as prescribed.
+
+use super::reading::{Reading, Table};
+use super::signals::{self, Values};
+use crate::description::{Body, BodyKind, Description, Dimension, Free, Signal};
+use crate::kinds::{self, Kind};
+use crate::parameters::has_unit;
+use crate::refusal::Problem;
+use toml::de::DeValue;
+
+/// The keys of which a body has exactly one.
+const KINDS: &str = "allowed is one of mass, inertia, motion";
+
+/// The bodies' names with what their coordinates are measured in, where that is known, in the file's order.
+pub(super) struct Names(Vec<(String, Option<Dimension>)>);
+
+impl Names {
+    /// The place of a body and its dimension.
+    pub fn find(&self, name: &str) -> Option<(usize, Option<Dimension>)> {
+        self.0.iter().position(|body| body.0 == name).map(|place| (place, self.0[place].1))
+    }
+
+    /// All names.
+    pub fn all(&self) -> impl Iterator<Item = &str> + Clone {
+        self.0.iter().map(|body| body.0.as_str())
+    }
+}
+
+/// Reads the bodies. One with problems keeps its place, so that what refers to it can be read.
+pub(super) fn read(
+    reading: &mut Reading,
+    root: &Table,
+    section: &[(String, Table)],
+    machine: &mut Description,
+) -> Names {
+    let mut names = Vec::new();
+    for (name, table) in section {
+        let body = body(reading, name, table, root, machine.starts_at_rest);
+        names.push((name.clone(), body.as_ref().map(|body| body.0)));
+        if let Some((dimension, kind)) = body {
+            machine.bodies.push(Body { name: name.clone(), dimension, kind });
+        }
+    }
+    Names(names)
+}
+
+fn body(
+    reading: &mut Reading,
+    name: &str,
+    table: &Table,
+    root: &Table,
+    at_rest: bool,
+) -> Option<(Dimension, BodyKind)> {
+    let given: Vec<_> = ["mass", "inertia", "motion"].into_iter().filter(|key| table.has(key)).collect();
+    match given[..] {
+        ["mass"] => {
+            Some((Dimension::Translation, free(reading, table, "mass", Dimension::Translation, at_rest)))
+        }
+        ["inertia"] => {
+            Some((Dimension::Rotation, free(reading, table, "inertia", Dimension::Rotation, at_rest)))
+        }
+        ["motion"] => prescribed(reading, name, table, root),
+        _ => {
+            reading.known(table, &["mass", "inertia", "motion", "dimension", "gravity", "start"]);
+            let text = match given.len() {
+                0 => format!("has no inertia; {KINDS}"),
+                _ => format!("has {}; {KINDS}", given.join(" and ")),
+            };
+            reading.refuse_table(table, text);
+            None
+        }
+    }
+}
+
+fn free(reading: &mut Reading, table: &Table, key: &str, dimension: Dimension, at_rest: bool) -> BodyKind {
+    match dimension {
+        Dimension::Translation => reading.known(table, &[key, "gravity", "start"]),
+        Dimension::Rotation => reading.known(table, &[key, "start"]),
+    }
+    let mut free = Free { inertia: f64::NAN, gravity: 0.0, s: 0.0, v: 0.0 };
+    if let Some(inertia) = reading.required_number(table, key, kinds::INERTIA, dimension) {
+        free.inertia = inertia;
+    }
+    if dimension == Dimension::Translation {
+        free.gravity = reading.number_or(table, "gravity", kinds::COSINE, dimension, 0.0).unwrap_or(0.0);
+    }
+    let Some(entry) = reading.optional(table, "start") else { return BodyKind::Free(free) };
+    if let Some(start) = reading.table(&entry, "allowed is a table such as { s = 0.0, v = 0.0 }") {
+        reading.known(&start, &["s", "v"]);
+        free.s = reading.number_or(&start, "s", kinds::START, dimension, 0.0).unwrap_or(0.0);
+        free.v = reading.number_or(&start, "v", kinds::START_RATE, dimension, 0.0).unwrap_or(0.0);
+        if at_rest && (free.s, free.v) == (0.0, 0.0) {
+            // Two starts that agree by chance would disagree after the next change of a number.
+            reading.refuse_table(
+                &start,
+                "the machine starts at rest; allowed is no start of a body beside start = \"rest\"",
+            );
+        }
+    }
+    BodyKind::Free(free)
+}
+
+fn prescribed(
+    reading: &mut Reading,
+    name: &str,
+    table: &Table,
+    root: &Table,
+) -> Option<(Dimension, BodyKind)> {
+    reading.known(table, &["motion", "dimension"]);
+    let dimension = dimension(reading, name, table, root)?;
+    let entry = reading.optional(table, "motion")?;
+    let values = Values { kind: kinds::POSITION, alone: kinds::POSITION, dimension };
+    let (motion, rate) = if entry.value.is_table() {
+        let table = reading.table(&entry, "")?;
+        reading.known(&table, &[&signals::KEYS[..], &["offset", "rate"]].concat());
+        let rate = reading.number_or(&table, "rate", kinds::RATE, dimension, 0.0);
+        (signals::flat(reading, &table, values, &["offset", "rate"]), rate)
+    } else {
+        (signals::value(reading, &entry, values), Some(0.0))
+    };
+    let motion = motion.unwrap_or_else(|| Signal::constant(f64::NAN));
+    Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
+}
+
+/// What a prescribed body's coordinate is measured in: what its key says; else the dimension of the first unit in its motion;
+/// else that of a body with mass or inertia that an element stands `between` with it; else a length.
+fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> Option<Dimension> {
+    if let Some(entry) = reading.optional(table, "dimension") {
+        let said = match entry.value.as_str() {
+            Some("translation") => Some(Dimension::Translation),
+            Some("rotation") => Some(Dimension::Rotation),
+            _ => None,
+        };
+        if said.is_none() {
+            reading.refuse(&entry, "allowed is \"translation\" or \"rotation\"");
+        }
+        return said;
+    }
+    let motion = table.entries.get("motion").map(|motion| motion.get_ref());
+    let unit = motion.and_then(unit_of);
+    Some(unit.or_else(|| neighbour(name, root)).unwrap_or(Dimension::Translation))
+}
+
+/// The dimension of the first value with a unit in a motion. Frequencies, phases and times are no such values.
+fn unit_of(motion: &DeValue) -> Option<Dimension> {
+    match motion {
+        DeValue::String(text) => {
+            let is = |kind: Kind, dimension| has_unit(kind.unit(dimension), text);
+            let all = [Dimension::Translation, Dimension::Rotation];
+            all.into_iter().find(|&d| is(kinds::POSITION, d) || is(kinds::RATE, d))
+        }
+        DeValue::Table(table) => {
+            let direct =
+                ["constant", "offset", "rate", "amplitude"].into_iter().filter_map(|key| table.get(key));
+            let items = |key| table.get(key).and_then(|list| list.get_ref().as_array()).into_iter().flatten();
+            let harmonics = items("harmonics").filter_map(|item| item.get_ref().get("amplitude"));
+            let pairs = items("steps").chain(items("table")).filter_map(|item| item.get_ref().get(1));
+            direct.chain(harmonics).chain(pairs).find_map(|value| unit_of(value.get_ref()))
+        }
+        _ => None,
+    }
+}
+
+/// The dimension of a body with mass or inertia that an element stands `between` with this one.
+fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
+    let sections =
+        ["spring", "stop", "friction", "link"].into_iter().filter_map(|section| root.entries.get(section));
+    let elements =
+        sections.filter_map(|section| section.get_ref().as_table()).flat_map(|section| section.values());
+    let pairs = elements.filter_map(|element| element.get_ref().get("between")?.get_ref().as_array());
+    let ends = pairs.filter(|pair| pair.iter().any(|end| end.get_ref().as_str() == Some(name)));
+    let mut others = ends.flat_map(|pair| pair.iter()).filter_map(|end| end.get_ref().as_str());
+    others.find_map(|other| {
+        let body = root.entries.get("body")?.get_ref().get(other)?.get_ref();
+        match (body.get("mass").is_some(), body.get("inertia").is_some()) {
+            (true, false) => Some(Dimension::Translation),
+            (false, true) => Some(Dimension::Rotation),
+            _ => None,
+        }
+    })
+}
+
+/// Refuses gravity of bodies in a file that says nothing of gravity.
+pub(super) fn without_gravity(reading: &mut Reading, machine: &Description) {
+    for body in &machine.bodies {
+        if let BodyKind::Free(Free { gravity, .. }) = body.kind
+            && gravity != 0.0
+        {
+            let text = "gravity is missing at the top level, such as gravity = \"9.81 m/s2\"";
+            let name = format!("body.{}.gravity", body.name);
+            reading.place(Problem::new(name, Some(format!("{gravity:?}")), text));
+        }
+    }
+}

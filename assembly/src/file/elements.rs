@@ -1,0 +1,267 @@
+//! Springs, stops, friction, links and loads.
+
+use super::bodies::Names;
+use super::reading::{Entry, Reading, Table, number};
+use super::signals::{self, Values};
+use crate::description::{
+    Arms, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
+};
+use crate::kinds;
+use crate::parameters::has_unit;
+use vibro_impact::quantities::symbols;
+
+/// What is said of a name that is no body's.
+const NO_BODY: &str = "no body has this name";
+
+/// Reads the elements. One with problems is left out, since the file is refused then.
+pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: &mut Description) {
+    for (name, table) in reading.section(root, "spring") {
+        machine.springs.extend(spring(reading, name, &table, names));
+    }
+    for (name, table) in reading.section(root, "stop") {
+        machine.stops.extend(stop(reading, name, &table, names));
+    }
+    for (name, table) in reading.section(root, "friction") {
+        machine.frictions.extend(friction(reading, name, &table, names));
+    }
+    for (name, table) in reading.section(root, "link") {
+        reading.known(&table, &["between", "arms"]);
+        machine.links.extend(arms(reading, &table, names).map(|arms| Link { name, arms }));
+    }
+    for (name, table) in reading.section(root, "load") {
+        machine.loads.extend(load(reading, name, &table, names));
+    }
+}
+
+/// The elongation of an element with what `read` finds beside it in the elongation's dimension. Where the ends are wrong the rest is
+/// read all the same, in the dimension in which less is wrong with it, so that all problems are told at once.
+fn with_arms<T>(
+    reading: &mut Reading,
+    table: &Table,
+    names: &Names,
+    read: impl Fn(&mut Reading, Dimension) -> Option<T>,
+) -> Option<(Arms, T)> {
+    if let Some(arms) = arms(reading, table, names) {
+        let rest = read(reading, arms.dimension)?;
+        return Some((arms, rest));
+    }
+    let before = reading.problems.len();
+    let mut problems_in = |dimension| {
+        read(reading, dimension);
+        reading.problems.split_off(before)
+    };
+    let (line, turn) = (problems_in(Dimension::Translation), problems_in(Dimension::Rotation));
+    reading.problems.extend(if turn.len() < line.len() { turn } else { line });
+    None
+}
+
+fn spring(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Spring> {
+    reading.known(table, &["between", "arms", "stiffness", "damping", "preload"]);
+    let (arms, (stiffness, damping, preload)) = with_arms(reading, table, names, |reading, dimension| {
+        let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
+        let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+        let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
+        Some((stiffness?, damping?, preload?))
+    })?;
+    Some(Spring { name, arms, stiffness, damping, preload })
+}
+
+fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Stop> {
+    reading.known(table, &["between", "arms", "gap", "restitution", "stiffness", "damping", "law"]);
+    let (arms, (gap, law)) = with_arms(reading, table, names, |reading, dimension| {
+        let gap = reading.required_number(table, "gap", kinds::GAP, dimension);
+        let law = law(reading, table, dimension);
+        Some((gap?, law?))
+    })?;
+    Some(Stop { name, arms, gap, law })
+}
+
+fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<StopLaw> {
+    if !table.has("restitution") && !table.has("stiffness") {
+        let text = "has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
+        reading.refuse_table(table, text);
+        return None;
+    }
+    if let Some(restitution) = reading.optional(table, "restitution") {
+        let mut alone = true;
+        for key in ["stiffness", "damping", "law"] {
+            if let Some(entry) = reading.optional(table, key) {
+                alone = false;
+                let text = "stands beside restitution; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
+                reading.refuse(&entry, text);
+            }
+        }
+        let restitution = reading.number(&restitution, kinds::RESTITUTION, dimension)?;
+        return alone.then_some(StopLaw::Rigid { restitution });
+    }
+    let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
+    let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+    let limit = match reading.optional(table, "law") {
+        None => Some(DampingLimit::NoPull),
+        Some(entry) => match entry.value.as_str() {
+            Some("no-pull") => Some(DampingLimit::NoPull),
+            Some("elastogap") => Some(DampingLimit::Elastogap),
+            _ => {
+                reading.refuse(&entry, "allowed is \"no-pull\" or \"elastogap\"");
+                None
+            }
+        },
+    };
+    Some(StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit: limit? })
+}
+
+fn friction(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Friction> {
+    reading.known(table, &["between", "arms", "force", "static"]);
+    let (arms, (force, static_force)) = with_arms(reading, table, names, |reading, dimension| {
+        let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
+        let allowed = format!("{}, or a signal", kinds::LEVEL.allowed(dimension));
+        let force = reading.required(table, "force", &allowed);
+        let force = force.and_then(|entry| signals::value(reading, &entry, values));
+        let static_force = match reading.optional(table, "static") {
+            None => Some(None),
+            Some(entry) => signals::value(reading, &entry, values).map(Some),
+        };
+        Some((force?, static_force?))
+    })?;
+    Some(Friction { name, arms, force, static_force })
+}
+
+fn load(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Load> {
+    reading.known(table, &[&["on"], &signals::KEYS[..]].concat());
+    let on = reading.required(table, "on", "allowed is the name of a body")?;
+    let (body, dimension) = body(reading, &on, names)?;
+    let values = Values { kind: kinds::FORCE, alone: kinds::FORCE, dimension: dimension? };
+    let force: Signal = signals::flat(reading, table, values, &[])?;
+    Some(Load { name, body, force })
+}
+
+/// The body that an entry names.
+fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, Option<Dimension>)> {
+    let name = reading.string(entry, "allowed is the name of a body")?;
+    let found = names.find(&name);
+    if found.is_none() {
+        reading.refuse_name(entry, &name, NO_BODY, names.all());
+    }
+    found
+}
+
+/// The elongation of an element: `between` two ends or by lever `arms`. `None` also where a body that it needs has problems of its own.
+fn arms(reading: &mut Reading, table: &Table, names: &Names) -> Option<Arms> {
+    match (reading.optional(table, "between"), reading.optional(table, "arms")) {
+        (Some(ends), None) => between(reading, &ends, names),
+        (None, Some(arms)) => levers(reading, &arms, names),
+        (None, None) => {
+            reading.refuse_table(
+                table,
+                "has no ends; allowed is between = [A, B] or arms = { A = 1.0, B = -1.0 }",
+            );
+            None
+        }
+        (Some(_), Some(arms)) => {
+            reading.refuse(&arms, "stands beside between; allowed is one of them");
+            None
+        }
+    }
+}
+
+/// An end of an element: ground, or a body.
+type End = Option<(usize, Option<Dimension>)>;
+
+fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
+    let items = reading.items(entry);
+    let Some([a, b]) = items.as_deref() else {
+        reading.refuse(entry, "allowed are two names, such as [\"ground\", \"box\"]");
+        return None;
+    };
+    let (a, b): (Option<End>, Option<End>) = (end(reading, a, names), end(reading, b, names));
+    let (a, b) = (a?, b?);
+    if a.map(|a| a.0) == b.map(|b| b.0) {
+        reading.refuse(entry, "both ends are the same; allowed are two bodies, or ground and a body");
+        return None;
+    }
+    let known = |end: End| end.map(|(_, dimension)| dimension);
+    let dimension = match (known(a), known(b)) {
+        // A body with problems of its own says nothing of what stands between it and another.
+        (Some(None), _) | (_, Some(None)) | (None, None) => return None,
+        (Some(Some(a)), Some(Some(b))) if a != b => {
+            let text = "one end moves along a line and one turns; allowed are ends alike, or arms with a lever such as \"50 mm\"";
+            reading.refuse(entry, text);
+            return None;
+        }
+        (Some(Some(dimension)), _) | (_, Some(Some(dimension))) => dimension,
+    };
+    Some(Arms::between(a.map(|a| a.0), b.map(|b| b.0), dimension))
+}
+
+fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
+    if entry.value.as_str() == Some("ground") {
+        return Some(None);
+    }
+    let name = reading.string(entry, "allowed is \"ground\" or the name of a body")?;
+    let found = names.find(&name);
+    if found.is_none() {
+        reading.refuse_name(entry, &name, NO_BODY, names.all().chain(["ground"]));
+    }
+    found.map(Some)
+}
+
+/// Lever arms: the unit of each says what its term is measured in, and all terms are measured in the same.
+fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
+    let table = reading
+        .table(entry, "allowed is a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;
+    let mut terms = Vec::new();
+    let mut first: Option<(Dimension, String)> = None;
+    let mut sound = true;
+    for entry in reading.all(&table) {
+        let Some((body, dimension)) = names.find(&entry.key) else {
+            reading.refuse_name(&entry, &entry.key, NO_BODY, names.all());
+            sound = false;
+            continue;
+        };
+        let Some((arm, measured)) = dimension.and_then(|dimension| lever(reading, &entry, dimension)) else {
+            sound = false;
+            continue;
+        };
+        let (common, other) = first.get_or_insert_with(|| (measured, entry.key.clone()));
+        if *common != measured {
+            let text = format!(
+                "its term is {}, but that of `{other}` is {}; allowed are arms that make all terms alike: without a unit, in m for a \
+                 body that turns in an element along a line, in 1/m for a body on a line in an element that turns",
+                called(measured),
+                called(*common)
+            );
+            reading.refuse(&entry, text);
+            sound = false;
+        }
+        terms.push((body, arm));
+    }
+    if terms.is_empty() && sound {
+        reading.refuse(entry, "names no body; allowed are one body or more");
+    }
+    let (dimension, _) = first.filter(|_| sound)?;
+    Some(Arms { terms, dimension, levers: true })
+}
+
+fn called(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::Translation => "a length",
+        Dimension::Rotation => "an angle",
+    }
+}
+
+/// An arm and what the term of a body of this dimension is measured in with it.
+fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, Dimension)> {
+    let other = match body {
+        Dimension::Translation => Dimension::Rotation,
+        Dimension::Rotation => Dimension::Translation,
+    };
+    let (plain, with_unit) = (kinds::arm_of(body, body), kinds::arm_of(body, other));
+    let changes = entry.value.as_str().is_some_and(|text| has_unit(with_unit.unit(other), text));
+    let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
+    let arm = number(entry.value, kind, measured);
+    if arm.is_none() {
+        let units: Vec<_> = symbols(with_unit.unit(other)).collect();
+        reading.refuse(entry, format!("{}, without a unit or in {}", plain.allowed(body), units.join(", ")));
+    }
+    Some((arm?, measured))
+}

@@ -1,0 +1,162 @@
+//! Signals: a number, or a table of constant, harmonics, steps, record and input, which are added.
+
+use super::reading::{Entry, Reading, Table};
+use super::records;
+use crate::description::{Dimension, Harmonic, Record, Signal, Step};
+use crate::kinds::{self, Kind};
+
+/// The keys of a signal.
+pub(super) const KEYS: [&str; 9] =
+    ["constant", "harmonics", "amplitude", "frequency", "phase", "steps", "table", "interpolation", "input"];
+
+/// What a signal's values are.
+#[derive(Clone, Copy)]
+pub(super) struct Values {
+    /// The kind of each part.
+    pub kind: Kind,
+    /// The kind of a number that is the whole signal.
+    pub alone: Kind,
+    pub dimension: Dimension,
+}
+
+/// Reads a signal: a number with or without a unit, or a table.
+pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Option<Signal> {
+    if entry.value.is_table() {
+        let table = reading.table(entry, "")?;
+        reading.known(&table, &KEYS);
+        return flat(reading, &table, values, &[]);
+    }
+    let number = reading.number(entry, values.alone, values.dimension)?;
+    Some(Signal::constant(number))
+}
+
+/// Reads a signal whose keys stand in a table. One of them must, or one of `also`, which belong to the table otherwise; of those
+/// `offset` is another name of the constant.
+pub(super) fn flat(reading: &mut Reading, table: &Table, values: Values, also: &[&str]) -> Option<Signal> {
+    if !KEYS.iter().chain(also).any(|key| table.has(key)) {
+        let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];
+        let parts: Vec<_> = parts.iter().chain(also).copied().collect();
+        reading
+            .refuse_table(table, format!("has no signal; allowed are one or more of {}", parts.join(", ")));
+        return None;
+    }
+    let constant = constant(reading, table, values, also.contains(&"offset"));
+    let harmonics = harmonics(reading, table, values);
+    let steps = steps(reading, table, values);
+    let record = record(reading, table, values);
+    let input = input(reading, table);
+    Some(Signal { constant: constant?, harmonics: harmonics?, steps: steps?, table: record?, input: input? })
+}
+
+fn constant(reading: &mut Reading, table: &Table, values: Values, offset: bool) -> Option<f64> {
+    if offset && let Some(entry) = reading.optional(table, "offset") {
+        if table.has("constant") {
+            reading.refuse(&entry, "stands beside constant, which is the same; allowed is one of them");
+            return None;
+        }
+        return reading.number(&entry, values.kind, values.dimension);
+    }
+    reading.number_or(table, "constant", values.kind, values.dimension, 0.0)
+}
+
+fn harmonics(reading: &mut Reading, table: &Table, values: Values) -> Option<Vec<Harmonic>> {
+    let short = ["amplitude", "frequency", "phase"].into_iter().find(|key| table.has(key));
+    let Some(list) = reading.optional(table, "harmonics") else {
+        return match short {
+            Some(_) => Some(vec![harmonic(reading, table, values)?]),
+            None => Some(Vec::new()),
+        };
+    };
+    if let Some(entry) = short.and_then(|key| reading.optional(table, key)) {
+        reading.refuse(
+            &entry,
+            "stands beside harmonics; allowed is one harmonic by its keys or a list of harmonics",
+        );
+        return None;
+    }
+    let allowed = "allowed is a list such as [{ amplitude = 1.0, frequency = \"10 Hz\", phase = 0.0 }]";
+    let Some(items) = reading.items(&list) else {
+        reading.refuse(&list, allowed);
+        return None;
+    };
+    let mut all = Vec::new();
+    for item in &items {
+        let Some(table) = reading.table(item, allowed) else { continue };
+        reading.known(&table, &["amplitude", "frequency", "phase"]);
+        all.extend(harmonic(reading, &table, values));
+    }
+    (all.len() == items.len()).then_some(all)
+}
+
+fn harmonic(reading: &mut Reading, table: &Table, values: Values) -> Option<Harmonic> {
+    let amplitude = reading.required_number(table, "amplitude", values.kind, values.dimension);
+    let frequency = reading.required_number(table, "frequency", kinds::FREQUENCY, values.dimension);
+    let phase = reading.number_or(table, "phase", kinds::PHASE, values.dimension, 0.0);
+    Some(Harmonic { amplitude: amplitude?, frequency: frequency?, phase: phase? })
+}
+
+/// Pairs of a time and a value.
+fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> Option<Vec<(f64, f64)>> {
+    let Some(items) = reading.items(list) else {
+        reading.refuse(list, allowed);
+        return None;
+    };
+    let mut all = Vec::with_capacity(items.len());
+    for item in &items {
+        let pair = reading.items(item);
+        let Some([time, value]) = pair.as_deref() else {
+            reading.refuse(item, allowed);
+            continue;
+        };
+        let time = reading.number(time, kinds::TIME, values.dimension);
+        let value = reading.number(value, values.kind, values.dimension);
+        all.extend(time.zip(value));
+    }
+    (all.len() == items.len()).then_some(all)
+}
+
+fn steps(reading: &mut Reading, table: &Table, values: Values) -> Option<Vec<Step>> {
+    let Some(list) = reading.optional(table, "steps") else { return Some(Vec::new()) };
+    let pairs = pairs(reading, &list, values, "allowed is a list of [time, height], such as [[0.4, 20.0]]")?;
+    Some(pairs.into_iter().map(|(time, height)| Step { time, height }).collect())
+}
+
+/// The record of a signal, if it has one: `None` where there is a problem.
+fn record(reading: &mut Reading, table: &Table, values: Values) -> Option<Option<Record>> {
+    let interpolation = reading.optional(table, "interpolation");
+    let cubic = match interpolation.as_ref().map(|entry| entry.value.as_str()) {
+        None | Some(Some("straight")) => Some(false),
+        Some(Some("cubic")) => Some(true),
+        Some(_) => None,
+    };
+    if let (Some(entry), None) = (&interpolation, cubic) {
+        reading.refuse(entry, "allowed is \"straight\" or \"cubic\"");
+    }
+    let Some(found) = reading.optional(table, "table") else {
+        if let Some(entry) = interpolation {
+            reading.refuse(&entry, "there is no table to interpolate; allowed beside table");
+            return None;
+        }
+        return Some(None);
+    };
+    let knots = match found.value.as_str() {
+        Some(path) => {
+            let knots = records::read(path, reading.records);
+            knots.map_err(|problem| reading.refuse(&found, problem)).ok()
+        }
+        None => {
+            let allowed = "allowed is a file such as \"record.csv\", or a list of [time, value]";
+            pairs(reading, &found, values, allowed)
+        }
+    };
+    Some(Some(Record { knots: knots?, cubic: cubic? }))
+}
+
+fn input(reading: &mut Reading, table: &Table) -> Option<bool> {
+    let Some(entry) = reading.optional(table, "input") else { return Some(false) };
+    let found = entry.value.as_bool();
+    if found.is_none() {
+        reading.refuse(&entry, "allowed is true or false");
+    }
+    found
+}

@@ -1,0 +1,298 @@
+//! The numbers of a machine by name: the one table from which FMU variables, command lines and Python read and set them.
+//!
+//! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`, `spring.mesh.arms.pinion`, `stop.upper.gap`,
+//! `friction.guide.force`, `load.shaker.amplitude`, or `load.shaker.harmonics[1].amplitude` where there are several harmonics. Which
+//! names there are follows from the machine's topology and never from its numbers. The knots of records have no names.
+
+use crate::check::check;
+use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
+use crate::kinds::{self, Kind};
+use crate::refusal::{Problem, Refusal, advice};
+use vibro_impact::parameters::Range;
+use vibro_impact::quantities::quantity_in;
+
+/// A number of a machine.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Dotted name, such as `stop.upper.gap`.
+    pub name: String,
+    /// What it is.
+    pub meaning: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// In the SI unit.
+    pub value: f64,
+    kind: Kind,
+    dimension: Dimension,
+}
+
+impl Parameter {
+    /// Allowed values; of a lever arm zero is refused besides.
+    pub fn range(&self) -> Range {
+        self.kind.range
+    }
+
+    /// Reads a value of it, with or without a unit of its dimension.
+    ///
+    /// # Errors
+    /// A [`Refusal`] that names the parameter, what was read and what is allowed.
+    pub fn read(&self, text: &str) -> Result<f64, Refusal> {
+        read(self.kind, self.dimension, text).ok_or_else(|| {
+            let allowed = self.kind.allowed(self.dimension);
+            Refusal::one(Problem::new(&self.name, Some(format!("{:?}", text.trim())), allowed))
+        })
+    }
+}
+
+/// Letters of a number with its unit; reading tries every place where the unit may begin.
+const LONGEST_NUMBER: usize = 100;
+
+/// Reads an allowed number of a kind, with or without a unit.
+pub(crate) fn read(kind: Kind, dimension: Dimension, text: &str) -> Option<f64> {
+    let short = Some(text.trim()).filter(|text| text.len() <= LONGEST_NUMBER)?;
+    quantity_in(kind.unit(dimension), short).map(|q| q.value).filter(|&v| kind.contains(v))
+}
+
+impl Description {
+    /// All parameters, in the file's order of sections: bodies, springs, stops, frictions, links, loads.
+    ///
+    /// ```
+    /// let text = r#"
+    ///     name = "Bouncer"
+    ///     gravity = 9.81
+    ///     [body.ball]
+    ///     mass = "20 g"
+    ///     gravity = 1.0
+    ///     [stop.floor]
+    ///     between = ["ground", "ball"]
+    ///     gap = "1 m"
+    ///     restitution = 0.9
+    /// "#;
+    /// let mut ball = vibro_assembly::file::parse(text, "ball.toml", &vibro_assembly::file::no_records)?;
+    /// let names: Vec<_> = ball.parameters().into_iter().map(|p| p.name).collect();
+    /// assert_eq!(names[..3], ["gravity", "body.ball.mass", "body.ball.gravity"]);
+    /// ball.replace("stop.floor.restitution", 0.8)?;
+    /// assert_eq!(ball.get("stop.floor.restitution")?, 0.8);
+    /// let refused = ball.replace("stop.floor.restitution", 1.2).unwrap_err();
+    /// assert_eq!(refused.to_string(), "stop.floor.restitution = 1.2: allowed is a number from 0 to 1");
+    /// # Ok::<(), vibro_assembly::Refusal>(())
+    /// ```
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut copy = self.clone();
+        let parameter = |slot: Slot| Parameter {
+            name: slot.name,
+            meaning: slot.kind.meaning,
+            unit: slot.kind.unit(slot.dimension),
+            value: *slot.value,
+            kind: slot.kind,
+            dimension: slot.dimension,
+        };
+        slots(&mut copy).into_iter().map(parameter).collect()
+    }
+
+    /// The parameter of a name. Where there is one harmonic alone, `harmonics[0].amplitude` is another name of `amplitude`.
+    ///
+    /// # Errors
+    /// A [`Refusal`] with the nearest name.
+    pub fn parameter(&self, name: &str) -> Result<Parameter, Refusal> {
+        let mut all = self.parameters();
+        let place = position(&all, |p| &p.name, name).map_err(Refusal::one)?;
+        Ok(all.swap_remove(place))
+    }
+
+    /// The value of a parameter, in SI.
+    ///
+    /// # Errors
+    /// As [`parameter`](Self::parameter).
+    pub fn get(&self, name: &str) -> Result<f64, Refusal> {
+        Ok(self.parameter(name)?.value)
+    }
+
+    /// Replaces the value of a parameter, in SI.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with); the machine is then as before.
+    pub fn replace(&mut self, name: &str, value: f64) -> Result<(), Refusal> {
+        *self = self.with([(name, value)])?;
+        Ok(())
+    }
+
+    /// The machine with other values of some parameters, in SI. The machine is checked after all of them, so that a gap and a
+    /// start may change together.
+    ///
+    /// # Errors
+    /// A [`Refusal`] for unknown names, with the nearest; for a value outside its range; and for whatever a file with these values
+    /// would be refused for.
+    pub fn with<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
+        let mut changed = self.clone();
+        let mut all = slots(&mut changed);
+        let mut problems = Vec::new();
+        for (name, value) in changes {
+            match position(&all, |s| &s.name, name) {
+                Ok(place) => *all[place].value = value,
+                Err(unknown) => problems.push(unknown),
+            }
+        }
+        if problems.is_empty() {
+            problems = check(&changed);
+        }
+        if problems.is_empty() { Ok(changed) } else { Err(Refusal { file: String::new(), problems }) }
+    }
+}
+
+fn position<T>(all: &[T], name_of: fn(&T) -> &String, name: &str) -> Result<usize, Problem> {
+    let find = |name: &str| all.iter().position(|t| name_of(t) == name);
+    let unknown = || {
+        let text =
+            format!("no parameter has this name; {}", advice(name, all.iter().map(|t| name_of(t).as_str())));
+        Problem::new(name, None, text)
+    };
+    find(name).or_else(|| find(&name.replace(".harmonics[0].", "."))).ok_or_else(unknown)
+}
+
+/// Whether a text is a number with a unit of this dimension.
+pub(crate) fn has_unit(si: &str, text: &str) -> bool {
+    text.len() <= LONGEST_NUMBER && quantity_in(si, text).is_some_and(|q| q.unit.is_some())
+}
+
+/// The place of a number in a description.
+pub(crate) struct Slot<'a> {
+    pub name: String,
+    pub kind: Kind,
+    pub dimension: Dimension,
+    pub value: &'a mut f64,
+}
+
+/// Where the slots of one section go.
+struct Slots<'a> {
+    all: Vec<Slot<'a>>,
+    dimension: Dimension,
+}
+
+impl<'a> Slots<'a> {
+    fn push(&mut self, name: String, kind: Kind, value: &'a mut f64) {
+        self.all.push(Slot { name, kind, dimension: self.dimension, value });
+    }
+
+    fn body(&mut self, body: &'a mut Body, at_rest: bool) {
+        let of = format!("body.{}", body.name);
+        self.dimension = body.dimension;
+        match &mut body.kind {
+            BodyKind::Free(Free { inertia, gravity, s, v }) => {
+                let translation = body.dimension == Dimension::Translation;
+                let key = if translation { "mass" } else { "inertia" };
+                self.push(format!("{of}.{key}"), kinds::INERTIA, inertia);
+                if translation {
+                    self.push(format!("{of}.gravity"), kinds::COSINE, gravity);
+                }
+                if !at_rest {
+                    self.push(format!("{of}.start.s"), kinds::START, s);
+                    self.push(format!("{of}.start.v"), kinds::START_RATE, v);
+                }
+            }
+            BodyKind::Prescribed { motion, rate } => {
+                self.signal(&format!("{of}.motion"), motion, kinds::POSITION);
+                self.push(format!("{of}.motion.rate"), kinds::RATE, rate);
+            }
+        }
+    }
+
+    /// The arms of an element, whose dimension holds for what follows; gives its dotted name.
+    fn element(
+        &mut self,
+        section: &str,
+        name: &str,
+        arms: &'a mut Arms,
+        bodies: &[(String, Dimension)],
+    ) -> String {
+        let of = format!("{section}.{name}");
+        self.dimension = arms.dimension;
+        let levers = if arms.levers { &mut arms.terms[..] } else { &mut [] };
+        for (body, arm) in levers {
+            let Some((body, dimension)) = bodies.get(*body) else { continue };
+            self.push(format!("{of}.arms.{body}"), kinds::arm_of(*dimension, arms.dimension), arm);
+        }
+        of
+    }
+
+    fn law(&mut self, of: &str, law: &'a mut StopLaw) {
+        match law {
+            StopLaw::Rigid { restitution } => {
+                self.push(format!("{of}.restitution"), kinds::RESTITUTION, restitution);
+            }
+            StopLaw::Compliant { stiffness, damping, .. } => {
+                self.push(format!("{of}.stiffness"), kinds::STIFFNESS, stiffness);
+                self.push(format!("{of}.damping"), kinds::DAMPING, damping);
+            }
+        }
+    }
+
+    fn signal(&mut self, of: &str, signal: &'a mut Signal, kind: Kind) {
+        self.push(format!("{of}.constant"), kind, &mut signal.constant);
+        let one = signal.harmonics.len() == 1;
+        for (i, harmonic) in signal.harmonics.iter_mut().enumerate() {
+            let of = if one { of.to_owned() } else { format!("{of}.harmonics[{i}]") };
+            self.push(format!("{of}.amplitude"), kind, &mut harmonic.amplitude);
+            self.push(format!("{of}.frequency"), kinds::FREQUENCY, &mut harmonic.frequency);
+            self.push(format!("{of}.phase"), kinds::PHASE, &mut harmonic.phase);
+        }
+        for (i, step) in signal.steps.iter_mut().enumerate() {
+            self.push(format!("{of}.steps[{i}].time"), kinds::TIME, &mut step.time);
+            self.push(format!("{of}.steps[{i}].height"), kind, &mut step.height);
+        }
+    }
+
+    fn level(&mut self, of: &str, signal: &'a mut Signal) {
+        if signal.is_constant() {
+            self.push(of.to_owned(), kinds::LEVEL, &mut signal.constant);
+        } else {
+            self.signal(of, signal, kinds::FORCE);
+        }
+    }
+}
+
+impl Signal {
+    /// The signal that always has this value.
+    pub fn constant(value: f64) -> Self {
+        Self { constant: value, ..Self::default() }
+    }
+
+    /// Whether the constant is all it consists of.
+    pub fn is_constant(&self) -> bool {
+        self.harmonics.is_empty() && self.steps.is_empty() && self.table.is_none() && !self.input
+    }
+}
+
+/// Every parameter of a machine, with its place.
+pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
+    let bodies: Vec<_> = machine.bodies.iter().map(|b| (b.name.clone(), b.dimension)).collect();
+    let mut slots = Slots { all: Vec::new(), dimension: Dimension::Translation };
+    slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
+    machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
+    for spring in &mut machine.springs {
+        let of = slots.element("spring", &spring.name, &mut spring.arms, &bodies);
+        slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
+        slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+        slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+    }
+    for stop in &mut machine.stops {
+        let of = slots.element("stop", &stop.name, &mut stop.arms, &bodies);
+        slots.push(format!("{of}.gap"), kinds::GAP, &mut stop.gap);
+        slots.law(&of, &mut stop.law);
+    }
+    for friction in &mut machine.frictions {
+        let of = slots.element("friction", &friction.name, &mut friction.arms, &bodies);
+        slots.level(&format!("{of}.force"), &mut friction.force);
+        if let Some(level) = &mut friction.static_force {
+            slots.level(&format!("{of}.static"), level);
+        }
+    }
+    for link in &mut machine.links {
+        slots.element("link", &link.name, &mut link.arms, &bodies);
+    }
+    for load in &mut machine.loads {
+        slots.dimension = bodies.get(load.body).map_or(Dimension::Translation, |b| b.1);
+        slots.signal(&format!("load.{}", load.name), &mut load.force, kinds::FORCE);
+    }
+    slots.all
+}

@@ -1,0 +1,206 @@
+//! Numbers with units, as files and command lines write them: `48 kN/m`, `5 mm`, `600 rpm`.
+//!
+//! A dimension is named by its SI unit, written with points and without powers' signs: `N.s/m`, `kg.m2`. On input a point may
+//! also be `·`, `*` or a space, `µ` may stand for `u`, and `m²` or `m^2` for `m2`.
+
+use std::f64::consts::PI;
+
+/// A unit of an SI unit's dimension: a value in it times `times`, divided by `over`, is the value in the SI unit. Two
+/// numbers, because a thousandth is no exact number while a division by 1000 rounds once.
+#[derive(Debug, PartialEq)]
+pub struct Unit {
+    /// The SI unit of its dimension.
+    pub si: &'static str,
+    /// Its symbol, as files and the command line write it.
+    pub symbol: &'static str,
+    times: f64,
+    over: f64,
+}
+
+const fn unit(si: &'static str, symbol: &'static str, times: f64, over: f64) -> Unit {
+    Unit { si, symbol, times, over }
+}
+
+impl Unit {
+    /// A number of this unit in the SI unit.
+    pub fn si(&self, number: f64) -> f64 {
+        number * self.times / self.over
+    }
+
+    /// Whether numbers are the same in this unit and in the SI unit.
+    pub fn is_si(&self) -> bool {
+        self.times == self.over
+    }
+
+    /// How many of this unit a value in the SI unit is.
+    ///
+    /// ```
+    /// let unit = vibro_impact::quantities::quantity_in("m", "5 mm").and_then(|gap| gap.unit).expect("a length");
+    /// assert_eq!((unit.number(0.005), unit.symbol()), (5.0, "mm".into()));
+    /// ```
+    pub fn number(&self, si: f64) -> f64 {
+        si * self.over / self.times
+    }
+
+    /// Its symbol, as labels write it.
+    pub fn symbol(&self) -> String {
+        self.symbol.replace('.', "·").replace("um", "µm").replace("m2", "m²").replace("s2", "s²")
+    }
+
+    /// Its symbol, as files and the command line write it.
+    pub fn plain(&self) -> &'static str {
+        self.symbol
+    }
+
+    /// Whether it counts revolutions, while the SI unit of an angular frequency counts radians.
+    pub fn counts_revolutions(&self) -> bool {
+        ["Hz", "mHz", "kHz", "rpm", "1/min"].contains(&self.symbol)
+    }
+}
+
+/// The units understood, the SI unit of each dimension first. Angular frequencies and angular velocities are in `rad/s`, where
+/// a hertz is a revolution a second; frequencies that count cycles are in `Hz`. Numbers without a dimension are in `1`.
+#[rustfmt::skip]
+pub static UNITS: [Unit; 98] = [
+    unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
+    unit("N/m", "N/m", 1.0, 1.0), unit("N/m", "N/mm", 1e3, 1.0), unit("N/m", "kN/m", 1e3, 1.0),
+    unit("N/m", "kN/mm", 1e6, 1.0), unit("N/m", "MN/m", 1e6, 1.0), unit("N/m", "N/cm", 1e2, 1.0),
+    unit("N.s/m", "N.s/m", 1.0, 1.0), unit("N.s/m", "kN.s/m", 1e3, 1.0), unit("N.s/m", "N.s/mm", 1e3, 1.0),
+    unit("N.s/m", "kg/s", 1.0, 1.0),
+    unit("m", "m", 1.0, 1.0), unit("m", "cm", 1.0, 1e2), unit("m", "mm", 1.0, 1e3), unit("m", "um", 1.0, 1e6),
+    unit("1", "1", 1.0, 1.0), unit("1", "%", 1.0, 1e2),
+    unit("N", "N", 1.0, 1.0), unit("N", "mN", 1.0, 1e3), unit("N", "kN", 1e3, 1.0), unit("N", "MN", 1e6, 1.0),
+    unit("rad/s", "rad/s", 1.0, 1.0), unit("rad/s", "1/s", 1.0, 1.0), unit("rad/s", "Hz", 2.0 * PI, 1.0),
+    unit("rad/s", "mHz", 2.0 * PI, 1e3), unit("rad/s", "kHz", 2e3 * PI, 1.0), unit("rad/s", "rpm", PI, 30.0),
+    unit("rad/s", "1/min", PI, 30.0), unit("rad/s", "deg/s", PI, 180.0),
+    unit("rad", "rad", 1.0, 1.0), unit("rad", "mrad", 1.0, 1e3), unit("rad", "deg", PI, 180.0),
+    unit("rad", "°", PI, 180.0),
+    unit("s", "s", 1.0, 1.0), unit("s", "ms", 1.0, 1e3), unit("s", "us", 1.0, 1e6), unit("s", "min", 60.0, 1.0),
+    unit("s", "h", 3600.0, 1.0),
+    unit("m/s", "m/s", 1.0, 1.0), unit("m/s", "cm/s", 1.0, 1e2), unit("m/s", "mm/s", 1.0, 1e3),
+    unit("m/s2", "m/s2", 1.0, 1.0), unit("m/s2", "mm/s2", 1.0, 1e3), unit("m/s2", "cm/s2", 1.0, 1e2),
+    unit("Hz", "Hz", 1.0, 1.0), unit("Hz", "mHz", 1.0, 1e3), unit("Hz", "kHz", 1e3, 1.0), unit("Hz", "MHz", 1e6, 1.0),
+    unit("Hz", "rpm", 1.0, 60.0), unit("Hz", "1/min", 1.0, 60.0), unit("Hz", "rad/s", 1.0, 2.0 * PI),
+    unit("kg.m2", "kg.m2", 1.0, 1.0), unit("kg.m2", "kg.cm2", 1.0, 1e4), unit("kg.m2", "kg.mm2", 1.0, 1e6),
+    unit("kg.m2", "g.m2", 1.0, 1e3), unit("kg.m2", "g.cm2", 1.0, 1e7), unit("kg.m2", "g.mm2", 1.0, 1e9),
+    unit("kg.m2", "t.m2", 1e3, 1.0),
+    unit("N.m", "N.m", 1.0, 1.0), unit("N.m", "mN.m", 1.0, 1e3), unit("N.m", "kN.m", 1e3, 1.0),
+    unit("N.m", "MN.m", 1e6, 1.0), unit("N.m", "N.cm", 1.0, 1e2), unit("N.m", "N.mm", 1.0, 1e3),
+    unit("N.m/rad", "N.m/rad", 1.0, 1.0), unit("N.m/rad", "mN.m/rad", 1.0, 1e3),
+    unit("N.m/rad", "kN.m/rad", 1e3, 1.0), unit("N.m/rad", "MN.m/rad", 1e6, 1.0),
+    unit("N.m/rad", "N.mm/rad", 1.0, 1e3), unit("N.m/rad", "N.m/deg", 180.0, PI),
+    unit("N.m/rad", "kN.m/deg", 180e3, PI),
+    unit("N.m.s/rad", "N.m.s/rad", 1.0, 1.0), unit("N.m.s/rad", "mN.m.s/rad", 1.0, 1e3),
+    unit("N.m.s/rad", "kN.m.s/rad", 1e3, 1.0), unit("N.m.s/rad", "N.mm.s/rad", 1.0, 1e3),
+    unit("N.m.s/rad", "N.m.s/deg", 180.0, PI),
+    unit("1/m", "1/m", 1.0, 1.0), unit("1/m", "rad/m", 1.0, 1.0), unit("1/m", "1/mm", 1e3, 1.0),
+    unit("1/m", "rad/mm", 1e3, 1.0),
+    // What is written in place of a point is replaced before the table is read; these have no point.
+    unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
+    unit("N.m", "Nm", 1.0, 1.0), unit("N.m", "mNm", 1.0, 1e3), unit("N.m", "kNm", 1e3, 1.0),
+    unit("N.m", "Ncm", 1.0, 1e2), unit("N.m", "Nmm", 1.0, 1e3),
+    unit("N.m/rad", "Nm/rad", 1.0, 1.0), unit("N.m/rad", "kNm/rad", 1e3, 1.0), unit("N.m/rad", "Nm/deg", 180.0, PI),
+    unit("N.m.s/rad", "Nm.s/rad", 1.0, 1.0), unit("N.m.s/rad", "Nms/rad", 1.0, 1.0),
+    unit("N.m.s/rad", "kNm.s/rad", 1e3, 1.0), unit("kg.m2", "kgm2", 1.0, 1.0),
+];
+
+/// A number as it was written: its value and the unit that stood beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    /// In the SI unit.
+    pub value: f64,
+    /// What was written.
+    pub unit: Option<&'static Unit>,
+}
+
+/// A number and what stands behind it, if anything; `None` where there is no number in front.
+pub fn split(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    if let Ok(value) = text.parse() {
+        return Some((value, ""));
+    }
+    // Words such as `nanometre` begin with what would be read as a number.
+    if !text.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c)) {
+        return None;
+    }
+    let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
+    let mut parts = ends.map(|end| text.split_at(end));
+    parts.find_map(|(number, rest)| Some((number.trim_end().parse().ok()?, rest.trim())))
+}
+
+/// The quantity of a number and a symbol of a unit, which may be empty; `None` for a unit of another dimension.
+pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
+    if symbol.is_empty() {
+        return Some(Quantity { value: number, unit: None });
+    }
+    let plain =
+        symbol.replace(['·', '*', ' ', '⋅'], ".").replace(['µ', 'μ'], "u").replace('²', "2").replace('^', "");
+    let unit = UNITS.iter().find(|u| u.si == si && u.symbol == plain)?;
+    Some(Quantity { value: unit.si(number), unit: Some(unit) })
+}
+
+/// Reads a number of any quantity, with or without a unit of the dimension of `si`, the SI unit as [`UNITS`] writes it. `None`
+/// for what is neither.
+///
+/// ```
+/// use vibro_impact::quantities::quantity_in;
+///
+/// let time = quantity_in("s", "20 ms").expect("a time");
+/// assert!(time.value == 0.02 && time.unit.is_some());
+/// assert_eq!(quantity_in("s", "20 mm"), None);
+/// ```
+pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
+    let (number, symbol) = split(text)?;
+    in_si(si, number, symbol)
+}
+
+/// The symbols of the units of the dimension of `si`, itself first, as files and command lines write them.
+///
+/// ```
+/// let mut masses = vibro_impact::quantities::symbols("kg");
+/// assert_eq!(masses.next(), Some("kg"));
+/// assert!(masses.any(|symbol| symbol == "g"));
+/// ```
+pub fn symbols(si: &str) -> impl Iterator<Item = &'static str> {
+    UNITS.iter().filter(move |u| u.si == si).map(|u| u.symbol)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each value is what the units' definitions give, rounded once.
+    #[test]
+    fn closed_form_units_of_rotation_and_of_gravity() {
+        let cases = [
+            ("kg.m2", "3 kg m2", 3.0),
+            ("kg.m2", "3 kg m²", 3.0),
+            ("kg.m2", "3 kg·m^2", 3.0),
+            ("kg.m2", "250 g cm2", 2.5e-5),
+            ("N.m", "20 N m", 20.0),
+            ("N.m", "20 mNm", 0.02),
+            ("N.m/rad", "1 kN m/rad", 1e3),
+            ("N.m/rad", "1 N.m/deg", 180.0 / PI),
+            ("N.m.s/rad", "5 N m s/rad", 5.0),
+            ("m/s2", "9.81 m/s²", 9.81),
+            ("Hz", "600 rpm", 10.0),
+            ("Hz", "3 rad/s", 3.0 / (2.0 * PI)),
+            ("rad/s", "10 Hz", 20.0 * PI),
+            ("1/m", "20 rad/m", 20.0),
+        ];
+        for (si, text, value) in cases {
+            assert_eq!(quantity_in(si, text).map(|q| q.value), Some(value), "{text}");
+        }
+        assert_eq!(quantity_in("N.m", "20 N"), None);
+    }
+
+    /// A symbol means one thing in each dimension, and none is hidden by another spelling.
+    #[test]
+    fn invariant_every_symbol_reads_as_its_own_unit() {
+        for unit in &UNITS {
+            let found = quantity_in(unit.si, &format!("1 {}", unit.symbol)).and_then(|q| q.unit);
+            assert_eq!(found, Some(unit), "{}", unit.symbol);
+            assert_eq!(symbols(unit.si).next(), Some(unit.si), "the SI unit stands first");
+        }
+    }
+}
