@@ -110,9 +110,8 @@ impl Accounts {
         }
         for (i, sum) in self.frictions.iter_mut().enumerate() {
             let friction = &system.frictions[i];
-            let direction = mode.frictions[i].direction();
-            if direction != 0.0 {
-                let force = direction * friction.level.dot(z);
+            if let Some(force) = system.friction_force(i, mode.frictions[i]) {
+                let force = force.dot(z);
                 add(sum, force * friction.elongation.rate.dot(z));
                 motions += force * prescribed(&friction.elongation.rate);
             }

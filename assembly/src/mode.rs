@@ -31,8 +31,12 @@ pub enum FrictionState {
     Up,
     /// e' < 0.
     Down,
-    /// e' = 0.
+    /// e' = 0; its force follows from the motion, or is 0 where it depends on other contacts.
     Stuck,
+    /// e' = 0; it depends on other contacts, and its share of their force is its level upwards.
+    HeldUp,
+    /// The same downwards.
+    HeldDown,
 }
 
 impl FrictionState {
@@ -41,8 +45,13 @@ impl FrictionState {
         match self {
             Self::Up => 1.0,
             Self::Down => -1.0,
-            Self::Off | Self::Stuck => 0.0,
+            Self::Off | Self::Stuck | Self::HeldUp | Self::HeldDown => 0.0,
         }
+    }
+
+    /// Whether e' is kept at zero.
+    pub fn sticks(self) -> bool {
+        matches!(self, Self::Stuck | Self::HeldUp | Self::HeldDown)
     }
 }
 
@@ -114,6 +123,18 @@ impl System {
         }
     }
 
+    /// The force of a friction in a state in which the state determines it: slipping, or at its level while it sticks.
+    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<Row> {
+        let friction = &self.frictions[i];
+        match state {
+            FrictionState::Up => Some(friction.level.clone()),
+            FrictionState::Down => Some(-&friction.level),
+            FrictionState::HeldUp => Some(friction.static_level.clone()),
+            FrictionState::HeldDown => Some(-&friction.static_level),
+            FrictionState::Off | FrictionState::Stuck => None,
+        }
+    }
+
     /// M⁻¹ times the forces that the state determines in given states: accelerations without contact forces.
     pub fn free_acceleration(&self, stops: &[StopState], frictions: &[FrictionState]) -> DMatrix<f64> {
         let mut forces = self.forces.clone();
@@ -122,10 +143,9 @@ impl System {
                 forces.ger(-1.0, &self.stops[i].elongation.w, &force, 1.0);
             }
         }
-        for (friction, state) in self.frictions.iter().zip(frictions) {
-            let direction = state.direction();
-            if direction != 0.0 {
-                forces.ger(-direction, &friction.elongation.w, &friction.level, 1.0);
+        for (i, &state) in frictions.iter().enumerate() {
+            if let Some(force) = self.friction_force(i, state) {
+                forces.ger(-1.0, &self.frictions[i].elongation.w, &force, 1.0);
             }
         }
         self.inertia.solve(&forces)
@@ -221,7 +241,9 @@ impl System {
                     watched.push((Watch::Stops(i), -state.direction() * &friction.elongation.rate));
                     watched.push((Watch::Level(i), -&friction.level));
                 }
-                FrictionState::Stuck => watched.push((Watch::Level(i), -&friction.level)),
+                FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => {
+                    watched.push((Watch::Level(i), -&friction.level));
+                }
             }
         }
         for (&contact, force) in mode.basis.iter().zip(lambda) {

@@ -122,12 +122,12 @@ fn check(m: &Motion, start: f64, largest: f64) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn invariant_stops_forces_and_energy_of_any_assembly(d in assembly()) {
         let mut m = motion(d);
-        let start = energy(&m);
+        let start = energy(&m) - m.energy().balance(); // impacts at time 0 are accounted for already
         let mut largest = 1.0f64;
         for k in 1..=40 {
             let advanced = m.advance_to(0.1 * k as f64);

@@ -37,8 +37,11 @@ pub struct Selection<'a> {
     sizes: Vec<Sizes>,
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
-    /// Contacts with positive slack in the first solution: the preferred basis.
+    /// Contacts whose force in the first solution lies strictly inside its bounds: the preferred basis, since what depends on them
+    /// then keeps its share, which is a bound or zero.
     preferred: Vec<Contact>,
+    /// By friction: the direction in which its force was at its level in the first solution that decided on it, else 0.
+    at_level: Vec<f64>,
 }
 
 /// Rigid stops that touch, by stop; and whether each friction has e' = 0 by an event's verdict.
@@ -83,6 +86,7 @@ impl<'a> Selection<'a> {
             stops: Vec::new(),
             frictions: Vec::new(),
             preferred: Vec::new(),
+            at_level: vec![0.0; system.frictions.len()],
         };
         for i in 0..system.stops.len() {
             let state = selection.classify_stop(i, touching);
@@ -240,24 +244,24 @@ impl<'a> Selection<'a> {
         let z = self.derivatives[order].clone();
         let mut acceleration = &free * &z;
         if !contacts.is_empty() {
-            let mut problem = self.problem(order, &contacts, &free, true);
-            let mut solution = self.solved(&problem, &contacts)?;
+            let problem = self.problem(order, &contacts, &free, false);
+            let solution = self.solved(&problem, &contacts)?;
             if self.frictions_with_static(&contacts) {
-                if let Some(released) = self.leaving(&contacts, &solution, order) {
+                let held = self.solved(&self.problem(order, &contacts, &free, true), &contacts)?;
+                if let Some(released) = self.leaving(&contacts, &held, (&problem, &solution), order) {
                     return Ok(Some(released));
                 }
-                problem = self.problem(order, &contacts, &free, false);
-                solution = self.solved(&problem, &contacts)?;
             }
             let mut forces = DVector::zeros(self.system.coordinates);
             for (k, &contact) in contacts.iter().enumerate() {
                 forces.axpy(solution.lambda[k], &self.system.elongation_of(contact).w, 1.0);
             }
             acceleration -= self.system.inertia.solve(&forces);
-            if order == 0 {
-                self.preferred = solution.free.iter().map(|&k| contacts[k]).collect();
-            }
             self.decide(order, &contacts, &problem, &solution);
+            if order == 0 {
+                let level = |c: &Contact| matches!(c, Contact::Friction(i) if self.at_level[*i] != 0.0);
+                self.preferred = solution.free.iter().map(|&k| contacts[k]).filter(|c| !level(c)).collect();
+            }
         }
         self.differentiate(&z, &acceleration, &free, order);
         Ok(None)
@@ -312,7 +316,7 @@ impl<'a> Selection<'a> {
                 }
                 Contact::Friction(i) => {
                     let friction = &self.system.frictions[i];
-                    let level = friction.static_level.dot(&self.level_derivative(order));
+                    let level = friction.static_level.dot(&self.derivatives[order]);
                     let held = bilateral && friction.has_static;
                     match self.frictions[i] {
                         Friction::Resting(first) if order < first => (lo[k], hi[k]) = (0.0, 0.0),
@@ -332,11 +336,6 @@ impl<'a> Selection<'a> {
         Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
     }
 
-    /// The derivative of z of an order, for signals alone.
-    fn level_derivative(&self, order: usize) -> DVector<f64> {
-        self.derivatives[order].clone()
-    }
-
     fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
         problem.solve().map_err(|jam| Jam {
             contacts: jam
@@ -351,15 +350,28 @@ impl<'a> Selection<'a> {
         contacts.iter().any(|c| matches!(c, Contact::Friction(i) if self.system.frictions[*i].has_static && !matches!(self.frictions[*i], Friction::Is(_))))
     }
 
-    /// The friction with a static level whose holding force exceeds that level most, with its direction.
-    fn leaving(&self, contacts: &[Contact], held: &Solution, order: usize) -> Option<(usize, f64)> {
+    /// The friction with a static level whose holding force exceeds that level most, with its direction. One of several that
+    /// share a force leaves only if it would slip with all of them at their levels.
+    fn leaving(
+        &self,
+        contacts: &[Contact],
+        held: &Solution,
+        (problem, limited): (&Problem, &Solution),
+        order: usize,
+    ) -> Option<(usize, f64)> {
         let mut most: Option<(usize, f64, f64)> = None;
         for (k, &contact) in contacts.iter().enumerate() {
             let Contact::Friction(i) = contact else { continue };
             if !self.system.frictions[i].has_static {
                 continue;
             }
-            let level = self.system.frictions[i].static_level.dot(&self.level_derivative(order));
+            let slips = limited.residual[k].abs() > problem.zero[k];
+            let others: Vec<usize> = (0..contacts.len()).filter(|&j| j != k).chain([k]).collect();
+            let alone = super::box_qp::independent(&problem.columns, &others).contains(&k);
+            if !slips && !alone {
+                continue;
+            }
+            let level = self.system.frictions[i].static_level.dot(&self.derivatives[order]);
             let force = held.lambda[k];
             let ratio = match self.frictions[i] {
                 Friction::Resting(first) if first == order => force.abs() / level,
@@ -367,8 +379,9 @@ impl<'a> Selection<'a> {
                 Friction::AtLevel(d) if d * force - level > ZERO * (force.abs() + level.abs()) => f64::INFINITY,
                 _ => continue,
             };
-            if ratio > 1.0 + ZERO && most.is_none_or(|(_, _, r)| ratio > r) {
-                most = Some((i, force.signum(), ratio));
+            let direction = if slips { limited.residual[k].signum() } else { force.signum() };
+            if (ratio > 1.0 + ZERO || slips) && most.is_none_or(|(_, _, r)| ratio > r) {
+                most = Some((i, direction, ratio));
             }
         }
         most.map(|(i, direction, _)| (i, direction))
@@ -390,7 +403,7 @@ impl<'a> Selection<'a> {
                 }
                 Contact::Stop(_) => {}
                 Contact::Friction(i) => {
-                    let level = self.system.frictions[i].static_level.dot(&self.level_derivative(order));
+                    let level = self.system.frictions[i].static_level.dot(&self.derivatives[order]);
                     match self.frictions[i] {
                         Friction::Is(_) => {}
                         _ if left.abs() > problem.zero[k] => {
@@ -401,6 +414,7 @@ impl<'a> Selection<'a> {
                             self.frictions[i] = if room > ZERO * level + zero_force {
                                 Friction::Is(FrictionState::Stuck)
                             } else {
+                                self.at_level[i] = force.signum();
                                 Friction::AtLevel(force.signum())
                             };
                         }
@@ -415,12 +429,13 @@ impl<'a> Selection<'a> {
     }
 
     fn finish(self) -> Mode {
-        let (stops, frictions) = self.states();
+        let (stops, mut frictions) = self.states();
         let mut contacts = self.preferred.clone();
         let closed = (0..stops.len()).filter(|&i| stops[i] == StopState::Closed).map(Contact::Stop);
         let stuck =
             (0..frictions.len()).filter(|&i| frictions[i] == FrictionState::Stuck).map(Contact::Friction);
-        let all: Vec<Contact> = closed.chain(stuck).collect();
+        let mut all: Vec<Contact> = closed.chain(stuck).collect();
+        all.sort_by_key(|c| matches!(c, Contact::Friction(i) if self.at_level[*i] != 0.0));
         contacts.retain(|c| all.contains(c));
         for contact in all {
             if !contacts.contains(&contact) {
@@ -428,6 +443,13 @@ impl<'a> Selection<'a> {
             }
         }
         let basis = self.system.independent(&contacts);
+        // What depends on the others keeps the share of the solution: its level, or nothing.
+        for (i, state) in frictions.iter_mut().enumerate() {
+            let direction = self.at_level[i];
+            if state.sticks() && direction != 0.0 && !basis.contains(&Contact::Friction(i)) {
+                *state = if direction > 0.0 { FrictionState::HeldUp } else { FrictionState::HeldDown };
+            }
+        }
         Mode { stops, frictions, basis }
     }
 }

@@ -34,7 +34,7 @@ impl Motion {
         let (impacts, closing) = self.collide(&touching, &flags)?;
         self.report_impacts(&impacts, observer);
         let mode = self.select(&flags)?;
-        self.enter(mode, &flags);
+        self.enter(mode);
         self.report_changes(&before, &closing, observer);
         Ok(())
     }
@@ -75,7 +75,7 @@ impl Motion {
             }
         }
         for (i, state) in hybrid.mode.frictions.iter().enumerate() {
-            flags.resting[i] = *state == FrictionState::Stuck;
+            flags.resting[i] = state.sticks();
         }
         for &watch in ended {
             match watch {
@@ -214,7 +214,7 @@ impl Motion {
     }
 
     /// Puts a mode in force, and finds the order with which each watched functional leaves zero.
-    fn enter(&mut self, mode: Mode, flags: &Flags) {
+    fn enter(&mut self, mode: Mode) {
         self.table = self.table_of(&mode);
         self.hybrid.mode = mode;
         self.keep_contacts();
@@ -222,13 +222,7 @@ impl Motion {
         let departing = self.table.watched.iter().map(|w| {
             let zero = |k: usize| ZERO * sized(&w.coefficients, k, &hybrid.sizes.0);
             let value = row_dot(&w.coefficients, 0, &hybrid.z);
-            let flagged = match w.watch {
-                Watch::Meets(i) => flags.stops[i],
-                Watch::Presses(i) | Watch::Changes(i) => flags.edges[i] || flags.limits[i],
-                Watch::Stops(i) => flags.resting[i],
-                Watch::Opens(_) | Watch::Slips(..) | Watch::Level(_) => false,
-            };
-            if value < -zero(0) && !(flagged && is_participant(w.watch, value, zero(0))) {
+            if value < -zero(0) {
                 return 0;
             }
             (1..ORDERS).find(|&k| row_dot(&w.coefficients, k, &hybrid.z).abs() > zero(k)).unwrap_or(ORDERS)
@@ -270,7 +264,7 @@ impl Motion {
         }
         for (i, &now) in self.hybrid.mode.frictions.iter().enumerate() {
             let Some(&was) = before.frictions.get(i) else { continue };
-            if was == now {
+            if was == now || (was.sticks() && now.sticks()) {
                 continue;
             }
             let level = |acts| EventKind::Level { friction: i, acts };
@@ -280,7 +274,7 @@ impl Motion {
                 _ => {}
             }
             match now {
-                FrictionState::Stuck => report(observer, time, EventKind::Stick { friction: i }),
+                _ if now.sticks() => report(observer, time, EventKind::Stick { friction: i }),
                 FrictionState::Up | FrictionState::Down if was != FrictionState::Off => {
                     let (direction, force) = (now.direction(), self.friction(i)[2]);
                     report(observer, time, EventKind::Slip { friction: i, direction, force });
@@ -289,11 +283,6 @@ impl Motion {
             }
         }
     }
-}
-
-/// A flagged functional whose value differs from zero by rounding of the event's time.
-fn is_participant(watch: Watch, value: f64, zero: f64) -> bool {
-    matches!(watch, Watch::Meets(_) | Watch::Presses(_) | Watch::Stops(_) | Watch::Changes(_)) && value.abs() <= 1e3 * zero
 }
 
 fn sized(matrix: &DMatrix<f64>, row: usize, sizes: &DVector<f64>) -> f64 {

@@ -152,7 +152,7 @@ impl Motion {
         let state = self.hybrid.mode.frictions[i];
         let force = match state {
             FrictionState::Stuck => self.contact_force(Contact::Friction(i)),
-            _ => state.direction() * friction.level.dot(z),
+            _ => system.friction_force(i, state).map_or(0.0, |row| row.dot(z)),
         };
         [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
     }

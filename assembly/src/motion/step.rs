@@ -12,7 +12,7 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 /// lose digits.
 const REACH: f64 = 4.0;
 /// Sub-steps in one call, and for each sub-step's length of time.
-const WORK: (u64, f64) = (1_000_000, 64.0);
+const WORK: (u64, f64) = (20_000, 64.0);
 /// Events at one instant without progress, for each element and one more.
 const CHAIN: usize = 100;
 
