@@ -109,8 +109,8 @@ fn explained(text: &str, error: &toml::de::Error) -> Error {
 pub fn template(groups: bool) -> String {
     let set = ParameterSet::basic();
     let mut text = String::from(
-        "# Parameters of vibro. What is left out or begins with # has the default value, which is BASIC: a\n\
-         # reconstruction of the paper's machine, not its own data set.\n",
+        "# Parameters of vibro. What is left out or begins with # has the value of the default set: a\n\
+         # reconstruction of the paper's machine, not its own data.\n",
     );
     let names: Vec<Name> = if groups {
         text.push_str("# Dimensionless groups. The machine in SI: vibro template --si\n\n[groups]\n");

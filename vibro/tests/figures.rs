@@ -116,6 +116,41 @@ fn invariant_files_of_many_values_are_small_and_finite() {
     }
 }
 
+/// The texts of a drawing.
+fn texts(drawing: &Figure) -> Vec<String> {
+    let svg = canvas::svg(drawing).unwrap();
+    let texts = svg.split("<text").skip(1).filter_map(|t| t.split_once('>')?.1.split('<').next());
+    texts.map(String::from).collect()
+}
+
+/// A curve that has no room for its name in a crowded panel is known by its colour from another panel: a legend with the
+/// names of some curves would look as if the others had none.
+#[test]
+fn a_name_beside_a_curve_of_one_panel_is_in_no_shared_legend() {
+    let curve = || Layer::line("", BOX, Dash::Solid, jagged(50)).labelled("box x₁");
+    let crowd = (0..10_000).map(|i| (f64::from(i % 100) / 99.0, f64::from(i / 100) / 49.5 - 1.0)).collect();
+    let crowded = figure(vec![curve(), Layer::marks("", BLACK, Mark::Disc, crowd)]).panels.remove(0);
+    let straight = Layer::line("", BOX, Dash::Solid, vec![(0.0, 0.0), (1.0, 0.5)]).labelled("box x₁");
+    let free = figure(vec![straight]).panels.remove(0);
+    let count = |panels: Vec<Panel>| {
+        let drawing = Figure { panels, columns: 2, panel: (1700, 1150), shared_legend: true, ..Figure::default() };
+        texts(&drawing).iter().filter(|t| *t == "box x₁").count()
+    };
+    assert_eq!(count(vec![crowded.clone(), free]), 1);
+    // Without the other panel the name is in the legend.
+    assert_eq!(count(vec![crowded]), 1);
+}
+
+#[test]
+fn a_caption_keeps_symbols_values_and_units_together() {
+    let values: Vec<String> = (0..60).map(|i| format!("k = {i} kN/m")).collect();
+    let caption = vec![format!("{} (all set)", values.join(", "))];
+    let lines = texts(&Figure { caption, ..figure(Vec::new()) });
+    let of_caption: Vec<_> = lines.iter().filter(|l| l.contains("kN/m")).collect();
+    assert!(of_caption.len() > 3);
+    assert!(of_caption.iter().all(|l| l.starts_with("k = ")), "{of_caption:?}");
+}
+
 /// WCAG 2.2: the lighter of two luminances over the darker, with some stray light.
 fn contrast(a: Colour, b: Colour) -> f64 {
     let (a, b) = (a.luminance() + 0.05, b.luminance() + 0.05);
@@ -182,6 +217,11 @@ fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
         for layer in panel.layers.iter().filter(|l| BODIES.contains(&l.colour)) {
             assert!(named.iter().any(|n| n.colour == layer.colour), "{}, {}", study.name, panel.title);
         }
+    }
+    // No words that only those who wrote the program know.
+    for words in ["BASIC", "STRONG", "Past the paper", "ours"] {
+        let found = figure.caption.iter().find(|line| line.contains(words));
+        assert!(found.is_none(), "{}: {found:?}", study.name);
     }
     // The picture can be drawn.
     let svg = canvas::svg(figure).unwrap();

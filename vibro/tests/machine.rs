@@ -143,7 +143,10 @@ fn a_machine_that_is_not_complete_is_told() {
     );
     assert!(error.contains("stop.gap = 1 m") && error.contains("drive.amplitude = 0.15 N"), "{error}");
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("not given, and taken from BASIC") && text.contains("stop.gap = 1 m"), "{text}");
+    assert!(
+        text.contains("not given, and taken from the default set") && text.contains("stop.gap = 1 m"),
+        "{text}"
+    );
 }
 
 #[test]

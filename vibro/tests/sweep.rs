@@ -193,15 +193,21 @@ fn each_kind_of_designs_has_its_picture() {
     has(
         "sweep-lines",
         &["--vary", "f10=1:2:4", "--output", "amplitude.x1,amplitude.w"],
-        &["amplitude.x1", "amplitude (m)"],
+        &["amplitude of x₁ (m)", "Not drawn, since it is the same at all designs: amplitude of w is 1 m."],
     );
+    // A small gap: lengths in mm; what does not change is told with its unit.
+    let small = ["--vary", "drive.frequency=0.1Hz,0.2Hz", "--set", "stop.gap=0.5mm", "--output"];
+    let apart = ["amplitude.x1,amplitude.w,impacts", "--set", "drive.amplitude=2mN", "--set", "coupling.k=0"];
+    has("sweep-mm", &[&small[..], &apart[..]].concat(), &["amplitude of x₁ (mm)", "Designs over ω₁/2π"]);
+    let pair = ["--vary", "kappa=0.4,0.5,0.8", "--set", "stop.gap=5mm", "--output", "amplitude.x1"];
+    has("sweep-mm-map", &[&["--vary", "f10=1:2:4"], &pair[..]].concat(), &["least, ", " mm<"]);
     has(
         "sweep-map",
         &["--vary", "f10=1:2:4", "--vary", "kappa=0.4,0.5,0.8", "--output", "amplitude.x1"],
         &["least, ", "0.8"],
     );
     let three = ["--vary", "f10=1:2:3", "--vary", "kappa=0.4:0.8:3", "--vary", "L=0.9:1.1:2"];
-    has("sweep-three", &[&three[..], &["--output", "rms.x1"]].concat(), &["least over L of rms.x1"]);
+    has("sweep-three", &[&three[..], &["--output", "rms.x1"]].concat(), &["rms of x₁; least over L"]);
     let sobol = ["--vary", "f10=1:2", "--vary", "kappa=0.4:0.8", "--sobol", "9", "--output", "rms.x1"];
     has("sweep-sobol", &sobol, &["9 designs (points of the Sobol sequence)"]);
     // A design whose frequency the mass ratio does not allow.

@@ -10,8 +10,8 @@ const ROUNDING: f64 = 1e-12;
 impl Base {
     fn name(self) -> &'static str {
         match self {
-            Self::Basic => "BASIC, a reconstruction, not the paper's own data set",
-            Self::Strong => "STRONG, a set of ours, not the paper's own data set",
+            Self::Basic => "the default set, a reconstruction, not the paper's own data",
+            Self::Strong => "the strongly coupled set, chosen for this program, not the paper's own data",
         }
     }
 }

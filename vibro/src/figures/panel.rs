@@ -43,6 +43,16 @@ impl<'p> Layout<'p> {
         layout
     }
 
+    /// Whether a layer drawn alike has its name beside its curve.
+    pub fn names_like(&self, layer: &Layer) -> bool {
+        let pen = |layer: &Layer| match layer.shape {
+            Shape::Lines { dash, .. } => Some((layer.tint(), dash)),
+            _ => None,
+        };
+        layer.label.is_some()
+            && self.names.iter().any(|(_, named)| named.label == layer.label && pen(named) == pen(layer))
+    }
+
     /// Finds places for the names of curves; the others are entries of a legend.
     fn name_layers(&mut self) {
         let mut room = self.room();

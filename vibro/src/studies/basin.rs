@@ -163,7 +163,7 @@ fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
     let mut layers = vec![Layer::new("", GREY, cells(request, basin))];
     layers.extend(legend(basin));
     let method = format!(
-        "{} × {} starts, the other initial values zero; {} periods discarded. Past the paper.",
+        "{} × {} starts, the other initial values zero; {} periods discarded.",
         request.x.count, request.y.count, request.discard
     );
     let lengths = Lengths::of(set);

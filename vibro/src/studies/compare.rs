@@ -132,7 +132,7 @@ pub fn histories(set: &ParameterSet) -> Result<Study> {
     let (table, remarks) =
         amplitude_table("multiple_scales", theory.amplitudes(p), found.amplitudes, reason.as_deref());
     let mut figure = four_panels(
-        "Multiple scales against simulation (cf. figure 8)",
+        "Multiple scales against simulation (cf. the paper's figure 8)",
         set,
         (&theory.history(p, f64::from(SHOWN)), "multiple scales"),
         (&found.samples, "simulation"),
@@ -233,7 +233,7 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     }
     caption.push(set.caption_but(&[group.into()]));
     let figure = Figure {
-        title: "Accuracy of multiple scales (cf. figure 17)".into(),
+        title: "Accuracy of multiple scales (cf. the paper's figure 17)".into(),
         caption,
         panels,
         columns: 2,

@@ -4,6 +4,7 @@ mod collected;
 mod map;
 mod picture;
 mod table;
+mod words;
 
 pub use table::write_tables;
 

@@ -71,7 +71,7 @@ pub fn isoperiodic(set: &ParameterSet, request: &Request, plane: &Isoperiodic, n
         title: format!("Simulated motion over {pair}"),
         caption: vec![
             method(request),
-            format!("Past the paper. Elsewhere {}", set.caption_but(&[request.x.name, request.y.name])),
+            format!("Elsewhere {}", set.caption_but(&[request.x.name, request.y.name])),
         ],
         panels,
         columns: 2,

@@ -1,6 +1,7 @@
 //! One periodic orbit: its impacts and multipliers as a table; gap, portrait and multipliers as a picture.
 
 use super::Study;
+use super::lengths::Lengths;
 use super::orbits::said;
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, GREY, RELATIVE, VERMILLION};
@@ -35,7 +36,11 @@ pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> 
     let figure = Figure {
         title: format!("Periodic orbit {word}{sign} of period {}T", word.period()),
         caption: vec![format!("{stability}; {}{}", set.caption(), said(orbit.system().loads()))],
-        panels: vec![history(orbit), portrait(orbit), multipliers(orbit)],
+        panels: vec![
+            history(orbit, &Lengths::of(set)),
+            portrait(orbit, &Lengths::of(set)),
+            multipliers(orbit),
+        ],
         columns: 3,
         panel: (1150, 1150),
         shared_legend: false,
@@ -87,12 +92,12 @@ fn start_table(orbit: &Orbit) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The relative displacement over the whole period, in L, and its rate in L ω1.
+/// The relative displacement over the whole period, in L, and its rate in L ω10.
 fn samples(orbit: &Orbit) -> Vec<(f64, f64, f64)> {
     let p = orbit.system().parameters();
     let first = orbit.phases().first().copied().unwrap_or(0.0);
     let count = SAMPLES * orbit.word().period();
-    let speed = p.stop_gap * p.drive_frequency;
+    let speed = p.stop_gap * p.box_frequency();
     let at = |i: u32| {
         let phase = first + TAU * f64::from(i) / f64::from(SAMPLES);
         let state = orbit.state(phase);
@@ -101,16 +106,17 @@ fn samples(orbit: &Orbit) -> Vec<(f64, f64, f64)> {
     (0..=count).map(at).collect()
 }
 
-fn history(orbit: &Orbit) -> Panel {
+fn history(orbit: &Orbit, lengths: &Lengths) -> Panel {
     let points: Path = samples(orbit).into_iter().map(|(phase, w, _)| (phase / TAU, w)).collect();
     let (from, to) = (points[0].0, points[points.len() - 1].0);
     let stop = |w: f64| Layer::line("", GREY, Dash::Dotted, vec![(from, w), (to, w)]).stroke(THIN);
     let layers = vec![stop(1.0), stop(-1.0), Layer::line("", RELATIVE, Dash::Solid, points)];
     let x = Axis::over("phase of the drive (periods)", from, to);
-    Panel { title: "(a) history".into(), x, y: Axis::over("w (units of L)", -1.1, 1.1), layers }
+    let y = lengths.axis_over(&lengths.displacement("W"), -1.1, 1.1);
+    Panel { title: "(a) Block in the box; dotted: stops".into(), x, y, layers }
 }
 
-fn portrait(orbit: &Orbit) -> Panel {
+fn portrait(orbit: &Orbit, lengths: &Lengths) -> Panel {
     // Pieces end where the rate jumps.
     let mut pieces: Vec<Path> = vec![Vec::new()];
     let mut last: Option<(f64, f64)> = None;
@@ -122,10 +128,8 @@ fn portrait(orbit: &Orbit) -> Panel {
         last = Some((w, rate));
     }
     let layers = vec![Layer::lines("", RELATIVE, Dash::Solid, pieces)];
-    let title = "(b) portrait".into();
-    Panel {
-        title, x: Axis::over("w (units of L)", -1.1, 1.1), y: Axis::new("w′ (units of ω₁L)"), layers
-    }
+    let x = lengths.axis_over(&lengths.displacement("W"), -1.1, 1.1);
+    Panel { title: "(b) Phase portrait".into(), x, y: lengths.rates(&["W"]), layers }
 }
 
 fn multipliers(orbit: &Orbit) -> Panel {
@@ -138,5 +142,5 @@ fn multipliers(orbit: &Orbit) -> Panel {
         Layer::marks("multipliers", if orbit.is_stable() { BLACK } else { VERMILLION }, Mark::Disc, points),
     ];
     let axis = |label: &str| Axis::over(label, -reach, reach);
-    Panel { title: "(c) multipliers".into(), x: axis("Re μ"), y: axis("Im μ"), layers }
+    Panel { title: "(c) Multipliers".into(), x: axis("Re μ"), y: axis("Im μ"), layers }
 }

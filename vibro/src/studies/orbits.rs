@@ -1,5 +1,6 @@
 //! Branches of periodic orbits over a parameter, with their bifurcations.
 
+use super::lengths::Lengths;
 use super::{Study, parameter_axis};
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
@@ -46,7 +47,7 @@ pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Resul
     caption.push(format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(family.loads())));
     let what = format!("{} branches of periodic orbits over {}", branches.len(), span.name.symbol());
     let figure = Figure {
-        title: format!("Periodic orbits over {}", span.name.symbol()),
+        title: format!("Periodic orbits over {}", set.symbol(span.name)),
         caption,
         panels: vec![panel(set, &span, branches, &tops, marks)],
         columns: 1,
@@ -290,6 +291,11 @@ fn panel(
         layers.push(Layer::lines(&name, colour(period), Dash::Solid, Vec::new()));
     }
     layers.extend(marks.layers);
-    let x = parameter_axis(set, span.name, (span.from, span.to));
-    Panel { title: String::new(), x, y: Axis::new("largest X₂ (units of L)"), layers }
+    let (x, lengths) = (parameter_axis(set, span.name, (span.from, span.to)), Lengths::of(set));
+    // Over the gap itself, each point is in units of its own gap.
+    let y = match span.name.name() {
+        "stop.gap" => Axis::new("largest X₂ (units of L)"),
+        _ => lengths.axis(&format!("largest {}", lengths.displacement("X₂"))),
+    };
+    Panel { title: String::new(), x, y, layers }
 }

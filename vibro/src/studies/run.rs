@@ -1,5 +1,6 @@
 //! One motion of the given machine: its table, its impacts, a picture and a short account.
 
+mod envelope;
 mod history;
 mod picture;
 
@@ -127,9 +128,10 @@ pub fn run(set: &ParameterSet, request: &Request) -> Result<Study> {
     let figure = picture::figure(set, &history, &request.loads, remarks.last().cloned().unwrap_or_default());
     let tables =
         vec![("run".into(), motion_table(&history)?), ("run-impacts".into(), impact_table(&history).csv()?)];
-    let what =
-        format!("a motion over {} s ({} drive periods)", short(duration), short(duration / p.period()));
-    Ok(Study { tables, figure: Some(figure), ..Study::without_figure("run", what).with_remarks(remarks) })
+    let nothing = if figure.is_some() { "" } else { "; nothing changes, so that there is no picture" };
+    let (seconds, periods) = (short(duration), short(duration / p.period()));
+    let what = format!("a motion over {seconds} s ({periods} drive periods){nothing}");
+    Ok(Study { tables, figure, ..Study::without_figure("run", what).with_remarks(remarks) })
 }
 
 /// Six digits, for words.

@@ -26,7 +26,7 @@ PARAMETERS
   Symbols are names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
   Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg;
   without one they are in SI, an angular frequency in rad/s.
-  What is not set is BASIC: a reconstruction, not the paper's own data set.
+  What is not set has the value of the default set: a reconstruction, not the paper's own data.
   A parameter file is TOML with a table [si], a table [groups], or both ([groups] is applied last);
   --set comes after the file. `vibro template` writes a file with every parameter.
 
@@ -342,7 +342,7 @@ pub enum MethodName {
     MultipleScales,
     /// Paper section 5
     StrongCoupling,
-    /// Past the paper: no small parameter
+    /// Exact, without a small parameter
     ExactOrbit,
 }
 
