@@ -152,9 +152,9 @@ function drawDisplacements(g, at, { x, parts, gap }, width) {
   label(g, `ticks at ±${gap}`, width - 8, first + 13, theme.soft, 11, 400, "right");
 }
 
-/** The box without what is in it: frame with an opening for the coupling spring, stops, wheels. @param {any} g @param {Layout} at @param {number} box @param {Shown} shown */
+/** The box without what is in it: frame with an opening for the coupling spring if there is one, stops, wheels. @param {any} g @param {Layout} at @param {number} box @param {Shown} shown */
 function drawBox(g, at, box, shown) {
-  const { scale, y, half, floor } = at, wall = WALL * scale, inner = INNER * scale, outer = OUTER * scale, top = y - half - wall, slot = Math.max(9, half * 0.17);
+  const { scale, y, half, floor } = at, wall = WALL * scale, inner = INNER * scale, outer = OUTER * scale, top = y - half - wall, slot = shown.parts.k23 ? Math.max(9, half * 0.17) : 0;
   g.fillStyle = tinted(theme.ink, 0.06);
   g.beginPath(); g.roundRect(box - outer, floor - 2, 2 * outer, 4, 2); g.fill();
   for (const d of [-0.72, 0.72]) wheel(g, box + d * outer, floor - at.wheel, at.wheel, shown.x[0] * scale);
