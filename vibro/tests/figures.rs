@@ -133,7 +133,8 @@ fn a_name_beside_a_curve_of_one_panel_is_in_no_shared_legend() {
     let straight = Layer::line("", BOX, Dash::Solid, vec![(0.0, 0.0), (1.0, 0.5)]).labelled("box x₁");
     let free = figure(vec![straight]).panels.remove(0);
     let count = |panels: Vec<Panel>| {
-        let drawing = Figure { panels, columns: 2, panel: (1700, 1150), shared_legend: true, ..Figure::default() };
+        let drawing =
+            Figure { panels, columns: 2, panel: (1700, 1150), shared_legend: true, ..Figure::default() };
         texts(&drawing).iter().filter(|t| *t == "box x₁").count()
     };
     assert_eq!(count(vec![crowded.clone(), free]), 1);

@@ -199,7 +199,10 @@ fn what_does_not_change_is_told_and_not_drawn() {
     ] {
         assert!(says(&texts, words), "{words} in {texts:?}");
     }
-    assert!(!texts.iter().any(|t| t.starts_with("x₃, secondary") || t.contains("Impact speeds")), "{texts:?}");
+    assert!(
+        !texts.iter().any(|t| t.starts_with("x₃, secondary") || t.contains("Impact speeds")),
+        "{texts:?}"
+    );
     // A block in the middle that nothing reaches, and the box alone.
     let few = ["--start", "box.v=0.01", "--set", "drive.amplitude=0N", "--periods", "5"];
     let out = folder("run-alone");

@@ -195,12 +195,16 @@ fn each_kind_of_designs_has_its_picture() {
         &["--vary", "f10=1:2:4", "--output", "amplitude.x1,amplitude.w"],
         &["amplitude of x₁ (m)", "Not drawn, since it is the same at all designs: amplitude of w is 1 m."],
     );
-    // A small gap: lengths in mm; what does not change is told with its unit.
-    let small = ["--vary", "drive.frequency=0.1Hz,0.2Hz", "--set", "stop.gap=0.5mm", "--output"];
-    let apart = ["amplitude.x1,amplitude.w,impacts", "--set", "drive.amplitude=2mN", "--set", "coupling.k=0"];
-    has("sweep-mm", &[&small[..], &apart[..]].concat(), &["amplitude of x₁ (mm)", "Designs over ω₁/2π"]);
-    let pair = ["--vary", "kappa=0.4,0.5,0.8", "--set", "stop.gap=5mm", "--output", "amplitude.x1"];
-    has("sweep-mm-map", &[&["--vary", "f10=1:2:4"], &pair[..]].concat(), &["least, ", " mm<"]);
+    // A small gap, written in m: lengths in mm; what does not change is told with its unit.
+    let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep-damper.toml");
+    let text = "[si]\nbox.m = 12\nbox.k = 48e3\nbox.c = 30\nblock.m = 1.2\nstop.gap = 0.015\nstop.restitution = 0.6\n\
+        drive.amplitude = 75\ndrive.frequency = \"10 Hz\"\ncoupling.k = 0\nsecondary.m = 1\nsecondary.k = 1e3\nsecondary.c = 1\n";
+    std::fs::write(&machine, text).unwrap();
+    let over = ["--config", machine.to_str().unwrap(), "--vary", "drive.frequency=9.9Hz,10Hz"];
+    let told = ["amplitude of x₁ (mm)", "Designs over ω₁/2π", "amplitude of w is 15 mm."];
+    has("sweep-mm", &[&over[..], &["--output", "amplitude.x1,amplitude.w"]].concat(), &told);
+    let masses = ["--vary", "block.m=1kg,1.2kg", "--output", "amplitude.x1"];
+    has("sweep-mm-map", &[&over[..], &masses].concat(), &["least, ", " mm<"]);
     has(
         "sweep-map",
         &["--vary", "f10=1:2:4", "--vary", "kappa=0.4,0.5,0.8", "--output", "amplitude.x1"],

@@ -27,7 +27,10 @@ struct Page<'f> {
 
 impl<'f> Page<'f> {
     fn new(figure: &'f Figure) -> Self {
-        let panels: Vec<_> = figure.panels.iter().map(|p| Layout::new(p, figure.panel)).collect();
+        let mut panels: Vec<_> = figure.panels.iter().map(|p| Layout::new(p, figure.panel)).collect();
+        if !figure.shared_legend {
+            panels.iter_mut().for_each(Layout::name_all_or_none);
+        }
         let (mut own, mut shared) = (Vec::new(), Vec::new());
         if figure.shared_legend {
             // A curve whose name stands beside it in one panel is known in the others by its colour.

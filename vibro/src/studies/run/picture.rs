@@ -5,7 +5,7 @@ use super::envelope::{Extremes, constant, envelope, thinned};
 use super::history::{History, RunImpact, RunInstant};
 use super::short;
 use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, RELATIVE, SECONDARY};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 use crate::studies::PANEL;
 use crate::studies::lengths::LengthUnit;
 use vibro_analysis::ParameterSet;
@@ -19,8 +19,9 @@ const DETAIL: f64 = 10.0;
 const PORTRAIT: f64 = 60.0;
 /// Most instants of a portrait.
 const INSTANTS: usize = 12_000;
-/// Most marks of a panel: more impacts are drawn by their least and largest speeds.
-const MARKS: usize = 400;
+/// Most marks of a panel: more impacts are drawn by their least and largest speeds. Many are drawn small.
+const MARKS: usize = 1500;
+const MANY: usize = 200;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
 /// How strong the area of an envelope is.
@@ -89,11 +90,11 @@ impl<'a> Shown<'a> {
     fn told_still(&self, body: usize, place: f64) -> String {
         let (symbol, name, _) = BODIES[body];
         let why = if body == 2 && self.set.parameters().coupling_stiffness == 0.0 {
-            ", to which nothing couples the block,"
+            ", to which nothing couples the block"
         } else {
             ""
         };
-        format!("{symbol}, the {name}{why} stays at {}", self.length(place))
+        format!("{symbol}, the {name}{why}, stays at {}", self.length(place))
     }
 
     fn end(&self) -> f64 {
@@ -194,7 +195,7 @@ impl<'a> Shown<'a> {
         if !marks.is_empty() {
             layers.push(Layer::marks("impact", BLACK, Mark::Disc, marks).stroke(SMALL));
         }
-        let title = format!("Block in the box, w = x₂ − x₁; dashed: stops{}", self.of_the_last(DETAIL));
+        let title = format!("Block in the box, w = x₂ − x₁{}; dashed: stops", self.of_the_last(DETAIL));
         let y = Axis::over(self.lengths("w"), -1.15 * stop, 1.15 * stop);
         titled(title, self.time(from), y, layers)
     }
@@ -250,12 +251,13 @@ impl<'a> Shown<'a> {
         }
         let [upper, lower] = sides;
         let stops = [("upper stop", BLACK, Mark::Triangle, upper), ("lower stop", GREY, Mark::Ring, lower)];
-        let many = stops.iter().map(|stop| stop.3.len()).sum::<usize>() > MARKS;
+        let count = stops.iter().map(|stop| stop.3.len()).sum::<usize>();
+        let (many, size) = (count > MARKS, if count > MANY { SMALL } else { MARK });
         let layer = |(name, colour, mark, path): (&str, Colour, Mark, Path)| {
             if many {
                 enveloped(name, colour, envelope(path.into_iter(), self.period, self.end()))
             } else {
-                vec![Layer::marks(name, colour, mark, path)]
+                vec![Layer::marks(name, colour, mark, path).stroke(size)]
             }
         };
         let layers = stops.into_iter().flat_map(layer).collect();
