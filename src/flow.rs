@@ -344,6 +344,3 @@ fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: 
 pub fn substep(model: &Model) -> f64 {
     SUBSTEP_TIMES_RATE / model.rate
 }
-
-#[cfg(test)]
-mod tests;
