@@ -4,7 +4,7 @@
 //! time between them at once, and through the jump (84). Nothing else is needed of the motion, which can be one of many side by side.
 //!
 //! The time that is counted is not fixed: it ends when the class is decided. Growth is summed over blocks of drive periods, whose
-//! scatter gives the standard error of their mean. docs/numerics.md, "The largest exponent of many motions", states the rule.
+//! scatter gives the standard error of their mean. docs/studies.md, "The largest exponent of many motions", states the rule.
 
 use super::attractor::ZERO_EXPONENT;
 use super::variation::SingleVariation;

@@ -1,7 +1,8 @@
 //! The event-driven simulator: exact flow between events, events found with proof, the event's law at each.
 //!
 //! A communication step is a reporting interval, not an integration step: ten steps of h and one of 10 h agree to round-off.
-//! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then copied.
+//! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then
+//! copied.
 //!
 //! | kernel | when it runs | what proves that no event is missed | bits equal to which |
 //! |---|---|---|---|
@@ -186,8 +187,8 @@ impl Simulator {
         &self.parameters
     }
 
-    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase continuous, a change of drive phase
-    /// shifts it. Energy that the change itself adds to springs and masses counts as input.
+    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase continuous, a change of drive
+    /// phase shifts it. Energy that the change itself adds to springs and masses counts as input.
     ///
     /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop, and its law takes the new
     /// values; a release that is due is decided anew, as contact is after every change. The same holds for

@@ -175,7 +175,7 @@ impl Instance {
     ) -> Outcome<Turn> {
         self.update = None;
         if self.component.phase() == component::Phase::Terminated {
-            self.component.take_pieces_back(&progress.pieces);
+            self.component.take_pieces_back(&progress.pieces)?;
             return Err(Problem::Sequence {
                 what: "a call inside the callback was refused: the step has been taken back",
             });

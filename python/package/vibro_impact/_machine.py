@@ -60,7 +60,7 @@ class Machine(ParameterValues):
     ) -> Run:
         """The exact motion with all its impacts, reported at equal steps of the drive's period or at times of one's own.
 
-        Steps are for reporting only: the result does not depend on them but for round-off (docs/numerics.md). The bits are those of the
+        Steps are for reporting only: the result does not depend on them but for round-off (docs/guarantees.md). The bits are those of the
         FMU that is asked for the same times.
 
         Parameters

@@ -42,7 +42,7 @@ def simulate_many(
     """Many motions over whole drive periods from time 0, side by side in the processor's vectors and on all cores.
 
     Each ends as accurately as by :meth:`Machine.simulate`, but not on the same bits; they do not depend on the other motions, nor on the
-    number of threads (docs/numerics.md, section 8).
+    number of threads (docs/guarantees.md).
 
     Parameters
     ----------

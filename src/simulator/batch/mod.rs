@@ -13,7 +13,7 @@
 //! | `lanes/maxima.rs` | local maxima of a displacement |
 //! | `vectors.rs` | vectors with operators |
 //!
-//! docs/numerics.md, "Many motions side by side", says why each part is right and what its bits agree with.
+//! docs/numerics.md, "Many motions side by side", says why each part is right, docs/guarantees.md what its bits agree with.
 
 mod lanes;
 mod queue;

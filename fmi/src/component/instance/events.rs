@@ -1,7 +1,7 @@
 //! Events of co-simulation as a host sees them that handles them itself: the component pauses before an event, shows both of
 //! its limits, and applies its law when it is told to. A solver's events (Model Exchange) are handled in the same two calls.
 
-use super::step::describe;
+use super::step::{describe, take_back};
 use super::{Engine, EventHandling, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
@@ -220,9 +220,7 @@ impl Instance {
         let before = simulator.snapshot();
         let contact = simulator.contact();
         if let Err(error) = changes.put(simulator) {
-            // Cannot fail: it is this simulator's own.
-            let _ = simulator.restore(&before);
-            return Err(error.into());
+            return Err(take_back(simulator, &before, error));
         }
         let released = contact != Contact::Flight && simulator.contact() == Contact::Flight;
         let due = simulator.apply_due_event(report.as_deref_mut());
