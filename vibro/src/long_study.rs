@@ -178,7 +178,7 @@ impl LongStudy {
                 let family = Family::new(&self.set, *loads, *span)?;
                 let told = |done, waiting| tell(done, done + waiting);
                 let found = tree_in_parts(&family, options, task.store, &told)?;
-                Ok(Some(vec![studies::orbits(&self.set, &family, &found.branches)?]))
+                Ok(Some(vec![studies::orbits(&self.set, &family, &found.branches, Some(&found.searched))?]))
             }
         }
     }

@@ -5,7 +5,7 @@ mod drawn;
 use super::Study;
 use super::diagram::{DIRECTIONS, method};
 use super::lengths::Lengths;
-use super::orbits::special_table;
+use super::orbits::{search_in_words, special_table};
 use crate::Result;
 use crate::figures::chart::Figure;
 use crate::table::{CsvRows, exact};
@@ -206,6 +206,7 @@ impl DiagramOrbits {
             shared_legend: false,
         };
         let mut remarks = self.coverage_in_words(set, sweep);
+        remarks.push(search_in_words(&self.tree.searched));
         remarks.extend(self.doublings_in_words(set).into_iter().take(TOLD));
         let what = format!(
             "{} branches of periodic orbits over the local maxima of {symbol} over {along}",

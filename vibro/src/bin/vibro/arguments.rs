@@ -45,7 +45,7 @@ EXAMPLES
   vibro orbits --tree --vary f10=0.5:5
   vibro bifurcation --orbits --vary f10=2:3:101
   vibro orbit --word UUL --set f10=2.7
-  vibro locus --from vibro-out/special-points.csv:3 --vary f10=0.5:3 --vary kappa=0.5:0.9
+  vibro locus --from vibro-out/special-points.csv:PD@2.373 --vary f10=0.5:3 --vary kappa=0.5:0.9
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
