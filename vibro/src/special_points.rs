@@ -60,7 +60,8 @@ impl FromStr for Selection {
     fn from_str(text: &str) -> Result<Self> {
         let all = || Self { path: text.into(), rows: Rows::All };
         let Some((path, choice)) = text.rsplit_once(':') else { return Ok(all()) };
-        let form = || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
+        let form =
+            || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
         let rows = if let Ok(row) = choice.parse::<usize>() {
             if row == 0 {
                 return Err(form());
@@ -97,15 +98,21 @@ impl Selection {
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
         let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
         let records = records.map_err(|e| wrong(e.to_string()))?;
-        let rows: Vec<Row> =
-            records.iter().zip(1..).map(|(record, number)| Row { number, record, header: &header, path: &self.path }).collect();
+        let rows: Vec<Row> = records
+            .iter()
+            .zip(1..)
+            .map(|(record, number)| Row { number, record, header: &header, path: &self.path })
+            .collect();
         if let Some(other) = rows.first().map(|row| row.along()).transpose()?.filter(|own| *own != along) {
-            let problem = format!("has points over {}, but the first --vary is of {}", other.name(), along.name());
+            let problem =
+                format!("has points over {}, but the first --vary is of {}", other.name(), along.name());
             return Err(wrong(problem));
         }
         match &self.rows {
             Rows::Row(number) => {
-                let row = rows.get(number - 1).ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
+                let row = rows
+                    .get(number - 1)
+                    .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
                 let point = row.point(along, held)?;
                 let label = row.cell("label")?;
                 Ok(vec![point.ok_or_else(|| {
@@ -117,7 +124,14 @@ impl Selection {
         }
     }
 
-    fn chosen(&self, rows: &[Row], along: Name, held: f64, label: Option<Label>, value: Option<&str>) -> Result<Vec<SpecialPoint>> {
+    fn chosen(
+        &self,
+        rows: &[Row],
+        along: Name,
+        held: f64,
+        label: Option<Label>,
+        value: Option<&str>,
+    ) -> Result<Vec<SpecialPoint>> {
         let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
         let all = rows.iter().map(|row| row.point(along, held)).collect::<Result<Vec<_>>>()?;
         let mut found: Vec<SpecialPoint> =
@@ -129,7 +143,10 @@ impl Selection {
         if let Some(text) = value {
             let (wanted, room) = (number(along, text)?, last_digit(along, text)?);
             let distance = |p: &SpecialPoint| (p.start.values[0] - wanted).abs();
-            let nearest = found.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|p| (p.row, p.start.values[0]));
+            let nearest = found
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .map(|p| (p.row, p.start.values[0]));
             found.retain(|p| distance(p) <= room);
             if let (true, Some((row, value))) = (found.is_empty(), nearest) {
                 return Err(wrong(format!("has no {what} at {text}; the nearest is row {row} at {value}")));
@@ -181,7 +198,8 @@ impl Row<'_> {
     fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
         let name = self.cell("label")?;
         let Some(label) = STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };
-        let phases = self.cell("phases")?.split_whitespace().map(|x| self.number(x)).collect::<Result<Vec<_>>>()?;
+        let phases =
+            self.cell("phases")?.split_whitespace().map(|x| self.number(x)).collect::<Result<Vec<_>>>()?;
         let closing: i8 = if self.cell("closing")? == "-" { -1 } else { 1 };
         let period: Option<u32> = self.cell("period")?.parse().ok();
         let half = period.and_then(|period| if closing < 0 { Some(period) } else { period.checked_mul(2) });

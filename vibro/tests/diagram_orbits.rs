@@ -69,7 +69,18 @@ fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
 fn invariant_settled_rows_of_a_block_without_a_spring_lie_on_stable_branches() {
     let out = folder("diagram-orbits-free");
     // The symmetric motion and the one after it has lost its symmetry.
-    let range = ["--range", "f10=1.5:2.3", "--resolution", "9", "--discard", "400", "--keep", "20", "--set", "coupling.k=0"];
+    let range = [
+        "--range",
+        "f10=1.5:2.3",
+        "--resolution",
+        "9",
+        "--discard",
+        "400",
+        "--keep",
+        "20",
+        "--set",
+        "coupling.k=0",
+    ];
     drawn(&out, &[&["bifurcation", "--orbits"][..], &range].concat());
     let rows = table(&out, "bifurcation-orbits-rows.csv");
     let covered = rows.iter().filter(|row| row["not_covered"].is_empty()).count();

@@ -45,7 +45,8 @@ fn closed_form_of_the_branch_with_a_word_and_its_curve_in_two_parameters() {
 fn a_tree_has_the_same_bytes_for_any_number_of_threads() {
     let bytes = |threads: &str| {
         let out = folder(&format!("orbits-tree-{threads}"));
-        let range = ["--vary", "f10=2.0:2.6", "--seeds", "4", "--starts", "16", "--depth", "1", "--threads", threads];
+        let range =
+            ["--vary", "f10=2.0:2.6", "--seeds", "4", "--starts", "16", "--depth", "1", "--threads", threads];
         drawn(&out, &[&["orbits", "--tree"][..], &range].concat());
         ["branches.csv", "special-points.csv", "orbits-search.csv", "orbits.svg"]
             .map(|name| std::fs::read(out.join(name)).unwrap())
@@ -105,17 +106,43 @@ fn rows_are_chosen_by_label_and_value_and_one_that_fails_leaves_the_others() {
         let folder = folder(name);
         let from: Vec<String> = from.iter().map(|choice| format!("{file}{choice}")).collect();
         let from: Vec<&str> = from.iter().flat_map(|f| ["--from", f]).collect();
-        let said = drawn(&folder, &[&["locus"], &from[..], &["--vary", "f10=0.3:3", "--vary", "kappa=0.74:0.76"]].concat());
-        let mut labels: Vec<String> = table(&folder, "locus.csv").iter().map(|r| r["label"].clone()).collect();
+        let said = drawn(
+            &folder,
+            &[&["locus"], &from[..], &["--vary", "f10=0.3:3", "--vary", "kappa=0.74:0.76"]].concat(),
+        );
+        let mut labels: Vec<String> =
+            table(&folder, "locus.csv").iter().map(|r| r["label"].clone()).collect();
         labels.dedup();
         (labels, said)
     };
     // The symmetry breaks at 2.03958…, as far as it is written.
     assert_eq!(curves("locus-value", &[":BP@2.04"]).0, ["BP"]);
     assert_eq!(curves("locus-any", &[":@2.0396", ":LP"]).0, ["BP", "LP"]);
-    let (message, row) = (refused(&["locus", "--from", &format!("{file}:BP@2.1"), "--vary", "f10=0.3:3", "--vary", "kappa=0.7:0.8"]), rows.len());
-    assert!(message.0 == 2 && message.1.contains("the nearest is row") && message.1.contains("2.0395"), "{message:?}");
-    let message = refused(&["locus", "--from", &format!("{file}:{}", row + 1), "--vary", "f10=0.3:3", "--vary", "kappa=0.7:0.8"]);
+    let (message, row) = (
+        refused(&[
+            "locus",
+            "--from",
+            &format!("{file}:BP@2.1"),
+            "--vary",
+            "f10=0.3:3",
+            "--vary",
+            "kappa=0.7:0.8",
+        ]),
+        rows.len(),
+    );
+    assert!(
+        message.0 == 2 && message.1.contains("the nearest is row") && message.1.contains("2.0395"),
+        "{message:?}"
+    );
+    let message = refused(&[
+        "locus",
+        "--from",
+        &format!("{file}:{}", row + 1),
+        "--vary",
+        "f10=0.3:3",
+        "--vary",
+        "kappa=0.7:0.8",
+    ]);
     assert!(message.1.contains(&format!("has no row {}", row + 1)), "{message:?}");
     // A row of another machine: its phases are wrong.
     let text = std::fs::read_to_string(&file).unwrap();
@@ -125,8 +152,14 @@ fn rows_are_chosen_by_label_and_value_and_one_that_fails_leaves_the_others() {
     });
     std::fs::write(&file, spoilt.collect::<Vec<_>>().join("\n")).unwrap();
     let (labels, said) = curves("locus-all", &[""]);
-    assert!(labels.contains(&"BP".into()) && labels.contains(&"LP".into()) && !labels.contains(&"NS".into()), "{labels:?}");
-    assert!(said.contains("no curve from") && said.contains("is it the one in which the point was found"), "{said}");
+    assert!(
+        labels.contains(&"BP".into()) && labels.contains(&"LP".into()) && !labels.contains(&"NS".into()),
+        "{labels:?}"
+    );
+    assert!(
+        said.contains("no curve from") && said.contains("is it the one in which the point was found"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -157,20 +190,47 @@ fn an_orbit_that_is_a_shorter_one_passed_twice_is_said_to_be_that() {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
     // Beyond it there is one, which comes first.
-    let said = drawn(&folder("orbit-own"), &["orbit", "--word", "ULUL", "--period", "2", "--set", "f10=2.43"]);
+    let said =
+        drawn(&folder("orbit-own"), &["orbit", "--word", "ULUL", "--period", "2", "--set", "f10=2.43"]);
     assert!(said.contains("ULUL+ (period 2T)") && !said.contains("passed 2 times;"), "{said}");
     // A whole word of a symmetric orbit.
     let half = folder("orbit-half");
     let said = drawn(&half, &["orbit", "--word", "UL", "--set", "f10=1.5"]);
-    assert!(said.contains("UL+ is U-, a symmetric orbit") && said.contains("of half the period, so"), "{said}");
+    assert!(
+        said.contains("UL+ is U-, a symmetric orbit") && said.contains("of half the period, so"),
+        "{said}"
+    );
     assert_eq!(table(&half, "orbit-multipliers.csv")[0]["of"], "half period");
 }
 
 #[test]
 fn orbits_of_a_block_without_a_spring_by_word_branch_and_tree() {
-    let damper = ["--set", "box.m=12kg", "--set", "box.k=48kN/m", "--set", "box.c=30N.s/m", "--set", "block.m=1.1kg", "--set", "secondary.m=1kg",
-        "--set", "secondary.k=4kN/m", "--set", "secondary.c=5N.s/m", "--set", "coupling.k=0", "--set", "stop.gap=18mm", "--set", "stop.restitution=0.5",
-        "--set", "drive.amplitude=75N", "--set", "drive.frequency=10.05Hz"];
+    let damper = [
+        "--set",
+        "box.m=12kg",
+        "--set",
+        "box.k=48kN/m",
+        "--set",
+        "box.c=30N.s/m",
+        "--set",
+        "block.m=1.1kg",
+        "--set",
+        "secondary.m=1kg",
+        "--set",
+        "secondary.k=4kN/m",
+        "--set",
+        "secondary.c=5N.s/m",
+        "--set",
+        "coupling.k=0",
+        "--set",
+        "stop.gap=18mm",
+        "--set",
+        "stop.restitution=0.5",
+        "--set",
+        "drive.amplitude=75N",
+        "--set",
+        "drive.frequency=10.05Hz",
+    ];
     let with = |more: &[&'static str]| [more, &damper[..]].concat();
     let out = folder("orbit-free");
     let said = drawn(&out, &with(&["orbit", "--word", "U-"]));
@@ -179,10 +239,25 @@ fn orbits_of_a_block_without_a_spring_by_word_branch_and_tree() {
     let said = drawn(&folder("orbit-falls"), &with(&["orbit", "--word", "UL", "--load", "block=-1"]));
     assert!(said.contains("UL+ (period 1T)"), "{said}");
     let tree = folder("orbits-free");
-    let said = drawn(&tree, &with(&["orbits", "--tree", "--vary", "drive.frequency=9.8Hz:10.4Hz", "--seeds", "4", "--starts", "8", "--depth", "1"]));
+    let said = drawn(
+        &tree,
+        &with(&[
+            "orbits",
+            "--tree",
+            "--vary",
+            "drive.frequency=9.8Hz:10.4Hz",
+            "--seeds",
+            "4",
+            "--starts",
+            "8",
+            "--depth",
+            "1",
+        ]),
+    );
     assert!(said.contains("from 8 starts over the states they visit"), "{said}");
     assert!(table(&tree, "special-points.csv").len() > 2);
-    let starts: u32 = table(&tree, "orbits-search.csv").iter().map(|r| r["starts"].parse::<u32>().unwrap()).sum();
+    let starts: u32 =
+        table(&tree, "orbits-search.csv").iter().map(|r| r["starts"].parse::<u32>().unwrap()).sum();
     assert_eq!(starts, 8);
 }
 
@@ -221,7 +296,10 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["orbit", "--word", "U-", "--load", "box=0.1"], "give the whole word"),
         (&["orbit", "--word", "U", "--set", "coupling.k=0"], "must meet both stops"),
         (&["orbit", "--word", "UU", "--set", "coupling.k=0", "--load", "block=-0.01"], "needs an L"),
-        (&["locus", "--from", "no.csv:XX@2", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "FILE:LABEL@VALUE"),
+        (
+            &["locus", "--from", "no.csv:XX@2", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"],
+            "FILE:LABEL@VALUE",
+        ),
         (&["orbit", "--set", "kappa=0.05", "--set", "f10=4.5"], "rests at a stop"),
         (&["orbits", "--word", "UL", "--vary", "f10=3:4"], "must lie in the range"),
         (&["orbits", "--vary", "kappa=0.5:1.5"], "kappa = 1.5"),

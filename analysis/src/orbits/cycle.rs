@@ -162,7 +162,11 @@ impl<'a> Cycle<'a> {
     /// The determinant by which that of the residual's derivative is multiplied so that it does not depend on which of the equations
     /// are solved for the state (docs/theory.md (112)): 1 unless the system is anchored.
     pub fn anchor(&self, factor: f64) -> f64 {
-        if self.system.is_anchored() { factor * self.sigma() * self.closed(&factor).determinant() } else { 1.0 }
+        if self.system.is_anchored() {
+            factor * self.sigma() * self.closed(&factor).determinant()
+        } else {
+            1.0
+        }
     }
 
     /// The phase of the impact at the end of a flight.

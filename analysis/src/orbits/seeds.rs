@@ -96,7 +96,8 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
         let part = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
         span.from * (1.0 - part) + span.to * part
     };
-    let (rising, falling) = rayon::join(|| chain(family, options, &value, true), || chain(family, options, &value, false));
+    let (rising, falling) =
+        rayon::join(|| chain(family, options, &value, true), || chain(family, options, &value, false));
     let chains = [rising?, falling?];
     let boxes: Vec<Hull> = (0..count).map(|i| hull(chains[0][i].visited, &chains[1][i].visited)).collect();
     let period = |links: &[Link], i: usize| -> Option<u32> {
@@ -185,7 +186,8 @@ fn wide(
         return Ok(Vec::new());
     }
     let settles = |v: &SearchedValue| v.rising.is_some() && v.falling.is_some();
-    let poor: Vec<usize> = (0..cells).filter(|i| !(settles(&values[*i]) && settles(&values[i + 1]))).collect();
+    let poor: Vec<usize> =
+        (0..cells).filter(|i| !(settles(&values[*i]) && settles(&values[i + 1]))).collect();
     // The number of the cell and the place in it, of a number in [0, 1).
     let spread = |part: f64, among: usize| {
         let at = part * among as f64;
@@ -304,7 +306,8 @@ impl Course {
     /// The impacts of the last q periods, if the motion has nearly returned in them.
     fn near_return(&self, q: usize) -> Option<(&[i8], &[f64])> {
         let n = self.ends.len();
-        let distance = self.states[n].iter().zip(&self.states[n - q]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let distance =
+            self.states[n].iter().zip(&self.states[n - q]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if distance > RETURN || self.ends[n - q..].iter().any(|end| end.1) {
             return None;
         }

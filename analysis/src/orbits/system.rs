@@ -1,12 +1,12 @@
 //! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 14).
 
+use super::word::OrbitWord;
 use crate::error::Result;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Loads;
-use super::word::OrbitWord;
 use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
 
 /// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its centre.

@@ -342,7 +342,9 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
     let system = family.system(&[value])?;
     let Some(state) = point.attractor.states.first() else { return Ok(Covering::Missing) };
     let later = settle(&system, &dimensional(system.parameters(), state), LATER)?;
-    let motion = observe(&mut Simulator::new(system.parameters(), &later, 0.0)?)?;
+    let mut simulator = Simulator::new(system.parameters(), &later, 0.0)?;
+    simulator.set_loads(&system.loads().loads())?;
+    let motion = observe(&mut simulator)?;
     let covered = tree.covering(family, value, &motion)?.is_some();
     Ok(if covered { Covering::Transient } else { Covering::Missing })
 }

@@ -44,7 +44,14 @@ impl Curve {
     fn in_words(&self) -> String {
         let also: Vec<String> = self.also.iter().map(|row| format!(" = row {row}")).collect();
         let LocusStart { label, .. } = self.start;
-        format!("{label} of {} from {}{}: {} points{}", self.word(), self.from, also.concat(), self.points.len(), self.ends())
+        format!(
+            "{label} of {} from {}{}: {} points{}",
+            self.word(),
+            self.from,
+            also.concat(),
+            self.points.len(),
+            self.ends()
+        )
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::Study;
 use super::orbits::said;
-use crate::{Error, Result};
 use crate::figures::canvas::palette::{BLACK, GREY, RELATIVE, VERMILLION};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{CsvRows, exact};
+use crate::{Error, Result};
 use std::f64::consts::TAU;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::orbits::{Orbit, OrbitWord};
@@ -38,7 +38,9 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     }
     let short = found.len() - 1 - own;
     if short > 0 {
-        remarks.push(format!("{short} more are orbits of a shorter word passed several times, or symmetric orbits"));
+        remarks.push(format!(
+            "{short} more are orbits of a shorter word passed several times, or symmetric orbits"
+        ));
     }
     let sign = if word.closing() > 0 { '+' } else { '-' };
     let figure = Figure {

@@ -90,7 +90,8 @@ pub(super) fn search_in_words(searched: &Searched) -> String {
 
 /// Where orbits were sought, value by value; starts lie between the value and the next.
 fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
-    let mut table = CsvRows::new([span.name.name(), "period_rising", "period_falling", "starts", "orbits_passed"])?;
+    let mut table =
+        CsvRows::new([span.name.name(), "period_rising", "period_falling", "starts", "orbits_passed"])?;
     let period = |period: Option<u32>| period.map_or(String::new(), |p| p.to_string());
     for v in &searched.values {
         let (rising, falling) = (period(v.rising), period(v.falling));

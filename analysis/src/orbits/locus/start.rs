@@ -104,7 +104,10 @@ impl Normal {
         let LocusStart { label, word, phases, values } = start;
         let form = || {
             let text = format!("{label} of the word {word}");
-            Error::Form { text, expected: "one of LP, BP, PD, NS, GR, CH, with as many phases as the word has letters" }
+            Error::Form {
+                text,
+                expected: "one of LP, BP, PD, NS, GR, CH, with as many phases as the word has letters",
+            }
         };
         let touches = matches!(label, Label::Grazing | Label::Chatter);
         if phases.len() != word.len() || (word.is_empty() && !touches) {

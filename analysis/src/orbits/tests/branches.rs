@@ -79,7 +79,8 @@ fn closed_form_of_the_branch_of_symmetric_orbits() {
 #[test]
 fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points() {
     let family = family(2.0, 3.0);
-    let found = grow(&family, TreeOptions { seeds: 5, depth: 2, settle: 600, starts: 0, ..TreeOptions::default() });
+    let found =
+        grow(&family, TreeOptions { seeds: 5, depth: 2, settle: 600, starts: 0, ..TreeOptions::default() });
     assert!(found.branches.len() > 5, "{}", found.branches.len());
     for branch in &found.branches {
         for pair in branch.points.windows(2) {
@@ -165,7 +166,14 @@ fn invariant_a_doubled_branch_leaves_as_a_parabola() {
     let family = family(2.0, 2.6);
     let found = grow(
         &family,
-        TreeOptions { seeds: 3, depth: 1, settle: 600, starts: 0, longest_step: 0.01, ..TreeOptions::default() },
+        TreeOptions {
+            seeds: 3,
+            depth: 1,
+            settle: 600,
+            starts: 0,
+            longest_step: 0.01,
+            ..TreeOptions::default()
+        },
     );
     let born = |b: &&Branch| b.points[0].label() == Some(Label::PeriodDoubling);
     let doubled = found.branches.iter().find(born).unwrap();

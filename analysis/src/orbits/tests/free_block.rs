@@ -8,9 +8,9 @@ use crate::orbits::{
 use crate::stroboscopic::moving_block;
 use crate::{Name, ParameterSet, find_group};
 use nalgebra::Complex;
+use vibro_impact::Simulator;
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit;
-use vibro_impact::{Simulator, State};
 
 /// Two ways to the same phases: the rounding of a flight, amplified by the sensitivity of the orbit.
 const CLOSED_FORM: f64 = 1e-12;
@@ -32,10 +32,20 @@ fn word(text: &str, closing: i8, half_periods: u32) -> OrbitWord {
 fn damper() -> ParameterSet {
     let mut set = ParameterSet::basic();
     set.apply(&[
-        "box.m=12kg", "box.k=48kN/m", "box.c=30N.s/m", "block.m=1.1kg", "secondary.m=1kg", "secondary.k=4kN/m",
-        "secondary.c=5N.s/m", "coupling.k=0", "stop.gap=18mm", "stop.restitution=0.5", "drive.amplitude=75N",
+        "box.m=12kg",
+        "box.k=48kN/m",
+        "box.c=30N.s/m",
+        "block.m=1.1kg",
+        "secondary.m=1kg",
+        "secondary.k=4kN/m",
+        "secondary.c=5N.s/m",
+        "coupling.k=0",
+        "stop.gap=18mm",
+        "stop.restitution=0.5",
+        "drive.amplitude=75N",
         "drive.frequency=10.05Hz",
-    ]).unwrap();
+    ])
+    .unwrap();
     set
 }
 
@@ -118,8 +128,8 @@ fn closed_form_of_a_block_that_bounces_under_gravity() {
 
 #[test]
 fn invariant_impulses_balance_the_load_on_a_free_block() {
-    let mut count = 0;
     for pull in [0.0, -0.004, 0.006] {
+        let mut count = 0;
         let p = free(2.0);
         let system = System::with_loads(&p, pulled(pull)).unwrap();
         for text in ["UL", "ULL", "UUL", "L", "U"] {
@@ -129,13 +139,14 @@ fn invariant_impulses_balance_the_load_on_a_free_block() {
                 let unit = (1.0 + p.stop_restitution) * reduced * p.drive_frequency * p.stop_gap;
                 let (word, speeds) = (orbit.word(), orbit.speeds());
                 let sum: f64 = word.letters().iter().zip(speeds).map(|(s, v)| f64::from(*s) * v * unit).sum();
+                assert_eq!(word.closing(), 1);
                 let load = pull * f64::from(word.period()) * p.period();
                 assert!((sum - load).abs() < CLOSED_FORM, "{word} under {pull}: {sum} {load}");
                 count += 1;
             }
         }
+        assert!(count > 0, "under {pull}");
     }
-    assert!(count >= 6, "{count}");
 }
 
 #[test]
@@ -217,12 +228,16 @@ fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_
     /// The same point by two eliminations.
     const LOCATION: f64 = 1e-10;
     // Along the coupling, from a free block on by (112), from a tenth of it on by (103).
-    let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.1).unwrap();
+    // At this force the symmetry breaks next to the default coupling.
+    let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.0396).unwrap();
     let along = Name::find("coupling.k").unwrap();
     let own = along.value(&set);
     let follow = |from: f64| {
-        let family = Family::new(&set, ConstantLoads::NONE, Span::new(along, from, 10.0 * own).unwrap()).unwrap();
-        let orbit = search(&family.system(&[own]).unwrap(), &word("U", -1, 1), 20).unwrap().remove(0);
+        let family =
+            Family::new(&set, ConstantLoads::NONE, Span::new(along, from, 10.0 * own).unwrap()).unwrap();
+        let found = search(&family.system(&[own]).unwrap(), &word("U", -1, 1), 40).unwrap();
+        let least = |a: &Orbit, b: &Orbit| a.spectral_radius().total_cmp(&b.spectral_radius());
+        let orbit = found.into_iter().min_by(least).unwrap();
         branch(&family, orbit.word(), orbit.phases(), own, &PathOptions::default(), &[]).unwrap()
     };
     let (whole, part) = (follow(0.0), follow(0.1 * own));
@@ -230,7 +245,7 @@ fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_
     assert!(reached == 0.0, "{reached}");
     let beyond: Vec<_> = specials(&whole).into_iter().filter(|p| p.1 > 0.1 * own).collect();
     assert_eq!(beyond.len(), specials(&part).len(), "{beyond:?} {:?}", specials(&part));
-    assert!(!beyond.is_empty());
+    assert!(beyond.len() >= 2, "{beyond:?}");
     for (a, b) in beyond.iter().zip(specials(&part)) {
         assert!(a.0 == b.0 && (a.1 - b.1).abs() < LOCATION * own, "{a:?} {b:?}");
     }
@@ -239,5 +254,4 @@ fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_
     let exact = exact_orbit::solve(&p).unwrap().upper.unwrap();
     let apart = (free.phases[0] - exact.drive_phase()).rem_euclid(std::f64::consts::PI);
     assert!(apart.min(std::f64::consts::PI - apart) < CLOSED_FORM, "{apart}");
-    let _: State = exact.state(0.0);
 }

@@ -13,23 +13,25 @@ fn second_method_both_windows_of_period_three_beside_chaos_are_found_and_stand_i
     const RETURN: f64 = 1e-9;
     let span = Span::new(find_group("f10").unwrap(), 3.2, 3.95).unwrap();
     let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap();
-    let options = TreeOptions { seeds: 16, starts: 192, settle: 400, depth: 1, longest_period: 6, ..TreeOptions::default() };
-    let begin = std::time::Instant::now();
+    let options = TreeOptions {
+        seeds: 16,
+        starts: 192,
+        settle: 400,
+        depth: 1,
+        longest_period: 6,
+        ..TreeOptions::default()
+    };
     let found = tree(&family, &options, &|_, _| ()).unwrap();
-    eprintln!("tree {:?}: {} branches, {} failures", begin.elapsed(), found.branches.len(), found.failures);
-    eprintln!("{:?}", found.searched);
-    for b in &found.branches {
-        let ranges: Vec<_> = b.stable_ranges().iter().map(|r| (r.period, r.from.value, r.to.value)).collect();
-        if b.word.period() == 3 { eprintln!("{} {} {:?} depth {}", b.id, b.word, ranges, b.depth); }
-    }
     for value in WINDOWS {
         let stable = |b: &&Branch| {
-            b.word.period() == 3 && b.stable_ranges().iter().any(|r| r.from.value < value && value < r.to.value)
+            b.word.period() == 3
+                && b.stable_ranges().iter().any(|r| r.from.value < value && value < r.to.value)
         };
         let branch = found.branches.iter().find(stable).unwrap_or_else(|| panic!("no window at {value}"));
         // The simulator stays on the orbit.
         let orbits = found.orbits_at(&family, value).unwrap();
-        let own = orbits.iter().map(|o| (o.branch, &o.orbit)).find(|(id, o)| *id == branch.id && o.is_stable());
+        let own =
+            orbits.iter().map(|o| (o.branch, &o.orbit)).find(|(id, o)| *id == branch.id && o.is_stable());
         let orbit: &Orbit = own.expect("an orbit of the branch").1;
         let (p, start) = (orbit.system().parameters(), orbit.start_state());
         let mut simulator = Simulator::new(p, &start, 0.0).unwrap();

@@ -130,7 +130,8 @@ pub enum Command {
     ///
     /// Without --tree one branch: of the settled motion, or of the orbits with a word. `special-points.csv` lists what lies on the
     /// branches: LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, EP end of the range, CH chatter, MX not
-    /// followed on.
+    /// followed on; `vibro locus` follows the first five and CH over two parameters. With --tree `orbits-search.csv` tells at which
+    /// values, and from how many starts, orbits were sought.
     Orbits(Box<Orbits>),
     /// One periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),
