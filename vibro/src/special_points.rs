@@ -82,11 +82,6 @@ impl FromStr for Selection {
 }
 
 impl Selection {
-    /// Whether one row is asked for by its number, so that it must start a curve.
-    pub fn is_one_row(&self) -> bool {
-        matches!(self.rows, Rows::Row(_))
-    }
-
     /// The points of the table that are chosen, over the machine's value `held` of the second parameter.
     ///
     /// # Errors

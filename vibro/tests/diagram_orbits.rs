@@ -79,7 +79,7 @@ fn invariant_settled_rows_of_a_block_without_a_spring_lie_on_stable_branches() {
         "--keep",
         "20",
         "--set",
-        "coupling.k=0",
+        "alpha23=0",
     ];
     drawn(&out, &[&["bifurcation", "--orbits"][..], &range].concat());
     let rows = table(&out, "bifurcation-orbits-rows.csv");

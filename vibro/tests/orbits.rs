@@ -245,7 +245,7 @@ fn orbits_of_a_block_without_a_spring_by_word_branch_and_tree() {
             "orbits",
             "--tree",
             "--vary",
-            "drive.frequency=9.8Hz:10.4Hz",
+            "drive.frequency=9.3Hz:11Hz",
             "--seeds",
             "4",
             "--starts",

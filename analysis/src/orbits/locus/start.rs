@@ -22,6 +22,8 @@ const NO_SPEED: f64 = 1e-6;
 const NO_DISTANCE: f64 = 1e-6;
 /// Two starts with phases (rad) and parameters (relative to their ranges) so near are one.
 const SAME: f64 = 1e-6;
+/// Largest change of a phase, rad, from a start to its point of the curve.
+const NEAR: f64 = 0.2;
 /// Largest miss of contact, units of L, of a point that is of the machine.
 const MISS: f64 = 0.05;
 
@@ -184,7 +186,12 @@ pub(in crate::orbits) fn first_point<'a>(
     family: &'a Family,
     normal: &'a Normal,
 ) -> Result<(Locus<'a>, DVector<f64>), Obstacle> {
-    near(family, normal, &normal.phases).or_else(|first| {
+    let own = near(family, normal, &normal.phases).and_then(|(locus, u)| {
+        // What is found far off is another point, from phases that are none of the machine.
+        let moved = normal.phases.iter().zip(u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if moved < NEAR { Ok((locus, u)) } else { Err(Obstacle::NoConvergence) }
+    });
+    own.or_else(|first| {
         let system = family.system(&normal.values)?;
         let missed = Cycle::new(&system, &normal.word, &normal.phases)?;
         if missed.residual.iter().any(|r| r.abs() > MISS) {
