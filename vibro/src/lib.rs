@@ -12,6 +12,7 @@
 //! | [`parameter_file`] | parameter files |
 //! | [`run_start`] | where a run starts |
 //! | [`design_file`] | designs of a sweep from a CSV file |
+//! | [`special_points`] | special points of branches from their table |
 //! | [`part_folder`] | finished parts of long studies on disk |
 //! | [`html`] | text in HTML |
 
@@ -26,6 +27,7 @@ pub mod parameter_file;
 pub mod part_folder;
 pub mod report;
 pub mod run_start;
+pub mod special_points;
 pub mod studies;
 pub mod table;
 

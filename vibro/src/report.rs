@@ -233,6 +233,7 @@ fn quick_orbits() -> TreeOptions {
     TreeOptions {
         seeds: 46,
         settle: 600,
+        starts: 0,
         depth: 4,
         longest_period: 4,
         most_letters: 16,

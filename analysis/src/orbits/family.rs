@@ -59,6 +59,8 @@ pub struct Family {
     set: ParameterSet,
     loads: ConstantLoads,
     spans: Vec<Span>,
+    /// Whether the block of one of the machines has no spring: the equations are then the same for all.
+    anchored: bool,
 }
 
 impl Family {
@@ -90,11 +92,11 @@ impl Family {
     fn over(set: &ParameterSet, loads: ConstantLoads, spans: Vec<Span>) -> Result<Self, Error> {
         // A span has public fields, so that it need not come from `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
-        let family = Self { set: set.clone(), loads, spans };
+        let family = Self { set: set.clone(), loads, spans, anchored: false };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
-        family.system(&from)?;
-        family.system(&to)?;
-        Ok(family)
+        // A range of the coupling begins at 0 at the least.
+        let anchored = family.system(&from)?.has_free_block() || family.system(&to)?.has_free_block();
+        Ok(Self { anchored, ..family })
     }
 
     /// The parameters that vary.
@@ -124,7 +126,8 @@ impl Family {
     /// # Errors
     /// As [`System::with_loads`] and the range that a value violates.
     pub fn system(&self, values: &[f64]) -> Result<System, Error> {
-        System::with_loads(self.parameter_set(values)?.parameters(), self.loads)
+        let system = System::with_loads(self.parameter_set(values)?.parameters(), self.loads)?;
+        Ok(if self.anchored { system.anchored() } else { system })
     }
 
     /// The loads.

@@ -262,6 +262,8 @@ class Machine(ParameterValues):
             periods, an odd number.
         tries
             Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
+            Where all that is found is an orbit of a shorter word, passed several times, or a symmetric one, that is returned with
+            ``passages``.
 
         Raises
         ------

@@ -9,7 +9,7 @@ use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Span};
+use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Searched, Span};
 
 /// Weights of X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
@@ -30,11 +30,16 @@ pub(super) const MARKS: [(Label, &str, Mark); 8] = [
     (Label::UserValue, "UZ value asked for", Mark::Diamond),
 ];
 
-/// The study of branches over the one parameter of a family: `branches`, `special-points` and a picture.
+/// The study of branches over the one parameter of a family: `branches`, `special-points`, `search` of a tree, and a picture.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Result<Study> {
+pub fn orbits(
+    set: &ParameterSet,
+    family: &Family,
+    branches: &[Branch],
+    searched: Option<&Searched>,
+) -> Result<Study> {
     let span = *family.span();
     let tops: Vec<Vec<f64>> = branches.par_iter().map(|b| largest(family, b)).collect();
     let specials = branches.iter().flat_map(|b| &b.points).filter(|p| p.special.is_some()).count();
@@ -54,14 +59,46 @@ pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Resul
         panel: (2900, 1700),
         shared_legend: false,
     };
-    Ok(Study {
-        tables: vec![
-            ("branches".into(), branch_table(&span, branches, &tops)?),
-            ("special-points".into(), special_table(&span, branches)?),
-        ],
-        figure: Some(figure),
-        ..Study::without_figure("orbits", what).with_remarks(remarks(branches, points, specials))
-    })
+    let mut tables = vec![
+        ("branches".into(), branch_table(&span, branches, &tops)?),
+        ("special-points".into(), special_table(&span, branches)?),
+    ];
+    let mut told = remarks(branches, points, specials);
+    if let Some(searched) = searched {
+        told.push(search_in_words(searched));
+        tables.push(("orbits-search".into(), search_table(&span, searched)?));
+    }
+    Ok(Study { tables, figure: Some(figure), ..Study::without_figure("orbits", what).with_remarks(told) })
+}
+
+/// Where the orbits of a tree were sought.
+pub(super) fn search_in_words(searched: &Searched) -> String {
+    let Searched { values, periods, followed, islands } = searched;
+    let settled = values.iter().flat_map(|v| [v.rising, v.falling]).flatten().count();
+    let starts: u32 = values.iter().map(|v| v.starts).sum();
+    let ways = format!(
+        "searched from motions at {} values, rising and falling, of which {settled} settled on a stable orbit",
+        values.len()
+    );
+    if starts == 0 {
+        return ways;
+    }
+    format!(
+        "{ways}, and from {starts} starts over the states they visit, half again as wide, for {periods} periods each: of {followed} more \
+         branches near whose orbits these passed {islands} are stable somewhere and were kept"
+    )
+}
+
+/// Where orbits were sought, value by value; starts lie between the value and the next.
+fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
+    let mut table =
+        CsvRows::new([span.name.name(), "period_rising", "period_falling", "starts", "orbits_passed"])?;
+    let period = |period: Option<u32>| period.map_or(String::new(), |p| p.to_string());
+    for v in &searched.values {
+        let (rising, falling) = (period(v.rising), period(v.falling));
+        table.push([exact(v.value), rising, falling, v.starts.to_string(), v.found.to_string()])?;
+    }
+    table.text()
 }
 
 /// The loads in words.
@@ -180,7 +217,7 @@ pub(super) fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>>
                 branch.id.to_string(),
                 i.to_string(),
                 span.name.name().into(),
-                format!("{:.15}", point.value),
+                exact(point.value),
                 branch.word.to_string(),
                 closing(branch).into(),
                 branch.word.period().to_string(),

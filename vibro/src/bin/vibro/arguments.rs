@@ -45,7 +45,7 @@ EXAMPLES
   vibro orbits --tree --vary f10=0.5:5
   vibro bifurcation --orbits --vary f10=2:3:101
   vibro orbit --word UUL --set f10=2.7
-  vibro locus --from vibro-out/special-points.csv:3 --vary f10=0.5:3 --vary kappa=0.5:0.9
+  vibro locus --from vibro-out/special-points.csv:PD@2.373 --vary f10=0.5:3 --vary kappa=0.5:0.9
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
@@ -130,7 +130,8 @@ pub enum Command {
     ///
     /// Without --tree one branch: of the settled motion, or of the orbits with a word. `special-points.csv` lists what lies on the
     /// branches: LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, EP end of the range, CH chatter, MX not
-    /// followed on.
+    /// followed on; `vibro locus` follows the first five and CH over two parameters. With --tree `orbits-search.csv` tells at which
+    /// values, and from how many starts, orbits were sought.
     Orbits(Box<Orbits>),
     /// One periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),

@@ -3,6 +3,7 @@
 use crate::ranges::ParameterRange;
 use clap::Args;
 use std::str::FromStr;
+use vibro::special_points::Selection;
 use vibro::{Error, Result};
 use vibro_analysis::orbits::ConstantLoads;
 
@@ -74,7 +75,8 @@ pub struct Orbits {
     /// The orbit with which a single branch begins, at the value that was set.
     #[command(flatten)]
     pub which: Which,
-    /// All branches: from settled motions over the whole range, rising and falling, and from every special point
+    /// All branches: from settled motions over the whole range, rising and falling, from orbits near which other motions pass, and
+    /// from every special point
     #[arg(long, conflicts_with_all = ["word", "period"])]
     pub tree: bool,
     /// Switches of branches that are followed one after another
@@ -83,6 +85,10 @@ pub struct Orbits {
     /// Values of the parameter at which motions are settled, in each direction
     #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub seeds: u32,
+    /// Motions from starts spread over the states that are visited, and over the range, half again where motions did not settle on a
+    /// stable orbit: stable branches near whose orbits they pass are followed too
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub starts: u32,
     /// Most impacts in a word
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=128))]
     pub letters: u32,
@@ -100,11 +106,12 @@ pub struct Orbits {
 /// Arguments of `locus`.
 #[derive(Args, Debug)]
 pub struct Loci {
-    /// A special point from which a curve is followed: a file written by `vibro orbits` and a row, counted from 1. May be
-    /// repeated
-    #[arg(long, required = true, value_name = "FILE:ROW")]
-    pub from: Vec<String>,
-    /// Curves of this kind only: LP, BP, PD, NS or GR
+    /// Special points from which curves are followed, of a table written by `vibro orbits`: FILE:12 is its row 12, counted from 1;
+    /// FILE:LP its folds; FILE:LP@2.3041 its folds at this value, as far as it is written; FILE all. May be repeated. A point
+    /// from which no curve can be followed is told and does not stop the others
+    #[arg(long, required = true, value_name = "FILE[:ROW|:LABEL@VALUE]")]
+    pub from: Vec<Selection>,
+    /// Curves of this kind only: LP, BP, PD, NS, GR or CH
     #[arg(long, value_name = "LABEL")]
     pub label: Option<String>,
     /// The two parameters and their ranges, horizontal first; the first is that of the special points
