@@ -151,7 +151,7 @@ fn licences_of_what_is_linked_are_packed() {
         if let Some(gpl) = text.find("GNU GENERAL PUBLIC LICENSE") {
             let exception =
                 text.find("GCC RUNTIME LIBRARY EXCEPTION").or(text.find("GCC Runtime Library Exception"));
-            assert!(name.contains("WITH GCC-exception") && exception.is_some_and(|at| at < gpl), "{name}");
+            assert!(name.contains("WITH-GCC-exception") && exception.is_some_and(|at| at < gpl), "{name}");
         }
     }
 }
