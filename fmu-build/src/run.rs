@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_fmi::component::variables;
-use vibro_fmi::fmi3::description::{MODEL_IDENTIFIER, value_reference};
+use vibro_fmi::fmi3::description::{MAIN, MODEL_IDENTIFIER, value_reference};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
@@ -96,7 +96,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     let mut instance3 = binary3.instantiate(&token)?;
     instance3.initialize(0.0)?;
     let (reals, counts) = (references(NAMES)?, references(COUNTS)?);
-    let (reals3, counts3) = (reals.map(value_reference), counts.map(value_reference));
+    let (reals3, counts3) = (references3(NAMES)?, references3(COUNTS)?);
     let mut stepping = [Duration::ZERO; 2];
     let mut samples = vec![Sample { time: 0.0, state: State::default(), impacts: [0; 2] }];
     let bar = Bar::new(u64::from(steps));
@@ -150,10 +150,23 @@ fn impacts(parameters: &Parameters, end: f64) -> Result<Vec<ImpactSample>> {
     Ok(found)
 }
 
+/// Value references in the archive of FMI 2.0.
 fn references<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
+    numbered(names, |name| variables::find(name).map(|variable| variable.reference))
+}
+
+/// Value references in the main archive of FMI 3.0.
+fn references3<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
+    numbered(names, |name| value_reference(MAIN, name))
+}
+
+fn numbered<const N: usize>(
+    names: [&'static str; N],
+    number: impl Fn(&str) -> Option<u32>,
+) -> Result<[u32; N]> {
     let mut references = [0; N];
     for (reference, name) in references.iter_mut().zip(names) {
-        *reference = variables::find(name).ok_or_else(|| Error::Variable(name.into()))?.0;
+        *reference = number(name).ok_or_else(|| Error::Variable(name.into()))?;
     }
     Ok(references)
 }

@@ -58,6 +58,7 @@ impl Simulator {
                 report(observer, Event::Rest { time, side: stop });
             }
         } else if let Some(left) = self.chatter_to_be_closed::<LOADS>(z, side, rebound) {
+            self.hybrid.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };

@@ -46,6 +46,15 @@ impl Changes<'_> {
     }
 }
 
+/// What an event has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Handled {
+    /// The continuous states.
+    pub states: bool,
+    /// Their nominal values.
+    pub nominals: bool,
+}
+
 /// All impacts of a record.
 fn impacts(record: &ImpactRecord) -> u64 {
     record.upper + record.lower
@@ -183,11 +192,11 @@ impl Instance {
     }
 
     /// The impact law, rest or release where the present point calls for it, with inputs and parameters as set now; returns
-    /// whether states have changed. One call does all that happens at an instant; a further one does nothing.
+    /// what has changed. One call does all that happens at an instant; a further one does nothing.
     ///
     /// # Errors
     /// [`Problem::Sequence`] before initialization; what was set and is not possible. Nothing has changed then.
-    pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<bool> {
+    pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<Handled> {
         self.end_tick()?;
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
@@ -207,7 +216,7 @@ impl Instance {
         }
         self.events.carried_out = true;
         self.invalidate();
-        Ok(changed)
+        Ok(Handled { states: changed, nominals: self.nominals_changed() })
     }
 
     /// The same for the simulator; true where an impact has made the states jump.
