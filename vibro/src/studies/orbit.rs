@@ -34,7 +34,7 @@ pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> 
     }
     let figure = Figure {
         title: format!("Periodic orbit {word}{sign} of period {}T", word.period()),
-        caption: vec![format!("{stability}; {}{}", set.caption(), said(orbit.system().loads()))],
+        caption: vec![format!("{stability}; {}{}", set.caption(), said(set, orbit.system().loads()))],
         panels: vec![history(orbit), portrait(orbit), multipliers(orbit)],
         columns: 3,
         panel: (1150, 1150),
