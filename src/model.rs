@@ -67,6 +67,9 @@ pub struct Model {
     pub gap: f64,
     /// κ.
     pub restitution: f64,
+    /// Constant loads on the three bodies, N. Like all loads they are arguments of [`acceleration`](Self::acceleration), which is
+    /// linear.
+    pub constant_loads: [f64; 3],
     /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the bodies' matrices, and at least ω1.
     /// What the drive and loads add to the bodies' motion is bounded apart (docs/numerics.md, section 1).
     pub rate: f64,
@@ -80,6 +83,11 @@ const MIN_RATE: f64 = 1e-3;
 const MAX_RATE: f64 = 1e100;
 
 impl Model {
+    /// The constant loads with their derivatives, where there are any.
+    pub fn constant_forces(&self) -> Option<Forces> {
+        (self.constant_loads != [0.0; 3]).then(|| self.constant_loads.map(|f| [f, 0.0, 0.0, 0.0]))
+    }
+
     /// The equations of motion of a set of parameters.
     ///
     /// # Errors
@@ -102,6 +110,7 @@ impl Model {
             omega: p.drive_frequency,
             gap: p.stop_gap,
             restitution: p.stop_restitution,
+            constant_loads: p.constant_loads,
             rate: 0.0,
         };
         model.rate = model.norm().max(model.omega).max(MIN_RATE);

@@ -1,7 +1,8 @@
 //! What a settled motion is: its period, its impacts, the states by which it is recognized, and its class.
 //!
-//! The machine is symmetric: if x(t) is a motion, so is -x(t + T/2), where T is the drive's period. Two attractors that are
-//! each other's mirror image are therefore distinguished from two different ones.
+//! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where T is the drive's period. Two
+//! attractors that are each other's mirror image are therefore distinguished from two different ones. Under constant loads there
+//! are no mirror images.
 
 use super::error::Result;
 use super::lyapunov::Spectrum;
@@ -51,7 +52,7 @@ pub struct Attractor {
     pub rests: bool,
     /// States at whole drive periods, one for each period (one in all where it has none).
     pub states: Vec<StroboscopicState>,
-    /// The same for its mirror image.
+    /// The same for its mirror image; none under constant loads.
     pub mirror_states: Vec<StroboscopicState>,
     /// Root mean squares of x1, x2, x3 at whole and half drive periods, units of L.
     pub sizes: [f64; 3],
@@ -224,7 +225,7 @@ impl StroboscopicRecord {
             impacts: counts.map(|c| f64::from(c) / f64::from(settled)),
             rests,
             states: periods[periods.len() - kept..].iter().map(|s| s.state).collect(),
-            mirror_states: halves[halves.len() - kept..].to_vec(),
+            mirror_states: if p.is_symmetric() { halves[halves.len() - kept..].to_vec() } else { Vec::new() },
             sizes: sizes.map(f64::sqrt),
         }
     }
@@ -308,7 +309,7 @@ impl Attractor {
         };
         if covers(&other.states) {
             Relation::Same
-        } else if covers(&other.mirror_states) {
+        } else if !other.mirror_states.is_empty() && covers(&other.mirror_states) {
             Relation::Mirror
         } else {
             Relation::Different
@@ -317,6 +318,9 @@ impl Attractor {
 
     /// Whether it is its own mirror image.
     pub fn is_symmetric(&self) -> bool {
+        if self.mirror_states.is_empty() {
+            return false;
+        }
         let image =
             Self { states: self.mirror_states.clone(), mirror_states: self.states.clone(), ..self.clone() };
         self.relation(&image) == Relation::Same

@@ -4,6 +4,7 @@ use super::attractor::{Attractor, Relation};
 use super::error::{Error, Result};
 use super::parts::Task;
 use super::plane::check_cells;
+use super::start::{Coordinate, SI_COORDINATES, StartRule, coordinate, coordinate_value};
 use super::stroboscopic::{COORDINATES, dimensional};
 use super::trajectories::{MOTIONS, Program, Start, Workspace};
 use serde::{Deserialize, Serialize};
@@ -25,12 +26,31 @@ pub struct InitialValueRange {
     coordinate: usize,
     from: f64,
     to: f64,
+    /// Whether the ends are in m or m/s, and not in L or L ω10.
+    si: bool,
 }
 
 impl InitialValueRange {
-    /// The range divided into `count` cells, at least one.
+    /// The range in units of L or L ω10 of a machine.
+    ///
+    /// # Errors
+    /// [`vibro_impact::Error::Undefined`] for a range of a speed in SI without a spring between box and ground, since ω10 is zero.
+    pub fn scaled(self, p: &Parameters) -> Result<Self> {
+        if !self.si {
+            return Ok(self);
+        }
+        let unit = if self.coordinate < 3 { p.stop_gap } else { p.stop_gap * p.box_frequency() };
+        if unit == 0.0 {
+            let needed_by = "unit of speed L omega10";
+            let (name, value, allowed) = ("box.k", p.box_stiffness, "box.k > 0");
+            return Err(vibro_impact::Error::Undefined { name, value, needed_by, allowed }.into());
+        }
+        Ok(Self { from: self.from / unit, to: self.to / unit, si: false, ..self })
+    }
+
+    /// The range, [scaled](Self::scaled), divided into `count` cells, at least one.
     pub fn cells(self, count: usize) -> InitialValueAxis {
-        let Self { coordinate, from, to } = self;
+        let Self { coordinate, from, to, .. } = self;
         InitialValueAxis { coordinate, from, to, count: count.max(1) }
     }
 }
@@ -41,22 +61,25 @@ impl std::str::FromStr for InitialValueRange {
     fn from_str(text: &str) -> Result<Self> {
         let form = || Error::Form {
             text: text.into(),
-            expected: "name=from:to with from < to and a name of x1 x2 x3 v1 v2 v3, e.g. v2=-2:2",
+            expected: "name=from:to with from < to and a name of x1 x2 x3 v1 v2 v3, e.g. v2=-2:2, or in SI of box.s block.s \
+                       secondary.s box.v block.v secondary.v, e.g. block.s=-20mm:20mm",
         };
         let (name, ends) = text.split_once('=').ok_or_else(form)?;
-        let coordinate = COORDINATES.iter().position(|c| *c == name.trim()).ok_or_else(form)?;
+        let found = coordinate(name).ok_or_else(form)?;
         let (from, to) = ends.split_once(':').ok_or_else(form)?;
-        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-        match (number(from), number(to)) {
-            (Some(from), Some(to)) if from < to => Ok(Self { coordinate, from, to }),
-            _ => Err(form()),
-        }
+        let (from, to, si) = match (coordinate_value(found, from), coordinate_value(found, to)) {
+            (Some(Coordinate::Scaled(from)), Some(Coordinate::Scaled(to))) => (from, to, false),
+            (Some(Coordinate::Si(from)), Some(Coordinate::Si(to))) => (from, to, true),
+            _ => return Err(form()),
+        };
+        if from < to { Ok(Self { coordinate: found.0, from, to, si }) } else { Err(form()) }
     }
 }
 
 impl std::fmt::Display for InitialValueRange {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}={}:{}", COORDINATES[self.coordinate], self.from, self.to)
+        let names = if self.si { SI_COORDINATES } else { COORDINATES };
+        write!(f, "{}={}:{}", names[self.coordinate], self.from, self.to)
     }
 }
 
@@ -89,6 +112,14 @@ pub struct Request {
     pub y: InitialValueAxis,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
+    /// The initial values that are on no axis.
+    #[serde(default = "in_the_middle")]
+    pub start: StartRule,
+}
+
+/// All initial values zero.
+pub fn in_the_middle() -> StartRule {
+    StartRule::scaled([0.0; 6])
 }
 
 /// Where the motion from a start ends.
@@ -121,13 +152,16 @@ impl Basin {
     }
 }
 
-/// The start at the centre of a cell; the initial values that are on no axis are zero.
-fn start(p: &Parameters, request: &Request, column: usize, row: usize) -> State {
-    let mut s = [0.0; 6];
+/// The start at the centre of a cell: the start of the request, with the values on the axes in it, which are scaled.
+fn cell_start(p: &Parameters, request: &Request, first: &State, column: usize, row: usize) -> State {
+    let mut s = *first;
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
-        s[axis.coordinate] = axis.value(i);
+        let (mut scaled, k) = ([0.0; 6], axis.coordinate);
+        scaled[k] = axis.value(i);
+        let own = dimensional(p, &scaled);
+        if k < 3 { s.x[k] = own.x[k] } else { s.v[k - 3] = own.v[k - 3] }
     }
-    dimensional(p, &s)
+    s
 }
 
 /// The rows of a part.
@@ -171,9 +205,10 @@ pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Ba
 
 /// The cells of some rows, with the attractors that they meet. One system has one set of tables.
 fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Result<Basin> {
+    let first = request.start.state(p)?;
     let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
     let starts: Vec<Start> =
-        places.map(|(i, j)| Start { parameters: *p, state: start(p, request, i, j) }).collect();
+        places.map(|(i, j)| Start { parameters: *p, state: cell_start(p, request, &first, i, j) }).collect();
     let mut ends: Vec<Result<Option<Attractor>>> = starts.iter().map(|_| Ok(None)).collect();
     let program =
         Program { discard: request.discard, until_settled: true, observed: true, ..Program::default() };
@@ -246,8 +281,12 @@ mod tests {
         ];
         for y in bad {
             for (x, y) in [(good, y), (y, good)] {
-                let error =
-                    basin(&Parameters::default(), &Request { x, y, discard: 1 }, &Task::ALL).unwrap_err();
+                let error = basin(
+                    &Parameters::default(),
+                    &Request { x, y, discard: 1, start: in_the_middle() },
+                    &Task::ALL,
+                )
+                .unwrap_err();
                 assert!(error.to_string().contains("v2="), "{error}");
             }
         }

@@ -14,7 +14,8 @@ use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
 use super::parts::{PartStore, Task};
 use super::plane::{ParameterAxis, check_count};
-use super::stroboscopic::{StroboscopicState, moving_block};
+use super::start::StartRule;
+use super::stroboscopic::StroboscopicState;
 use super::trajectories::{Outcome, Program, Start, Workspace};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
@@ -44,6 +45,9 @@ pub struct Sweep {
     /// The displacement whose maxima are kept.
     #[serde(default)]
     pub of: Displacement,
+    /// Where the motion at the first value starts, and at a value after one that is refused.
+    #[serde(default)]
+    pub start: StartRule,
 }
 
 /// The motion at one value.
@@ -96,7 +100,7 @@ pub(crate) fn within_gap(state: State, from: f64, to: f64) -> State {
 }
 
 /// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
-/// starts with [`moving_block`]. The store may end it before any value.
+/// starts with the sweep's start. The store may end it before any value.
 fn chain(
     set: &ParameterSet,
     sweep: &Sweep,
@@ -104,25 +108,28 @@ fn chain(
     upward: bool,
 ) -> Result<Vec<SettledStart>> {
     let count = sweep.axis.count;
-    let mut state = moving_block(set.parameters());
+    let mut state: Option<State> = None;
     let mut gap = set.parameters().stop_gap;
     let mut starts = Vec::with_capacity(count);
     for i in 0..count {
         store.go_on()?;
         let value = sweep.axis.value(if upward { i } else { count - 1 - i });
         let p = *set.with(sweep.axis.name, value)?.parameters();
-        state = within_gap(state, gap, p.stop_gap);
+        let first = match state {
+            Some(before) => within_gap(before, gap, p.stop_gap),
+            None => sweep.start.state(&p)?,
+        };
         gap = p.stop_gap;
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> vibro_impact::Result<(State, State)> {
-            let mut simulator = settled_simulator(&p, &state, discard)?;
+            let mut simulator = settled_simulator(&p, &first, discard)?;
             let before = simulator.state();
             simulator.advance_to(all * p.period())?;
             Ok((before, simulator.state()))
         };
         let run = run();
         starts.push(SettledStart { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) });
-        state = run.map_or_else(|_| moving_block(&p), |r| r.1);
+        state = run.ok().map(|r| r.1);
     }
     if !upward {
         starts.reverse();
@@ -303,7 +310,14 @@ mod tests {
     #[test]
     fn a_store_ends_the_chains_of_both_directions_between_two_values() {
         let axis = ParameterAxis::new(find_group("f10").unwrap(), (1.0, 2.0), 500).unwrap();
-        let sweep = Sweep { axis, discard: 5, keep: 5, exponents: None, of: Displacement::X2 };
+        let sweep = Sweep {
+            axis,
+            discard: 5,
+            keep: 5,
+            exponents: None,
+            of: Displacement::X2,
+            start: StartRule::default(),
+        };
         let store = Impatient { asked: AtomicUsize::new(0), most: 20 };
         let found = diagram(&ParameterSet::basic(), &sweep, &Task { store: &store, ..Task::ALL });
         assert!(matches!(found, Err(Error::Store(_))), "{found:?}");
@@ -316,7 +330,14 @@ mod tests {
         let group = find_group("f10").unwrap();
         let refused = |count, discard, keep| {
             let axis = ParameterAxis::new(group, (1.0, 2.0), count).unwrap();
-            let sweep = Sweep { axis, discard, keep, exponents: None, of: Displacement::X2 };
+            let sweep = Sweep {
+                axis,
+                discard,
+                keep,
+                exponents: None,
+                of: Displacement::X2,
+                start: StartRule::default(),
+            };
             match diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap_err() {
                 error @ Error::TooMany { most, .. } => {
                     assert!(error.to_string().contains(&format!("no more than {most}")), "{error}");

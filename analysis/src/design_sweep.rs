@@ -27,16 +27,14 @@ pub use designs::{Designs, ParameterInterval, SampledAxis, spread_starts};
 
 use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
-use crate::isoperiodic::StartRule;
 use crate::measures::{Measure, Measured, amplitude_without_block, measure};
 use crate::parameter_set::{Name, ParameterSet};
 use crate::parts::Task;
-use crate::plane::exact;
-use crate::stroboscopic::{dimensional, moving_block};
+use crate::start::StartRule;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Simulator, State};
+use vibro_impact::simulator::Simulator;
 
 /// Most designs.
 pub const MOST_DESIGNS: usize = 1_000_000;
@@ -144,11 +142,12 @@ impl Request {
         (designs::combination(&self.over, index / starts), start)
     }
 
-    /// A motion in words: `drive.frequency = 62.8 rad/s, start v2=1`, without what all motions have in common.
-    pub fn motion_in_words(&self, index: usize) -> String {
+    /// A motion in words: `drive.frequency = 10 Hz, start v2=1`, in the units in which the machine was written, without what all
+    /// motions have in common.
+    pub fn motion_in_words(&self, set: &ParameterSet, index: usize) -> String {
         let (values, start) = self.motion(index);
         let told = |(axis, value): (&SampledAxis, f64)| {
-            format!("{} = {}", axis.name.name(), axis.name.with_unit(value))
+            format!("{} = {}", axis.name.name(), set.with_unit(axis.name, value))
         };
         let mut words: Vec<String> = self.over.iter().zip(values).map(told).collect();
         if self.starts.len() > 1 {
@@ -209,7 +208,7 @@ pub fn row(set: &ParameterSet, request: &Request, index: usize) -> Row {
     let mut own = set.clone();
     let count = request.measures.len();
     match own.assign(&assigned.collect::<Vec<_>>()) {
-        Ok(()) => summary(values, request, &motions(&own, request)),
+        Ok(()) => summary(set, values, request, &motions(&own, request)),
         Err(error) => {
             let reason = Some(error.to_string());
             Row { values, outputs: vec![None; count], classes: Vec::new(), reason }
@@ -269,7 +268,7 @@ fn one(
     request: &Request,
     shared: &mut Option<Simulator>,
 ) -> Result<Measured> {
-    let state = first_state(p, start)?;
+    let state = start.state(p)?;
     let mut simulator = match shared {
         Some(other) => other.with_state(&state, 0.0)?,
         None => {
@@ -285,16 +284,8 @@ fn one(
     measure(&mut simulator, &request.measures, request.periods)
 }
 
-/// The state that a start stands for, SI.
-fn first_state(p: &Parameters, start: StartRule) -> Result<State> {
-    Ok(match start {
-        StartRule::State(state) => dimensional(p, &state),
-        StartRule::Orbit => exact(p)?.1.map_or_else(|| moving_block(p), |orbit| orbit.state(p.drive_phase)),
-    })
-}
-
 /// The row of all motions of a design.
-fn summary(values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
+fn summary(set: &ParameterSet, values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
     let outputs = (0..request.measures.len())
         .map(|m| together(motions.iter().map(|(found, _)| found.numbers.get(m).copied().flatten())))
         .collect();
@@ -308,10 +299,11 @@ fn summary(values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
     }
     let bad: Vec<(usize, &String)> =
         motions.iter().enumerate().filter_map(|(i, (_, reason))| Some((i, reason.as_ref()?))).collect();
-    let reason = bad.first().map(|(index, reason)| match (motions.len(), request.motion_in_words(*index)) {
-        (1, _) => (*reason).clone(),
-        (all, words) => format!("{} of {all} motions, the first at {words}: {reason}", bad.len()),
-    });
+    let reason =
+        bad.first().map(|(index, reason)| match (motions.len(), request.motion_in_words(set, *index)) {
+            (1, _) => (*reason).clone(),
+            (all, words) => format!("{} of {all} motions, the first at {words}: {reason}", bad.len()),
+        });
     Row { values, outputs, classes, reason }
 }
 

@@ -8,58 +8,14 @@ use super::error::{Error, Result};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
 use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells, check_pair};
-use super::stroboscopic::{COORDINATES, MOVING_BLOCK, StroboscopicState, dimensional, dimensionless};
+pub use super::start::StartRule;
+use super::start::state;
+use super::stroboscopic::{dimensionless, moving_block};
 use super::trajectories::{MOTIONS, Outcome, Program, Start, Workspace};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
-
-/// The rule by which the motions of a plane get their starts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum StartRule {
-    /// All start in one state.
-    State(StroboscopicState),
-    /// Each starts on the exact orbit where that is stable, elsewhere with the [moving block](MOVING_BLOCK).
-    Orbit,
-}
-
-impl Default for StartRule {
-    /// The [moving block](MOVING_BLOCK), which is the bifurcation study's start too.
-    fn default() -> Self {
-        Self::State(MOVING_BLOCK)
-    }
-}
-
-impl std::str::FromStr for StartRule {
-    type Err = Error;
-
-    /// Reads `orbit`, or `name=value,…`, what is not named being zero.
-    fn from_str(text: &str) -> Result<Self> {
-        if text.trim() == "orbit" {
-            return Ok(Self::Orbit);
-        }
-        let expected = "name=value,… with names of x1 x2 x3 (units of L) v1 v2 v3 (L omega10), e.g. x1=0.2,v2=1, or orbit";
-        let form = || Error::Form { text: text.into(), expected };
-        let mut start = [0.0; 6];
-        for assignment in text.split(',') {
-            let (name, value) = assignment.split_once('=').ok_or_else(form)?;
-            let index = COORDINATES.iter().position(|c| *c == name.trim()).ok_or_else(form)?;
-            start[index] = value.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(form)?;
-        }
-        Ok(Self::State(start))
-    }
-}
-
-impl std::fmt::Display for StartRule {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self::State(start) = self else { return f.write_str("orbit") };
-        let named = COORDINATES.iter().zip(start).filter(|(_, value)| **value != 0.0);
-        let named: Vec<String> = named.map(|(name, value)| format!("{name}={value}")).collect();
-        f.write_str(if named.is_empty() { "x1=0" } else { "" })?;
-        f.write_str(&named.join(","))
-    }
-}
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -162,15 +118,27 @@ pub fn count(request: &Request) -> usize {
 /// shards.
 ///
 /// # Errors
-/// [`Error::Form`] as [`check_pair`]; [`Error::TooMany`] for a plane that does not fit into memory; a start that the
+/// [`Error::Form`] as [`check_pair`], and for starts on the exact orbit under constant loads; [`Error::TooMany`] for a plane that does not fit into memory; a start that the
 /// simulator refuses; what the parts' folder refuses.
 pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
     check_pair(&request.x, &request.y)?;
     // The parts are put together beside the whole.
     check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<PlanePoint>())?;
-    if let StartRule::State(start) = &request.start {
-        let p = set.parameters();
-        Simulator::new(p, &dimensional(p, start), 0.0)?;
+    let p = set.parameters();
+    match &request.start {
+        StartRule::State(start) => {
+            Simulator::new(p, &state(p, start), 0.0)?;
+        }
+        StartRule::Orbit => {
+            p.check_symmetric()?;
+            if let Some(axis) = [&request.x, &request.y].into_iter().find(|axis| axis.name.is_load()) {
+                let text = format!("start orbit, {} on an axis", axis.name.name());
+                return Err(Error::Form {
+                    text,
+                    expected: "a start by coordinates: the exact orbit is one without loads",
+                });
+            }
+        }
     }
     let part = |workspace: &mut Workspace, part| Ok(points(set, request, rows(request, part), workspace));
     let parts = task.complete_with(count(request), part)?;
@@ -194,9 +162,9 @@ fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Sit
     let (theory, orbit) = plane::exact(&parameters).unwrap_or((SteadyStateClass::Undefined, None));
     let orbit = orbit.map(|o| o.initial_state()).map(|o| State { x: o.x, v: o.v });
     let state = match (&request.start, orbit) {
-        (StartRule::State(start), _) => dimensional(&parameters, start),
+        (StartRule::State(start), _) => state(&parameters, start),
         (StartRule::Orbit, Some(orbit)) => orbit,
-        (StartRule::Orbit, None) => dimensional(&parameters, &MOVING_BLOCK),
+        (StartRule::Orbit, None) => moving_block(&parameters),
     };
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
@@ -248,20 +216,4 @@ fn motion(p: &Parameters, outcome: &Outcome<'_>, orbit: Option<&State>) -> Optio
             && symmetric
             && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_become_starts_and_starts_words() {
-        for text in ["orbit", "v2=1", "x1=-0.25,v3=2", "x1=0"] {
-            assert_eq!(text.parse::<StartRule>().unwrap().to_string(), text);
-        }
-        assert_eq!("v2=1".parse::<StartRule>().unwrap(), StartRule::default());
-        for wrong in ["", "x4=1", "v2", "v2=fast", "v2=inf"] {
-            assert!(wrong.parse::<StartRule>().unwrap_err().to_string().contains("x1=0.2,v2=1"), "{wrong}");
-        }
-    }
 }

@@ -67,13 +67,14 @@ pub mod response;
 mod settling;
 mod smooth_pieces;
 pub mod sobol;
+pub mod start;
 pub mod stroboscopic;
 pub mod trajectories;
 mod variation;
 
 pub use error::{Error, Result};
 pub use parameter_set::{
-    Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, quantity_in, short,
-    significant, typed_unit,
+    Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, physical_parameters,
+    quantity_in, short, significant, typed_unit,
 };
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

@@ -66,7 +66,7 @@ struct Window {
     periods: f64,
 }
 
-/// Measures a motion without loads over the next `periods` drive periods; class and exponent over those that follow. The
+/// Measures a motion without loads, other than the constant ones of its parameters, over the next `periods` drive periods; class and exponent over those that follow. The
 /// transient is the caller's to discard. [`Measure::PowerInput`] needs a simulator with energy accounts.
 ///
 /// # Errors
@@ -110,13 +110,16 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
 }
 
 /// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1 ω1|, the
-/// periodic solution of docs/theory.md (3) without block and coupling.
+/// periodic solution of docs/theory.md (3) without block and coupling; under a constant load on the box, which shifts its middle,
+/// the largest |x1|.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.
 pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error> {
     let w = p.drive_frequency;
-    let found = p.drive_amplitude.abs() / (p.box_stiffness - p.box_mass * w * w).hypot(p.box_damping * w);
+    let swing = p.drive_amplitude.abs() / (p.box_stiffness - p.box_mass * w * w).hypot(p.box_damping * w);
+    let [load, ..] = p.constant_loads;
+    let found = if load == 0.0 { swing } else { swing + load.abs() / p.box_stiffness };
     if found.is_finite() {
         Ok(found)
     } else {

@@ -14,6 +14,7 @@ use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet};
 
 /// Numbers of values: few, as in a quick look, and many more than a panel has pixels.
@@ -246,7 +247,14 @@ fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
         let f10 = Name::find("f10").unwrap();
         let options = SpectrumOptions { periods: 210, ..SpectrumOptions::default() };
         let axis = ParameterAxis::new(f10, (1.0, 2.4), 8).unwrap();
-        let sweep = Sweep { axis, discard: 50, keep: 20, exponents: Some(options), of: Displacement::X1 };
+        let sweep = Sweep {
+            axis,
+            discard: 50,
+            keep: 20,
+            exponents: Some(options),
+            of: Displacement::X1,
+            start: StartRule::default(),
+        };
         let found = diagram(&set, &sweep, &Task::ALL).unwrap().unwrap();
         let all = [
             studies::steady(&set).unwrap(),

@@ -188,7 +188,8 @@ fn axes_are_of_any_parameter_with_units() {
     vibro::parameter_file::apply(&mut own, MACHINE).unwrap();
     for row in &rows {
         let mut set = own.clone();
-        set.apply(&[format!("block.m={}", row["block.m"]), format!("stop.gap={}", row["stop.gap"])]).unwrap();
+        set.apply(&[format!("block.m={} kg", row["block.m"]), format!("stop.gap={} m", row["stop.gap"])])
+            .unwrap();
         let roots = multiple_scales::fixed_points(set.groups()).unwrap();
         let stable = roots.into_iter().flat_map(|r| [r.lower, r.upper]).any(|p| p.admissibility.all());
         assert_eq!(row["class"] == "stable", stable, "{row:?}");

@@ -16,6 +16,7 @@ use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group, lyapunov};
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
@@ -25,7 +26,8 @@ const SETTLED: f64 = 2e-6;
 
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), range, count).unwrap();
-    let sweep = Sweep { axis, discard: 300, keep: 60, exponents, of: Displacement::X2 };
+    let sweep =
+        Sweep { axis, discard: 300, keep: 60, exponents, of: Displacement::X2, start: StartRule::default() };
     let all = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }
@@ -148,7 +150,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
     let p = set.parameters();
     let (x, y) = (initial("x1=-1:1", 6), initial("v2=-2:2", 5));
-    let request = basin::Request { x, y, discard: 300 };
+    let request = basin::Request { x, y, discard: 300, start: basin::in_the_middle() };
     let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.cells.len(), 30);
     let both = found.shares(0);

@@ -92,7 +92,10 @@ impl Family {
     fn over(set: &ParameterSet, loads: ConstantLoads, spans: Vec<Span>) -> Result<Self, Error> {
         // A span has public fields, so that it need not come from `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
-        let family = Self { set: set.clone(), loads, spans, anchored: false };
+        // The set's own loads are among the family's; a load that varies is added to them by `System::with_loads`.
+        let (set, own) = set.without_loads();
+        let forces = std::array::from_fn(|body| loads.forces[body] + own[body]);
+        let family = Self { set, loads: ConstantLoads { forces }, spans, anchored: false };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
         // A range of the coupling begins at 0 at the least.
         let anchored = family.system(&from)?.has_free_block() || family.system(&to)?.has_free_block();
@@ -130,14 +133,14 @@ impl Family {
         Ok(if self.anchored { system.anchored() } else { system })
     }
 
-    /// The loads.
+    /// The loads, that of the parameter set with them; without one that varies.
     pub fn loads(&self) -> ConstantLoads {
         self.loads
     }
 
     /// Whether mirror images of orbits are orbits.
-    pub(super) fn is_symmetric(&self) -> bool {
-        self.loads == ConstantLoads::NONE
+    pub fn is_symmetric(&self) -> bool {
+        self.loads == ConstantLoads::NONE && !self.spans.iter().any(|span| span.name.is_load())
     }
 
     /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.

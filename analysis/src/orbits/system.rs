@@ -62,11 +62,14 @@ impl System {
         Self::with_loads(parameters, ConstantLoads::NONE)
     }
 
-    /// A machine under constant loads.
+    /// A machine under constant loads, to which those of its parameters add.
     ///
     /// # Errors
     /// As [`new`](Self::new); a load on box or secondary oscillator that no spring holds; one that is not finite.
     pub fn with_loads(parameters: &Parameters, loads: ConstantLoads) -> Result<Self> {
+        let forces = std::array::from_fn(|body| loads.forces[body] + parameters.constant_loads[body]);
+        let loads = ConstantLoads { forces };
+        let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
         let flight = Flight::new(parameters)?;
         let response = flight.harmonic(parameters)?;
         let k = (1.0 + flight.kappa) / (1.0 + flight.epsilon);
@@ -112,7 +115,7 @@ impl System {
         }
     }
 
-    /// The machine's parameters.
+    /// The machine's parameters, without its [loads](Self::loads).
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }

@@ -1,12 +1,12 @@
 //! Units: a number, or a number with a unit of the parameter's dimension, on input; and the units in which labels show
 //! parameters.
 
-use super::Name;
+use super::{Name, name::physical_parameters};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use vibro_impact::parameters::FIELDS;
+use vibro_impact::parameters::{FIELDS, LOADS};
 
 /// A unit of an SI unit's dimension: a value in it times `times`, divided by `over`, is the value in the SI unit. Two
 /// numbers, because a thousandth is no exact number while a division by 1000 rounds once.
@@ -23,6 +23,16 @@ const fn unit(si: &'static str, symbol: &'static str, times: f64, over: f64) -> 
 }
 
 impl Unit {
+    /// A number of this unit in the SI unit.
+    pub fn si(&self, number: f64) -> f64 {
+        number * self.times / self.over
+    }
+
+    /// Whether numbers are the same in this unit and in the SI unit.
+    pub fn is_si(&self) -> bool {
+        self.times == self.over
+    }
+
     /// How many of this unit a value in the SI unit is.
     ///
     /// ```
@@ -42,7 +52,7 @@ impl Unit {
     }
 
     /// Its symbol, as files and the command line write it.
-    pub(super) fn plain(&self) -> &'static str {
+    pub fn plain(&self) -> &'static str {
         self.symbol
     }
 
@@ -80,7 +90,7 @@ static UNITS: [Unit; 47] = [
 /// the units' symbols by the parameters' names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "BTreeMap<String, String>", into = "BTreeMap<String, String>")]
-pub(super) struct Units([u8; FIELDS.len()]);
+pub(super) struct Units([u8; FIELDS.len() + LOADS.len()]);
 
 impl Units {
     /// Whether no parameter had a unit.
@@ -90,14 +100,16 @@ impl Units {
 
     /// The unit of a physical parameter, if it was written with one.
     pub fn get(&self, name: &str) -> Option<&'static Unit> {
-        let place = FIELDS.iter().position(|f| f.name == name)?;
+        let place = physical_parameters().position(|f| f.name == name)?;
         UNITS.get(usize::from(self.0[place]).checked_sub(1)?)
     }
 
     /// Notes the unit of a physical parameter; a unit of another dimension, or another name, changes nothing.
     pub fn set(&mut self, name: &str, symbol: &str) {
-        let Some(place) = FIELDS.iter().position(|f| f.name == name) else { return };
-        if let Some(unit) = UNITS.iter().position(|u| u.si == FIELDS[place].unit && u.symbol == symbol) {
+        let Some((place, field)) = physical_parameters().enumerate().find(|(_, f)| f.name == name) else {
+            return;
+        };
+        if let Some(unit) = UNITS.iter().position(|u| u.si == field.unit && u.symbol == symbol) {
             self.0[place] = unit as u8 + 1;
         }
     }
@@ -114,7 +126,7 @@ impl From<BTreeMap<String, String>> for Units {
 impl From<Units> for BTreeMap<String, String> {
     fn from(units: Units) -> Self {
         let written = |name: &str| Some((name.to_owned(), units.get(name)?.symbol.to_owned()));
-        FIELDS.iter().filter_map(|f| written(f.name)).collect()
+        physical_parameters().filter_map(|f| written(f.name)).collect()
     }
 }
 
@@ -149,7 +161,7 @@ fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     }
     let plain = symbol.replace(['·', '*', ' ', '⋅'], ".").replace(['µ', 'μ'], "u");
     let unit = UNITS.iter().find(|u| u.si == si && u.symbol == plain)?;
-    Some(Quantity { value: number * unit.times / unit.over, unit: Some(unit) })
+    Some(Quantity { value: unit.si(number), unit: Some(unit) })
 }
 
 /// Reads a number of any quantity, with or without a unit of the dimension of `si`, which is `s`, `m/s` or the unit of a
@@ -200,15 +212,17 @@ pub fn typed_unit(name: Name, text: &str) -> Option<&'static Unit> {
     quantity(name, text).ok()?.unit
 }
 
-/// The values of several numbers of one parameter. Either all have a unit or none, so that `9:11Hz` is no mixture.
+/// The values of several numbers of one parameter, and the unit in which they were written. Either all have a unit or none, so that
+/// `9:11Hz` is no mixture. Ranges are not checked: what a number without a unit means may depend on
+/// [how the parameter was written](super::ParameterSet::unit).
 ///
 /// # Errors
-/// As [`number`], the range of a value, and [`Error::Form`] for a mixture.
-pub fn numbers(name: Name, texts: &[&str]) -> Result<Vec<f64>> {
+/// As [`number`], and [`Error::Form`] for a mixture.
+pub fn numbers(name: Name, texts: &[&str]) -> Result<(Vec<f64>, Option<&'static Unit>)> {
     let all = texts.iter().map(|text| quantity(name, text)).collect::<Result<Vec<_>>>()?;
     if all.iter().any(|q| q.unit.is_some() != all[0].unit.is_some()) {
         let text = format!("{}={}", name.name(), texts.join(":"));
         return Err(Error::Form { text, expected: "a unit at every number or at none" });
     }
-    all.iter().map(|q| name.check(q.value).map(|()| q.value).map_err(Error::from)).collect()
+    Ok((all.iter().map(|q| q.value).collect(), all.first().and_then(|q| q.unit)))
 }

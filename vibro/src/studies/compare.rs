@@ -16,6 +16,7 @@ use vibro_analysis::maxima::Displacement;
 use vibro_analysis::motion::{amplitude, record_flights, settled_simulator};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
@@ -154,7 +155,14 @@ pub fn force_overlay(
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
     let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-    let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None, of: Displacement::X2 };
+    let sweep = Sweep {
+        axis,
+        discard: DISCARDED,
+        keep: KEPT,
+        exponents: None,
+        of: Displacement::X2,
+        start: StartRule::default(),
+    };
     let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };

@@ -20,7 +20,7 @@ use vibro_analysis::{Name, ParameterSet};
 /// # Errors
 /// What the store refuses.
 pub fn design_sweep(set: &ParameterSet, request: &Request, task: &Task, name: &str) -> Result<Study> {
-    let mut found = Collected::new(request);
+    let mut found = Collected::new(set, request);
     let quiet = Task { done: &|_| (), ..*task };
     each_row(set, request, &quiet, |row| -> Result<()> {
         found.take(&row);

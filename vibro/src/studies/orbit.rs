@@ -46,7 +46,7 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     let sign = if word.closing() > 0 { '+' } else { '-' };
     let figure = Figure {
         title: format!("Periodic orbit {word}{sign} of period {}T", word.period()),
-        caption: vec![format!("{stability}; {}{}", set.caption(), said(orbit.system().loads()))],
+        caption: vec![format!("{stability}; {}{}", set.caption(), said(set, orbit.system().loads()))],
         panels: vec![
             history(orbit, &Lengths::of(set)),
             portrait(orbit, &Lengths::of(set)),

@@ -49,7 +49,7 @@ pub fn orbits(
     if marks.of_stable_only {
         caption.push("Marks: where a branch gains or loses its stability, or ends stable; special-points.csv has the others.".into());
     }
-    caption.push(format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(family.loads())));
+    caption.push(format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(set, family.loads())));
     let what = format!("{} branches of periodic orbits over {}", branches.len(), span.name.symbol());
     let figure = Figure {
         title: format!("Periodic orbits over {}", set.symbol(span.name)),
@@ -101,9 +101,11 @@ fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The loads in words.
-pub(super) fn said(loads: ConstantLoads) -> String {
-    let named = ConstantLoads::NAMES.into_iter().zip(loads.forces).filter(|(_, f)| *f != 0.0);
+/// The loads beside those of the parameter set, which its caption tells, in words.
+pub(super) fn said(set: &ParameterSet, loads: ConstantLoads) -> String {
+    let own = set.parameters().constant_loads;
+    let forces: [f64; 3] = std::array::from_fn(|body| loads.forces[body] - own[body]);
+    let named = ConstantLoads::NAMES.into_iter().zip(forces).filter(|(_, f)| *f != 0.0);
     named.map(|(name, f)| format!(", {name} = {f} N")).collect()
 }
 
@@ -111,7 +113,7 @@ pub(super) fn said(loads: ConstantLoads) -> String {
 /// which is left out everywhere.
 fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
     let own = branch.maxima(family, BLOCK);
-    let mirror = if family.loads() == ConstantLoads::NONE { BLOCK.map(|w| -w) } else { BLOCK };
+    let mirror = if family.is_symmetric() { BLOCK.map(|w| -w) } else { BLOCK };
     let image = branch.maxima(family, mirror);
     let first = |all: &Vec<f64>| all.first().copied().unwrap_or(f64::NAN);
     own.iter().zip(&image).map(|(a, b)| first(a).max(first(b))).collect()

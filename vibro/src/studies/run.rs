@@ -6,7 +6,6 @@ mod picture;
 
 use super::Study;
 use super::steady_motion::SteadyMotion;
-use crate::run_start::{self, Coordinate, Start};
 use crate::table::{CsvRows, Table, exact};
 use crate::{Error, Result};
 use history::{Extent, History, RunImpact};
@@ -14,6 +13,7 @@ use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::{MotionClass, OBSERVED, observe};
 use vibro_analysis::lyapunov::{SpectrumOptions, dimensionless};
 use vibro_analysis::motion::settled_simulator;
+use vibro_analysis::start::{Coordinate, StartRule, state};
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_impact::load::Load;
 use vibro_impact::parameters::Parameters;
@@ -50,10 +50,10 @@ pub struct Request {
     /// given.
     pub discard: Option<u32>,
     /// The start, before what is discarded; the moving block unless given.
-    pub start: Option<Start>,
+    pub start: Option<StartRule>,
     /// Rows of the table in a drive period.
     pub samples: u32,
-    /// The loads, whose time 0 is the beginning of the run.
+    /// The loads that change, whose time 0 is the beginning of the run. Constant ones are among the parameters.
     pub loads: Vec<Load>,
 }
 
@@ -83,18 +83,15 @@ impl Request {
     /// The state in which the run, or what is discarded before it, begins; with its name.
     fn first_state(&self, p: &Parameters) -> Result<(State, String)> {
         match self.start.unwrap_or_default() {
-            Start::Coordinates(start) => {
+            StartRule::State(start) => {
                 let units = if start.iter().any(|c| matches!(c, Coordinate::Si(_))) {
                     "names with a point in m and m/s, others in units of L and L ω10"
                 } else {
                     "units of L and L ω10"
                 };
-                Ok((
-                    run_start::state(p, &start),
-                    format!("{} ({units}), the rest 0", Start::Coordinates(start)),
-                ))
+                Ok((state(p, &start), format!("{} ({units}), the rest 0", StartRule::State(start))))
             }
-            Start::Orbit => match SteadyMotion::exact(p)? {
+            StartRule::Orbit => match SteadyMotion::exact(p)? {
                 Some(SteadyMotion::Exact(orbit)) if orbit.is_stable() => {
                     Ok((orbit.state(p.drive_phase), "the stable exact orbit".into()))
                 }

@@ -5,6 +5,7 @@ use crate::maxima::Displacement;
 use crate::orbits::{ConstantLoads, Family, Span, Tree, TreeOptions, tree};
 use crate::parts::Task;
 use crate::plane::ParameterAxis;
+use crate::start::StartRule;
 use crate::{ParameterSet, find_group};
 
 /// Periods of the diagram, after which what is left of a transient is under what counts as a return.
@@ -18,7 +19,14 @@ fn family(from: f64, to: f64) -> Family {
 /// The periodic rows without rest of both directions of a simulated diagram.
 fn rows(from: f64, to: f64, count: usize) -> Vec<SweepPoint> {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), (from, to), count).unwrap();
-    let sweep = Sweep { axis, discard: DISCARD, keep: 0, exponents: None, of: Displacement::X2 };
+    let sweep = Sweep {
+        axis,
+        discard: DISCARD,
+        keep: 0,
+        exponents: None,
+        of: Displacement::X2,
+        start: StartRule::default(),
+    };
     let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap().unwrap();
     let rows = found.up.into_iter().chain(found.down).flatten();
     rows.filter(|row| row.attractor.period.is_some() && !row.attractor.rests).collect()

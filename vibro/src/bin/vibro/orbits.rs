@@ -2,15 +2,15 @@
 
 use crate::arguments::Common;
 use crate::long::perform_as;
-use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which, constant_loads};
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
 use crate::ranges::{ParameterRange, shown};
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::special_points::SpecialPoint;
 use vibro::studies::{self, Curve, Study};
 use vibro::{Error, Result};
 use vibro_analysis::orbits::{
-    Branch, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus, orbit_of,
-    search, settle,
+    Branch, ConstantLoads, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus,
+    orbit_of, search, settle,
 };
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Name, ParameterSet, find_group, numbers};
@@ -59,13 +59,14 @@ fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
     if !PathOptions::STEPS.contains(&a.step) {
         return Err(Error::form(format!("--step {}", a.step), "a length from 1e-5 to 0.2"));
     }
-    Ok(Family::new(set, a.which.loads(), span(&range)?)?)
+    Ok(Family::new(set, ConstantLoads::NONE, span(&range)?)?)
 }
 
 /// The values that are marked.
 fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
     let texts: Vec<&str> = a.mark.iter().map(String::as_str).collect();
-    let marks = numbers(along.name, &texts)?;
+    let (marks, _) = numbers(along.name, &texts)?;
+    marks.iter().try_for_each(|mark| along.name.check(*mark))?;
     match marks.iter().find(|mark| !(along.from..=along.to).contains(*mark)) {
         None => Ok(marks),
         Some(mark) => {
@@ -90,7 +91,7 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
         marks: marks(a, &span)?,
         ..TreeOptions::default()
     };
-    let kind = StudyKind::Orbits { span, loads: a.which.loads(), options };
+    let kind = StudyKind::Orbits { span, loads: ConstantLoads::NONE, options };
     perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
 }
 
@@ -123,7 +124,7 @@ pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<
 }
 
 pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {
-    let system = System::with_loads(set.parameters(), a.which.loads())?;
+    let system = System::new(set.parameters())?;
     studies::orbit(set, &a.which.orbits(&system)?)
 }
 
@@ -134,7 +135,7 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
             "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",
         ));
     };
-    let family = Family::over_two(set, constant_loads(&a.load), span(&first)?, span(&second)?)?;
+    let family = Family::over_two(set, ConstantLoads::NONE, span(&first)?, span(&second)?)?;
     let held = second.name.value(set);
     let (mut curves, mut problems) = (Vec::new(), Vec::new());
     for selection in &a.from {

@@ -1,39 +1,9 @@
 //! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`.
 
+use crate::arguments::ConstantLoads;
 use crate::ranges::ParameterRange;
 use clap::Args;
-use std::str::FromStr;
 use vibro::special_points::Selection;
-use vibro::{Error, Result};
-use vibro_analysis::orbits::ConstantLoads;
-
-/// A constant load, as `block=0.02`.
-#[derive(Clone, Copy, Debug)]
-pub struct LoadArgument {
-    body: usize,
-    force: f64,
-}
-
-impl FromStr for LoadArgument {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let form =
-            || Error::form(text, "body=force in N with a body of box, block, secondary, e.g. block=-0.02");
-        let (body, force) = text.split_once('=').ok_or_else(form)?;
-        let body =
-            ["box", "block", "secondary"].iter().position(|name| *name == body.trim()).ok_or_else(form)?;
-        let force = force.trim().parse::<f64>().ok().filter(|f| f.is_finite()).ok_or_else(form)?;
-        Ok(Self { body, force })
-    }
-}
-
-/// The loads together, those on one body added up.
-pub fn constant_loads(arguments: &[LoadArgument]) -> ConstantLoads {
-    let mut loads = ConstantLoads::NONE;
-    arguments.iter().for_each(|load| loads.forces[load.body] += load.force);
-    loads
-}
 
 /// Which orbit.
 #[derive(Args, Debug)]
@@ -45,17 +15,9 @@ pub struct Which {
     /// Its period in drive periods, for --word
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
     pub period: u32,
-    /// A constant load in N on box, block or secondary; may be repeated. A gap off its centre by d is the pair
-    /// block=-k23*d, secondary=k23*d
-    #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
-    pub load: Vec<LoadArgument>,
-}
-
-impl Which {
-    /// The loads on the bodies.
-    pub fn loads(&self) -> ConstantLoads {
-        constant_loads(&self.load)
-    }
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
 }
 
 /// Arguments of `orbit`.
@@ -123,7 +85,7 @@ pub struct Loci {
         allow_hyphen_values = true
     )]
     pub vary: Vec<ParameterRange>,
-    /// A constant load in N on box, block or secondary; may be repeated
-    #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
-    pub load: Vec<LoadArgument>,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
 }

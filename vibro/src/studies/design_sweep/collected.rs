@@ -2,7 +2,7 @@
 
 use vibro_analysis::design_sweep::{Request, Row};
 use vibro_analysis::measures::Measure;
-use vibro_analysis::{Name, significant};
+use vibro_analysis::{Name, ParameterSet, significant};
 
 /// Most designs of a picture.
 const MOST_DRAWN: usize = 100_000;
@@ -23,6 +23,8 @@ pub(super) struct MeasureRecord {
 
 /// What is kept of a sweep.
 pub(super) struct Collected {
+    /// For the units in which parameters are told.
+    set: ParameterSet,
     names: Vec<Name>,
     motions: usize,
     /// Values of the parameters, design by design, for the picture.
@@ -36,7 +38,7 @@ pub(super) struct Collected {
 }
 
 impl Collected {
-    pub fn new(request: &Request) -> Self {
+    pub fn new(set: &ParameterSet, request: &Request) -> Self {
         let numbers = request.measures.iter().enumerate().filter(|(_, m)| **m != Measure::Class);
         let record = |(index, measure): (usize, &Measure)| MeasureRecord {
             measure: *measure,
@@ -45,6 +47,7 @@ impl Collected {
             ends: None,
         };
         Self {
+            set: set.clone(),
             names: request.designs.names(),
             motions: request.motions(),
             values: Vec::new(),
@@ -67,7 +70,8 @@ impl Collected {
         if let Some(reason) = &row.reason {
             self.bad += 1;
             if self.reason.is_none() {
-                self.reason = Some(format!("{}: {reason}", design_in_words(&self.names, &row.values)));
+                self.reason =
+                    Some(format!("{}: {reason}", design_in_words(&self.set, &self.names, &row.values)));
             }
         }
         for record in &mut self.records {
@@ -104,7 +108,11 @@ impl Collected {
                 unit => format!(" {}", unit.replace('.', "·")),
             };
             let told = |(value, design): &(f64, Vec<f64>)| {
-                let at = if self.count > 1 { design_in_words(&self.names, design) } else { String::new() };
+                let at = if self.count > 1 {
+                    design_in_words(&self.set, &self.names, design)
+                } else {
+                    String::new()
+                };
                 let at = if at.is_empty() { at } else { format!(" at {at}") };
                 format!("{}{unit}{at}", significant(*value))
             };
@@ -131,8 +139,8 @@ fn design_or_none(reason: &str) -> &str {
     reason.strip_prefix(": ").unwrap_or(reason)
 }
 
-/// A design in words: `block.m = 1.2 kg, stop.gap = 0.01 m`.
-fn design_in_words(names: &[Name], values: &[f64]) -> String {
-    let told = |(name, value): (&Name, &f64)| format!("{} = {}", name.name(), name.with_unit(*value));
+/// A design in words, in the units in which the machine was written: `block.m = 1.2 kg, stop.gap = 10 mm`.
+fn design_in_words(set: &ParameterSet, names: &[Name], values: &[f64]) -> String {
+    let told = |(name, value): (&Name, &f64)| format!("{} = {}", name.name(), set.with_unit(*name, *value));
     names.iter().zip(values).map(told).collect::<Vec<_>>().join(", ")
 }
