@@ -201,7 +201,7 @@ pub struct Basin {
     /// Cells on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=5_000))]
     pub resolution: u16,
-    /// Drive periods discarded
+    /// Drive periods discarded; a motion of which nothing is decided then is followed for up to 8192 more
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
     /// For many machines.
@@ -225,9 +225,9 @@ pub struct Isoperiodic {
     /// Drive periods discarded; a motion that has settled on a period before is not simulated further
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
-    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed: it ends when
-    /// the class is decided; 0: not at all
-    #[arg(long, value_name = "N", default_value_t = 400)]
+    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed at a time: it ends
+    /// when the class is decided; 0: not at all
+    #[arg(long, value_name = "N", default_value_t = 4000)]
     pub periods: u32,
     /// For many machines.
     #[command(flatten)]
