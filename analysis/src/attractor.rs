@@ -128,7 +128,9 @@ impl MotionClass {
         match (attractor.period, spectrum.map(|s| (s.exponents[0], s.exponents[1], s.deviation))) {
             (Some(n), _) => Self::Periodic(n),
             (None, None) => Self::NotSettled,
-            (None, Some((first, _, deviation))) if (first - ZERO_EXPONENT).abs() < deviation => Self::NotSettled,
+            (None, Some((first, _, deviation))) if (first - ZERO_EXPONENT).abs() < deviation => {
+                Self::NotSettled
+            }
             (None, Some((first, ..))) if first > ZERO_EXPONENT => Self::Chaotic,
             (None, Some((_, second, _))) if second > -ZERO_EXPONENT && !attractor.approaching => {
                 Self::QuasiPeriodic
@@ -387,7 +389,9 @@ fn by_means(a: &Statistics, b: &Statistics) -> Relation {
     match (a.likeness(b), a.likeness(&b.mirrored())) {
         (Likeness::Same, _) => Relation::Same,
         // A motion that is its own mirror image has no other one.
-        (Likeness::Undecided, Likeness::Same) if a.likeness(&a.mirrored()) != Likeness::Different => Relation::Undecided,
+        (Likeness::Undecided, Likeness::Same) if a.likeness(&a.mirrored()) != Likeness::Different => {
+            Relation::Undecided
+        }
         (_, Likeness::Same) => Relation::Mirror,
         (Likeness::Different, Likeness::Different) => Relation::Different,
         _ => Relation::Undecided,

@@ -128,7 +128,8 @@ pub struct Basin {
 impl Basin {
     /// The part of the starts inside the stops that lead to an attractor, and to its mirror image.
     pub fn shares(&self, number: u16) -> [f64; 2] {
-        [Destination::Attractor(number), Destination::Mirror(number)].map(|destination| self.share(destination))
+        [Destination::Attractor(number), Destination::Mirror(number)]
+            .map(|destination| self.share(destination))
     }
 
     /// The part of the starts inside the stops with this destination.
@@ -287,7 +288,9 @@ impl Basin {
             known.push(match self.known(found) {
                 Known::As(destination) => {
                     if let Destination::Attractor(number) | Destination::Mirror(number) = destination {
-                        self.attractors[usize::from(number)].attractor.pool(&found.attractor, destination.is_mirror());
+                        self.attractors[usize::from(number)]
+                            .attractor
+                            .pool(&found.attractor, destination.is_mirror());
                     }
                     destination
                 }

@@ -59,7 +59,11 @@ impl LargestExponent {
         let clear = self.value.abs() - CONFIDENCE * self.error > threshold;
         match (clear, self.value > 0.0) {
             (true, positive) if self.value.abs() * time > LEAST_GROWTH => {
-                if positive { ExponentSign::Positive } else { ExponentSign::Negative }
+                if positive {
+                    ExponentSign::Positive
+                } else {
+                    ExponentSign::Negative
+                }
             }
             _ if self.value.abs() <= threshold && threshold * time > LEAST_GROWTH => ExponentSign::Zero,
             _ => ExponentSign::Undecided,

@@ -87,8 +87,11 @@ impl Statistics {
         let all = f64::from(self.periods) + f64::from(other.periods);
         let [a, b] = [self, other].map(|s| f64::from(s.periods) / all.max(1.0));
         let mut together = Self { periods: self.periods.saturating_add(other.periods), ..*self };
-        for (mean, (x, y)) in
-            together.means.iter_mut().flatten().zip(self.means.iter().flatten().zip(other.means.iter().flatten()))
+        for (mean, (x, y)) in together
+            .means
+            .iter_mut()
+            .flatten()
+            .zip(self.means.iter().flatten().zip(other.means.iter().flatten()))
         {
             mean.value = a * x.value + b * y.value;
             // A window too short to tell its error adds none of its own.
@@ -112,12 +115,17 @@ impl Statistics {
 /// A motion's observables, as its window grows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Blocks {
-    /// Sums over blocks that are full.
-    full: Vec<[Observables; 2]>,
-    /// The sums of the block under way and the number of its drive periods.
-    open: [Observables; 2],
+    /// Blocks that are full.
+    full: Vec<Block>,
+    /// The block under way and the number of its drive periods.
+    open: Block,
     count: u32,
-    /// Sums of the squares of the observables over full blocks and the one under way.
+}
+
+/// Sums of the observables over a block, and of their squares.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    sums: [Observables; 2],
     squares: [Observables; 2],
 }
 
@@ -137,8 +145,8 @@ impl Blocks {
         self.full.extend(next.full);
         self.count += next.count;
         for (k, i) in places() {
-            self.open[k][i] += next.open[k][i];
-            self.squares[k][i] += next.squares[k][i];
+            self.open.sums[k][i] += next.open.sums[k][i];
+            self.open.squares[k][i] += next.open.squares[k][i];
         }
     }
 
@@ -151,8 +159,8 @@ impl Blocks {
     pub(crate) fn add(&mut self, whole: &StroboscopicState, mirrored_half: &StroboscopicState) {
         for (k, state) in [whole, mirrored_half].into_iter().enumerate() {
             for (i, q) in observables(state).into_iter().enumerate() {
-                self.open[k][i] += q;
-                self.squares[k][i] += q * q;
+                self.open.sums[k][i] += q;
+                self.open.squares[k][i] += q * q;
             }
         }
         self.count += 1;
@@ -164,11 +172,7 @@ impl Blocks {
 
     /// Forgets the first half of the window.
     pub(crate) fn forget_half(&mut self) {
-        let count = self.full.len();
-        let part = (count - count / 2) as f64 / count.max(1) as f64;
-        self.full.drain(..count / 2);
-        // The scatter of the observables themselves is known well enough as it was.
-        self.squares.iter_mut().flatten().for_each(|square| *square *= part);
+        self.full.drain(..self.full.len() / 2);
     }
 
     /// The means of the whole window.
@@ -182,16 +186,18 @@ impl Blocks {
         [first, second].map(|part| self.of(part, false))
     }
 
-    fn of(&self, blocks: &[[Observables; 2]], whole: bool) -> Statistics {
+    fn of(&self, blocks: &[Block], whole: bool) -> Statistics {
+        let open = if whole { self.open } else { Block::default() };
         let periods = BLOCK * blocks.len() as u32 + if whole { self.count } else { 0 };
-        let (count, all) = (f64::from(periods.max(1)), f64::from(self.periods().max(1)));
+        let count = f64::from(periods.max(1));
         let mut found = Statistics { periods, ..Statistics::default() };
         for (k, i) in places() {
-            let open = if whole { self.open[k][i] } else { 0.0 };
-            let total = self.full.iter().map(|b| b[k][i]).sum::<f64>() + self.open[k][i];
-            let deviation = (self.squares[k][i] / all - (total / all).powi(2)).max(0.0).sqrt();
-            let value = (blocks.iter().map(|b| b[k][i]).sum::<f64>() + open) / count;
-            found.means[k][i] = Mean { value, error: standard_error(blocks.iter().map(|b| b[k][i] / f64::from(BLOCK))), deviation };
+            let mean =
+                |sums: &dyn Fn(&Block) -> f64| (blocks.iter().map(sums).sum::<f64>() + sums(&open)) / count;
+            let (value, square) = (mean(&|b| b.sums[k][i]), mean(&|b| b.squares[k][i]));
+            let error = standard_error(blocks.iter().map(|b| b.sums[k][i] / f64::from(BLOCK)));
+            let deviation = (square - value * value).max(0.0).sqrt();
+            found.means[k][i] = Mean { value, error, deviation };
         }
         found
     }
@@ -211,7 +217,6 @@ fn standard_error(numbers: impl Iterator<Item = f64>) -> f64 {
     }
     if most >= 0.0 { most } else { f64::INFINITY }
 }
-
 
 #[cfg(test)]
 mod tests;

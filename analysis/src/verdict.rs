@@ -195,8 +195,13 @@ impl Open {
         let class = MotionClass::by_largest(&seen.attractor, seen.exponent.as_ref(), &start.parameters);
         let (impacts, rests) = (seen.attractor.impacts, seen.attractor.rests);
         let periods = seen.blocks.periods();
-        let found =
-            Followed { class, attractor: seen.attractor, exponent: seen.exponent, periods, stationary: false };
+        let found = Followed {
+            class,
+            attractor: seen.attractor,
+            exponent: seen.exponent,
+            periods,
+            stationary: false,
+        };
         let arrived = seen.arrived || found.attractor.is_free();
         let mut motion =
             Self { number, start, found, impacts, rests, blocks: seen.blocks, arrived, followed: OBSERVED };
@@ -243,14 +248,19 @@ impl Open {
             let [first, second] = self.blocks.halves();
             if first.likeness(&second) == Likeness::Different {
                 // The earlier half was a transient.
-                let before = f64::from(self.blocks.periods());
                 self.blocks.forget_half();
-                self.impacts = self.impacts.map(|sum| sum * f64::from(self.blocks.periods()) / before);
+                // Of its impacts the last periods tell.
+                let periods = f64::from(self.blocks.periods());
+                self.impacts = self.found.attractor.impacts.map(|rate| rate * periods);
             }
             self.found.periods = self.blocks.periods();
             let statistics = self.blocks.statistics();
             let count = f64::from(self.blocks.periods().max(1));
-            let enough = if last { statistics.likeness(&statistics) == Likeness::Same } else { statistics.is_precise() };
+            let enough = if last {
+                statistics.likeness(&statistics) == Likeness::Same
+            } else {
+                statistics.is_precise()
+            };
             self.found.stationary = enough && self.found.periods >= WINDOW;
             let attractor = &mut self.found.attractor;
             attractor.impacts = self.impacts.map(|sum| sum / count);
@@ -285,7 +295,6 @@ pub fn verdict(start: &Start, discard: u32) -> Result<Followed> {
         }),
     }
 }
-
 
 #[cfg(test)]
 mod tests;

