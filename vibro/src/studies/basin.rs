@@ -247,3 +247,49 @@ fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
         shared_legend: true,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibro_analysis::attractor::MotionClass;
+    use vibro_analysis::basin::BasinAttractor;
+
+    #[test]
+    fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
+        /// Of the lighter luminance over the darker, with some stray light: more than the eye tells apart.
+        const APART: f64 = 1.02;
+        let mut light: Vec<f64> =
+            PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();
+        light.sort_by(f64::total_cmp);
+        assert!(light.windows(2).all(|pair| pair[1] / pair[0] > APART), "{light:?}");
+        // Eleven attractors, of which three share the entry of those without a colour of their own.
+        let attractor = |period: u32| BasinAttractor {
+            attractor: Attractor {
+                period: Some(period),
+                approaching: false,
+                impacts: [1.0; 2],
+                rests: false,
+                states: Vec::new(),
+                mirror_states: Vec::new(),
+                sizes: [1.0; 3],
+                statistics: None,
+            },
+            class: MotionClass::Periodic(period),
+        };
+        let mut cells: Vec<Destination> =
+            (0..11).flat_map(|n| [Destination::Attractor(n), Destination::Mirror(n)]).collect();
+        cells.extend([Destination::NotSettled, Destination::Undecided, Destination::Outside]);
+        let basin = Basin { attractors: (1..=11).map(attractor).collect(), cells };
+        let legend = legend(&basin);
+        let mut codes: Vec<u8> = basin.cells.iter().map(code).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        assert_eq!(legend.len(), codes.len());
+        for (i, layer) in legend.iter().enumerate() {
+            assert!(legend[..i].iter().all(|other| other.colour != layer.colour), "{:?}", layer.name);
+        }
+        let names: Vec<&str> = legend.iter().filter_map(|layer| layer.name.as_deref()).collect();
+        assert!(names.contains(&"9 to 11: 9T, 10T, 11T") && names.contains(&"not settled"), "{names:?}");
+        assert!(remarks(&basin).iter().any(|line| line.contains("% of the starts not settled")));
+    }
+}
