@@ -1,12 +1,13 @@
 //! Basins of attraction over two initial values, and the attractors that coexist.
 
-use super::attractor::{Attractor, Relation};
+use super::attractor::{Attractor, MotionClass, Relation};
 use super::error::{Error, Result};
 use super::parts::Task;
 use super::plane::check_cells;
 use super::start::{Coordinate, SI_COORDINATES, StartRule, coordinate, coordinate_value};
 use super::stroboscopic::{COORDINATES, dimensional};
-use super::trajectories::{MOTIONS, Program, Start, Workspace};
+use super::trajectories::{MOTIONS, Start, Workspace};
+use super::verdict::{Followed, Following, follow};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::State;
@@ -110,7 +111,7 @@ pub struct Request {
     pub x: InitialValueAxis,
     /// Vertical.
     pub y: InitialValueAxis,
-    /// Drive periods discarded before a motion is observed.
+    /// Drive periods discarded before a motion is observed. One that is not decided then is followed further.
     pub discard: u32,
     /// The initial values that are on no axis.
     #[serde(default = "in_the_middle")]
@@ -131,13 +132,26 @@ pub enum Destination {
     Mirror(u16),
     /// There is no motion: the start is outside the stops.
     Outside,
+    /// What the motion is was not decided up to the [limit](crate::verdict::PROLONGED).
+    NotSettled,
+    /// It is chaotic or on a torus, but on which of the known attractors was not decided up to the limit.
+    Undecided,
+}
+
+/// An attractor that the starts of a plane lead to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BasinAttractor {
+    /// What it is. Where it has no period its means are those of all motions on it.
+    pub attractor: Attractor,
+    /// Its class.
+    pub class: MotionClass,
 }
 
 /// A plane of starts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Basin {
-    /// The attractors, in the order in which the cells meet them.
-    pub attractors: Vec<Attractor>,
+    /// The attractors with their classes, in the order in which the cells meet them.
+    pub attractors: Vec<BasinAttractor>,
     /// Rows of constant y, from the first.
     pub cells: Vec<Destination>,
 }
@@ -145,10 +159,14 @@ pub struct Basin {
 impl Basin {
     /// The part of the starts inside the stops that lead to an attractor, and to its mirror image.
     pub fn shares(&self, number: u16) -> [f64; 2] {
-        let count =
-            |destination: Destination| self.cells.iter().filter(|g| **g == destination).count() as f64;
-        let inside = self.cells.len() as f64 - count(Destination::Outside);
-        [Destination::Attractor(number), Destination::Mirror(number)].map(|g| count(g) / inside.max(1.0))
+        [Destination::Attractor(number), Destination::Mirror(number)]
+            .map(|destination| self.share(destination))
+    }
+
+    /// The part of the starts inside the stops with this destination.
+    pub fn share(&self, destination: Destination) -> f64 {
+        let count = |sought| self.cells.iter().filter(|cell| **cell == sought).count() as f64;
+        count(destination) / (self.cells.len() as f64 - count(Destination::Outside)).max(1.0)
     }
 }
 
@@ -209,48 +227,126 @@ fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut 
     let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
     let starts: Vec<Start> =
         places.map(|(i, j)| Start { parameters: *p, state: cell_start(p, request, &first, i, j) }).collect();
-    let mut ends: Vec<Result<Option<Attractor>>> = starts.iter().map(|_| Ok(None)).collect();
-    let program =
-        Program { discard: request.discard, until_settled: true, observed: true, ..Program::default() };
-    workspace.run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
-        ends[number] = match outcome {
-            Ok(outcome) => Ok(outcome.attractor),
-            Err(Error::Model(vibro_impact::Error::Penetration { .. })) => Ok(None),
-            Err(other) => Err(other),
-        };
+    let following = Following { discard: request.discard, ..Following::default() };
+    let mut found = Basin { cells: vec![Destination::NotSettled; starts.len()], ..Basin::default() };
+    let mut refused = Ok(());
+    follow(workspace, &starts, &following, &mut |number, motion, last| match motion {
+        Ok(motion) => {
+            let destination = found.destination(motion);
+            if let Some(destination) = destination {
+                found.cells[number] = destination;
+            } else if last && motion.wanders() && motion.stationary {
+                found.cells[number] = Destination::Undecided;
+            }
+            destination.is_some()
+        }
+        Err(Error::Model(vibro_impact::Error::Penetration { .. })) => {
+            found.cells[number] = Destination::Outside;
+            true
+        }
+        Err(other) => {
+            refused = Err(other);
+            true
+        }
     });
-    let mut found = Basin::default();
-    for end in ends {
-        let cell = end?.map_or(Destination::Outside, |attractor| found.destination(&attractor));
-        found.cells.push(cell);
-    }
-    Ok(found)
+    refused.map(|()| found.in_order_of_cells())
 }
 
 impl Basin {
-    /// Where a motion on `attractor` has ended: an attractor that is known, or a new one.
-    fn destination(&mut self, attractor: &Attractor) -> Destination {
-        let relation = |(known, number): (&Attractor, u16)| match known.relation(attractor) {
-            Relation::Same => Some(Destination::Attractor(number)),
-            Relation::Mirror => Some(Destination::Mirror(number)),
-            Relation::Different => None,
+    /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is not decided.
+    fn destination(&mut self, motion: &Followed) -> Option<Destination> {
+        if motion.attractor.period.is_none() && !motion.wanders() {
+            return None;
+        }
+        let found = BasinAttractor { attractor: motion.attractor.clone(), class: motion.class };
+        match self.known(&found) {
+            Known::As(destination) => {
+                let known = match destination {
+                    Destination::Attractor(number) | Destination::Mirror(number) => Some(number),
+                    _ => None,
+                };
+                if let Some(known) = known.and_then(|number| self.attractors.get_mut(usize::from(number))) {
+                    known.attractor.pool(&found.attractor, destination.is_mirror());
+                }
+                Some(destination)
+            }
+            Known::Undecided => None,
+            // One motion's means become an attractor's when they are known well enough.
+            Known::Not if found.attractor.period.is_none() && !motion.stationary => None,
+            Known::Not => Some(self.add(found)),
+        }
+    }
+
+    fn add(&mut self, found: BasinAttractor) -> Destination {
+        self.attractors.push(found);
+        Destination::Attractor((self.attractors.len() - 1) as u16)
+    }
+
+    /// Whether an attractor is among the known ones.
+    fn known(&self, found: &BasinAttractor) -> Known {
+        let mut undecided = false;
+        for (known, number) in self.attractors.iter().zip(0..) {
+            match known.attractor.relation(&found.attractor) {
+                Relation::Same => return Known::As(Destination::Attractor(number)),
+                Relation::Mirror => return Known::As(Destination::Mirror(number)),
+                Relation::Different => {}
+                Relation::Undecided => undecided = true,
+            }
+        }
+        if undecided { Known::Undecided } else { Known::Not }
+    }
+
+    /// The same with the attractors in the order in which the cells meet them, not in that in which they were decided.
+    fn in_order_of_cells(self) -> Self {
+        let mut order: Vec<u16> = Vec::new();
+        for cell in &self.cells {
+            if let Destination::Attractor(number) | Destination::Mirror(number) = cell
+                && !order.contains(number)
+            {
+                order.push(*number);
+            }
+        }
+        let place = |number: u16| order.iter().position(|n| *n == number).unwrap_or_default() as u16;
+        let cell = |cell: &Destination| match *cell {
+            Destination::Attractor(number) => Destination::Attractor(place(number)),
+            Destination::Mirror(number) => Destination::Mirror(place(number)),
+            other => other,
         };
-        self.attractors.iter().zip(0..).find_map(relation).unwrap_or_else(|| {
-            self.attractors.push(attractor.clone());
-            Destination::Attractor((self.attractors.len() - 1) as u16)
-        })
+        let attractors = order.iter().map(|n| self.attractors[usize::from(*n)].clone()).collect();
+        Self { cells: self.cells.iter().map(cell).collect(), attractors }
     }
 
     /// Adds the cells of further rows, whose attractors have numbers of their own.
     fn append(&mut self, rows: &Self) {
-        let known: Vec<Destination> = rows.attractors.iter().map(|a| self.destination(a)).collect();
+        let mut known = Vec::with_capacity(rows.attractors.len());
+        for found in &rows.attractors {
+            known.push(match self.known(found) {
+                Known::As(destination) => {
+                    if let Destination::Attractor(number) | Destination::Mirror(number) = destination {
+                        self.attractors[usize::from(number)]
+                            .attractor
+                            .pool(&found.attractor, destination.is_mirror());
+                    }
+                    destination
+                }
+                Known::Undecided => Destination::Undecided,
+                Known::Not => self.add(found.clone()),
+            });
+        }
         let cell = |cell: &Destination| match *cell {
             Destination::Attractor(number) => known[usize::from(number)],
             Destination::Mirror(number) => known[usize::from(number)].mirrored(),
-            Destination::Outside => Destination::Outside,
+            other => other,
         };
         self.cells.extend(rows.cells.iter().map(cell));
     }
+}
+
+/// Whether an attractor is among those that are known.
+enum Known {
+    As(Destination),
+    Undecided,
+    Not,
 }
 
 impl Destination {
@@ -259,8 +355,12 @@ impl Destination {
         match self {
             Self::Attractor(number) => Self::Mirror(number),
             Self::Mirror(number) => Self::Attractor(number),
-            Self::Outside => Self::Outside,
+            other => other,
         }
+    }
+
+    fn is_mirror(self) -> bool {
+        matches!(self, Self::Mirror(_))
     }
 }
 
@@ -294,20 +394,27 @@ mod tests {
 
     #[test]
     fn invariant_rows_put_together_are_the_whole() {
-        let attractor = |x: f64| Attractor {
-            period: Some(1),
-            approaching: false,
-            impacts: [1.0; 2],
-            rests: false,
-            states: vec![[x; 6]],
-            mirror_states: vec![[-x; 6]],
-            sizes: [1.0; 3],
+        let motion = |x: f64| Followed {
+            class: MotionClass::Periodic(1),
+            attractor: Attractor {
+                period: Some(1),
+                approaching: false,
+                impacts: [1.0; 2],
+                rests: false,
+                states: vec![[x; 6]],
+                mirror_states: vec![[-x; 6]],
+                sizes: [1.0; 3],
+                statistics: None,
+            },
+            exponent: None,
+            periods: 0,
+            stationary: false,
         };
         let cells = [0.1, 0.2, -0.1, 0.3, -0.2, 0.1, -0.3, 0.3];
         let whole = |cells: &[f64]| {
             let mut found = Basin::default();
             for x in cells {
-                let cell = found.destination(&attractor(*x));
+                let cell = found.destination(&motion(*x)).unwrap();
                 found.cells.push(cell);
             }
             found

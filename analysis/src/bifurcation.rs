@@ -17,6 +17,7 @@ use super::plane::{ParameterAxis, check_count};
 use super::start::StartRule;
 use super::stroboscopic::StroboscopicState;
 use super::trajectories::{Outcome, Program, Start, Workspace};
+use super::verdict::{EXPONENT_PERIODS, Following, follow};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State, TOGETHER};
@@ -149,21 +150,50 @@ fn observe_all(
         .enumerate()
         .filter_map(|(index, s)| Some((index, Start { parameters: s.parameters, state: s.state? })))
         .collect();
-    let program = Program { maxima: Some((sweep.of, sweep.keep)), observed: true, ..Program::default() };
-    let mut refused = Ok(());
+    let program = Program {
+        maxima: Some((sweep.of, sweep.keep)),
+        observed: true,
+        exponent: Some(EXPONENT_PERIODS),
+        ..Program::default()
+    };
+    let (mut refused, mut ends) = (Ok(()), vec![State::default(); there.len()]);
     workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
         let (index, start) = there[number];
+        if let Ok(outcome) = &outcome {
+            ends[number] = outcome.state;
+        }
         match outcome.and_then(|outcome| point(starts[index].value, &start.parameters, outcome, sweep)) {
             Ok(point) => points[index] = point,
             Err(Error::Model(_)) => {}
             Err(other) => refused = Err(other),
         }
     });
-    refused.map(|()| points)
+    refused?;
+    let open: Vec<(usize, Start)> = there
+        .iter()
+        .zip(&ends)
+        .filter(|((index, _), _)| points[*index].as_ref().is_some_and(|p| !p.class.is_decided()))
+        .map(|((index, start), end)| (*index, Start { state: *end, ..*start }))
+        .collect();
+    prolong(&open, &mut points, workspace);
+    Ok(points)
+}
+
+/// Follows motions whose verdict is open until it is decided.
+fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace: &mut Workspace) {
+    let starts: Vec<Start> = open.iter().map(|(_, start)| *start).collect();
+    follow(workspace, &starts, &Following::default(), &mut |number, motion, _| {
+        // What is refused on the way stays as it was.
+        let (Ok(motion), Some(point)) = (motion, &mut points[open[number].0]) else { return true };
+        (point.class, point.attractor) = (motion.class, motion.attractor.clone());
+        point.class.is_decided()
+    });
 }
 
 fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
-    let Outcome { state, maxima, attractor: Some(attractor), .. } = outcome else { return Ok(None) };
+    let Outcome { state, maxima, attractor: Some(attractor), exponent, .. } = outcome else {
+        return Ok(None);
+    };
     let six_digits = |value: &f64| (value / p.stop_gap / RESOLUTION).round() as i64;
     let mut tops: Vec<i64> = maxima.iter().map(six_digits).collect();
     tops.sort_unstable();
@@ -174,7 +204,10 @@ fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Res
         Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum)
     };
     let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
-    let class = MotionClass::of(&attractor, spectrum.as_ref());
+    let class = match &spectrum {
+        Some(spectrum) => MotionClass::of(&attractor, Some(spectrum)),
+        None => MotionClass::by_largest(&attractor, exponent.as_ref(), p),
+    };
     Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))
 }
 
@@ -242,16 +275,14 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
 }
 
 impl Diagram {
-    /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two that never
-    /// return are taken for one: what is observed is too short to tell chaos from chaos.
+    /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two without a period are two
+    /// where their [means](crate::statistics) differ for certain; what has not settled is on no attractor.
     pub fn hysteresis(&self) -> Vec<bool> {
+        let settled = |p: &SweepPoint| p.class != MotionClass::NotSettled;
         let both = self.up.iter().zip(&self.down);
         both.map(|pair| match pair {
             (Some(a), Some(b)) => {
-                let wanders =
-                    |p: &SweepPoint| matches!(p.class, MotionClass::Chaotic | MotionClass::Aperiodic);
-                let both = wanders(a) && wanders(b);
-                !both && a.attractor.relation(&b.attractor) == Relation::Different
+                settled(a) && settled(b) && a.attractor.relation(&b.attractor) == Relation::Different
             }
             _ => false,
         })

@@ -11,7 +11,8 @@ use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells, check_pai
 pub use super::start::StartRule;
 use super::start::state;
 use super::stroboscopic::{dimensionless, moving_block};
-use super::trajectories::{MOTIONS, Outcome, Program, Start, Workspace};
+use super::trajectories::{MOTIONS, Start, Workspace};
+use super::verdict::{Followed, Following, PROLONGED, follow};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::parameters::Parameters;
@@ -28,8 +29,8 @@ pub struct Request {
     pub start: StartRule,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// Most drive periods over which the largest exponents of motions with impacts and without a period are computed, if they
-    /// are. They are computed until the class is decided.
+    /// Most drive periods over which the largest exponents of motions with impacts and without a period are computed at a time, if they
+    /// are. They are computed until the class is decided; a motion whose class is not is [followed](crate::verdict) further.
     pub exponents: Option<u32>,
 }
 
@@ -182,32 +183,29 @@ fn points(
         sites.iter().map(|site| PlanePoint { theory: site.theory, motion: None }).collect();
     let there: Vec<(usize, Start)> =
         sites.iter().enumerate().filter_map(|(index, site)| Some((index, site.start?))).collect();
-    let program = Program {
+    let starts: Vec<Start> = there.iter().map(|(_, start)| *start).collect();
+    let following = Following {
         discard: request.discard,
-        until_settled: true,
-        observed: true,
         exponent: request.exponents,
-        maxima: None,
+        // Without exponents nothing more would be known of chaos, however long it was followed.
+        limit: if request.exponents.is_some() { PROLONGED } else { 0 },
     };
-    workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
+    follow(workspace, &starts, &following, &mut |number, outcome, _| {
         let (index, start) = there[number];
         let orbit = sites[index].orbit.as_ref();
-        points[index].motion = outcome.ok().and_then(|outcome| motion(&start.parameters, &outcome, orbit));
+        points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
+        // What wanders after the discarded periods is called so.
+        points[index].motion.is_none_or(|m| m.class.is_decided())
     });
     points
 }
 
-fn motion(p: &Parameters, outcome: &Outcome<'_>, orbit: Option<&State>) -> Option<SettledMotion> {
-    let found = outcome.attractor.as_ref()?;
-    let exponent = outcome.exponent.map(|e| [e.value, e.error].map(|rate| rate / p.box_frequency()));
-    let dies_out = found.is_free() && found.approaching;
+fn motion(p: &Parameters, followed: &Followed, orbit: Option<&State>) -> SettledMotion {
+    let found = &followed.attractor;
+    let exponent = followed.exponent.map(|e| [e.value, e.error].map(|rate| rate / p.box_frequency()));
     let symmetric = found.period.is_some() && found.is_symmetric();
-    Some(SettledMotion {
-        class: if dies_out {
-            MotionClass::Settling
-        } else {
-            MotionClass::by_largest(found, exponent.map(|e| e[0]))
-        },
+    SettledMotion {
+        class: followed.class,
         impacts: found.impacts,
         rests: found.rests,
         symmetric,
@@ -215,5 +213,5 @@ fn motion(p: &Parameters, outcome: &Outcome<'_>, orbit: Option<&State>) -> Optio
         on_orbit: found.period == Some(1)
             && symmetric
             && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
-    })
+    }
 }

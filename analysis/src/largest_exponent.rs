@@ -37,6 +37,40 @@ pub struct LargestExponent {
     pub periods: u32,
 }
 
+/// What is known of the sign of an exponent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExponentSign {
+    /// Positive for certain.
+    Positive,
+    /// Negative for certain.
+    Negative,
+    /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::attractor::ZERO_EXPONENT) ω10, after so long that one beyond them would
+    /// have made the variation grow or shrink by e²⁰.
+    Zero,
+    /// Not known.
+    Undecided,
+}
+
+impl LargestExponent {
+    /// What is known of the sign.
+    pub fn sign(&self, p: &Parameters) -> ExponentSign {
+        let threshold = ZERO_EXPONENT * p.box_frequency();
+        let time = f64::from(self.periods) * p.period();
+        let clear = self.value.abs() - CONFIDENCE * self.error > threshold;
+        match (clear, self.value > 0.0) {
+            (true, positive) if self.value.abs() * time > LEAST_GROWTH => {
+                if positive {
+                    ExponentSign::Positive
+                } else {
+                    ExponentSign::Negative
+                }
+            }
+            _ if self.value.abs() <= threshold && threshold * time > LEAST_GROWTH => ExponentSign::Zero,
+            _ => ExponentSign::Undecided,
+        }
+    }
+}
+
 /// One variation of a motion and the logarithms of its growth.
 #[derive(Debug)]
 pub(crate) struct Tangent {

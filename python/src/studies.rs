@@ -227,9 +227,9 @@ struct Settled<'py> {
     sizes: Column<'py, f64>,
 }
 
-fn attractor<'py>(py: Python<'py>, found: &Attractor) -> PyResult<Settled<'py>> {
+fn attractor<'py>(py: Python<'py>, found: &Attractor, class: MotionClass) -> PyResult<Settled<'py>> {
     Ok(Settled {
-        class_name: MotionClass::of(found, None).name(),
+        class_name: class.name(),
         period: found.period,
         impacts: column(py, &found.impacts),
         rests: found.rests,
@@ -248,8 +248,8 @@ pub struct Basins<'py> {
     mirror: Table<'py, bool>,
 }
 
-/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the stops, with whether it is the
-/// mirror image; rows of constant y.
+/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the stops, -2 where it has not settled, -3 where
+/// the attractor is undecided, with whether it is the mirror image; rows of constant y.
 #[pyfunction]
 #[pyo3(signature = (system, x, y, discard, progress = None))]
 pub fn basins<'py>(
@@ -270,9 +270,12 @@ pub fn basins<'py>(
         Destination::Attractor(number) => (i32::from(*number), false),
         Destination::Mirror(number) => (i32::from(*number), true),
         Destination::Outside => (-1, false),
+        Destination::NotSettled => (-2, false),
+        Destination::Undecided => (-3, false),
     };
     let (cells, mirror): (Vec<i32>, Vec<bool>) = found.cells.iter().map(cell).unzip();
-    let attractors = found.attractors.iter().map(|a| attractor(py, a)).collect::<PyResult<_>>()?;
+    let attractors =
+        found.attractors.iter().map(|a| attractor(py, &a.attractor, a.class)).collect::<PyResult<_>>()?;
     Ok(Basins { attractors, cells: plane(py, &cells, y.3, x.3)?, mirror: plane(py, &mirror, y.3, x.3)? })
 }
 

@@ -166,9 +166,9 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
         let (number, relation) = match destination {
             Destination::Attractor(n) => (*n, Relation::Same),
             Destination::Mirror(n) => (*n, Relation::Mirror),
-            Destination::Outside => panic!("inside the stops"),
+            other => panic!("cell {i}: {other:?}"),
         };
-        assert_eq!(found.attractors[usize::from(number)].relation(&ends), relation, "cell {i}");
+        assert_eq!(found.attractors[usize::from(number)].attractor.relation(&ends), relation, "cell {i}");
     }
     let outside = basin::Request { x: initial("x2=-3:3", 6), ..request };
     let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();

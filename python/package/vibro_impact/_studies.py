@@ -30,7 +30,7 @@ class Direction(Result):
     value: Floats
     "The parameter, shape (n,), in its unit, rising."
     kind: NDArray[np.str_]
-    "Class of each motion, shape (n,): 1T, 2T, ..., aperiodic, with exponents quasi-periodic or chaotic; refused where there is none."
+    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled where it is undecided; refused where there is none."
     period: NDArray[np.int32]
     "Period in drive periods, shape (n,); 0 where it has none up to 32."
     impacts: Floats
@@ -158,7 +158,7 @@ class Attractor(Result):
     """A settled motion as it is recognized."""
 
     kind: str
-    "Its class: 1T, 2T, ..., aperiodic."
+    "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
     period: Optional[int]
     "Its period in drive periods, up to 32."
     impacts: Floats
@@ -190,7 +190,8 @@ class Basins(Result):
     attractors: tuple[Attractor, ...]
     "The attractors in the order in which the cells meet them."
     cells: NDArray[np.int32]
-    "Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx); -1 for a start outside the stops."
+    """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start outside the stops,
+    -2 where the motion has not settled, -3 where it is on a chaotic or quasi-periodic attractor but on which one is undecided."""
     mirror: NDArray[np.bool_]
     "Whether it is the attractor's mirror image, shape (ny, nx)."
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)

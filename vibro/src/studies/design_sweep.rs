@@ -31,7 +31,8 @@ pub fn design_sweep(set: &ParameterSet, request: &Request, task: &Task, name: &s
     Ok(Study {
         files: ["csv", "parquet"].map(|ending| format!("{name}.{ending}")).into(),
         figure,
-        ..Study::without_figure(name, what).with_remarks(found.remarks())
+        ..Study::without_figure(name, what)
+            .with_remarks([found.remarks(), found.measured_again(set, request)].concat())
     })
 }
 

@@ -10,11 +10,12 @@ use crate::table::{CsvRows, Table, exact};
 use crate::{Error, Result};
 use history::{Extent, History, RunImpact};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::attractor::{MotionClass, OBSERVED, observe};
-use vibro_analysis::lyapunov::{SpectrumOptions, dimensionless};
+use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::motion::settled_simulator;
 use vibro_analysis::start::{Coordinate, StartRule, state};
 use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::trajectories;
+use vibro_analysis::verdict::{PROLONGED, verdict};
 use vibro_impact::load::Load;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator, State};
@@ -194,27 +195,22 @@ fn account(p: &Parameters, history: &History) -> Vec<String> {
 
 /// The class of the motion as it goes on after the run, from the next whole drive period.
 fn class(simulator: &mut Simulator) -> Result<String> {
-    let period = simulator.parameters().period();
+    let parameters = *simulator.parameters();
+    let period = parameters.period();
     let mut ahead = simulator.clone().without_energy_accounts();
     ahead.advance_to(((simulator.time() / period - 1e-9).ceil() * period).max(simulator.time()))?;
-    let attractor = observe(&mut ahead)?;
-    let spectrum = if attractor.period.is_none() && !attractor.is_free() {
-        Some(dimensionless(&mut ahead, &SpectrumOptions::default())?.spectrum)
-    } else {
-        None
-    };
-    let class = MotionClass::of(&attractor, spectrum.as_ref());
-    let kind = match class {
-        // Without impacts the flow is linear and has one limit, of the drive's period.
-        MotionClass::Aperiodic if attractor.is_free() => MotionClass::Settling.name(),
-        other => other.name(),
-    };
-    let mut words = format!("class: {kind}, as it goes on over {OBSERVED} drive periods after the run");
+    let found = verdict(&trajectories::Start { parameters, state: ahead.state() }, 0)?;
+    let (class, attractor) = (found.class, &found.attractor);
+    let mut words = format!("class: {}, as it goes on after the run", class.name());
     if attractor.period.is_some() {
         words.push_str(if attractor.is_symmetric() { "; its own mirror image" } else { "; not symmetric" });
     }
-    if let Some(s) = spectrum {
-        words.push_str(&format!("; largest exponent {:.4} per unit of τ", s.exponents[0]));
+    if class == MotionClass::NotSettled {
+        words.push_str(&format!(" over {PROLONGED} drive periods or more"));
+    }
+    if let Some(exponent) = found.exponent {
+        let [value, error] = [exponent.value, exponent.error].map(|rate| rate / parameters.box_frequency());
+        words.push_str(&format!("; largest exponent {:.4} ± {error:.4} per unit of τ", value.max(0.0)));
     }
     Ok(words)
 }

@@ -292,7 +292,7 @@ pub fn periodic_ranges(points: &[Option<SweepPoint>]) -> Vec<(f64, f64)> {
     let mut open = false;
     for point in points.iter().flatten() {
         // What stands between is a bifurcation or a torus, not chaos.
-        let regular = point.class != MotionClass::Chaotic && point.class != MotionClass::Aperiodic;
+        let regular = point.class != MotionClass::Chaotic && point.class != MotionClass::NotSettled;
         match found.last_mut().filter(|_| open && regular) {
             Some(range) => range.1 = point.value,
             None if regular => found.push((point.value, point.value)),

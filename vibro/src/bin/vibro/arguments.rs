@@ -243,7 +243,7 @@ pub struct Basin {
     /// The initial values that are on no axis: as on the axes, what is not named zero (block.s=5mm,v1=1)
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Option<StartRule>,
-    /// Drive periods discarded
+    /// Drive periods discarded; a motion of which nothing is decided then is followed for up to 8192 more
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
     /// Constant loads.
@@ -270,9 +270,9 @@ pub struct Isoperiodic {
     /// Drive periods discarded; a motion that has settled on a period before is not simulated further
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
-    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed: it ends when
-    /// the class is decided; 0: not at all
-    #[arg(long, value_name = "N", default_value_t = 400)]
+    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed at a time: it ends
+    /// when the class is decided; 0: not at all
+    #[arg(long, value_name = "N", default_value_t = 4000)]
     pub periods: u32,
     /// Constant loads.
     #[command(flatten)]
