@@ -40,6 +40,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
         drive_amplitude: drive.0,
         drive_frequency: drive.1,
         drive_phase: drive.2,
+        constant_loads: [0.0; 3],
     })
 }
 

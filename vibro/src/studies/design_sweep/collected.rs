@@ -123,8 +123,11 @@ impl Collected {
             let (Some(least), Some(largest)) = (record.least.first(), &record.largest) else { continue };
             let unit = unit_of(record.measure);
             let told = |found: &Found| {
-                let at =
-                    if self.count > 1 { design_in_words(&self.set, &self.names, &found.design) } else { String::new() };
+                let at = if self.count > 1 {
+                    design_in_words(&self.set, &self.names, &found.design)
+                } else {
+                    String::new()
+                };
                 let at = if at.is_empty() { at } else { format!(" at {at}") };
                 format!("{}{unit}{at}", with_spread(found.value, found.spread))
             };
@@ -174,7 +177,7 @@ impl Collected {
         )];
         let told = |one: &Found| {
             let value = with_spread(one.value, one.spread);
-            format!("  {value}{unit} at {}", design_in_words(&self.names, &one.design))
+            format!("  {value}{unit} at {}", design_in_words(&self.set, &self.names, &one.design))
         };
         lines.extend(found.iter().map(told));
         if let [first, second, ..] = &found[..]
