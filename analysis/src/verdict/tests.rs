@@ -28,7 +28,8 @@ fn damper() -> ParameterSet {
 
 fn found(set: &ParameterSet, side: usize, discard: u32) -> Basin {
     let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(side);
-    let request = Request { x: axis("x1=-1:1"), y: axis("v2=-2:2"), discard };
+    let request =
+        Request { x: axis("x1=-1:1"), y: axis("v2=-2:2"), discard, start: crate::basin::in_the_middle() };
     basin(set.parameters(), &request, &Task::ALL).unwrap().unwrap()
 }
 
