@@ -319,7 +319,8 @@ impl MotionQueue for Motions<'_> {
             Stage::Exponent => record.moved_on = true,
             _ => {}
         }
-        if program.exponent.is_some() {
+        // Where maxima are recorded before the observation, the tangent may not have begun.
+        if record.tangent_begun {
             record.tangent.event(event, after);
         }
         None
