@@ -317,7 +317,7 @@ fn errors_of_long_studies_name_what_is_allowed() {
         (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
         (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
         (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent parameters"),
-        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1, or orbit"),
+        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1 or block.s=5mm; or orbit"),
         (vec!["isoperiodic", "--start", "x2=3"], "stop"),
         (vec!["merge", "absent"], "reading absent"),
     ] {
@@ -338,7 +338,7 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
         text.contains("periodic rows of both directions whose transient has ended lie on a stable branch"),
         "{text}"
     );
-    assert!(text.contains("0.95–2.8 (NS 0.9146596632 – PD 2.8022054392)"), "{text}");
+    assert!(text.contains("0.95–2.85 (NS 0.9146596632 – PD 2.8022054392)"), "{text}");
     assert!(text.contains("PD of 1T at 2.3730753708, PD of 2T at 2.4930216604"), "{text}");
     drawn(&two, &["reproduce", "--quick", "--threads", "2"]);
     assert_same(&one, &two);
