@@ -114,16 +114,16 @@ def test_constant_loads_are_parameters():
     # A load that is set and one from samples are the same, but for round-off.
     start = {"block_s": -0.02, "block_v": 0.3}
     sampled = vi.Load("block", [0.0, 10.0], [-9.81 * 0.6] * 2)
-    own, other = upright.simulate(start, periods=5), vi.Machine(**DAMPER).simulate(start, periods=5, loads=[sampled])
+    own, other = upright.simulate(start, periods=10), vi.Machine(**DAMPER).simulate(start, periods=10, loads=[sampled])
     assert len(own.impacts) == len(other.impacts) > 2
     np.testing.assert_allclose(own.s, other.s, rtol=0, atol=1e-12)
     # Its mirror image is the machine under the opposite load, half a drive period later.
-    image = upright.replace(load_block=9.81 * 0.6, drive_phase=np.pi).simulate({"block_s": 0.02, "block_v": -0.3}, periods=5)
+    image = upright.replace(load_block=9.81 * 0.6, drive_phase=np.pi).simulate({"block_s": 0.02, "block_v": -0.3}, periods=10)
     np.testing.assert_allclose(own.s, -image.s, rtol=0, atol=1e-10)
     # Every study has it, as a parameter too; closed forms say why they have no answer.
     diagram = vi.bifurcation(upright, load_block=np.linspace(-6.0, 6.0, 3), periods=(5, 4), start=start)
     assert list(diagram.up.value) == [-6.0, 0.0, 6.0]
-    basins = vi.basins(upright, block_s=(-0.02, 0.02, 3), v2=(-1, 1, 3), periods=20)
+    basins = vi.basins(upright, block_s=(-0.02, 0.02, 3), v2=(-1, 1, 3), periods=10)
     assert basins.names == ("x2", "v2") and not basins.mirror.any()
     assert vi.simulate_many([upright], periods=5).s.shape == (1, 3)
     assert upright.lyapunov(periods=5, settle=5).impacts >= 0

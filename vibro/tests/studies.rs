@@ -344,8 +344,8 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
     assert_same(&one, &two);
     let html = std::fs::read_to_string(one.join("report.html")).unwrap();
     assert!(
-        html.contains("a reconstruction, not the paper&#39;s own data set")
-            || html.contains("a reconstruction, not the paper's own data set")
+        html.contains("a reconstruction, not the paper&#39;s own data")
+            || html.contains("a reconstruction, not the paper's own data")
     );
     // Self-contained: pictures inside, nothing from outside.
     let pictures = html.matches("src=\"data:image/png;base64,").count();
