@@ -191,7 +191,7 @@ fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64))
     // A slope that falls from a > 0 through zero has c < 0 or d < 0, one that rises from a < 0 the opposite: this is the root at
     // which it does so, and no difference of like numbers where d is small.
     let u = a / (root.copysign(a) - c);
-    (0.0..=1.0).contains(&u).then(|| x0 + u * (a + u * (c + u * d)))
+    (0.0..=1.0).contains(&u).then_some(x0 + u * (a + u * (c + u * d)))
 }
 
 /// A progress bar that shows itself only when the work takes long.

@@ -205,7 +205,7 @@ fn wide(
         };
         let value = values[cell].value + part * (values[cell + 1].value - values[cell].value);
         let near = cell.saturating_sub(NEIGHBOURS)..(cell + 2 + NEIGHBOURS).min(boxes.len());
-        let visited = boxes[near].iter().fold(NOTHING, |all, one| hull(all, one));
+        let visited = boxes[near].iter().fold(NOTHING, hull);
         let within = |i: usize, dimension: usize| {
             let (from, to) = visited[i];
             0.5 * (from + to) + WIDER * (to - from) * (at(dimension) - 0.5)

@@ -277,7 +277,7 @@ fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit(
     let mut simulator = Simulator::new(&p, &settled, 0.0).unwrap().without_energy_accounts();
     let options = crate::lyapunov::SpectrumOptions { align: 100, periods: 4000, ..Default::default() };
     let found = crate::lyapunov::spectrum(&mut simulator, &options).unwrap();
-    assert!(orbit.word().len() > 0 && found.impacts > 0);
+    assert!(!orbit.word().is_empty() && found.impacts > 0);
     // One exponent is the drive phase's zero.
     assert!(found.exponents[0].abs() < SETTLED, "{:?}", found.exponents);
     assert!((found.exponents[1] - largest).abs() < 1e-3 * largest.abs(), "{:?} {largest}", found.exponents);
