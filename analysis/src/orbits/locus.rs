@@ -81,7 +81,8 @@ impl LocusEnd {
 /// let spans = (Span::new(force, 1.9, 2.2)?, Span::new(kappa, 0.7, 0.8)?);
 /// let family = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, spans.0, spans.1)?;
 /// let word = OrbitWord::new("U", -1, 1)?;
-/// let start = LocusStart { label: Label::BranchPoint, word, phases: vec![5.54], values: [2.04, 0.75] };
+/// let (phases, values) = (vec![4.49692], [2.03959, 0.75]); // as special-points.csv has them
+/// let start = LocusStart { label: Label::BranchPoint, word, phases, values };
 /// let curve = locus(&family, &start)?;
 /// assert!(curve.iter().any(|p| (p.values[1] - 0.75).abs() < 1e-2 && (p.values[0] - 2.04).abs() < 2e-2));
 /// # Ok::<(), vibro_analysis::Error>(())

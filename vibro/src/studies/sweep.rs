@@ -208,8 +208,10 @@ pub fn spectra(
         page.header.push("stable orbit between".into());
     }
     let mut remarks = Vec::new();
-    for value in values {
-        let Some(point) = diagram.nearest(*value) else { continue };
+    // In a coarse sweep several values may have one nearest point, which is told once.
+    let mut points: Vec<_> = values.iter().filter_map(|value| diagram.nearest(*value)).collect();
+    points.dedup_by_key(|point| point.value);
+    for point in points {
         let Some(s) = &point.spectrum else { continue };
         let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
         let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
