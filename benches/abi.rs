@@ -148,7 +148,7 @@ fn benches_of_fmi3(criterion: &mut Criterion) {
 }
 
 fn vr(name: &str) -> u32 {
-    reference(name) + 1
+    description3::value_reference(description3::MAIN, name).expect("it is in the table")
 }
 
 fn initialized3(events: u8) -> FmiInstance {

@@ -134,11 +134,11 @@ fn main() {
         move || -> Run<'_> {
             let mut instance = binary.instantiate(&guid).expect("it instantiates");
             for field in &FIELDS {
-                let reference = variables::find(field.name).expect("a parameter").0;
+                let reference = variables::find(field.name).expect("a parameter").reference;
                 instance.set_real(&[reference], &[(field.get)(&p)]).expect("it is allowed");
             }
             let names = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
-            let references = names.map(|n| variables::find(n).expect("a variable").0);
+            let references = names.map(|n| variables::find(n).expect("a variable").reference);
             let [x, v] = [start.x, start.v];
             instance.set_real(&references, &[x[0], x[1], x[2], v[0], v[1], v[2]]).expect("it is allowed");
             instance.initialize(0.0).expect("it initializes");

@@ -98,7 +98,8 @@ class Measure:
 
         parameters = {name.replace(".", "_"): value for name, value in values.items() if name not in START}
         start = [values.get(name, 0.0) for name in START]
-        return vi.Machine(**parameters).measure(MEASURED, start, settle=self.discard, periods=self.periods)
+        # The default machine but for these, which is meant.
+        return vi.Machine().replace(**parameters).measure(MEASURED, start, settle=self.discard, periods=self.periods)
 
 
 @dataclass(frozen=True)

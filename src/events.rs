@@ -21,7 +21,8 @@ const MAX_DEPTH: u32 = 56;
 const MAX_PIECES: u32 = 2000;
 /// Newton's method in a bracket bisects wherever a step leaves the bracket, so that this many steps are never taken.
 const MAX_ITERATIONS: u32 = 200;
-/// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`].
+/// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`]. The proof holds
+/// for any K far below 1/ε.
 const MAX_NEWTON_FACTOR: f64 = 1e4;
 
 /// k and k - 1, by which a coefficient of order k is multiplied in p' and p''.
@@ -94,11 +95,10 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
 
 /// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u: Newton's method in a bracket.
 ///
-/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to be. The proof: let e be
-/// the error before the step and `moved` its length. By Taylor's formula `moved ≥ e - K e²` with K = `newton_factor`. As long
-/// as K e ≤ 1/2 this gives e ≤ 2 `moved`, and the iterate's error is at most K e² ≤ 4 K `moved²`: hence the factor 4. The other
-/// case, K e > 1/2, cannot occur with a step so short: p' varies by a factor of 1 + 4K at most, so that e ≤ (1 + 4K) `moved`,
-/// and K e > 1/2 with 4 K `moved²` ≤ ε would need K (1 + 4K)² > 1/ε, which [`MAX_NEWTON_FACTOR`] excludes.
+/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to be. The proof: before a step of
+/// length m = `moved` the error is at most m + K m² with K = `newton_factor`, and after it at most K times the square of that
+/// (docs/numerics.md, "The root"). As long as K m ≤ 1 this is at most 4 K m². A longer step is never accepted, since then
+/// 4 K m² ≥ 4/K, which [`MAX_NEWTON_FACTOR`] keeps far above round-off.
 #[inline(always)]
 fn refine<const N: usize>(
     c: &[f64; N],
@@ -196,8 +196,8 @@ fn crossing_of_shape<const N: usize>(
 /// always it rises and is nearly straight. Then Newton's method, started from the third-order reversion of the series, takes
 /// one or two steps whose accuracy is proved, and a root found inside is the only one.
 ///
-/// "Nearly straight" is a curvature under half the least slope, so that K = |p''|/(2p') < 1/4: with errors of at most 2 on
-/// |u| ≤ 1, K e ≤ 1/2 holds from the start, and the proof in `refine` has no exception.
+/// "Nearly straight" is a curvature under half the least slope, so that K = |p''|/(2p') < 1/4, and two steps are enough nearly
+/// always.
 ///
 /// It never misses a passage that [`first_crossing`] finds. A root whose distance from `hi` is rounding may be found where
 /// `first_crossing`, which goes by the sign of the computed p(hi), finds none; the other way round it is not.

@@ -92,18 +92,18 @@ impl Local {
     #[inline(always)]
     pub fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
-        let mut gap = [[0.0; PADDED]; CORE];
-        for (c, gap) in gap.iter_mut().enumerate() {
+        let mut relative = [[0.0; PADDED]; CORE];
+        for (c, orders) in relative.iter_mut().enumerate() {
             let series =
                 Series::<CENTRED>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, radius);
             for (k, lane) in series.lanes.iter().enumerate() {
                 self.lanes[k][c] = *lane;
-                gap[k] = lane[RELATIVE];
+                orders[k] = lane[RELATIVE];
             }
         }
         for (columns, centre) in self.relative.iter_mut().zip(&core.centre) {
             for (column, state) in columns.iter_mut().zip(centre) {
-                *column = product(pulp::Scalar, &gap, state);
+                *column = product(pulp::Scalar, &relative, state);
             }
         }
     }

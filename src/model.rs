@@ -6,23 +6,23 @@
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
 
-/// Lanes of the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]`.
+/// Coordinates of the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]`.
 pub const LANES: usize = 8;
-/// Lane of the box's displacement x1.
+/// Place of the box's displacement x1.
 pub const BOX: usize = 0;
-/// Lane of the relative displacement w (the coordinate across the gap).
+/// Place of the relative displacement w (the coordinate across the gap).
 pub const RELATIVE: usize = 1;
-/// Lane of the secondary oscillator's displacement x3.
+/// Place of the secondary oscillator's displacement x3.
 pub const SECONDARY: usize = 2;
-/// Lane of x1'.
+/// Place of x1'.
 pub const BOX_RATE: usize = 3;
-/// Lane of w'.
+/// Place of w'.
 pub const RELATIVE_RATE: usize = 4;
-/// Lane of x3'.
+/// Place of x3'.
 pub const SECONDARY_RATE: usize = 5;
-/// Lane of cos θ.
+/// Place of cos θ.
 pub const DRIVE_COS: usize = 6;
-/// Lane of sin θ.
+/// Place of sin θ.
 pub const DRIVE_SIN: usize = 7;
 /// The augmented state: one autonomous linear system per mode.
 pub type Augmented = [f64; LANES];
@@ -67,7 +67,11 @@ pub struct Model {
     pub gap: f64,
     /// κ.
     pub restitution: f64,
-    /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the system's matrix.
+    /// Constant loads on the three bodies, N. Like all loads they are arguments of [`acceleration`](Self::acceleration), which is
+    /// linear.
+    pub constant_loads: [f64; 3],
+    /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the bodies' matrices, and at least ω1.
+    /// What the drive and loads add to the bodies' motion is bounded apart (docs/numerics.md, section 1).
     pub rate: f64,
 }
 
@@ -79,6 +83,11 @@ const MIN_RATE: f64 = 1e-3;
 const MAX_RATE: f64 = 1e100;
 
 impl Model {
+    /// The constant loads with their derivatives, where there are any.
+    pub fn constant_forces(&self) -> Option<Forces> {
+        (self.constant_loads != [0.0; 3]).then(|| self.constant_loads.map(|f| [f, 0.0, 0.0, 0.0]))
+    }
+
     /// The equations of motion of a set of parameters.
     ///
     /// # Errors
@@ -101,6 +110,7 @@ impl Model {
             omega: p.drive_frequency,
             gap: p.stop_gap,
             restitution: p.stop_restitution,
+            constant_loads: p.constant_loads,
             rate: 0.0,
         };
         model.rate = model.norm().max(model.omega).max(MIN_RATE);

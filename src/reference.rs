@@ -277,6 +277,7 @@ impl Reference {
         *(if side > 0.0 { &mut record.upper } else { &mut record.lower }) += 1;
         (record.last_time, record.last_impulse, record.last_speed) = (self.time, impulse, speed);
         record.total_impulse += impulse;
+        record.box_impulse += side * impulse;
         on_event(&Event::Impact { time: self.time, side: side as i8, speed, impulse });
         self.rest_if_pressed(side, on_event);
     }
@@ -290,6 +291,7 @@ impl Reference {
         if pressing > 0.0 && rebound * rebound <= 2.0 * pressing * law.gap * self.tolerance.rebound {
             let both = law.m1 + law.m2;
             let velocity = (law.m1 * self.y[3] + law.m2 * self.y[4]) / both;
+            self.impacts.box_impulse += law.m1 * (velocity - self.y[3]);
             (self.y[3], self.y[4]) = (velocity, velocity);
             self.y[0] += (self.y[1] - self.y[0] - side * law.gap) * law.m2 / both;
             self.y[1] = self.y[0] + side * law.gap;

@@ -93,6 +93,7 @@ fn second_method_together_as_one_by_one() {
                 assert_eq!(alone.contact(), together.contact(), "motion {i} at {end}");
                 let (a, t) = (alone.impacts(), together.impacts());
                 let d = (a.total_impulse - t.total_impulse).abs().max((a.last_time - t.last_time).abs());
+                let d = d.max((a.box_impulse - t.box_impulse).abs());
                 let lost = (alone.energy_accounts().impact - together.energy_accounts().impact).abs();
                 assert!(
                     d.max(lost) < ROUNDING * 1e2 * growth.max(1.0),

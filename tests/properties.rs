@@ -40,6 +40,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
         drive_amplitude: drive.0,
         drive_frequency: drive.1,
         drive_phase: drive.2,
+        constant_loads: [0.0; 3],
     })
 }
 
@@ -191,8 +192,9 @@ proptest! {
         load in loads(),
         end in 0.1..8.0f64,
     ) {
-        /// The reference method's local tolerance; its error is that times the steps and what impacts make of it.
-        const TOLERANCE: f64 = 1e-11;
+        /// The reference method's local tolerance; its error is that times the steps and what impacts make of it. With 1e-11 a motion
+        /// through rest, release and ten plastic impacts was off by 5e-5, with 1e-12 by 5e-6, with 1e-13 by 5e-7.
+        const TOLERANCE: f64 = 1e-12;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
         // From a start in rest the reference method counts a touch of some 1e-11 m/s; this one none.

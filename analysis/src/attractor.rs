@@ -1,14 +1,17 @@
 //! What a settled motion is: its period, its impacts, the states by which it is recognized, and its class.
 //!
-//! The machine is symmetric: if x(t) is a motion, so is -x(t + T/2), where T is the drive's period. Two attractors that are
-//! each other's mirror image are therefore distinguished from two different ones.
+//! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where T is the drive's period. Two
+//! attractors that are each other's mirror image are therefore distinguished from two different ones. Under constant loads there
+//! are no mirror images.
 
 use super::error::Result;
+use super::largest_exponent::{ExponentSign, LargestExponent};
 use super::lyapunov::Spectrum;
+use super::statistics::{Blocks, Likeness, Statistics};
 use super::stroboscopic::{StroboscopicState, dimensionless};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Event, Simulator};
+use vibro_impact::simulator::{Contact, Event, Simulator};
 
 /// Drive periods over which a motion is observed.
 pub const OBSERVED: u32 = 128;
@@ -19,8 +22,6 @@ pub const LONGEST: u32 = 32;
 pub const RETURN: f64 = 1e-5;
 /// States of one attractor that were reached in different ways agree to this; those of two attractors differ by more.
 const SAME: f64 = 1e-3;
-/// Over what is observed, the statistics of one aperiodic attractor agree to this part of their value.
-const STATISTICS: f64 = 0.15;
 /// An exponent (per unit of the dimensionless time τ) above this counts as positive and one below its negative as negative:
 /// over 1500 periods those that are zero stay within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
@@ -33,7 +34,7 @@ pub(crate) struct ObservedPeriod {
     pub(crate) pattern: u64,
     /// Impacts at the upper and at the lower stop.
     impacts: [u32; 2],
-    /// Whether the block rests.
+    /// Whether the block is held at a stop in the course of it, or throughout.
     rests: bool,
 }
 
@@ -47,14 +48,16 @@ pub struct Attractor {
     pub approaching: bool,
     /// Impacts per drive period at the upper and at the lower stop.
     pub impacts: [f64; 2],
-    /// Whether the block rests at a stop in the course of it.
+    /// Whether the block rests at a stop in the course of it, or throughout, as a load may hold it.
     pub rests: bool,
     /// States at whole drive periods, one for each period (one in all where it has none).
     pub states: Vec<StroboscopicState>,
-    /// The same for its mirror image.
+    /// The same for its mirror image; none under constant loads.
     pub mirror_states: Vec<StroboscopicState>,
     /// Root mean squares of x1, x2, x3 at whole and half drive periods, units of L.
     pub sizes: [f64; 3],
+    /// The means by which it is compared with others, where it has no period.
+    pub statistics: Option<Statistics>,
 }
 
 /// What two attractors are to each other.
@@ -66,6 +69,8 @@ pub enum Relation {
     Mirror,
     /// They are neither.
     Different,
+    /// Neither has a period, and their windows are too short to tell whether they are one.
+    Undecided,
 }
 
 /// The kind of a motion.
@@ -77,11 +82,10 @@ pub enum MotionClass {
     QuasiPeriodic,
     /// λ1 > 0.
     Chaotic,
-    /// Has no period up to [`LONGEST`], and without exponents no more is known.
-    Aperiodic,
-    /// Comes nearer to its return from period to period, or has negative exponents, so it is periodic, but it has not yet
-    /// come to its period or has one over [`LONGEST`].
+    /// Has negative exponents, so it is periodic, but it has not yet come to its period or has one over [`LONGEST`].
     Settling,
+    /// Nothing is decided: it has no period up to [`LONGEST`] as far as it was followed, and no exponent whose sign is certain.
+    NotSettled,
 }
 
 impl MotionClass {
@@ -91,8 +95,8 @@ impl MotionClass {
             Self::Periodic(n) => format!("{n}T"),
             Self::QuasiPeriodic => "quasi-periodic".into(),
             Self::Chaotic => "chaotic".into(),
-            Self::Aperiodic => "aperiodic".into(),
             Self::Settling => "periodic, settling".into(),
+            Self::NotSettled => "not settled".into(),
         }
     }
 
@@ -101,23 +105,35 @@ impl MotionClass {
         matches!(self, Self::Periodic(_) | Self::Settling)
     }
 
+    /// Whether following a motion further would tell no more of it: not where it is settling or not settled.
+    pub fn is_decided(self) -> bool {
+        !matches!(self, Self::Settling | Self::NotSettled)
+    }
+
+    /// The class of an attractor, with the largest exponent beside the drive phase's zero where it is known.
+    pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
+        match (attractor.period, largest.map(|exponent| exponent.sign(p))) {
+            (Some(n), _) => Self::Periodic(n),
+            (None, Some(ExponentSign::Positive)) => Self::Chaotic,
+            (None, Some(ExponentSign::Negative)) => Self::Settling,
+            (None, Some(ExponentSign::Zero)) if !attractor.approaching => Self::QuasiPeriodic,
+            (None, Some(ExponentSign::Zero)) => Self::Settling,
+            // Where all is damped a motion without events has one limit.
+            (None, _) if attractor.approaching && attractor.is_free() => Self::Settling,
+            (None, _) => Self::NotSettled,
+        }
+    }
+
     /// The class of an attractor, with its spectrum in units of ω10 where there is one.
     pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>) -> Self {
-        Self::by_exponents(attractor, spectrum.map(|s| [s.exponents[0], s.exponents[1]]))
-    }
-
-    /// The class of an attractor, with the largest exponent beside the drive phase's zero in units of ω10 where it is known.
-    pub fn by_largest(attractor: &Attractor, largest: Option<f64>) -> Self {
-        Self::by_exponents(attractor, largest.map(|e| [e.max(0.0), e.min(0.0)]))
-    }
-
-    /// The class of an attractor, with its two largest exponents in units of ω10 where they are known.
-    fn by_exponents(attractor: &Attractor, exponents: Option<[f64; 2]>) -> Self {
-        match (attractor.period, exponents) {
+        match (attractor.period, spectrum.map(|s| (s.exponents[0], s.exponents[1], s.deviation))) {
             (Some(n), _) => Self::Periodic(n),
-            (None, None) => Self::Aperiodic,
-            (None, Some([first, _])) if first > ZERO_EXPONENT => Self::Chaotic,
-            (None, Some([_, second])) if second > -ZERO_EXPONENT && !attractor.approaching => {
+            (None, None) => Self::NotSettled,
+            (None, Some((first, _, deviation))) if (first - ZERO_EXPONENT).abs() < deviation => {
+                Self::NotSettled
+            }
+            (None, Some((first, ..))) if first > ZERO_EXPONENT => Self::Chaotic,
+            (None, Some((_, second, _))) if second > -ZERO_EXPONENT && !attractor.approaching => {
                 Self::QuasiPeriodic
             }
             _ => Self::Settling,
@@ -133,6 +149,7 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
     let p = *simulator.parameters();
     let (begin, length) = (simulator.time(), p.period());
     let mut record = StroboscopicRecord::default();
+    record.begin(simulator.contact());
     for i in 1..=2 * OBSERVED {
         let end = begin + 0.5 * f64::from(i) * length;
         simulator.advance_observed(end, &mut |event| record.event(event))?;
@@ -148,7 +165,9 @@ pub(crate) struct StroboscopicRecord {
     /// The mirror images of the states at half periods.
     halves: Vec<StroboscopicState>,
     impacts: [u32; 2],
+    /// Whether the block has been at a stop in this period, and whether it is now.
     rests: bool,
+    held: bool,
     pattern: u64,
 }
 
@@ -156,16 +175,22 @@ impl Default for StroboscopicRecord {
     fn default() -> Self {
         let observed = OBSERVED as usize;
         let (periods, halves) = (Vec::with_capacity(observed), Vec::with_capacity(observed));
-        Self { periods, halves, impacts: [0; 2], rests: false, pattern: 1 }
+        Self { periods, halves, impacts: [0; 2], rests: false, held: false, pattern: 1 }
     }
 }
 
 impl StroboscopicRecord {
-    /// Forgets all, but keeps the memory.
+    /// Forgets all but whether the block is at a stop now, and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.periods.clear();
         self.halves.clear();
-        (self.impacts, self.rests, self.pattern) = ([0; 2], false, 1);
+        (self.impacts, self.rests, self.pattern) = ([0; 2], self.held, 1);
+    }
+
+    /// Begins with a block that is in this contact.
+    pub(crate) fn begin(&mut self, contact: Contact) {
+        self.held = contact != Contact::Flight;
+        self.clear();
     }
 
     pub(crate) fn event(&mut self, event: &Event) {
@@ -175,7 +200,8 @@ impl StroboscopicRecord {
                 self.impacts[usize::from(!upper)] += 1;
                 self.pattern = appended(self.pattern, upper);
             }
-            _ => self.rests = true,
+            Event::Rest { .. } => (self.rests, self.held) = (true, true),
+            Event::Release { .. } => (self.rests, self.held) = (true, false),
         }
     }
 
@@ -186,7 +212,7 @@ impl StroboscopicRecord {
         } else {
             let Self { impacts, rests, pattern, .. } = *self;
             self.periods.push(ObservedPeriod { state, pattern, impacts, rests });
-            (self.impacts, self.rests, self.pattern) = ([0; 2], false, 1);
+            (self.impacts, self.rests, self.pattern) = ([0; 2], self.held, 1);
         }
     }
 
@@ -197,7 +223,10 @@ impl StroboscopicRecord {
 
     /// What the motion is, after [`OBSERVED`] periods.
     pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
-        self.attractor_of(p, if self.is_complete() { period(&self.periods) } else { None })
+        let found = if self.is_complete() { period(&self.periods) } else { None };
+        // Without contact the motion is linear, and its one limit has the drive's period: a longer one is a slow swing that nearly returns.
+        let touches = self.periods.iter().any(|s| s.impacts != [0; 2] || s.rests);
+        self.attractor_of(p, found.filter(|n| *n == 1 || touches))
     }
 
     /// What the motion is, given its period, of which at least one has been recorded.
@@ -224,9 +253,26 @@ impl StroboscopicRecord {
             impacts: counts.map(|c| f64::from(c) / f64::from(settled)),
             rests,
             states: periods[periods.len() - kept..].iter().map(|s| s.state).collect(),
-            mirror_states: halves[halves.len() - kept..].to_vec(),
+            mirror_states: if p.is_symmetric() { halves[halves.len() - kept..].to_vec() } else { Vec::new() },
             sizes: sizes.map(f64::sqrt),
+            statistics: period.is_none().then(|| {
+                let mut blocks = Blocks::default();
+                self.add_to(&mut blocks);
+                blocks.statistics()
+            }),
         }
+    }
+
+    /// The largest distance between a state and the one `period` drive periods later, over the last of them that were recorded.
+    pub(crate) fn return_distance(&self, period: u32) -> f64 {
+        let lag = period as usize;
+        let last = &self.periods[self.periods.len().saturating_sub(2 * lag)..];
+        last.iter().zip(last.iter().skip(lag)).map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
+    }
+
+    /// Adds the recorded periods to a window of the motion.
+    pub(crate) fn add_to(&self, blocks: &mut Blocks) {
+        self.periods.iter().zip(&self.halves).for_each(|(whole, half)| blocks.add(&whole.state, half));
     }
 }
 
@@ -283,13 +329,13 @@ impl Attractor {
         self.states.iter().any(|own| distance(own, state) < SAME)
     }
 
-    /// Whether the block never touches a stop.
+    /// Whether the block never touches a stop, nor is held at one.
     pub fn is_free(&self) -> bool {
         self.impacts == [0.0; 2] && !self.rests
     }
 
-    /// What another attractor is to this one. Aperiodic attractors are compared by their statistics. Two without impacts are
-    /// the same, since the flow without impacts is linear and has one limit.
+    /// What another attractor is to this one. Two without a period are compared by their [means](Statistics::likeness). Two without
+    /// impacts are the same, since the flow without impacts is linear and has one limit.
     pub fn relation(&self, other: &Self) -> Relation {
         if self.is_free() && other.is_free() {
             return Relation::Same;
@@ -297,29 +343,62 @@ impl Attractor {
         if self.period != other.period {
             return Relation::Different;
         }
-        if self.period.is_none() {
-            let alike = |a: f64, b: f64| (a - b).abs() <= STATISTICS * a.abs().max(b.abs());
-            let [a, b] = [self, other].map(|x| x.impacts[0] + x.impacts[1]);
-            let sizes = self.sizes.iter().zip(&other.sizes).all(|(a, b)| alike(*a, *b));
-            return if sizes && alike(a, b) { Relation::Same } else { Relation::Different };
+        if let (Some(own), Some(of)) = (&self.statistics, &other.statistics) {
+            return by_means(own, of);
         }
         let covers = |points: &[StroboscopicState]| {
             points.iter().all(|p| self.states.iter().any(|q| distance(p, q) < SAME))
         };
         if covers(&other.states) {
             Relation::Same
-        } else if covers(&other.mirror_states) {
+        } else if !other.mirror_states.is_empty() && covers(&other.mirror_states) {
             Relation::Mirror
         } else {
             Relation::Different
         }
     }
 
+    /// Takes the window of another motion on it, or on its mirror image, into its means.
+    pub(crate) fn pool(&mut self, other: &Self, mirrored: bool) {
+        let (Some(own), Some(of)) = (self.statistics, other.statistics) else { return };
+        let pooled = own.pooled(&if mirrored { of.mirrored() } else { of });
+        let part = f64::from(of.periods) / f64::from(pooled.periods.max(1));
+        let [upper, lower] = other.impacts;
+        let impacts = if mirrored { [lower, upper] } else { [upper, lower] };
+        for (own, of) in self.impacts.iter_mut().zip(impacts) {
+            *own += part * (of - *own);
+        }
+        self.rests |= other.rests;
+        self.sizes = pooled.sizes();
+        self.statistics = Some(pooled);
+    }
+
     /// Whether it is its own mirror image.
     pub fn is_symmetric(&self) -> bool {
+        if self.mirror_states.is_empty() {
+            return false;
+        }
         let image =
             Self { states: self.mirror_states.clone(), mirror_states: self.states.clone(), ..self.clone() };
-        self.relation(&image) == Relation::Same
+        match &self.statistics {
+            Some(own) => own.likeness(&own.mirrored()) == Likeness::Same,
+            None => self.relation(&image) == Relation::Same,
+        }
+    }
+}
+
+/// What two motions without a period are to each other. That one is like both another and its mirror image says that the other is its
+/// own mirror image.
+fn by_means(a: &Statistics, b: &Statistics) -> Relation {
+    match (a.likeness(b), a.likeness(&b.mirrored())) {
+        (Likeness::Same, _) => Relation::Same,
+        // A motion that is its own mirror image has no other one.
+        (Likeness::Undecided, Likeness::Same) if a.likeness(&a.mirrored()) != Likeness::Different => {
+            Relation::Undecided
+        }
+        (_, Likeness::Same) => Relation::Mirror,
+        (Likeness::Different, Likeness::Different) => Relation::Different,
+        _ => Relation::Undecided,
     }
 }
 

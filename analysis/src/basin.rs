@@ -1,11 +1,13 @@
 //! Basins of attraction over two initial values, and the attractors that coexist.
 
-use super::attractor::{Attractor, Relation};
+use super::attractor::{Attractor, MotionClass, Relation};
 use super::error::{Error, Result};
 use super::parts::Task;
 use super::plane::check_cells;
+use super::start::{Coordinate, SI_COORDINATES, StartRule, coordinate, coordinate_value};
 use super::stroboscopic::{COORDINATES, dimensional};
-use super::trajectories::{MOTIONS, Program, Start, Workspace};
+use super::trajectories::{MOTIONS, Start, Workspace};
+use super::verdict::{Followed, Following, follow};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::State;
@@ -25,12 +27,31 @@ pub struct InitialValueRange {
     coordinate: usize,
     from: f64,
     to: f64,
+    /// Whether the ends are in m or m/s, and not in L or L ω10.
+    si: bool,
 }
 
 impl InitialValueRange {
-    /// The range divided into `count` cells, at least one.
+    /// The range in units of L or L ω10 of a machine.
+    ///
+    /// # Errors
+    /// [`vibro_impact::Error::Undefined`] for a range of a speed in SI without a spring between box and ground, since ω10 is zero.
+    pub fn scaled(self, p: &Parameters) -> Result<Self> {
+        if !self.si {
+            return Ok(self);
+        }
+        let unit = if self.coordinate < 3 { p.stop_gap } else { p.stop_gap * p.box_frequency() };
+        if unit == 0.0 {
+            let needed_by = "unit of speed L omega10";
+            let (name, value, allowed) = ("box.k", p.box_stiffness, "box.k > 0");
+            return Err(vibro_impact::Error::Undefined { name, value, needed_by, allowed }.into());
+        }
+        Ok(Self { from: self.from / unit, to: self.to / unit, si: false, ..self })
+    }
+
+    /// The range, [scaled](Self::scaled), divided into `count` cells, at least one.
     pub fn cells(self, count: usize) -> InitialValueAxis {
-        let Self { coordinate, from, to } = self;
+        let Self { coordinate, from, to, .. } = self;
         InitialValueAxis { coordinate, from, to, count: count.max(1) }
     }
 }
@@ -41,22 +62,25 @@ impl std::str::FromStr for InitialValueRange {
     fn from_str(text: &str) -> Result<Self> {
         let form = || Error::Form {
             text: text.into(),
-            expected: "name=from:to with from < to and a name of x1 x2 x3 v1 v2 v3, e.g. v2=-2:2",
+            expected: "name=from:to with from < to and a name of x1 x2 x3 v1 v2 v3, e.g. v2=-2:2, or in SI of box.s block.s \
+                       secondary.s box.v block.v secondary.v, e.g. block.s=-20mm:20mm",
         };
         let (name, ends) = text.split_once('=').ok_or_else(form)?;
-        let coordinate = COORDINATES.iter().position(|c| *c == name.trim()).ok_or_else(form)?;
+        let found = coordinate(name).ok_or_else(form)?;
         let (from, to) = ends.split_once(':').ok_or_else(form)?;
-        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-        match (number(from), number(to)) {
-            (Some(from), Some(to)) if from < to => Ok(Self { coordinate, from, to }),
-            _ => Err(form()),
-        }
+        let (from, to, si) = match (coordinate_value(found, from), coordinate_value(found, to)) {
+            (Some(Coordinate::Scaled(from)), Some(Coordinate::Scaled(to))) => (from, to, false),
+            (Some(Coordinate::Si(from)), Some(Coordinate::Si(to))) => (from, to, true),
+            _ => return Err(form()),
+        };
+        if from < to { Ok(Self { coordinate: found.0, from, to, si }) } else { Err(form()) }
     }
 }
 
 impl std::fmt::Display for InitialValueRange {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}={}:{}", COORDINATES[self.coordinate], self.from, self.to)
+        let names = if self.si { SI_COORDINATES } else { COORDINATES };
+        write!(f, "{}={}:{}", names[self.coordinate], self.from, self.to)
     }
 }
 
@@ -87,8 +111,16 @@ pub struct Request {
     pub x: InitialValueAxis,
     /// Vertical.
     pub y: InitialValueAxis,
-    /// Drive periods discarded before a motion is observed.
+    /// Drive periods discarded before a motion is observed. One that is not decided then is followed further.
     pub discard: u32,
+    /// The initial values that are on no axis.
+    #[serde(default = "in_the_middle")]
+    pub start: StartRule,
+}
+
+/// All initial values zero.
+pub fn in_the_middle() -> StartRule {
+    StartRule::scaled([0.0; 6])
 }
 
 /// Where the motion from a start ends.
@@ -100,13 +132,26 @@ pub enum Destination {
     Mirror(u16),
     /// There is no motion: the start is outside the stops.
     Outside,
+    /// What the motion is was not decided up to the [limit](crate::verdict::PROLONGED).
+    NotSettled,
+    /// It is chaotic or on a torus, but on which of the known attractors was not decided up to the limit.
+    Undecided,
+}
+
+/// An attractor that the starts of a plane lead to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BasinAttractor {
+    /// What it is. Where it has no period its means are those of all motions on it.
+    pub attractor: Attractor,
+    /// Its class.
+    pub class: MotionClass,
 }
 
 /// A plane of starts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Basin {
-    /// The attractors, in the order in which the cells meet them.
-    pub attractors: Vec<Attractor>,
+    /// The attractors with their classes, in the order in which the cells meet them.
+    pub attractors: Vec<BasinAttractor>,
     /// Rows of constant y, from the first.
     pub cells: Vec<Destination>,
 }
@@ -114,20 +159,27 @@ pub struct Basin {
 impl Basin {
     /// The part of the starts inside the stops that lead to an attractor, and to its mirror image.
     pub fn shares(&self, number: u16) -> [f64; 2] {
-        let count =
-            |destination: Destination| self.cells.iter().filter(|g| **g == destination).count() as f64;
-        let inside = self.cells.len() as f64 - count(Destination::Outside);
-        [Destination::Attractor(number), Destination::Mirror(number)].map(|g| count(g) / inside.max(1.0))
+        [Destination::Attractor(number), Destination::Mirror(number)]
+            .map(|destination| self.share(destination))
+    }
+
+    /// The part of the starts inside the stops with this destination.
+    pub fn share(&self, destination: Destination) -> f64 {
+        let count = |sought| self.cells.iter().filter(|cell| **cell == sought).count() as f64;
+        count(destination) / (self.cells.len() as f64 - count(Destination::Outside)).max(1.0)
     }
 }
 
-/// The start at the centre of a cell; the initial values that are on no axis are zero.
-fn start(p: &Parameters, request: &Request, column: usize, row: usize) -> State {
-    let mut s = [0.0; 6];
+/// The start at the centre of a cell: the start of the request, with the values on the axes in it, which are scaled.
+fn cell_start(p: &Parameters, request: &Request, first: &State, column: usize, row: usize) -> State {
+    let mut s = *first;
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
-        s[axis.coordinate] = axis.value(i);
+        let (mut scaled, k) = ([0.0; 6], axis.coordinate);
+        scaled[k] = axis.value(i);
+        let own = dimensional(p, &scaled);
+        if k < 3 { s.x[k] = own.x[k] } else { s.v[k - 3] = own.v[k - 3] }
     }
-    dimensional(p, &s)
+    s
 }
 
 /// The rows of a part.
@@ -171,51 +223,130 @@ pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Ba
 
 /// The cells of some rows, with the attractors that they meet. One system has one set of tables.
 fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Result<Basin> {
+    let first = request.start.state(p)?;
     let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
     let starts: Vec<Start> =
-        places.map(|(i, j)| Start { parameters: *p, state: start(p, request, i, j) }).collect();
-    let mut ends: Vec<Result<Option<Attractor>>> = starts.iter().map(|_| Ok(None)).collect();
-    let program =
-        Program { discard: request.discard, until_settled: true, observed: true, ..Program::default() };
-    workspace.run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
-        ends[number] = match outcome {
-            Ok(outcome) => Ok(outcome.attractor),
-            Err(Error::Model(vibro_impact::Error::Penetration { .. })) => Ok(None),
-            Err(other) => Err(other),
-        };
+        places.map(|(i, j)| Start { parameters: *p, state: cell_start(p, request, &first, i, j) }).collect();
+    let following = Following { discard: request.discard, ..Following::default() };
+    let mut found = Basin { cells: vec![Destination::NotSettled; starts.len()], ..Basin::default() };
+    let mut refused = Ok(());
+    follow(workspace, &starts, &following, &mut |number, motion, last| match motion {
+        Ok(motion) => {
+            let destination = found.destination(motion);
+            if let Some(destination) = destination {
+                found.cells[number] = destination;
+            } else if last && motion.wanders() && motion.stationary {
+                found.cells[number] = Destination::Undecided;
+            }
+            destination.is_some()
+        }
+        Err(Error::Model(vibro_impact::Error::Penetration { .. })) => {
+            found.cells[number] = Destination::Outside;
+            true
+        }
+        Err(other) => {
+            refused = Err(other);
+            true
+        }
     });
-    let mut found = Basin::default();
-    for end in ends {
-        let cell = end?.map_or(Destination::Outside, |attractor| found.destination(&attractor));
-        found.cells.push(cell);
-    }
-    Ok(found)
+    refused.map(|()| found.in_order_of_cells())
 }
 
 impl Basin {
-    /// Where a motion on `attractor` has ended: an attractor that is known, or a new one.
-    fn destination(&mut self, attractor: &Attractor) -> Destination {
-        let relation = |(known, number): (&Attractor, u16)| match known.relation(attractor) {
-            Relation::Same => Some(Destination::Attractor(number)),
-            Relation::Mirror => Some(Destination::Mirror(number)),
-            Relation::Different => None,
+    /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is not decided.
+    fn destination(&mut self, motion: &Followed) -> Option<Destination> {
+        if motion.attractor.period.is_none() && !motion.wanders() {
+            return None;
+        }
+        let found = BasinAttractor { attractor: motion.attractor.clone(), class: motion.class };
+        match self.known(&found) {
+            Known::As(destination) => {
+                let known = match destination {
+                    Destination::Attractor(number) | Destination::Mirror(number) => Some(number),
+                    _ => None,
+                };
+                if let Some(known) = known.and_then(|number| self.attractors.get_mut(usize::from(number))) {
+                    known.attractor.pool(&found.attractor, destination.is_mirror());
+                }
+                Some(destination)
+            }
+            Known::Undecided => None,
+            // One motion's means become an attractor's when they are known well enough.
+            Known::Not if found.attractor.period.is_none() && !motion.stationary => None,
+            Known::Not => Some(self.add(found)),
+        }
+    }
+
+    fn add(&mut self, found: BasinAttractor) -> Destination {
+        self.attractors.push(found);
+        Destination::Attractor((self.attractors.len() - 1) as u16)
+    }
+
+    /// Whether an attractor is among the known ones.
+    fn known(&self, found: &BasinAttractor) -> Known {
+        let mut undecided = false;
+        for (known, number) in self.attractors.iter().zip(0..) {
+            match known.attractor.relation(&found.attractor) {
+                Relation::Same => return Known::As(Destination::Attractor(number)),
+                Relation::Mirror => return Known::As(Destination::Mirror(number)),
+                Relation::Different => {}
+                Relation::Undecided => undecided = true,
+            }
+        }
+        if undecided { Known::Undecided } else { Known::Not }
+    }
+
+    /// The same with the attractors in the order in which the cells meet them, not in that in which they were decided.
+    fn in_order_of_cells(self) -> Self {
+        let mut order: Vec<u16> = Vec::new();
+        for cell in &self.cells {
+            if let Destination::Attractor(number) | Destination::Mirror(number) = cell
+                && !order.contains(number)
+            {
+                order.push(*number);
+            }
+        }
+        let place = |number: u16| order.iter().position(|n| *n == number).unwrap_or_default() as u16;
+        let cell = |cell: &Destination| match *cell {
+            Destination::Attractor(number) => Destination::Attractor(place(number)),
+            Destination::Mirror(number) => Destination::Mirror(place(number)),
+            other => other,
         };
-        self.attractors.iter().zip(0..).find_map(relation).unwrap_or_else(|| {
-            self.attractors.push(attractor.clone());
-            Destination::Attractor((self.attractors.len() - 1) as u16)
-        })
+        let attractors = order.iter().map(|n| self.attractors[usize::from(*n)].clone()).collect();
+        Self { cells: self.cells.iter().map(cell).collect(), attractors }
     }
 
     /// Adds the cells of further rows, whose attractors have numbers of their own.
     fn append(&mut self, rows: &Self) {
-        let known: Vec<Destination> = rows.attractors.iter().map(|a| self.destination(a)).collect();
+        let mut known = Vec::with_capacity(rows.attractors.len());
+        for found in &rows.attractors {
+            known.push(match self.known(found) {
+                Known::As(destination) => {
+                    if let Destination::Attractor(number) | Destination::Mirror(number) = destination {
+                        self.attractors[usize::from(number)]
+                            .attractor
+                            .pool(&found.attractor, destination.is_mirror());
+                    }
+                    destination
+                }
+                Known::Undecided => Destination::Undecided,
+                Known::Not => self.add(found.clone()),
+            });
+        }
         let cell = |cell: &Destination| match *cell {
             Destination::Attractor(number) => known[usize::from(number)],
             Destination::Mirror(number) => known[usize::from(number)].mirrored(),
-            Destination::Outside => Destination::Outside,
+            other => other,
         };
         self.cells.extend(rows.cells.iter().map(cell));
     }
+}
+
+/// Whether an attractor is among those that are known.
+enum Known {
+    As(Destination),
+    Undecided,
+    Not,
 }
 
 impl Destination {
@@ -224,8 +355,12 @@ impl Destination {
         match self {
             Self::Attractor(number) => Self::Mirror(number),
             Self::Mirror(number) => Self::Attractor(number),
-            Self::Outside => Self::Outside,
+            other => other,
         }
+    }
+
+    fn is_mirror(self) -> bool {
+        matches!(self, Self::Mirror(_))
     }
 }
 
@@ -246,8 +381,12 @@ mod tests {
         ];
         for y in bad {
             for (x, y) in [(good, y), (y, good)] {
-                let error =
-                    basin(&Parameters::default(), &Request { x, y, discard: 1 }, &Task::ALL).unwrap_err();
+                let error = basin(
+                    &Parameters::default(),
+                    &Request { x, y, discard: 1, start: in_the_middle() },
+                    &Task::ALL,
+                )
+                .unwrap_err();
                 assert!(error.to_string().contains("v2="), "{error}");
             }
         }
@@ -255,20 +394,27 @@ mod tests {
 
     #[test]
     fn invariant_rows_put_together_are_the_whole() {
-        let attractor = |x: f64| Attractor {
-            period: Some(1),
-            approaching: false,
-            impacts: [1.0; 2],
-            rests: false,
-            states: vec![[x; 6]],
-            mirror_states: vec![[-x; 6]],
-            sizes: [1.0; 3],
+        let motion = |x: f64| Followed {
+            class: MotionClass::Periodic(1),
+            attractor: Attractor {
+                period: Some(1),
+                approaching: false,
+                impacts: [1.0; 2],
+                rests: false,
+                states: vec![[x; 6]],
+                mirror_states: vec![[-x; 6]],
+                sizes: [1.0; 3],
+                statistics: None,
+            },
+            exponent: None,
+            periods: 0,
+            stationary: false,
         };
         let cells = [0.1, 0.2, -0.1, 0.3, -0.2, 0.1, -0.3, 0.3];
         let whole = |cells: &[f64]| {
             let mut found = Basin::default();
             for x in cells {
-                let cell = found.destination(&attractor(*x));
+                let cell = found.destination(&motion(*x)).unwrap();
                 found.cells.push(cell);
             }
             found

@@ -14,8 +14,10 @@ use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
 use super::parts::{PartStore, Task};
 use super::plane::{ParameterAxis, check_count};
-use super::stroboscopic::{StroboscopicState, moving_block};
+use super::start::StartRule;
+use super::stroboscopic::StroboscopicState;
 use super::trajectories::{Outcome, Program, Start, Workspace};
+use super::verdict::{EXPONENT_PERIODS, Following, follow};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State, TOGETHER};
@@ -44,6 +46,9 @@ pub struct Sweep {
     /// The displacement whose maxima are kept.
     #[serde(default)]
     pub of: Displacement,
+    /// Where the motion at the first value starts, and at a value after one that is refused.
+    #[serde(default)]
+    pub start: StartRule,
 }
 
 /// The motion at one value.
@@ -96,7 +101,7 @@ pub(crate) fn within_gap(state: State, from: f64, to: f64) -> State {
 }
 
 /// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
-/// starts with [`moving_block`]. The store may end it before any value.
+/// starts with the sweep's start. The store may end it before any value.
 fn chain(
     set: &ParameterSet,
     sweep: &Sweep,
@@ -104,25 +109,28 @@ fn chain(
     upward: bool,
 ) -> Result<Vec<SettledStart>> {
     let count = sweep.axis.count;
-    let mut state = moving_block(set.parameters());
+    let mut state: Option<State> = None;
     let mut gap = set.parameters().stop_gap;
     let mut starts = Vec::with_capacity(count);
     for i in 0..count {
         store.go_on()?;
         let value = sweep.axis.value(if upward { i } else { count - 1 - i });
         let p = *set.with(sweep.axis.name, value)?.parameters();
-        state = within_gap(state, gap, p.stop_gap);
+        let first = match state {
+            Some(before) => within_gap(before, gap, p.stop_gap),
+            None => sweep.start.state(&p)?,
+        };
         gap = p.stop_gap;
         let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
         let run = || -> vibro_impact::Result<(State, State)> {
-            let mut simulator = settled_simulator(&p, &state, discard)?;
+            let mut simulator = settled_simulator(&p, &first, discard)?;
             let before = simulator.state();
             simulator.advance_to(all * p.period())?;
             Ok((before, simulator.state()))
         };
         let run = run();
         starts.push(SettledStart { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) });
-        state = run.map_or_else(|_| moving_block(&p), |r| r.1);
+        state = run.ok().map(|r| r.1);
     }
     if !upward {
         starts.reverse();
@@ -142,21 +150,50 @@ fn observe_all(
         .enumerate()
         .filter_map(|(index, s)| Some((index, Start { parameters: s.parameters, state: s.state? })))
         .collect();
-    let program = Program { maxima: Some((sweep.of, sweep.keep)), observed: true, ..Program::default() };
-    let mut refused = Ok(());
+    let program = Program {
+        maxima: Some((sweep.of, sweep.keep)),
+        observed: true,
+        exponent: Some(EXPONENT_PERIODS),
+        ..Program::default()
+    };
+    let (mut refused, mut ends) = (Ok(()), vec![State::default(); there.len()]);
     workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
         let (index, start) = there[number];
+        if let Ok(outcome) = &outcome {
+            ends[number] = outcome.state;
+        }
         match outcome.and_then(|outcome| point(starts[index].value, &start.parameters, outcome, sweep)) {
             Ok(point) => points[index] = point,
             Err(Error::Model(_)) => {}
             Err(other) => refused = Err(other),
         }
     });
-    refused.map(|()| points)
+    refused?;
+    let open: Vec<(usize, Start)> = there
+        .iter()
+        .zip(&ends)
+        .filter(|((index, _), _)| points[*index].as_ref().is_some_and(|p| !p.class.is_decided()))
+        .map(|((index, start), end)| (*index, Start { state: *end, ..*start }))
+        .collect();
+    prolong(&open, &mut points, workspace);
+    Ok(points)
+}
+
+/// Follows motions whose verdict is open until it is decided.
+fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace: &mut Workspace) {
+    let starts: Vec<Start> = open.iter().map(|(_, start)| *start).collect();
+    follow(workspace, &starts, &Following::default(), &mut |number, motion, _| {
+        // What is refused on the way stays as it was.
+        let (Ok(motion), Some(point)) = (motion, &mut points[open[number].0]) else { return true };
+        (point.class, point.attractor) = (motion.class, motion.attractor.clone());
+        point.class.is_decided()
+    });
 }
 
 fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
-    let Outcome { state, maxima, attractor: Some(attractor), .. } = outcome else { return Ok(None) };
+    let Outcome { state, maxima, attractor: Some(attractor), exponent, .. } = outcome else {
+        return Ok(None);
+    };
     let six_digits = |value: &f64| (value / p.stop_gap / RESOLUTION).round() as i64;
     let mut tops: Vec<i64> = maxima.iter().map(six_digits).collect();
     tops.sort_unstable();
@@ -167,7 +204,10 @@ fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Res
         Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum)
     };
     let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
-    let class = MotionClass::of(&attractor, spectrum.as_ref());
+    let class = match &spectrum {
+        Some(spectrum) => MotionClass::of(&attractor, Some(spectrum)),
+        None => MotionClass::by_largest(&attractor, exponent.as_ref(), p),
+    };
     Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))
 }
 
@@ -235,16 +275,14 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
 }
 
 impl Diagram {
-    /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two that never
-    /// return are taken for one: what is observed is too short to tell chaos from chaos.
+    /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two without a period are two
+    /// where their [means](crate::statistics) differ for certain; what has not settled is on no attractor.
     pub fn hysteresis(&self) -> Vec<bool> {
+        let settled = |p: &SweepPoint| p.class != MotionClass::NotSettled;
         let both = self.up.iter().zip(&self.down);
         both.map(|pair| match pair {
             (Some(a), Some(b)) => {
-                let wanders =
-                    |p: &SweepPoint| matches!(p.class, MotionClass::Chaotic | MotionClass::Aperiodic);
-                let both = wanders(a) && wanders(b);
-                !both && a.attractor.relation(&b.attractor) == Relation::Different
+                settled(a) && settled(b) && a.attractor.relation(&b.attractor) == Relation::Different
             }
             _ => false,
         })
@@ -303,7 +341,14 @@ mod tests {
     #[test]
     fn a_store_ends_the_chains_of_both_directions_between_two_values() {
         let axis = ParameterAxis::new(find_group("f10").unwrap(), (1.0, 2.0), 500).unwrap();
-        let sweep = Sweep { axis, discard: 5, keep: 5, exponents: None, of: Displacement::X2 };
+        let sweep = Sweep {
+            axis,
+            discard: 5,
+            keep: 5,
+            exponents: None,
+            of: Displacement::X2,
+            start: StartRule::default(),
+        };
         let store = Impatient { asked: AtomicUsize::new(0), most: 20 };
         let found = diagram(&ParameterSet::basic(), &sweep, &Task { store: &store, ..Task::ALL });
         assert!(matches!(found, Err(Error::Store(_))), "{found:?}");
@@ -316,7 +361,14 @@ mod tests {
         let group = find_group("f10").unwrap();
         let refused = |count, discard, keep| {
             let axis = ParameterAxis::new(group, (1.0, 2.0), count).unwrap();
-            let sweep = Sweep { axis, discard, keep, exponents: None, of: Displacement::X2 };
+            let sweep = Sweep {
+                axis,
+                discard,
+                keep,
+                exponents: None,
+                of: Displacement::X2,
+                start: StartRule::default(),
+            };
             match diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap_err() {
                 error @ Error::TooMany { most, .. } => {
                     assert!(error.to_string().contains(&format!("no more than {most}")), "{error}");

@@ -27,16 +27,14 @@ pub use designs::{Designs, ParameterInterval, SampledAxis, spread_starts};
 
 use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
-use crate::isoperiodic::StartRule;
 use crate::measures::{Measure, Measured, amplitude_without_block, measure};
 use crate::parameter_set::{Name, ParameterSet};
 use crate::parts::Task;
-use crate::plane::exact;
-use crate::stroboscopic::{dimensional, moving_block};
+use crate::start::StartRule;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Simulator, State};
+use vibro_impact::simulator::Simulator;
 
 /// Most designs.
 pub const MOST_DESIGNS: usize = 1_000_000;
@@ -82,6 +80,8 @@ pub struct Summary {
     pub largest: f64,
     /// The first motion that has the largest, for [`Request::motion`].
     pub at: usize,
+    /// How much the largest would scatter from one window of the motion to the next: [`Measured::spreads`].
+    pub spread: f64,
 }
 
 /// What was found of one design.
@@ -144,11 +144,12 @@ impl Request {
         (designs::combination(&self.over, index / starts), start)
     }
 
-    /// A motion in words: `drive.frequency = 62.8 rad/s, start v2=1`, without what all motions have in common.
-    pub fn motion_in_words(&self, index: usize) -> String {
+    /// A motion in words: `drive.frequency = 10 Hz, start v2=1`, in the units in which the machine was written, without what all
+    /// motions have in common.
+    pub fn motion_in_words(&self, set: &ParameterSet, index: usize) -> String {
         let (values, start) = self.motion(index);
         let told = |(axis, value): (&SampledAxis, f64)| {
-            format!("{} = {}", axis.name.name(), axis.name.with_unit(value))
+            format!("{} = {}", axis.name.name(), set.with_unit(axis.name, value))
         };
         let mut words: Vec<String> = self.over.iter().zip(values).map(told).collect();
         if self.starts.len() > 1 {
@@ -209,7 +210,7 @@ pub fn row(set: &ParameterSet, request: &Request, index: usize) -> Row {
     let mut own = set.clone();
     let count = request.measures.len();
     match own.assign(&assigned.collect::<Vec<_>>()) {
-        Ok(()) => summary(values, request, &motions(&own, request)),
+        Ok(()) => summary(set, values, request, &motions(&own, request)),
         Err(error) => {
             let reason = Some(error.to_string());
             Row { values, outputs: vec![None; count], classes: Vec::new(), reason }
@@ -228,8 +229,9 @@ fn motions(set: &ParameterSet, request: &Request) -> Vec<Outcome> {
         let assigned: Vec<_> = request.over.iter().map(|a| a.name).zip(values).collect();
         let mut own = set.clone();
         let failed = |error: &Error| {
-            let numbers = vec![None; request.measures.len()];
-            (Measured { numbers, class: None }, Some(error.to_string()))
+            let count = request.measures.len();
+            let nothing = Measured { numbers: vec![None; count], class: None, spreads: vec![0.0; count] };
+            (nothing, Some(error.to_string()))
         };
         match own.assign(&assigned) {
             Ok(()) => found.extend(from_all_starts(own.parameters(), request)),
@@ -259,7 +261,8 @@ fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
         Measure::AmplitudeWithoutBlock => amplitude_without_block(p).ok(),
         _ => None,
     };
-    Measured { numbers: measures.iter().map(number).collect(), class: None }
+    let spreads = vec![0.0; measures.len()];
+    Measured { numbers: measures.iter().map(number).collect(), class: None, spreads }
 }
 
 /// One motion: settled, then measured.
@@ -269,7 +272,7 @@ fn one(
     request: &Request,
     shared: &mut Option<Simulator>,
 ) -> Result<Measured> {
-    let state = first_state(p, start)?;
+    let state = start.state(p)?;
     let mut simulator = match shared {
         Some(other) => other.with_state(&state, 0.0)?,
         None => {
@@ -285,18 +288,15 @@ fn one(
     measure(&mut simulator, &request.measures, request.periods)
 }
 
-/// The state that a start stands for, SI.
-fn first_state(p: &Parameters, start: StartRule) -> Result<State> {
-    Ok(match start {
-        StartRule::State(state) => dimensional(p, &state),
-        StartRule::Orbit => exact(p)?.1.map_or_else(|| moving_block(p), |orbit| orbit.state(p.drive_phase)),
-    })
-}
-
 /// The row of all motions of a design.
-fn summary(values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
+fn summary(set: &ParameterSet, values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
     let outputs = (0..request.measures.len())
-        .map(|m| together(motions.iter().map(|(found, _)| found.numbers.get(m).copied().flatten())))
+        .map(|m| {
+            let one = |(found, _): &Outcome| {
+                Some((found.numbers.get(m).copied().flatten()?, found.spreads.get(m).copied().unwrap_or(0.0)))
+            };
+            together(motions.iter().map(one))
+        })
         .collect();
     let mut classes: Vec<MotionClass> = Vec::new();
     if motions.iter().all(|(found, _)| found.class.is_some()) {
@@ -308,21 +308,53 @@ fn summary(values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
     }
     let bad: Vec<(usize, &String)> =
         motions.iter().enumerate().filter_map(|(i, (_, reason))| Some((i, reason.as_ref()?))).collect();
-    let reason = bad.first().map(|(index, reason)| match (motions.len(), request.motion_in_words(*index)) {
-        (1, _) => (*reason).clone(),
-        (all, words) => format!("{} of {all} motions, the first at {words}: {reason}", bad.len()),
-    });
+    let reason =
+        bad.first().map(|(index, reason)| match (motions.len(), request.motion_in_words(set, *index)) {
+            (1, _) => (*reason).clone(),
+            (all, words) => format!("{} of {all} motions, the first at {words}: {reason}", bad.len()),
+        });
     Row { values, outputs, classes, reason }
 }
 
-/// Least, mean and largest of numbers, all of which must be there.
-fn together(numbers: impl Iterator<Item = Option<f64>>) -> Option<Summary> {
-    let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
+/// Least, mean and largest of numbers, all of which must be there, with their spreads.
+fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>) -> Option<Summary> {
+    let (numbers, spreads): (Vec<f64>, Vec<f64>) =
+        numbers.collect::<Option<Vec<(f64, f64)>>>()?.into_iter().unzip();
     let at = (1..numbers.len()).fold(0, |best, i| if numbers[i] > numbers[best] { i } else { best });
     let largest = *numbers.get(at)?;
     let least = numbers.iter().copied().fold(largest, f64::min);
     let mean = if least == largest { largest } else { numbers.iter().sum::<f64>() / numbers.len() as f64 };
-    Some(Summary { least, mean, largest, at })
+    Some(Summary { least, mean, largest, at, spread: spreads[at] })
+}
+
+/// Starts that are added when designs are measured again.
+pub const MORE_STARTS: u32 = 8;
+/// How many times as long they are then measured.
+pub const LONGER: u32 = 10;
+
+impl Request {
+    /// Some of its designs measured again by one measure, ten times as long and from eight more starts.
+    pub fn again(&self, designs: Vec<Vec<f64>>, measure: Measure) -> Self {
+        let mut starts = self.starts.clone();
+        for start in spread_starts(self.starts.len() as u32 + MORE_STARTS) {
+            if starts.len() < self.starts.len() + MORE_STARTS as usize && !starts.contains(&start) {
+                starts.push(start);
+            }
+        }
+        Self {
+            designs: Designs::Rows { names: self.designs.names(), rows: designs },
+            over: self.over.clone(),
+            starts,
+            discard: self.discard,
+            periods: self.periods.saturating_mul(LONGER),
+            measures: vec![measure],
+        }
+    }
+}
+
+/// The rows of all designs of a request that are few, on all threads.
+pub fn rows(set: &ParameterSet, request: &Request) -> Vec<Row> {
+    (0..request.designs.count()).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 
 #[cfg(test)]

@@ -8,58 +8,15 @@ use super::error::{Error, Result};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
 use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells, check_pair};
-use super::stroboscopic::{COORDINATES, MOVING_BLOCK, StroboscopicState, dimensional, dimensionless};
-use super::trajectories::{MOTIONS, Outcome, Program, Start, Workspace};
+pub use super::start::StartRule;
+use super::start::state;
+use super::stroboscopic::{dimensionless, moving_block};
+use super::trajectories::{MOTIONS, Start, Workspace};
+use super::verdict::{Followed, Following, PROLONGED, follow};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
-
-/// The rule by which the motions of a plane get their starts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum StartRule {
-    /// All start in one state.
-    State(StroboscopicState),
-    /// Each starts on the exact orbit where that is stable, elsewhere with the [moving block](MOVING_BLOCK).
-    Orbit,
-}
-
-impl Default for StartRule {
-    /// The [moving block](MOVING_BLOCK), which is the bifurcation study's start too.
-    fn default() -> Self {
-        Self::State(MOVING_BLOCK)
-    }
-}
-
-impl std::str::FromStr for StartRule {
-    type Err = Error;
-
-    /// Reads `orbit`, or `name=value,…`, what is not named being zero.
-    fn from_str(text: &str) -> Result<Self> {
-        if text.trim() == "orbit" {
-            return Ok(Self::Orbit);
-        }
-        let expected = "name=value,… with names of x1 x2 x3 (units of L) v1 v2 v3 (L omega10), e.g. x1=0.2,v2=1, or orbit";
-        let form = || Error::Form { text: text.into(), expected };
-        let mut start = [0.0; 6];
-        for assignment in text.split(',') {
-            let (name, value) = assignment.split_once('=').ok_or_else(form)?;
-            let index = COORDINATES.iter().position(|c| *c == name.trim()).ok_or_else(form)?;
-            start[index] = value.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(form)?;
-        }
-        Ok(Self::State(start))
-    }
-}
-
-impl std::fmt::Display for StartRule {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self::State(start) = self else { return f.write_str("orbit") };
-        let named = COORDINATES.iter().zip(start).filter(|(_, value)| **value != 0.0);
-        let named: Vec<String> = named.map(|(name, value)| format!("{name}={value}")).collect();
-        f.write_str(if named.is_empty() { "x1=0" } else { "" })?;
-        f.write_str(&named.join(","))
-    }
-}
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,8 +29,8 @@ pub struct Request {
     pub start: StartRule,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// Most drive periods over which the largest exponents of motions with impacts and without a period are computed, if they
-    /// are. They are computed until the class is decided.
+    /// Most drive periods over which the largest exponents of motions with impacts and without a period are computed at a time, if they
+    /// are. They are computed until the class is decided; a motion whose class is not is [followed](crate::verdict) further.
     pub exponents: Option<u32>,
 }
 
@@ -162,15 +119,27 @@ pub fn count(request: &Request) -> usize {
 /// shards.
 ///
 /// # Errors
-/// [`Error::Form`] as [`check_pair`]; [`Error::TooMany`] for a plane that does not fit into memory; a start that the
+/// [`Error::Form`] as [`check_pair`], and for starts on the exact orbit under constant loads; [`Error::TooMany`] for a plane that does not fit into memory; a start that the
 /// simulator refuses; what the parts' folder refuses.
 pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
     check_pair(&request.x, &request.y)?;
     // The parts are put together beside the whole.
     check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<PlanePoint>())?;
-    if let StartRule::State(start) = &request.start {
-        let p = set.parameters();
-        Simulator::new(p, &dimensional(p, start), 0.0)?;
+    let p = set.parameters();
+    match &request.start {
+        StartRule::State(start) => {
+            Simulator::new(p, &state(p, start), 0.0)?;
+        }
+        StartRule::Orbit => {
+            p.check_symmetric()?;
+            if let Some(axis) = [&request.x, &request.y].into_iter().find(|axis| axis.name.is_load()) {
+                let text = format!("start orbit, {} on an axis", axis.name.name());
+                return Err(Error::Form {
+                    text,
+                    expected: "a start by coordinates: the exact orbit is one without loads",
+                });
+            }
+        }
     }
     let part = |workspace: &mut Workspace, part| Ok(points(set, request, rows(request, part), workspace));
     let parts = task.complete_with(count(request), part)?;
@@ -194,9 +163,9 @@ fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Sit
     let (theory, orbit) = plane::exact(&parameters).unwrap_or((SteadyStateClass::Undefined, None));
     let orbit = orbit.map(|o| o.initial_state()).map(|o| State { x: o.x, v: o.v });
     let state = match (&request.start, orbit) {
-        (StartRule::State(start), _) => dimensional(&parameters, start),
+        (StartRule::State(start), _) => state(&parameters, start),
         (StartRule::Orbit, Some(orbit)) => orbit,
-        (StartRule::Orbit, None) => dimensional(&parameters, &MOVING_BLOCK),
+        (StartRule::Orbit, None) => moving_block(&parameters),
     };
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
@@ -214,32 +183,29 @@ fn points(
         sites.iter().map(|site| PlanePoint { theory: site.theory, motion: None }).collect();
     let there: Vec<(usize, Start)> =
         sites.iter().enumerate().filter_map(|(index, site)| Some((index, site.start?))).collect();
-    let program = Program {
+    let starts: Vec<Start> = there.iter().map(|(_, start)| *start).collect();
+    let following = Following {
         discard: request.discard,
-        until_settled: true,
-        observed: true,
         exponent: request.exponents,
-        maxima: None,
+        // Without exponents nothing more would be known of chaos, however long it was followed.
+        limit: if request.exponents.is_some() { PROLONGED } else { 0 },
     };
-    workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
+    follow(workspace, &starts, &following, &mut |number, outcome, _| {
         let (index, start) = there[number];
         let orbit = sites[index].orbit.as_ref();
-        points[index].motion = outcome.ok().and_then(|outcome| motion(&start.parameters, &outcome, orbit));
+        points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
+        // What wanders after the discarded periods is called so.
+        points[index].motion.is_none_or(|m| m.class.is_decided())
     });
     points
 }
 
-fn motion(p: &Parameters, outcome: &Outcome<'_>, orbit: Option<&State>) -> Option<SettledMotion> {
-    let found = outcome.attractor.as_ref()?;
-    let exponent = outcome.exponent.map(|e| [e.value, e.error].map(|rate| rate / p.box_frequency()));
-    let dies_out = found.is_free() && found.approaching;
+fn motion(p: &Parameters, followed: &Followed, orbit: Option<&State>) -> SettledMotion {
+    let found = &followed.attractor;
+    let exponent = followed.exponent.map(|e| [e.value, e.error].map(|rate| rate / p.box_frequency()));
     let symmetric = found.period.is_some() && found.is_symmetric();
-    Some(SettledMotion {
-        class: if dies_out {
-            MotionClass::Settling
-        } else {
-            MotionClass::by_largest(found, exponent.map(|e| e[0]))
-        },
+    SettledMotion {
+        class: followed.class,
         impacts: found.impacts,
         rests: found.rests,
         symmetric,
@@ -247,21 +213,5 @@ fn motion(p: &Parameters, outcome: &Outcome<'_>, orbit: Option<&State>) -> Optio
         on_orbit: found.period == Some(1)
             && symmetric
             && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_become_starts_and_starts_words() {
-        for text in ["orbit", "v2=1", "x1=-0.25,v3=2", "x1=0"] {
-            assert_eq!(text.parse::<StartRule>().unwrap().to_string(), text);
-        }
-        assert_eq!("v2=1".parse::<StartRule>().unwrap(), StartRule::default());
-        for wrong in ["", "x4=1", "v2", "v2=fast", "v2=inf"] {
-            assert!(wrong.parse::<StartRule>().unwrap_err().to_string().contains("x1=0.2,v2=1"), "{wrong}");
-        }
     }
 }

@@ -4,7 +4,7 @@
 //! time between them at once, and through the jump (84). Nothing else is needed of the motion, which can be one of many side by side.
 //!
 //! The time that is counted is not fixed: it ends when the class is decided. Growth is summed over blocks of drive periods, whose
-//! scatter gives the standard error of their mean. docs/numerics.md, "The largest exponent of many motions", states the rule.
+//! scatter gives the standard error of their mean. docs/studies.md, "The largest exponent of many motions", states the rule.
 
 use super::attractor::ZERO_EXPONENT;
 use super::variation::SingleVariation;
@@ -35,6 +35,40 @@ pub struct LargestExponent {
     pub error: f64,
     /// Drive periods that were counted.
     pub periods: u32,
+}
+
+/// What is known of the sign of an exponent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExponentSign {
+    /// Positive for certain.
+    Positive,
+    /// Negative for certain.
+    Negative,
+    /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::attractor::ZERO_EXPONENT) ω10, after so long that one beyond them would
+    /// have made the variation grow or shrink by e²⁰.
+    Zero,
+    /// Not known.
+    Undecided,
+}
+
+impl LargestExponent {
+    /// What is known of the sign.
+    pub fn sign(&self, p: &Parameters) -> ExponentSign {
+        let threshold = ZERO_EXPONENT * p.box_frequency();
+        let time = f64::from(self.periods) * p.period();
+        let clear = self.value.abs() - CONFIDENCE * self.error > threshold;
+        match (clear, self.value > 0.0) {
+            (true, positive) if self.value.abs() * time > LEAST_GROWTH => {
+                if positive {
+                    ExponentSign::Positive
+                } else {
+                    ExponentSign::Negative
+                }
+            }
+            _ if self.value.abs() <= threshold && threshold * time > LEAST_GROWTH => ExponentSign::Zero,
+            _ => ExponentSign::Undecided,
+        }
+    }
 }
 
 /// One variation of a motion and the logarithms of its growth.

@@ -16,6 +16,8 @@
 //! | `settling` | when a motion has settled on a period | made-up sequences; planes and basins without it |
 //! | [`lyapunov`] | the seven Lyapunov exponents | a linear system; multipliers of the exact orbit; divergence and determinants |
 //! | [`attractor`] | period, impacts, symmetry and class of a settled motion | constructed sequences; the stable exact orbit; the limit without impacts |
+//! | [`verdict`] | what a motion is, followed until that is decided | motions with known ends; chaos from many starts |
+//! | [`statistics`] | means of motion without a period, and whether two such motions are one attractor | closed forms; chaos from many starts, mirror images |
 //! | [`trajectories`] | many independent motions side by side: transient, maxima, what they settle on | the same motions one by one; statistics in chaos |
 //! | [`parts`] | long studies in parts, shared and continued | interrupted and divided work against whole work |
 //! | [`bifurcation`] | maxima, classes and exponents over one parameter, both directions | exact orbit and its limits of stability (tests of `vibro`) |
@@ -34,6 +36,8 @@
 //! use vibro_analysis::attractor::{MotionClass, observe};
 //! use vibro_analysis::motion::settled_simulator;
 //! use vibro_analysis::stroboscopic::moving_block;
+//! use vibro_analysis::trajectories::Start;
+//! use vibro_analysis::verdict::verdict;
 //! use vibro_analysis::{ParameterSet, find_group};
 //!
 //! // The default set settles on a motion with the drive's period and one impact at each stop; a stronger drive makes chaos.
@@ -42,8 +46,8 @@
 //! assert_eq!((attractor.period, attractor.impacts), (Some(1), [1.0, 1.0]));
 //!
 //! let p = *ParameterSet::basic().with(find_group("f10")?, 3.6)?.parameters();
-//! let attractor = observe(&mut settled_simulator(&p, &moving_block(&p), 400.0)?)?;
-//! assert_eq!(MotionClass::of(&attractor, None), MotionClass::Aperiodic);
+//! let start = Start { parameters: p, state: moving_block(&p) };
+//! assert_eq!(verdict(&start, 400)?.class, MotionClass::Chaotic);
 //! # Ok::<(), vibro_analysis::Error>(())
 //! ```
 
@@ -67,13 +71,16 @@ pub mod response;
 mod settling;
 mod smooth_pieces;
 pub mod sobol;
+pub mod start;
+pub mod statistics;
 pub mod stroboscopic;
 pub mod trajectories;
 mod variation;
+pub mod verdict;
 
 pub use error::{Error, Result};
 pub use parameter_set::{
-    Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, quantity_in, short,
-    significant, typed_unit,
+    Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, physical_parameters,
+    quantity_in, short, significant, typed_unit,
 };
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

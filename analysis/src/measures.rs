@@ -23,10 +23,12 @@ mod name;
 
 pub use name::{Coordinate, Measure};
 
-use crate::attractor::{MotionClass, observe};
+use crate::attractor::MotionClass;
 use crate::error::Result;
 use crate::lyapunov::{self, SpectrumOptions};
 use crate::smooth_pieces::{PieceEnd, expand_along, smooth_pieces};
+use crate::trajectories::Start;
+use crate::verdict::verdict;
 use extent::Extent;
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
@@ -39,6 +41,9 @@ use vibro_impact::simulator::Simulator;
 pub struct Measured {
     /// A number for each measure, in their order and units; `None` for the class, and for a closed form that has no value.
     pub numbers: Vec<Option<f64>>,
+    /// By how much each number would scatter from one window of this length to the next: the standard deviation that the six parts of
+    /// this one give. 0 for what is exact, and for regular motion but for rounding. docs/studies.md, (N4) and (N5).
+    pub spreads: Vec<f64>,
     /// The class, where it was asked for.
     pub class: Option<MotionClass>,
 }
@@ -54,6 +59,9 @@ struct Impacts {
     impulse: f64,
 }
 
+/// Parts of a window, by which the spread of its numbers is found, where it has as many drive periods.
+const PARTS: u32 = 6;
+
 /// A window of whole drive periods.
 struct Window {
     /// Of the coordinates that the measures need.
@@ -66,7 +74,7 @@ struct Window {
     periods: f64,
 }
 
-/// Measures a motion without loads over the next `periods` drive periods; class and exponent over those that follow. The
+/// Measures a motion without loads, other than the constant ones of its parameters, over the next `periods` drive periods; class and exponent over those that follow. The
 /// transient is the caller's to discard. [`Measure::PowerInput`] needs a simulator with energy accounts.
 ///
 /// # Errors
@@ -78,21 +86,19 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
             undefined("drive.frequency", "measure of a motion, which is one over drive periods,").into()
         );
     }
-    let window = window(simulator, measures, periods.max(1))?;
+    let parts = windows(simulator, measures, periods.max(1))?;
+    let window = Window::joined(&parts);
     let wants = |sought: Measure| measures.contains(&sought);
     let (mut class, mut exponent) = (None, None);
-    if wants(Measure::Class) || wants(Measure::Exponent) {
-        let attractor = observe(simulator)?;
-        let has_no_period = attractor.period.is_none() && !attractor.is_free();
-        let needs = wants(Measure::Exponent) || has_no_period;
-        let dimensionless = |s: &mut Simulator| lyapunov::dimensionless(s, &SpectrumOptions::default());
-        let spectrum = needs.then(|| dimensionless(simulator)).transpose()?.map(|found| found.spectrum);
-        exponent = spectrum.as_ref().map(|s| s.exponents[0] * p.box_frequency());
-        class = Some(match MotionClass::of(&attractor, spectrum.as_ref()) {
-            // Without impacts the flow is linear and has one limit, of the drive's period.
-            MotionClass::Aperiodic if attractor.is_free() => MotionClass::Settling,
-            other => other,
-        });
+    if wants(Measure::Class) {
+        // At time 0 the drive has the phase that it has now.
+        let parameters = Parameters { drive_phase: simulator.drive_phase(), ..p };
+        let start = Start { parameters, state: simulator.state() };
+        class = Some(verdict(&start, 0)?.class);
+    }
+    if wants(Measure::Exponent) {
+        let found = lyapunov::dimensionless(simulator, &SpectrumOptions::default())?.spectrum;
+        exponent = Some(found.exponents[0] * p.box_frequency());
     }
     let number = |measure: &Measure| match measure {
         Measure::Class => None,
@@ -101,7 +107,8 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
         other => Some(window.number(*other, &p)),
     };
     let numbers = measures.iter().map(number).collect();
-    Ok(Measured { numbers, class: class.filter(|_| wants(Measure::Class)) })
+    let spreads = measures.iter().map(|measure| spread(&parts, *measure, &p)).collect();
+    Ok(Measured { numbers, class, spreads })
 }
 
 fn undefined(name: &'static str, needed_by: &'static str) -> Error {
@@ -110,13 +117,16 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
 }
 
 /// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1 ω1|, the
-/// periodic solution of docs/theory.md (3) without block and coupling.
+/// periodic solution of docs/theory.md (3) without block and coupling; under a constant load on the box, which shifts its middle,
+/// the largest |x1|.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.
 pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error> {
     let w = p.drive_frequency;
-    let found = p.drive_amplitude.abs() / (p.box_stiffness - p.box_mass * w * w).hypot(p.box_damping * w);
+    let swing = p.drive_amplitude.abs() / (p.box_stiffness - p.box_mass * w * w).hypot(p.box_damping * w);
+    let [load, ..] = p.constant_loads;
+    let found = if load == 0.0 { swing } else { swing + load.abs() / p.box_stiffness };
     if found.is_finite() {
         Ok(found)
     } else {
@@ -124,45 +134,91 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
     }
 }
 
-/// Passes over the next drive periods.
-fn window(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Window> {
+/// The spread of a measure over windows as long as these parts together. An extreme of a long window scatters as that of a part does,
+/// since the scale of the limit law of extremes does not depend on the number of parts, docs/studies.md (N4); a mean by as much less as
+/// there are more of them, (N5).
+fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
+    let taken_together = match measure {
+        Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock => return 0.0,
+        Measure::Amplitude(_) | Measure::PeakToPeak(_) | Measure::Maximum(_) => 1.0,
+        Measure::ImpactSpeed | Measure::ImpactImpulse => 1.0,
+        _ => parts.len() as f64,
+    };
+    let count = parts.len() as f64;
+    if parts.len() < 2 {
+        return 0.0;
+    }
+    let numbers: Vec<f64> = parts.iter().map(|part| part.number(measure, p)).collect();
+    let mean = numbers.iter().sum::<f64>() / count;
+    let scatter = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+    (scatter / (count - 1.0) / taken_together).sqrt()
+}
+
+/// Passes over the next drive periods, in parts.
+fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Vec<Window>> {
     let p = *simulator.parameters();
     let model = Model::new(&p)?;
     let extent = |c: Coordinate| {
         let mut of = measures.iter().filter(|m| m.coordinate() == Some(c)).peekable();
         of.peek().is_some().then(|| Extent::new(c, of.any(|m| m.needs_square())))
     };
-    let mut extents: Vec<_> = Coordinate::ALL.into_iter().filter_map(extent).collect();
-    let mut impacts = Impacts::default();
-    let (begin, length, before) = (simulator.time(), p.period(), simulator.energy_accounts());
+    let fresh: Vec<_> = Coordinate::ALL.into_iter().filter_map(extent).collect();
+    let (begin, length) = (simulator.time(), p.period());
     let arch = pulp::Arch::new();
-    for i in 1..=periods {
-        smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
-            if !extents.is_empty() {
-                // No operation is fused, so that all instruction sets give the same bits.
-                arch.dispatch(
-                    #[inline(always)]
-                    || {
-                        expand_along(&model, piece.mode, &piece.start, piece.span, |series, radius| {
-                            extents.iter_mut().for_each(|extent| extent.take(series, radius));
-                        })
-                    },
-                );
-            }
-            if let PieceEnd::Impact { side, rate, impulse, .. } = piece.end {
-                impacts.counts[usize::from(side < 0.0)] += 1;
-                impacts.speed = impacts.speed.max(rate.abs());
-                impacts.impulse = impacts.impulse.max(impulse.abs());
-            }
-        })?;
+    let count = PARTS.min(periods);
+    let (mut parts, mut i) = (Vec::with_capacity(count as usize), 0);
+    for k in 1..=count {
+        let (first, last) = (i, (u64::from(periods) * u64::from(k) / u64::from(count)) as u32);
+        let (mut extents, mut impacts) = (fresh.clone(), Impacts::default());
+        let before = simulator.energy_accounts();
+        while i < last {
+            i += 1;
+            smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
+                if !extents.is_empty() {
+                    // No operation is fused, so that all instruction sets give the same bits.
+                    arch.dispatch(
+                        #[inline(always)]
+                        || {
+                            expand_along(&model, piece.mode, &piece.start, piece.span, |series, radius| {
+                                extents.iter_mut().for_each(|extent| extent.take(series, radius));
+                            })
+                        },
+                    );
+                }
+                if let PieceEnd::Impact { side, rate, impulse, .. } = piece.end {
+                    impacts.counts[usize::from(side < 0.0)] += 1;
+                    impacts.speed = impacts.speed.max(rate.abs());
+                    impacts.impulse = impacts.impulse.max(impulse.abs());
+                }
+            })?;
+        }
+        let after = simulator.energy_accounts();
+        let energy = [after.input - before.input, after.impact - before.impact];
+        let periods = f64::from(last - first);
+        parts.push(Window { extents, impacts, duration: periods * length, energy, periods });
     }
-    let after = simulator.energy_accounts();
-    let energy = [after.input - before.input, after.impact - before.impact];
-    let periods = f64::from(periods);
-    Ok(Window { extents, impacts, duration: periods * length, energy, periods })
+    Ok(parts)
 }
 
 impl Window {
+    /// Parts one after the other, of which there is one at least.
+    fn joined(parts: &[Self]) -> Self {
+        let (first, others) = (&parts[0], &parts[1..]);
+        let mut whole = Self { extents: first.extents.clone(), ..*first };
+        for part in others {
+            whole.extents.iter_mut().zip(&part.extents).for_each(|(own, other)| own.join(other));
+            for side in 0..2 {
+                whole.impacts.counts[side] += part.impacts.counts[side];
+                whole.energy[side] += part.energy[side];
+            }
+            whole.impacts.speed = whole.impacts.speed.max(part.impacts.speed);
+            whole.impacts.impulse = whole.impacts.impulse.max(part.impacts.impulse);
+            whole.duration += part.duration;
+            whole.periods += part.periods;
+        }
+        whole
+    }
+
     fn extent(&self, coordinate: Coordinate) -> &Extent {
         const NONE: &Extent = &Extent::new(Coordinate::X1, false);
         // Those that the measures need are there.

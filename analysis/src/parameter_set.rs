@@ -5,7 +5,7 @@ mod name;
 mod units;
 
 pub use caption::short;
-pub use name::{Name, find_field, find_group, significant};
+pub use name::{Name, find_field, find_group, physical_parameters, significant};
 pub use units::{Quantity, Unit, number, numbers, quantity_in, typed_unit};
 
 use super::error::{Error, Result};
@@ -60,13 +60,13 @@ struct Given {
 impl Given {
     fn add(&mut self, name: Name) {
         match name {
-            Name::Si(field) => self.fields |= bit(FIELDS.iter().map(|f| f.name), field.name),
+            Name::Si(field) => self.fields |= bit(physical_parameters().map(|f| f.name), field.name),
             Name::Group(group) => self.groups |= bit(GROUPS.iter().map(|g| g.name), group.name),
         }
     }
 
     fn has(&self, name: &str) -> bool {
-        let field = self.fields & bit(FIELDS.iter().map(|f| f.name), name);
+        let field = self.fields & bit(physical_parameters().map(|f| f.name), name);
         (field | self.groups & bit(GROUPS.iter().map(|g| g.name), name)) != 0
     }
 }
@@ -154,9 +154,33 @@ impl ParameterSet {
         Name::find(names.find(|name| self.given.has(name))?).ok()
     }
 
-    /// Whether a physical parameter was set, so that the machine is one in SI.
+    /// Whether a physical parameter was set, so that the machine is one in SI. Constant loads do not count: they have a default of
+    /// their own, which is none.
     pub fn is_si(&self) -> bool {
-        self.given.fields != 0
+        self.given.fields & ((1 << FIELDS.len()) - 1) != 0
+    }
+
+    /// Refuses constant loads, and parameters that vary if one of them is a load: for closed forms and theories, which are those of
+    /// the symmetric machine.
+    ///
+    /// # Errors
+    /// [`vibro_impact::Error::OutOfRange`] with the load's value; [`Error::Form`] with its name where it varies.
+    pub fn check_symmetric(&self, varied: impl IntoIterator<Item = Name>) -> Result<()> {
+        self.parameters.check_symmetric()?;
+        match varied.into_iter().find(|name| name.is_load()) {
+            None => Ok(()),
+            Some(load) => Err(Error::Form {
+                text: load.name().into(),
+                expected: "another parameter: closed forms and theories are those of the machine without constant loads",
+            }),
+        }
+    }
+
+    /// The machine without its constant loads, and these, N.
+    pub fn without_loads(&self) -> (Self, [f64; 3]) {
+        let mut without = self.clone();
+        let loads = std::mem::take(&mut without.parameters.constant_loads);
+        (without, loads)
     }
 
     /// The physical parameters that were not set although others were, and whose values therefore belong to another
@@ -206,32 +230,61 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters with these groups, in the scales and with the drive phase of this parameter set.
+    /// The physical parameters with these groups, in the scales and with the drive phase and the constant
+    /// loads of this parameter set.
     ///
     /// # Errors
     /// As [`Groups::to_parameters`].
     pub fn parameters_of(&self, groups: &Groups) -> vibro_impact::Result<Parameters> {
-        let drive_phase = self.parameters.drive_phase;
-        Ok(Parameters { drive_phase, ..groups.to_parameters(self.parameters.scales())? })
+        let Parameters { drive_phase, constant_loads, .. } = self.parameters;
+        Ok(Parameters { drive_phase, constant_loads, ..groups.to_parameters(self.parameters.scales())? })
     }
 
-    /// Applies texts of the form `name=value`, in order.
+    /// Applies texts of the form `name=value`, in order. A number without a unit is in the unit in which its parameter was
+    /// [written](Self::unit) before, if it was, as on every axis; else in SI.
+    ///
+    /// ```
+    /// use vibro_analysis::ParameterSet;
+    ///
+    /// let mut set = ParameterSet::basic();
+    /// set.apply(&["drive.frequency=10 Hz", "box.m=12"])?;
+    /// set.apply(&["drive.frequency=11"])?;
+    /// assert_eq!(set.parameters().drive_frequency, 22.0 * std::f64::consts::PI);
+    /// # Ok::<(), vibro_analysis::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Form`], [`Error::UnknownName`], [`Error::NotANumber`], [`Error::Unit`] or the range that a value
     /// violates.
     pub fn apply<T: AsRef<str>>(&mut self, assignments: &[T]) -> Result<()> {
-        let parse = |text: &T| {
+        let mut next = self.clone();
+        let mut parsed = Vec::with_capacity(assignments.len());
+        for text in assignments {
             let text = text.as_ref();
             let form = || Error::Form { text: text.into(), expected: "name=value, e.g. kappa=0.75" };
             let (name, value) = text.split_once('=').ok_or_else(form)?;
             let name = Name::find(name.trim())?;
-            Ok(((name, number(name, value)?), typed_unit(name, value)))
-        };
-        let parsed = assignments.iter().map(parse).collect::<Result<Vec<_>>>()?;
-        self.assign(&parsed.iter().map(|p| p.0).collect::<Vec<_>>())?;
-        parsed.iter().for_each(|((name, _), unit)| self.show_in(*name, *unit));
+            let quantity = next.quantity(name, value)?;
+            next.show_in(name, quantity.unit);
+            parsed.push((name, quantity.value));
+        }
+        next.assign(&parsed)?;
+        *self = next;
         Ok(())
+    }
+
+    /// Reads a number of a parameter with a unit, or without one in the unit in which the parameter was [written](Self::unit), or
+    /// else in SI.
+    ///
+    /// # Errors
+    /// As [`number`].
+    pub fn quantity(&self, name: Name, text: &str) -> Result<Quantity> {
+        let unit = typed_unit(name, text);
+        let value = number(name, text)?;
+        Ok(match (unit, self.unit(name)) {
+            (None, Some(own)) => Quantity { value: own.si(value), unit: Some(own) },
+            _ => Quantity { value, unit },
+        })
     }
 
     /// From now on labels and captions show a physical parameter in this unit, in which it was written; `None`, and a unit of

@@ -240,7 +240,7 @@ pub fn check_count(what: &'static str, count: usize, held: usize) -> Result<()> 
 /// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend on their number.
 ///
 /// # Errors
-/// As [`check_pair`].
+/// As [`check_pair`]; constant loads.
 pub fn plane(
     set: &ParameterSet,
     x: ParameterAxis,
@@ -249,6 +249,7 @@ pub fn plane(
     done: &(dyn Fn() + Sync),
 ) -> Result<Plane> {
     check_pair(&x, &y)?;
+    set.check_symmetric([x.name, y.name])?;
     // The rows are put together beside the whole.
     check_cells("points of the plane", (x.count, y.count), 2 * size_of::<SteadyStateClass>())?;
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)

@@ -69,6 +69,7 @@ pub fn response(
     nodes: usize,
 ) -> Result<Response> {
     let along = along.into();
+    set.check_symmetric([along])?;
     for value in [range.0, range.1] {
         set.with(along, value)?;
     }

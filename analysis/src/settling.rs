@@ -1,7 +1,7 @@
 //! When a motion has settled on a period, so that it need not be simulated through the rest of what is discarded.
 //!
 //! Impacts tell it first, at no cost: their order, times and speeds, added up over each drive period, repeat. Then the states at
-//! whole drive periods are looked at, and have the last word. docs/numerics.md, "What has settled is not simulated further", says why
+//! whole drive periods are looked at, and have the last word. docs/studies.md, "What has settled is not simulated further", says why
 //! the verdict at the end would be the same.
 
 use super::attractor::{RETURN, StroboscopicRecord, appended, distance};

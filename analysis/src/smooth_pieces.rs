@@ -45,7 +45,7 @@ pub(crate) struct Piece {
     pub(crate) end: PieceEnd,
 }
 
-/// The flow over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
+/// The flow under the model's constant loads over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
 /// [0, 1]. Returns the state at the end.
 #[inline(always)]
 pub(crate) fn expand_along(
@@ -56,10 +56,10 @@ pub(crate) fn expand_along(
     mut visit: impl FnMut(&Series<TERMS>, f64),
 ) -> Augmented {
     let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
-    let radius = span / count;
+    let (radius, forces) = (span / count, model.constant_forces());
     let mut z = *start;
     for _ in 0..count as u64 {
-        let series = Series::<TERMS>::expand(model, mode, &z, None, radius);
+        let series = Series::<TERMS>::expand(model, mode, &z, forces.as_ref(), radius);
         visit(&series, radius);
         z = series.at(1.0);
         if mode == SmoothMode::Rest {
@@ -69,23 +69,26 @@ pub(crate) fn expand_along(
     z
 }
 
-/// The flow along a piece and its variations are those of the machine under its drive alone.
+/// The flow along a piece and its variations are those of the machine under its drive and its constant loads.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] with the first load that is not zero.
+/// [`Error::OutOfRange`] with the first other load that is not zero.
 fn refuse_loads(simulator: &Simulator) -> Result<()> {
     const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
     let loads = simulator.loads().derivatives;
-    for (name, derivatives) in NAMES.iter().zip(loads) {
+    for ((name, mut derivatives), constant) in
+        NAMES.iter().zip(loads).zip(simulator.parameters().constant_loads)
+    {
+        derivatives[0] -= constant;
         if let Some(&value) = derivatives.iter().find(|d| **d != 0.0) {
-            let allowed = "0 with all its derivatives: maxima, exponents and attractors are those of the machine without loads";
+            let allowed = "0 with all its derivatives: maxima, exponents and attractors are those of the machine without loads that change";
             return Err(Error::OutOfRange { name, value, allowed });
         }
     }
     Ok(())
 }
 
-/// Advances a simulator without loads to the time `end` (s) and calls `visit` with each smooth piece of its motion.
+/// Advances a simulator without loads other than the constant ones of its parameters to the time `end` (s) and calls `visit` with each smooth piece of its motion.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and as [`refuse_loads`].

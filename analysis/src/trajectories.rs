@@ -3,7 +3,7 @@
 mod queue;
 
 use self::queue::{LaneRecord, Motions};
-use super::attractor::Attractor;
+use super::attractor::{Attractor, StroboscopicRecord};
 use super::error::Result;
 pub use super::largest_exponent::LargestExponent;
 use super::maxima::Displacement;
@@ -59,6 +59,8 @@ pub struct Outcome<'a> {
     pub attractor: Option<Attractor>,
     /// The largest exponent beside the drive phase's zero, where it was asked for and there are impacts and no period.
     pub exponent: Option<LargestExponent>,
+    /// What was observed, of motions that were.
+    pub(crate) record: &'a StroboscopicRecord,
 }
 
 /// A thread's workspace: simulators and records that serve one motion after another, so that nothing is allocated for each.

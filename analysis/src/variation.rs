@@ -179,13 +179,14 @@ fn jump(model: &Model, variations: &mut [Augmented], rate: f64, after: &Augmente
         return;
     }
     let kappa = model.restitution;
-    // a_w⁺ + κ a_w⁻. The free acceleration is linear in w' (docs/theory.md (13)), whose parts cancel: what is left is 1 + κ times the
+    // a_w⁺ + κ a_w⁻. The free acceleration is affine in w' (docs/theory.md (13)), whose parts cancel: what is left is 1 + κ times the
     // acceleration of a block that moves with the box, as fast as their centre of mass, also where a merge followed the impact.
     let mut together = *after;
     together[3] += model.block_share * after[RELATIVE_RATE];
     together[RELATIVE_RATE] = 0.0;
-    let kick =
-        (1.0 + kappa) * model.acceleration(SmoothMode::Flight, &together, None).1 / (rate * model.rate);
+    let kick = (1.0 + kappa)
+        * model.acceleration(SmoothMode::Flight, &together, Some(model.constant_loads)).1
+        / (rate * model.rate);
     // The centre of mass feels the damper's force on the box jump. Everything is in 1/rate of the model.
     let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
     for v in variations.iter_mut() {

@@ -5,16 +5,22 @@
 #[non_exhaustive]
 pub enum Error {
     /// A link adds nothing to the others.
-    #[error("link.{link}: it follows from the other links, or moves no free body; allowed are links of which each takes one coordinate away")]
+    #[error(
+        "link.{link}: it follows from the other links, or moves no free body; allowed are links of which each takes one coordinate away"
+    )]
     Redundant {
         /// Name of the link.
         link: String,
     },
     /// The inertia's numbers are too far apart.
-    #[error("the inertias: not positive in double precision after the links; allowed are ratios up to about 1e15")]
+    #[error(
+        "the inertias: not positive in double precision after the links; allowed are ratios up to about 1e15"
+    )]
     Inertia,
     /// Stops close and nothing can give way.
-    #[error("jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can")]
+    #[error(
+        "jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can"
+    )]
     Jammed {
         /// s.
         time: f64,
@@ -22,7 +28,9 @@ pub enum Error {
         stops: String,
     },
     /// A rigid stop is violated by a jump of a prescribed motion or an input.
-    #[error("stop.{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion; allowed is at most 0")]
+    #[error(
+        "stop.{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion; allowed is at most 0"
+    )]
     Violated {
         /// Name of the stop.
         stop: String,

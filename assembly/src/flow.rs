@@ -160,7 +160,8 @@ pub fn rate_bound(a: &DMatrix<f64>, one: usize) -> f64 {
         }
     }
     // A coordinate that acts on nothing is as large as it needs to be, one that nothing acts on as small.
-    let row_sum = |w: &[f64], i: usize, to: usize| (0..to).map(|j| a[(i, j)].abs() * w[j]).sum::<f64>() / w[i];
+    let row_sum =
+        |w: &[f64], i: usize, to: usize| (0..to).map(|j| a[(i, j)].abs() * w[j]).sum::<f64>() / w[i];
     let own = (0..one).map(|i| row_sum(&w, i, one)).fold(LEAST_RATE, f64::max);
     let signals = (one..size).flat_map(|i| (one..i).map(move |j| (i, j)));
     // Frequencies stand between a cosine and its sine, in both directions.
@@ -168,11 +169,14 @@ pub fn rate_bound(a: &DMatrix<f64>, one: usize) -> f64 {
     let rate = own.max(omega);
     let share = 0.25 * rate / (size - one) as f64;
     let limit = |w: &[f64], j: usize| {
-        (0..one).filter(|&i| a[(i, j)] != 0.0).map(|i| share * w[i] / a[(i, j)].abs()).fold(f64::INFINITY, f64::min)
+        (0..one)
+            .filter(|&i| a[(i, j)] != 0.0)
+            .map(|i| share * w[i] / a[(i, j)].abs())
+            .fold(f64::INFINITY, f64::min)
     };
     let mut signal = vec![f64::INFINITY; size];
-    for j in one..size {
-        signal[j] = limit(&w, j);
+    for (j, most) in signal.iter_mut().enumerate().skip(one) {
+        *most = limit(&w, j);
     }
     // What feeds another signal is no larger than the rate times that one: derivatives of pieces; cosine and sine are equal.
     for j in one..size {

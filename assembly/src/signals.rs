@@ -218,7 +218,8 @@ impl Signals {
     /// The first knot after a time, s.
     pub fn next_knot(&self, time: f64) -> Option<f64> {
         let steps = self.pieces.iter().flat_map(|p| p.steps.iter().map(|s| s.time));
-        let knots = self.pieces.iter().filter_map(|p| p.table.as_ref()).flat_map(|t| t.knots.iter().map(|k| k.0));
+        let knots =
+            self.pieces.iter().filter_map(|p| p.table.as_ref()).flat_map(|t| t.knots.iter().map(|k| k.0));
         steps.chain(knots).filter(|&t| t > time).min_by(f64::total_cmp)
     }
 

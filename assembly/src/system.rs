@@ -223,7 +223,9 @@ impl System {
         let weights: Vec<f64> = d
             .bodies
             .iter()
-            .map(|b| if let BodyKind::Free(free) = b.kind { free.inertia * free.gravity * d.gravity } else { 0.0 })
+            .map(|b| {
+                if let BodyKind::Free(free) = b.kind { free.inertia * free.gravity * d.gravity } else { 0.0 }
+            })
             .collect();
         let mut mass = DMatrix::zeros(n, n);
         for (body, &inertia) in bodies.iter().zip(&inertias) {

@@ -64,12 +64,18 @@ fn closed_form_impact_pair() {
     let base = sine(1.0, 1.0 / std::f64::consts::TAU, 0.0);
     let d = Description {
         bodies: vec![prescribed("base", base, 0.0), body("block", 1.0, 0.0, 0.9)],
-        stops: vec![rigid("upper", &[(0, -1.0), (1, 1.0)], 1.5, 0.5), rigid("lower", &[(0, 1.0), (1, -1.0)], 1.5, 0.5)],
+        stops: vec![
+            rigid("upper", &[(0, -1.0), (1, 1.0)], 1.5, 0.5),
+            rigid("lower", &[(0, 1.0), (1, -1.0)], 1.5, 0.5),
+        ],
         ..Description::default()
     };
     let mut motion = motion(d);
     let all = events(&mut motion, 400.0);
-    let last = all.iter().rev().find_map(|e| if let EventKind::Impact { speed, .. } = e.kind { Some(speed) } else { None });
+    let last = all
+        .iter()
+        .rev()
+        .find_map(|e| if let EventKind::Impact { speed, .. } = e.kind { Some(speed) } else { None });
     // The block's own speed c: it reverses, c(1 - ε) = -b(1 + ε) with the base's speed b at the impact, and in half a period
     // it goes 2(L + sqrt(1 - b²)) = π c. The closing speed is c - b = 4c/3.
     let c = 1.50557395311726;
@@ -100,7 +106,10 @@ fn closed_form_cradle() {
     for (gap, expected) in [(0.0, [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]), (0.01, [0.0, 0.0, 1.0])] {
         let d = Description {
             bodies: vec![body("a", 1.0, -1.0, 1.0), body("b", 1.0, 0.0, 0.0), body("c", 1.0, 0.0, 0.0)],
-            stops: vec![rigid("ab", &[(0, 1.0), (1, -1.0)], 0.0, 1.0), rigid("bc", &[(1, 1.0), (2, -1.0)], gap, 1.0)],
+            stops: vec![
+                rigid("ab", &[(0, 1.0), (1, -1.0)], 0.0, 1.0),
+                rigid("bc", &[(1, 1.0), (2, -1.0)], gap, 1.0),
+            ],
             ..Description::default()
         };
         let mut m = motion(d);
@@ -178,7 +187,8 @@ fn others_models_coupled_clutches() {
 fn closed_form_bead_column() {
     // Five beads that fall on a floor one upon the other, plastic: all lie, each contact bears what is above it.
     let count = 5;
-    let bodies = (0..count).map(|i| heavy(&format!("bead{i}"), 1.0, -1.0, 0.1 * (i + 1) as f64, 0.0)).collect();
+    let bodies =
+        (0..count).map(|i| heavy(&format!("bead{i}"), 1.0, -1.0, 0.1 * (i + 1) as f64, 0.0)).collect();
     let mut stops = vec![rigid("floor", &[(0, -1.0)], 0.0, 0.0)];
     for i in 1..count {
         stops.push(rigid(&format!("contact{i}"), &[(i - 1, 1.0), (i, -1.0)], 0.0, 0.0));
@@ -186,10 +196,18 @@ fn closed_form_bead_column() {
     let mut m = motion(Description { gravity: 9.81, bodies, stops, ..Description::default() });
     let all = events(&mut m, 2.0);
     for i in 0..count {
-        assert!((m.stop(i)[2] - 9.81 * (count - i) as f64).abs() < ROUNDING * 10.0, "{:?} {all:#?}", m.stop(i));
+        assert!(
+            (m.stop(i)[2] - 9.81 * (count - i) as f64).abs() < ROUNDING * 10.0,
+            "{:?} {all:#?}",
+            m.stop(i)
+        );
         assert_eq!(m.body(i)[1], 0.0);
     }
-    assert!((m.energy().impacts.value() - 9.81 * 1.5).abs() < ROUNDING * 100.0, "{}", m.energy().impacts.value());
+    assert!(
+        (m.energy().impacts.value() - 9.81 * 1.5).abs() < ROUNDING * 100.0,
+        "{}",
+        m.energy().impacts.value()
+    );
 }
 
 #[test]

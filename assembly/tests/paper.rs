@@ -22,7 +22,10 @@ fn machine(p: &Parameters, start: &State) -> Description {
         ],
         springs: vec![
             Spring { name: "mount".into(), ..spring(&[(0, 1.0)], p.box_stiffness, p.box_damping) },
-            Spring { name: "second".into(), ..spring(&[(2, 1.0)], p.secondary_stiffness, p.secondary_damping) },
+            Spring {
+                name: "second".into(),
+                ..spring(&[(2, 1.0)], p.secondary_stiffness, p.secondary_damping)
+            },
             Spring { name: "coupling".into(), ..spring(&[(1, -1.0), (2, 1.0)], p.coupling_stiffness, 0.0) },
         ],
         stops: vec![
@@ -51,16 +54,25 @@ fn compare(p: &Parameters, start: &State, periods: f64, tolerance: f64) {
             }
         })
         .unwrap();
-        core.advance_until(end, Pause::Never, Some(&mut |e: &Event| {
-            if let Event::Impact { time, side, speed, .. } = *e {
-                theirs.push((time, usize::from(side < 0), speed));
-            }
-        }))
+        core.advance_until(
+            end,
+            Pause::Never,
+            Some(&mut |e: &Event| {
+                if let Event::Impact { time, side, speed, .. } = *e {
+                    theirs.push((time, usize::from(side < 0), speed));
+                }
+            }),
+        )
         .unwrap();
         let state = core.state();
         for i in 0..3 {
             let [s, v, _] = m.body(i);
-            assert!((s - state.x[i]).abs() < tolerance && (v - state.v[i]).abs() < tolerance, "{k} {i} {:e} {:e}", s - state.x[i], v - state.v[i]);
+            assert!(
+                (s - state.x[i]).abs() < tolerance && (v - state.v[i]).abs() < tolerance,
+                "{k} {i} {:e} {:e}",
+                s - state.x[i],
+                v - state.v[i]
+            );
         }
     }
     // Runs of chatter are closed at different heights: what is faster than that is the same.
@@ -69,7 +81,10 @@ fn compare(p: &Parameters, start: &State, periods: f64, tolerance: f64) {
     assert!(theirs.len() > 10, "{theirs:?}");
     assert_eq!(own.len(), theirs.len());
     for (a, b) in own.iter().zip(&theirs) {
-        assert!(a.1 == b.1 && (a.0 - b.0).abs() < 10.0 * tolerance && (a.2 - b.2).abs() < 10.0 * tolerance, "{a:?} {b:?}");
+        assert!(
+            a.1 == b.1 && (a.0 - b.0).abs() < 10.0 * tolerance && (a.2 - b.2).abs() < 10.0 * tolerance,
+            "{a:?} {b:?}"
+        );
     }
 }
 

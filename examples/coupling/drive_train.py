@@ -5,8 +5,15 @@ the box's motion acts back on it (the Sommerfeld effect). With the rotor angle �
 
     J φ'' = T (1 - φ'/ω0) - m r a cos φ          force on the box: m r (φ'² sin φ - φ'' cos φ)
 
-The box's acceleration is held through a step; Heun's method with its own small steps carries φ on. The jump of the box's
-velocity at an impact, which would turn the rotor a little at once, is left out.
+An acceleration alone cannot be coupled through impacts: at one the box's velocity jumps, in no time, by ΔP/m1 with the impulse
+ΔP on the box, and no value of a says so, however short the step. The rotor turns by -m r cos φ ΔP/(m1 J) in that moment, which
+is no little: without it a motor near the machine's resonance runs at another speed. So the box's impulse since the start is an
+input too. Its difference over the last step, spread over the present one, makes a the mean acceleration of docs/theory.md (114):
+
+    a = acceleration + ΔP/(m1 h)
+
+and the rotor's answer to the jump goes back to the box as part of the force. (Where the box's velocity can be connected, its
+difference over h is that mean by itself.) Heun's method with its own small steps carries φ on.
 """
 
 import math
@@ -26,7 +33,9 @@ class DriveTrain(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
         super().__init__(**kwargs)
         self.inertia, self.eccentricity = 0.5, 0.14
         self.torque, self.idle = 0.4, 1.3
-        self.acceleration = 0.0
+        self.acceleration = self.impulse = self.before = 0.0
+        self.mass = 1.0
+        self.mean = 0.0
         self.angle = 0.0
         self.speed = 0.5
         self.force = 0.0
@@ -35,12 +44,15 @@ class DriveTrain(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
             ("eccentricity", "eccentric mass times its radius, kg.m"),
             ("torque", "torque at standstill T, N.m"),
             ("idle", "idle speed ω0, rad/s"),
+            ("mass", "mass of the box m1, kg"),
         ):
             self.register_variable(
                 Real(name, causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable, description=text)
             )
         text = "acceleration of the box, m/s2"
         self.register_variable(Real("acceleration", causality=Fmi2Causality.input, description=text))
+        text = "impulse of the stops on the box since the start, N.s"
+        self.register_variable(Real("impulse", causality=Fmi2Causality.input, description=text))
         for name, text in (
             ("force", "force on the box, N"),
             ("speed", "speed of the rotor, rad/s"),
@@ -50,12 +62,14 @@ class DriveTrain(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
 
     def _rate(self, angle: float, speed: float) -> float:
         drive = self.torque * (1.0 - speed / self.idle)
-        return (drive - self.eccentricity * self.acceleration * math.cos(angle)) / self.inertia
+        return (drive - self.eccentricity * self.mean * math.cos(angle)) / self.inertia
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Heun's method, second order."""
         count = max(1, math.ceil(step_size / LONGEST_STEP - 1e-9))  # a master's rounding must not change it
         h = step_size / count
+        self.mean = self.acceleration + (self.impulse - self.before) / (self.mass * step_size)
+        self.before = self.impulse
         for _ in range(count):
             rate = self._rate(self.angle, self.speed)
             ahead = self._rate(self.angle + h * self.speed, self.speed + h * rate)

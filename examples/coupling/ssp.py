@@ -3,7 +3,9 @@
     python examples/coupling/ssp.py --output motor.ssp          # writes the archive and runs it in fmpy
     python examples/coupling/ssp.py --output motor.ssp --host libcosimpy
 
-The archive holds both FMUs and the structure with its units and a parameter set for each (SystemStructure.ssd).
+The archive holds both FMUs and the structure with its units and a parameter set for each (SystemStructure.ssd). Two signals go
+from the machine to the motor: the box's acceleration, which has no impacts in it, and the impulse of the stops on the box since
+the start, which has nothing else. One without the other is another machine (drive_train.py).
 """
 
 from __future__ import annotations
@@ -29,6 +31,7 @@ PARAMETERS: dict[str, dict[str, tuple[float, str]]] = {
         "eccentricity": (0.14, "kg.m"),
         "torque": (0.4, "N.m"),
         "idle": (1.3, "rad/s"),
+        "mass": (1.0, "kg"),
     },
 }
 
@@ -37,21 +40,33 @@ CONNECTORS = {
     "machine": [
         ("box.f", "input", "N"),
         ("box.a", "output", "m/s2"),
+        ("box.impulse", "output", "N.s"),
         ("box.s", "output", "m"),
         ("block.s", "output", "m"),
         ("stop.s", "output", "m"),
     ],
-    "motor": [("acceleration", "input", "m/s2"), ("force", "output", "N"), ("speed", "output", "rad/s")],
+    "motor": [
+        ("acceleration", "input", "m/s2"),
+        ("impulse", "input", "N.s"),
+        ("force", "output", "N"),
+        ("speed", "output", "rad/s"),
+    ],
 }
 
 SOURCES = {"machine": "VibroImpact3DOF.fmu", "motor": "DriveTrain.fmu"}
 
-CONNECTIONS = [("motor", "force", "machine", "box.f"), ("machine", "box.a", "motor", "acceleration")]
+CONNECTIONS = [
+    ("motor", "force", "machine", "box.f"),
+    ("machine", "box.a", "motor", "acceleration"),
+    ("machine", "box.impulse", "motor", "impulse"),
+]
 
 #: Units by name: exponents of the base units.
 UNITS = {
     "N": {"kg": 1, "m": 1, "s": -2},
     "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N.s": {"kg": 1, "m": 1, "s": -1},
+    "kg": {"kg": 1},
     "kg.m": {"kg": 1, "m": 1},
     "kg.m2": {"kg": 1, "m": 2},
     "m": {"m": 1},

@@ -100,6 +100,7 @@ pub fn branches(
     let options = TreeOptions {
         seeds: seeds as usize,
         settle: 300,
+        starts: 0,
         depth: 3,
         longest_period: 4,
         most_letters: 12,

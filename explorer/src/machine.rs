@@ -1,10 +1,11 @@
 //! A motion under way, and what is drawn of it.
 
 use crate::set::Set;
-use vibro_analysis::attractor::{self, MotionClass};
-use vibro_analysis::lyapunov::{SpectrumOptions, dimensionless};
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::trajectories::Start;
+use vibro_analysis::verdict::verdict;
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
-use vibro_impact::{Result, State};
+use vibro_impact::{Parameters, Result, State};
 use wasm_bindgen::prelude::*;
 
 /// Numbers of a row of [`Machine::record`]: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, and what the instant is.
@@ -14,11 +15,6 @@ pub const ROW: usize = 11;
 const PLAIN: f64 = 0.0;
 const BEFORE: f64 = 1.0;
 const AFTER: f64 = 2.0;
-
-/// Over so many drive periods a variation that grows by e to the power of this leaves no doubt of chaos: without chaos it stays
-/// within some orders of magnitude.
-const FEW: u32 = 150;
-const CLEAR_GROWTH: f64 = 15.0;
 
 /// A motion of the machine.
 #[wasm_bindgen]
@@ -156,37 +152,30 @@ impl Machine {
 
     /// What this motion is, once settled: its period in drive periods (0 where it has none up to 32), impacts a period at the
     /// upper and lower stop, 1 where it is its own mirror image, 1 where the block rests, 1 where it is still settling, 1 where it
-    /// is chaotic, and the largest Lyapunov exponent per unit of the dimensionless time (NaN where it has a period). The motion
+    /// is chaotic, the largest Lyapunov exponent per unit of the dimensionless time (NaN where it has a period), and 1 where nothing is
+    /// decided. The motion
     /// itself stays where it is.
     ///
     /// # Errors
     /// What stops the simulator.
     pub fn class(&self) -> std::result::Result<Vec<f64>, JsError> {
-        let mut simulator = self.simulator.clone().without_energy_accounts();
-        let found = attractor::observe(&mut simulator)?;
-        // Exponents tell chaos from a modulated motion. They cost more than all else: only where there is no period, and where a
-        // few periods leave no doubt no more than these.
-        let spectrum = match found.period {
-            Some(_) => None,
-            None => {
-                let few = SpectrumOptions { periods: FEW, ..SpectrumOptions::default() };
-                let spectrum = dimensionless(&mut simulator, &few)?.spectrum;
-                let parameters = simulator.parameters();
-                let time = f64::from(FEW) * parameters.period() * parameters.box_frequency();
-                Some(match spectrum.exponents[0] * time > CLEAR_GROWTH {
-                    true => spectrum,
-                    false => dimensionless(&mut simulator, &SpectrumOptions::default())?.spectrum,
-                })
-            }
-        };
-        let class = MotionClass::of(&found, spectrum.as_ref());
-        let settling = found.approaching || class == MotionClass::Settling;
-        let [symmetric, rests, settling, chaotic] =
-            [found.is_symmetric(), found.rests, settling, class == MotionClass::Chaotic]
-                .map(|holds| f64::from(u8::from(holds)));
+        let p = self.simulator.parameters();
+        // At time 0 the drive has the phase that it has now.
+        let parameters = Parameters { drive_phase: self.simulator.drive_phase(), ..*p };
+        let verdict = verdict(&Start { parameters, state: self.simulator.state() }, 0)?;
+        let (found, class) = (&verdict.attractor, verdict.class);
+        let [symmetric, rests, settling, chaotic, undecided] = [
+            found.is_symmetric(),
+            found.rests,
+            class == MotionClass::Settling,
+            class == MotionClass::Chaotic,
+            class == MotionClass::NotSettled,
+        ]
+        .map(|holds| f64::from(u8::from(holds)));
         let period = f64::from(found.period.unwrap_or(0));
-        let largest = spectrum.map_or(f64::NAN, |s| s.exponents[0]);
-        Ok(vec![period, found.impacts[0], found.impacts[1], symmetric, rests, settling, chaotic, largest])
+        let largest = verdict.exponent.map_or(f64::NAN, |e| (e.value / p.box_frequency()).max(0.0));
+        let [up, low] = found.impacts;
+        Ok(vec![period, up, low, symmetric, rests, settling, chaotic, largest, undecided])
     }
 
     /// A copy, which the page frees by itself.

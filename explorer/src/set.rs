@@ -1,7 +1,7 @@
 //! Parameters by name, with what a page needs to show them.
 
 use std::fmt::Write;
-use vibro_analysis::{Name, ParameterSet};
+use vibro_analysis::{Error, Name, ParameterSet, number, typed_unit};
 use vibro_impact::parameters::{FIELDS, GROUPS};
 use wasm_bindgen::prelude::*;
 
@@ -37,6 +37,31 @@ impl Set {
     /// An unknown name.
     pub fn value(&self, name: &str) -> Result<f64, JsError> {
         Ok(Name::find(name)?.value(&self.0))
+    }
+
+    /// The value that a text means for a parameter, in its SI unit: a number, with or without a unit as on the command line
+    /// (`50 mm`, `10.65Hz`). Without one it is in `unit`, a unit of the parameter as [`typed`](Self::typed) gives it, or in the
+    /// SI unit where that is empty.
+    ///
+    /// # Errors
+    /// An unknown name, a text that is no number, a unit of another dimension; each names what is allowed.
+    pub fn read(&self, name: &str, text: &str, unit: &str) -> Result<f64, JsError> {
+        let name = Name::find(name)?;
+        let value = number(name, text)?;
+        let plain = !unit.is_empty() && typed_unit(name, text).is_none();
+        let value = if plain { number(name, &format!("{text} {unit}"))? } else { value };
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let allowed = name.allowed();
+        Err(Error::NotANumber { name: name.name(), text: text.trim().into(), allowed }.into())
+    }
+
+    /// The unit that stands beside a number of a parameter, as files write it; empty where there is none, and where the text is no
+    /// number of the parameter.
+    pub fn typed(&self, name: &str, text: &str) -> String {
+        let unit = Name::find(name).ok().and_then(|name| typed_unit(name, text));
+        unit.map_or_else(String::new, |unit| unit.symbol().replace('·', ".").replace('µ', "u"))
     }
 
     /// The 13 physical parameters and the 10 groups, in the order of [`catalogue`].

@@ -140,7 +140,7 @@ fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
 #[test]
 fn a_step_of_fmi3_with_its_events_allocates_nothing() {
     let token = CString::new(description3::instantiation_token(description3::MAIN)).unwrap();
-    let vr = |name| reference(name) + 1;
+    let vr = |name| description3::value_reference(description3::MAIN, name).unwrap();
     let outputs = [vr("box.s"), vr("block.a"), vr("energy.damped"), vr("impacts.nextTime")];
     for events in [1, 0] {
         let (mut values, mut flags, mut met) = ([0.0; 4], [0_u8; 5], 0);

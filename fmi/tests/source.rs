@@ -96,3 +96,22 @@ fn the_component_knows_no_version_of_fmi_and_nothing_imports_upward() {
         }
     }
 }
+
+/// The worked example of the README: every piece of code in it stands in the file that it names.
+#[test]
+fn the_example_of_a_variable_is_a_real_one() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (mut found, mut lines) = (0, readme.lines());
+    while let Some(line) = lines.next() {
+        let Some((_, file)) = line.trim().strip_prefix("```").and_then(|fence| fence.split_once(' ')) else {
+            continue;
+        };
+        let block: Vec<&str> = lines.by_ref().take_while(|line| line.trim() != "```").collect();
+        let code = fs::read_to_string(root.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        assert!(plain(&code).contains(&plain(&block.join("\n"))), "{file} has no {block:?}");
+        found += 1;
+    }
+    assert_eq!(found, 6, "pieces of the example");
+}

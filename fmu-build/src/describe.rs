@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::schema::*;
 use serde::Serialize;
 use vibro_fmi::component::variables::{
-    Causality, DependencyKind, Edition, Initial, Kind, Variability, Variable, find,
+    Causality, DependencyKind, Edition, Initial, Kind, Variability, Variable, place,
 };
 use vibro_fmi::component::{structure, units};
 use vibro_fmi::fmi2::description;
@@ -20,7 +20,9 @@ pub fn model_description() -> ModelDescription {
         model_name: description::MODEL_IDENTIFIER.into(),
         guid: description::guid(),
         description: description::MODEL_DESCRIPTION.into(),
+        author: description::AUTHOR.into(),
         version: description::MODEL_VERSION.into(),
+        copyright: description::COPYRIGHT.into(),
         license: description::LICENSE.into(),
         generation_tool: concat!("fmu-build ", env!("CARGO_PKG_VERSION")).into(),
         generation_date_and_time: None,
@@ -171,7 +173,7 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
             max,
             nominal,
             start,
-            derivative: derivative_of.and_then(find).map(|(state, _)| description::index(state)),
+            derivative: derivative_of.map(|state| description::index(place(state))),
             reinit: (reinit && description::MODEL_EXCHANGE).then_some(true),
         }),
         Kind::Integer { min } => VariableKind::Integer(Integer { min: Some(min), start: whole }),
@@ -199,7 +201,7 @@ fn variable((reference, v): (u32, &Variable)) -> ScalarVariable {
 fn unknowns(list: &[structure::Unknown]) -> Unknowns {
     let joined = |words: Vec<String>| words.join(" ");
     let unknown = |u: &structure::Unknown| Unknown {
-        index: description::index(u.reference),
+        index: description::index(u.place),
         dependencies: Some(joined(
             u.dependencies.iter().map(|(known, _)| description::index(*known).to_string()).collect(),
         )),

@@ -22,12 +22,16 @@ of mingw-w64 (public domain and Zope Public License 2.1).
     )
 }
 
-/// Texts that the Rust toolchain brings along, in its `share/doc/rust`.
-const TOOLCHAIN: [&str; 4] = [
-    "COPYRIGHT-library.html",
-    "licenses/LLVM-exception.txt",
-    "licenses/GCC-exception-3.1.txt",
-    "licenses/GPL-3.0-or-later.txt",
+/// Texts that the Rust toolchain brings along, in its `share/doc/rust`, and their names in an archive. A licence and its exception
+/// are one text in one file: the exception is what makes the licence that of linked code, and whoever finds a licence by its text
+/// must find it too.
+const TOOLCHAIN: [(&str, &[&str]); 3] = [
+    ("COPYRIGHT-library.html", &["COPYRIGHT-library.html"]),
+    ("LLVM-exception.txt", &["licenses/LLVM-exception.txt"]),
+    (
+        "GPL-3.0-or-later-WITH-GCC-exception-3.1.txt",
+        &["licenses/GCC-exception-3.1.txt", "licenses/GPL-3.0-or-later.txt"],
+    ),
 ];
 
 /// Name of the list of what is linked.
@@ -117,11 +121,11 @@ fn standard_library() -> Result<Content> {
     let sysroot = asked.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned()).unwrap_or_default();
     let folder = PathBuf::from(sysroot).join("share/doc/rust");
     let mut content = Content::new();
-    for name in TOOLCHAIN {
-        let path = folder.join(name);
-        if path.is_file() {
-            let text = fs::read(&path).map_err(Error::file("reading", &path))?;
-            content.insert(name.to_owned(), text);
+    for (name, parts) in TOOLCHAIN {
+        let paths: Vec<PathBuf> = parts.iter().map(|part| folder.join(part)).collect();
+        if paths.iter().all(|path| path.is_file()) {
+            let texts = paths.iter().map(|path| fs::read(path).map_err(Error::file("reading", path)));
+            content.insert(name.to_owned(), texts.collect::<Result<Vec<_>>>()?.join(&b"\n\n"[..]));
         }
     }
     Ok(content)

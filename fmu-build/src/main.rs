@@ -29,7 +29,11 @@ struct Arguments {
     /// Pack a binary for every platform that can be built here, and say what the others need
     #[arg(long)]
     all_platforms: bool,
-    /// Make a third archive, of FMI 3.0 with a clock of impacts; several importers break on one
+    /// Make a further archive, of FMI 3.0 with arrays: displacements, velocities and accelerations as vectors, derivatives over a
+    /// step as matrices; several importers read every local variable as a scalar
+    #[arg(long)]
+    arrays: bool,
+    /// Make a further archive, of FMI 3.0 with these arrays and a clock of impacts; several importers break on one
     #[arg(long)]
     clocked: bool,
     /// Pack the live page too (documentation/explorer.html), and say what it needs where it cannot be made
@@ -103,9 +107,8 @@ fn main() -> ExitCode {
 fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     let output = arguments.output.clone().unwrap_or_else(package::default_output);
     let mut versions = Version::USUAL.to_vec();
-    if arguments.clocked {
-        versions.push(Version::Clocked);
-    }
+    let asked = [(arguments.arrays, Version::Arrays), (arguments.clocked, Version::Clocked)];
+    versions.extend(asked.into_iter().filter(|(asked, _)| *asked).map(|(_, version)| version));
     let (live, missing) = match arguments.explorer.then(explorer::page).transpose() {
         Ok(page) => (page, None),
         Err(left_out) => (None, Some(left_out)),

@@ -43,6 +43,7 @@ pub fn described() -> Result<Content> {
     let files = [
         ("modelDescription/modelDescription.xml", Version::Fmi2),
         ("modelDescription/fmi3.xml", Version::Fmi3),
+        ("modelDescription/fmi3-arrays.xml", Version::Arrays),
         ("modelDescription/fmi3-clocked.xml", Version::Clocked),
     ];
     let text =
@@ -63,10 +64,13 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
     ]);
     content.extend(live.map(|page| (explorer::PATH.to_owned(), page.to_vec())));
     content.insert("documentation/fmi-ls-ref.txt".to_owned(), reference::EXPLANATION.as_bytes().to_vec());
-    for (folder, files) in
-        [("terminalsAndIcons", terminals::files()?), (reference::FOLDER, reference::files()?)]
-    {
+    let mut under = |folder: &str, files: Content| {
         content.extend(files.into_iter().map(|(name, bytes)| (format!("{folder}/{name}"), bytes)));
+    };
+    under(reference::FOLDER, reference::files()?);
+    if version != Version::Fmi2 {
+        // Its file says version 3.0, which the FMI Library takes for a fatal error in an archive of FMI 2.0.
+        under("terminalsAndIcons", terminals::files()?);
     }
     match version {
         Version::Fmi2 => {
@@ -78,7 +82,7 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
             );
         }
         // FMI 3.0.2, 2.5.1: the files of these names have these meanings.
-        Version::Fmi3 | Version::Clocked => {
+        Version::Fmi3 | Version::Arrays | Version::Clocked => {
             content.insert("documentation/diagram.png".to_owned(), canvas::png(&Sketch)?);
             content.insert("documentation/diagram.svg".to_owned(), canvas::svg(&Sketch)?.into_bytes());
             content.insert("documentation/externalDependencies.txt".to_owned(), NEEDS.as_bytes().to_vec());

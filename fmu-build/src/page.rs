@@ -7,6 +7,7 @@ use vibro::html::escape;
 use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
 use vibro_fmi::component::variables::{Edition, Kind, SECTIONS, VARIABLES, Variable};
 use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
+use vibro_fmi::fmi3::description::start_settings;
 
 static TEMPLATE: &str = include_str!("../../modelDescription/documentation/index.html");
 static RUN: &str = include_str!("../../modelDescription/documentation/run.svg");
@@ -59,12 +60,14 @@ fn row(v: &Variable) -> String {
         Kind::Enumeration(declared) => declared.name,
         Kind::Clock => "Clock",
     };
-    let start = match (v.start(), v.kind) {
+    let shown = |start: Option<f64>| match (start, v.kind) {
         (None, _) => String::new(),
         (Some(start), Kind::Boolean) => (start != 0.0).to_string(),
         (Some(start), Kind::Enumeration(declared)) => item(declared, start),
         (Some(start), _) => start.to_string(),
     };
+    let (start, start3) = (shown(v.start()), shown(v.start_in(&start_settings())));
+    let start = if start == start3 { start } else { format!("{start}; FMI 3.0: {start3}") };
     let cells = [
         format!("<code>{}</code>", escape(v.name)),
         escape(v.description),
@@ -89,6 +92,7 @@ fn edition(edition: Edition) -> &'static str {
     match edition {
         Edition::Every => "",
         Edition::Extended => "; FMI 3.0 only",
+        Edition::Arrays => "; FMI 3.0 with arrays only",
         Edition::Clocked => "; FMI 3.0 with a clock only",
     }
 }

@@ -9,12 +9,8 @@ use vibro_impact::State;
 const TRANSIENT: u32 = 12;
 /// Periods of the second time history, and of the phase portraits.
 const STEADY: u32 = 3;
-/// Name, colour and dashes of box, block and secondary oscillator.
-const BODIES: [(&str, Colour, Dash); 3] = [
-    ("box x₁", BOX, Dash::Solid),
-    ("block x₂", BLOCK, Dash::Solid),
-    ("secondary x₃", SECONDARY, Dash::Dashed),
-];
+/// Name and colour of box, block and secondary oscillator; the colours differ in lightness too.
+const BODIES: [(&str, Colour); 3] = [("box x₁", BOX), ("block x₂", BLOCK), ("secondary x₃", SECONDARY)];
 
 /// The picture of a run.
 pub fn picture(run: &Run) -> Figure {
@@ -49,8 +45,8 @@ fn curve(pieces: &[Vec<(f64, State)>], point: impl Fn(f64, &State) -> (f64, f64)
 
 fn history(title: &str, run: &Run, from: u32, to: u32) -> Panel {
     let (period, pieces) = (run.parameters.period(), path(run, from, to));
-    let layer = |(body, (name, colour, dash)): (usize, (&str, Colour, Dash))| {
-        Layer::line(name, colour, dash, curve(&pieces, |time, state| (time / period, state.x[body])))
+    let layer = |(body, (name, colour)): (usize, (&str, Colour))| {
+        Layer::line(name, colour, Dash::Solid, curve(&pieces, |time, state| (time / period, state.x[body])))
             .labelled(name)
     };
     Panel {
@@ -80,8 +76,7 @@ fn relative(run: &Run, from: u32) -> Panel {
 
 fn portraits(run: &Run, from: u32) -> Panel {
     let pieces = path(run, from, run.periods);
-    // Orbits that repeat would fill dashes.
-    let layer = |(body, (name, colour, _)): (usize, (&str, Colour, Dash))| {
+    let layer = |(body, (name, colour)): (usize, (&str, Colour))| {
         Layer::line(name, colour, Dash::Solid, curve(&pieces, |_, state| (state.x[body], state.v[body])))
             .labelled(name)
     };

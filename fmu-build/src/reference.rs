@@ -1,10 +1,12 @@
 //! Reference results in the archives, by the layered standard FMI-LS-REF 1.0.0-alpha.1 (modelica/fmi-ls-ref): results of the
-//! default experiment and of its impacts, sets of parameters, and a saved state of the settled motion.
+//! default experiment and of its impacts, that experiment as a smoke test, sets of parameters with start values, and a saved
+//! state of the settled motion.
 
 use crate::archive::Content;
 use crate::error::Result;
 use std::fmt::Write;
 use vibro::html::escape;
+use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_fmi::component::identity::{Experiment, default_experiment};
 use vibro_fmi::component::log::{Category, Log};
@@ -38,6 +40,7 @@ pub fn files() -> Result<Content> {
         ("default.csv".to_owned(), DEFAULT.as_bytes().to_vec()),
         ("impacts.csv".to_owned(), IMPACTS.as_bytes().to_vec()),
         ("settled.state".to_owned(), settled_state()),
+        ("smoke-test.xml".to_owned(), smoke_test().into_bytes()),
     ]);
     let sets = sets()?;
     for set in &sets {
@@ -49,11 +52,16 @@ pub fn files() -> Result<Content> {
 
 /// What the files are, for a reader (`documentation/fmi-ls-ref.txt`).
 pub const EXPLANATION: &str = "Reference files in extra/org.fmi-standard.fmi-ls-ref (FMI-LS-REF 1.0.0-alpha.1)\n\n\
-default.csv      the default experiment: displacements to nine places, numbers of impacts so far\n\
+default.csv      the default experiment, 50 rows a drive period (its step is a quarter of their distance): displacements to nine\n\
+                 places, numbers of impacts so far\n\
+smoke-test.xml   that experiment and its result, in the form of the draft's schema of experiments: an importer that reproduces\n\
+                 default.csv to 1e-8 m runs this FMU right\n\
 impacts.csv      every impact of it: two rows at its time, the states before and after the law\n\
 settled.ssv      start values on the settled motion, at drive phase zero; settled.state is an instance for Co-Simulation that was\n\
                  initialized with them and serialized (FMI 2.0 and FMI 3.0 of this same build take it, on every platform)\n\
-figure-*.ssv     parameters of the figures of Nonlinear Dynamics 106 (2021) 81-103 as far as this reconstruction has them\n\n\
+figure-*.ssv     parameters of the figures of Nonlinear Dynamics 106 (2021) 81-103 as far as this reconstruction has them, with\n\
+                 start values: a moving block, since from rest a weak drive never reaches the stops. The figures show the motion\n\
+                 after 400 drive periods\n\n\
 The motion is stable: other processors differ in the last digits alone. A run to compare with: start values as they are, any\n\
 communication step, 1e-8 m.\n";
 
@@ -93,10 +101,10 @@ fn parameters(p: &Parameters) -> Vec<(&'static str, f64)> {
 /// The sets: one for each figure that shows motions, by the values of `vibro reproduce`.
 fn sets() -> Result<Vec<Set>> {
     let basic = ParameterSet::basic();
-    let set = |name: String, description: String, set: &ParameterSet| Set {
-        name,
-        description,
-        values: parameters(set.parameters()),
+    let set = |name: String, description: String, set: &ParameterSet| {
+        let State { x, v } = moving_block(set.parameters());
+        let start = structure::STATES.into_iter().zip(x.into_iter().chain(v));
+        Set { name, description, values: parameters(set.parameters()).into_iter().chain(start).collect() }
     };
     let mut sets = vec![Set {
         name: "settled".into(),
@@ -108,9 +116,11 @@ fn sets() -> Result<Vec<Set>> {
         "The basic set: symmetric motion with two impacts a period".into(),
         &basic,
     ));
-    for f10 in [0.6, 1.2, 2.5] {
+    let text = "Figure 13, drive amplitude f10 = 0.6: modulated motion".to_owned();
+    sets.push(set("figure-13-f10-0.6".into(), text, &basic.with(find_group("f10")?, 0.6)?));
+    for f10 in [1.2, 2.5] {
         let text =
-            format!("Figure 9, drive amplitude f10 = {f10}; figure 13 has f10 = 0.6, modulated motion");
+            format!("A motion with the drive amplitude f10 = {f10}, whose fixed points figure 9 shows");
         sets.push(set(format!("figure-9-f10-{f10}"), text, &basic.with(find_group("f10")?, f10)?));
     }
     for f10 in [2.2, 2.44, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9] {
@@ -157,6 +167,12 @@ fn manifest(sets: &[Set]) -> String {
             "serialized-state",
             "Co-Simulation instance on the settled motion, for every platform",
         ),
+        (
+            "application/xml",
+            "smoke-test.xml",
+            "experiment/smoke-test",
+            "The default experiment with its result: does an importer run this FMU right?",
+        ),
         ("text/plain", "../../documentation/fmi-ls-ref.txt", "document", "What these files are"),
     ];
     let mut related = |kind: &str, source: &str, role: &str, description: &str| {
@@ -175,6 +191,17 @@ fn manifest(sets: &[Set]) -> String {
         related("application/x-ssp-parameter-set", &source, "parameter", &set.description);
     }
     text + "</fmiReferences>\n"
+}
+
+/// The default experiment with its result, by the draft's schema of experiments.
+fn smoke_test() -> String {
+    let Experiment { start_time, stop_time, tolerance, step_size } = default_experiment();
+    let step = f64::from(REPORTED) * step_size;
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Experiments>\n  <Experiment name=\"default\" description=\"The default experiment from \
+         the start values, to be reproduced to 1e-8 m\" startTime=\"{start_time}\" stopTime=\"{stop_time}\" stepSize=\"{step}\" \
+         tolerance=\"{tolerance}\">\n    <References source=\"default.csv\"/>\n  </Experiment>\n</Experiments>\n"
+    )
 }
 
 /// Takes no messages.
@@ -219,14 +246,18 @@ fn simulator() -> Result<Simulator> {
     Ok(Simulator::new(&Parameters::default(), &State::default(), 0.0)?)
 }
 
-/// Displacements to nine places, which is what processors agree on, at the reporting interval of the default experiment.
+/// Every which step of the default experiment has a row in its result.
+const REPORTED: u32 = 4;
+
+/// Displacements to nine places, which is what processors agree on, at every fourth step of the default experiment.
 fn default_result() -> Result<String> {
     let Experiment { start_time, stop_time, step_size, .. } = default_experiment();
     let mut simulator = simulator()?;
     let mut text = String::from("time,box.s,block.s,secondary.s,impacts.upper,impacts.lower\n");
-    let steps = ((stop_time - start_time) / step_size).round() as u32;
+    let interval = f64::from(REPORTED) * step_size;
+    let steps = ((stop_time - start_time) / interval).round() as u32;
     for i in 0..=steps {
-        let time = start_time + f64::from(i) * step_size;
+        let time = start_time + f64::from(i) * interval;
         simulator.advance_to(time)?;
         let ([x1, x2, x3], record) = (simulator.state().x, simulator.impacts());
         // Writing to a String cannot fail.
@@ -268,6 +299,34 @@ mod tests {
             assert!((settled - reached).abs() < PLACES, "{:?}", [x, v].concat());
         }
         assert!(!settled_state().is_empty());
+    }
+
+    /// As the figures are made: 400 periods from the start values of the set, and then motion with impacts, at both stops and
+    /// modulated where the figure says so.
+    #[test]
+    fn second_method_sets_reproduce_the_motions_they_name() {
+        for set in sets().unwrap().iter().filter(|set| set.name != "settled") {
+            let value = |name: &str| set.values.iter().find(|(n, _)| *n == name).map(|(_, v)| *v).unwrap();
+            let mut parameters = Parameters::default();
+            FIELDS.iter().for_each(|field| (field.set)(&mut parameters, value(field.name)));
+            let [x1, x2, x3, v1, v2, v3] = structure::STATES.map(value);
+            let start = State { x: [x1, x2, x3], v: [v1, v2, v3] };
+            let mut simulator = Simulator::new(&parameters, &start, 0.0).unwrap();
+            let mut counts = Vec::new();
+            for period in 400..=450 {
+                simulator.advance_to(f64::from(period) * parameters.period()).unwrap();
+                counts.push([simulator.impacts().upper, simulator.impacts().lower]);
+            }
+            let [first, last] = [counts[0], counts[50]];
+            let met = [last[0] - first[0], last[1] - first[1]];
+            let name = &set.name;
+            assert!(met.iter().all(|n| *n >= 10), "{name}: {met:?} impacts in 50 periods");
+            if name == "figure-8" {
+                assert_eq!(met, [50, 50], "{name}");
+            }
+            let even = counts.windows(2).all(|w| w[1][0] - w[0][0] == 1 && w[1][1] - w[0][1] == 1);
+            assert!(name != "figure-13-f10-0.6" || !even, "{name} is modulated");
+        }
     }
 
     /// Every line of the committed results, as far as the places go.

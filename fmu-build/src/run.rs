@@ -10,12 +10,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_fmi::component::variables;
-use vibro_fmi::fmi3::description::{MODEL_IDENTIFIER, value_reference};
+use vibro_fmi::fmi3::description::{MAIN, MODEL_IDENTIFIER, value_reference};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Communication steps per drive period: enough for a smooth picture and for amplitudes to three digits.
+/// Communication steps per drive period: enough for a smooth picture, and for amplitudes to eight digits (`Run::amplitudes`).
 pub const STEPS_PER_PERIOD: u32 = 200;
 
 /// After this time a progress bar is worth its place.
@@ -96,7 +96,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     let mut instance3 = binary3.instantiate(&token)?;
     instance3.initialize(0.0)?;
     let (reals, counts) = (references(NAMES)?, references(COUNTS)?);
-    let (reals3, counts3) = (reals.map(value_reference), counts.map(value_reference));
+    let (reals3, counts3) = (references3(NAMES)?, references3(COUNTS)?);
     let mut stepping = [Duration::ZERO; 2];
     let mut samples = vec![Sample { time: 0.0, state: State::default(), impacts: [0; 2] }];
     let bar = Bar::new(u64::from(steps));
@@ -150,10 +150,23 @@ fn impacts(parameters: &Parameters, end: f64) -> Result<Vec<ImpactSample>> {
     Ok(found)
 }
 
+/// Value references in the archive of FMI 2.0.
 fn references<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
+    numbered(names, |name| variables::find(name).map(|variable| variable.reference))
+}
+
+/// Value references in the main archive of FMI 3.0.
+fn references3<const N: usize>(names: [&'static str; N]) -> Result<[u32; N]> {
+    numbered(names, |name| value_reference(MAIN, name))
+}
+
+fn numbered<const N: usize>(
+    names: [&'static str; N],
+    number: impl Fn(&str) -> Option<u32>,
+) -> Result<[u32; N]> {
     let mut references = [0; N];
     for (reference, name) in references.iter_mut().zip(names) {
-        *reference = variables::find(name).ok_or_else(|| Error::Variable(name.into()))?.0;
+        *reference = number(name).ok_or_else(|| Error::Variable(name.into()))?;
     }
     Ok(references)
 }
@@ -163,6 +176,22 @@ fn same(version: Version, name: &'static str, time: f64, packaged: f64, native: 
         return Ok(());
     }
     Err(Error::Differs { version: version.name(), name, time, packaged, native })
+}
+
+/// The extreme of the cubic by the values and slopes at two times, where the slopes have opposite signs.
+fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64)) -> Option<f64> {
+    if v0 * v1 >= 0.0 {
+        return None;
+    }
+    let h = t1 - t0;
+    let (a, b, rise) = (v0 * h, v1 * h, x1 - x0);
+    // p(u) = x0 + a u + c u² + d u³; p'(u) = a + 2 c u + 3 d u² changes its sign once.
+    let (c, d) = (3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise);
+    let root = (c * c - 3.0 * a * d).max(0.0).sqrt();
+    // A slope that falls from a > 0 through zero has c < 0 or d < 0, one that rises from a < 0 the opposite: this is the root at
+    // which it does so, and no difference of like numbers where d is small.
+    let u = a / (root.copysign(a) - c);
+    (0.0..=1.0).contains(&u).then_some(x0 + u * (a + u * (c + u * d)))
 }
 
 /// A progress bar that shows itself only when the work takes long.
@@ -219,14 +248,22 @@ impl Run {
         pieces
     }
 
-    /// Half the range of each displacement over the last periods, impacts included, m.
+    /// Half the range of each displacement over the last periods, impacts included, m. Between two samples a displacement is the
+    /// cubic by their values and velocities, whose extremes are found: with 200 samples a period it is off by less than 1e-8 of
+    /// the amplitude.
     pub fn amplitudes(&self, periods: u32) -> [f64; 3] {
         let begin = self.tail(periods).first().map_or(0.0, |s| s.time);
         let pieces = self.path(begin, f64::INFINITY);
         std::array::from_fn(|body| {
-            let values = pieces.iter().flatten().map(|(_, state)| state.x[body]);
-            let (low, high) =
-                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            let mut take = |x: f64| (low, high) = (low.min(x), high.max(x));
+            for piece in &pieces {
+                piece.iter().for_each(|(_, state)| take(state.x[body]));
+                for pair in piece.windows(2) {
+                    let end = |(time, state): (f64, State)| (time, state.x[body], state.v[body]);
+                    extreme_between(end(pair[0]), end(pair[1])).into_iter().for_each(&mut take);
+                }
+            }
             (high - low) / 2.0
         })
     }
@@ -254,6 +291,25 @@ mod tests {
             let error = same(packaged, native).unwrap_err();
             assert!(matches!(error, Error::Differs { name: "box.s", .. }), "{error}");
         }
+    }
+
+    #[test]
+    fn closed_form_extremes_of_a_sine_between_samples() {
+        // The cubic's error is h⁴/384 of the amplitude: 2.6e-9 with 200 samples a period.
+        const CUBIC: f64 = 3e-9;
+        let h = std::f64::consts::TAU / f64::from(STEPS_PER_PERIOD);
+        for shift in [0.0, 0.1, 0.5, 0.93] {
+            let at = |k: f64| ((k + shift) * h, ((k + shift) * h).sin(), ((k + shift) * h).cos());
+            let quarter = f64::from(STEPS_PER_PERIOD) / 4.0;
+            let top: Vec<f64> = [-2.0, -1.0, 0.0]
+                .into_iter()
+                .filter_map(|k| extreme_between(at(quarter + k), at(quarter + k + 1.0)))
+                .collect();
+            let exact = at(quarter).1 == 1.0; // a sample at the top
+            assert!(top.len() == 1 || exact, "{top:?}");
+            assert!(top.iter().all(|x| (x - 1.0).abs() < CUBIC), "{top:?}");
+        }
+        assert_eq!(extreme_between((0.0, 0.0, 1.0), (1.0, 1.0, 1.0)), None);
     }
 
     #[test]

@@ -16,8 +16,12 @@ pub struct ModelDescription {
     pub guid: String,
     #[serde(rename = "@description")]
     pub description: String,
+    #[serde(rename = "@author")]
+    pub author: String,
     #[serde(rename = "@version")]
     pub version: String,
+    #[serde(rename = "@copyright")]
+    pub copyright: String,
     #[serde(rename = "@license")]
     pub license: String,
     #[serde(rename = "@generationTool")]

@@ -1,4 +1,4 @@
-//! `terminalsAndIcons/` (FMI 3.0.2, 2.4.9, which FMI 2.0 archives may hold too): one mechanical terminal for each body, and the
+//! `terminalsAndIcons/` (FMI 3.0.2, 2.4.9) of the archives of FMI 3.0: one mechanical terminal for each body, and the
 //! pictures of both.
 
 use crate::archive::Content;

@@ -1,10 +1,11 @@
-//! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for a second of FMI 3.0 with a clock. All hold one library.
+//! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for further ones of FMI 3.0 with what several importers cannot
+//! read: arrays, a clock. All hold one library.
 
 use crate::compile::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 use crate::error::{Error, Result};
 use crate::{check, describe, fmi3};
 use std::path::{Path, PathBuf};
-use vibro_fmi::fmi3::description::{CLOCKED, MAIN, MODEL_IDENTIFIER};
+use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, Edition, MAIN, MODEL_IDENTIFIER};
 
 /// Path inside every archive of what describes its model.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
@@ -16,19 +17,34 @@ pub enum Version {
     Fmi2,
     /// FMI 3.0.
     Fmi3,
-    /// FMI 3.0 with a clock of impacts.
+    /// FMI 3.0 with arrays.
+    Arrays,
+    /// FMI 3.0 with arrays and a clock of impacts.
     Clocked,
 }
 
 impl Version {
     /// Those that are always made.
     pub const USUAL: [Self; 2] = [Self::Fmi2, Self::Fmi3];
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Fmi2, Self::Fmi3, Self::Arrays, Self::Clocked];
+
+    /// The description of the table that it has, where it is of FMI 3.0.
+    pub fn edition(self) -> Option<Edition> {
+        match self {
+            Self::Fmi2 => None,
+            Self::Fmi3 => Some(MAIN),
+            Self::Arrays => Some(ARRAYS),
+            Self::Clocked => Some(CLOCKED),
+        }
+    }
 
     /// What is put behind the name of the file.
     fn suffix(self) -> &'static str {
         match self {
             Self::Fmi2 => "",
             Self::Fmi3 => "-FMI3",
+            Self::Arrays => "-FMI3-arrays",
             Self::Clocked => "-FMI3-clocked",
         }
     }
@@ -38,7 +54,8 @@ impl Version {
         match self {
             Self::Fmi2 => "FMI 2.0",
             Self::Fmi3 => "FMI 3.0",
-            Self::Clocked => "FMI 3.0 with a clock",
+            Self::Arrays => "FMI 3.0 with arrays",
+            Self::Clocked => "FMI 3.0 with arrays and a clock",
         }
     }
 
@@ -68,8 +85,8 @@ impl Version {
     /// # Errors
     /// [`Error::Invalid`] with everything that is wrong.
     pub fn description(self, date: Option<String>) -> Result<String> {
-        let (text, problems) = match self {
-            Self::Fmi2 => {
+        let (text, problems) = match self.edition() {
+            None => {
                 let model = describe::model_description();
                 let text = describe::to_xml(&crate::schema::ModelDescription {
                     generation_date_and_time: date,
@@ -78,8 +95,8 @@ impl Version {
                 let problems = check::problems(&text)?;
                 (text, problems)
             }
-            Self::Fmi3 | Self::Clocked => {
-                let model = fmi3::model_description(if self == Self::Fmi3 { MAIN } else { CLOCKED });
+            Some(edition) => {
+                let model = fmi3::model_description(edition);
                 let text = describe::to_xml(&fmi3::schema::ModelDescription {
                     generation_date_and_time: date,
                     ..model

@@ -55,7 +55,7 @@ fn entries_carry_nothing_of_the_moment() {
 #[test]
 fn packing_twice_gives_the_same_bytes() {
     let binaries = || Binaries::own(vec![7; 10_000]);
-    for version in [Version::Fmi2, Version::Fmi3, Version::Clocked] {
+    for version in Version::ALL {
         let pack = || archive::to_bytes(&package::content(version, &binaries(), None).unwrap()).unwrap();
         assert!(pack() == pack(), "{version:?}");
     }

@@ -6,11 +6,11 @@ use fmu_build::fmi3::schema::{Attributes, Dimension, ModelDescription, Type, Var
 use fmu_build::fmi3::{from_xml, model_description};
 use fmu_build::terminals;
 use vibro_fmi::component::structure::{INDICATORS, STATES};
-use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token};
+use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, Edition, MAIN, instantiation_token};
 
 #[test]
 fn text_and_structs_say_the_same() {
-    for edition in [MAIN, CLOCKED] {
+    for edition in [MAIN, ARRAYS, CLOCKED] {
         let model = model_description(edition);
         let text = to_xml(&model).unwrap();
         assert_eq!(from_xml(&text).unwrap(), model);
@@ -68,8 +68,8 @@ const DAMAGES: [(&str, Damage); 33] = [
     ("InitialUnknown: dependencies of", |m| {
         // A factor that is fixed is known only after initialization.
         let unknown =
-            m.model_structure.initial_unknowns.iter_mut().find(|u| u.dependencies.as_deref() == Some("11"));
-        unknown.unwrap().kinds = Some("fixed".into());
+            m.model_structure.initial_unknowns.iter_mut().find(|u| u.dependencies.as_deref() == Some("2 5"));
+        unknown.unwrap().kinds = Some("fixed fixed".into());
     }),
     ("allowed are continuous locals", |m| m.model_structure.event_indicators[0].value_reference = 15),
 ];
@@ -99,20 +99,33 @@ fn states_and_indicators_are_listed_in_the_order_of_their_functions() {
     assert_eq!(indicators.collect::<Vec<_>>(), INDICATORS);
 }
 
-/// The clock and what belongs to it stand behind everything else, and in no other description.
+fn names(model: &ModelDescription) -> Vec<(String, bool)> {
+    let attributes = model.model_variables.variables.iter().map(Variable::attributes);
+    attributes.map(|a| (a.name.clone(), !a.dimensions.is_empty())).collect()
+}
+
+/// What the main description has not, and another one has: several importers take every local variable for a scalar, and
+/// break on clocks.
 #[test]
-fn the_second_description_adds_a_clock_and_nothing_else() {
-    let (main, clocked) = (model_description(MAIN), model_description(CLOCKED));
-    let (first, second) = (main.model_variables.variables, clocked.model_variables.variables);
-    assert_eq!(second[..first.len()], first);
-    let added: Vec<&str> = second[first.len()..].iter().map(|v| v.attributes().name.as_str()).collect();
-    assert!(added.iter().all(|name| name.starts_with("impacts.clock")), "{added:?}");
-    assert_ne!(
-        (main.model_name, main.instantiation_token),
-        (clocked.model_name, clocked.instantiation_token)
+fn arrays_and_the_clock_are_in_descriptions_of_their_own() {
+    let model = |edition: Edition| model_description(edition);
+    let [main, arrays, clocked] = [MAIN, ARRAYS, CLOCKED].map(|edition| names(&model(edition)));
+    assert!(main.iter().all(|(_, array)| !array), "{main:?}");
+    let beyond = |more: &[(String, bool)], less: &[(String, bool)]| -> Vec<String> {
+        assert!(less.iter().all(|row| more.contains(row)));
+        more.iter().filter(|row| !less.contains(row)).map(|row| row.0.clone()).collect()
+    };
+    assert_eq!(
+        beyond(&arrays, &main),
+        ["motion.s", "motion.v", "motion.a", "step.transition", "step.response"]
     );
+    let clock = beyond(&clocked, &arrays);
+    assert!(clock.len() == 5 && clock.iter().all(|name| name.starts_with("impacts.clock")), "{clock:?}");
+    let same: Vec<_> = [MAIN, ARRAYS, CLOCKED].map(|edition| model(edition).instantiation_token).into();
+    assert!(same[0] != same[1] && same[1] != same[2] && same[0] != same[2]);
     let side = |types: &[Type]| types.iter().any(|t| t.name() == "Side");
-    assert!(!side(&main.type_definitions.types) && side(&clocked.type_definitions.types));
+    let types = |edition| model(edition).type_definitions.types;
+    assert!(!side(&types(MAIN)) && side(&types(CLOCKED)));
 }
 
 /// Three bodies with displacement, velocity, acceleration and force, all of them variables that can be connected.

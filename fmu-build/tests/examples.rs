@@ -18,7 +18,7 @@ fn orbit() -> PathBuf {
     assert!(orbit.is_certified() && !orbit.is_stable());
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("unstable-orbit");
     fs::create_dir_all(&folder).expect("target can be written");
-    for (name, text) in vibro::studies::orbit(&set, &orbit, 0).expect("tables").tables {
+    for (name, text) in vibro::studies::orbit(&set, std::slice::from_ref(&orbit)).expect("tables").tables {
         fs::write(folder.join(format!("{name}.csv")), text).expect("target can be written");
     }
     folder

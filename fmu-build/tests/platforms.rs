@@ -142,13 +142,13 @@ fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, S
         }
         None => Command::new(&host),
     };
-    let (number, identifier, first) = match version {
-        Version::Fmi2 => ("2", description::guid(), 0),
-        _ => ("3", fmi3::instantiation_token(fmi3::MAIN), fmi3::value_reference(0)),
+    let (number, identifier, numbering) = match version {
+        Version::Fmi2 => ("2", description::guid(), description::NUMBERING),
+        _ => ("3", fmi3::instantiation_token(fmi3::MAIN), fmi3::numbering(fmi3::MAIN)),
     };
     command.arg(library).arg(number).arg(identifier).arg(step.to_string());
     command.arg((PERIODS * PER_PERIOD).to_string());
-    command.args(NAMES.map(|name| (variables::find(name).unwrap().0 + first).to_string()));
+    command.args(NAMES.map(|name| numbering.reference(variables::place(name)).unwrap().to_string()));
     command.env("WINEDEBUG", "-all").env("WINEPREFIX", library.with_file_name("wine"));
     let output = command.output().map_err(|e| e.to_string())?;
     let (printed, errors) =

@@ -14,6 +14,7 @@ use vibro_analysis::maxima::Displacement;
 use vibro_analysis::motion::settled_simulator;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::trajectories::{Start, propagate};
 use vibro_analysis::{ParameterSet, find_group};
@@ -80,7 +81,8 @@ fn many() -> Value {
 fn bifurcation() -> Value {
     let axis = ParameterAxis::new(find_group("f10").expect("a group"), (0.5, 4.0), 41).expect("a range");
     let exponents = Some(SpectrumOptions { periods: 100, ..SpectrumOptions::default() });
-    let sweep = Sweep { axis, discard: 60, keep: 40, exponents, of: Displacement::X1 };
+    let sweep =
+        Sweep { axis, discard: 60, keep: 40, exponents, of: Displacement::X1, start: StartRule::default() };
     let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).expect("valid").expect("all parts");
     let direction = |points: &[Option<SweepPoint>]| -> Vec<Value> {
         let point = |p: &SweepPoint| {
@@ -96,10 +98,11 @@ fn bifurcation() -> Value {
 fn basins() -> Value {
     let p = *set(&[("f10", 2.5)]).parameters();
     let axis = |coordinate, count| InitialValueAxis { coordinate, from: -1.5, to: 1.25, count };
-    let request = basin::Request { x: axis(4, 8), y: axis(1, 6), discard: 200 };
+    let request =
+        basin::Request { x: axis(4, 8), y: axis(1, 6), discard: 200, start: basin::in_the_middle() };
     let found = basin::basin(&p, &request, &Task::ALL).expect("valid").expect("all parts");
     let cells: Vec<_> = found.cells.iter().map(|cell| format!("{cell:?}")).collect();
-    json!({"cells": cells, "periods": found.attractors.iter().map(|a| a.period).collect::<Vec<_>>()})
+    json!({"cells": cells, "periods": found.attractors.iter().map(|a| a.attractor.period).collect::<Vec<_>>()})
 }
 
 fn exponents() -> Value {

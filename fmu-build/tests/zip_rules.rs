@@ -67,7 +67,7 @@ fn archives_keep_the_rules_of_the_standard() {
     const STORE: u16 = 0;
     const ENCRYPTED: u16 = 1;
     const DESCRIPTOR: u16 = 8;
-    for version in [Version::Fmi2, Version::Fmi3, Version::Clocked] {
+    for version in Version::ALL {
         let content = package::content(version, &Binaries::own(vec![7; 10_000]), None).unwrap();
         let zip = archive::to_bytes(&content).unwrap();
         let (bytes, entries) = (Bytes(&zip), entries(&zip));
@@ -116,7 +116,7 @@ fn archives_with_the_live_page_hold_it_and_its_licences() {
 /// FMI 3.0.2, 2.5.1: the folders and files of these names, and none beside them at the top.
 #[test]
 fn archives_of_fmi3_have_its_structure() {
-    for version in [Version::Fmi3, Version::Clocked] {
+    for version in [Version::Fmi3, Version::Arrays, Version::Clocked] {
         let content = package::content(version, &Binaries::own(vec![7]), None).unwrap();
         let top: BTreeSet<&str> = content.keys().map(|name| name.split('/').next().unwrap()).collect();
         let allowed =

@@ -2,8 +2,7 @@
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
-use vibro_analysis::Error;
-use vibro_impact::parameters::FIELDS;
+use vibro_analysis::{Error, physical_parameters};
 
 /// Why a computation did not come to its end.
 #[derive(Debug)]
@@ -18,6 +17,16 @@ pub enum Failure {
     Cancelled,
     /// The system gave no thread.
     Threads(String),
+}
+
+impl Failure {
+    /// The same of one of several motions, by its index.
+    pub fn of_motion(self, index: usize) -> Self {
+        match self {
+            Self::Library(error) => Self::Motion(index, error),
+            other => other,
+        }
+    }
 }
 
 impl From<Error> for Failure {
@@ -82,7 +91,7 @@ pub fn in_python(message: &str) -> String {
         "secondary.f",
     ];
     // The longest first: `box.c` begins no other name, but `stop.restitution` must not become that of a shorter one.
-    let mut names: Vec<&str> = FIELDS.iter().map(|f| f.name).chain(OTHERS).collect();
+    let mut names: Vec<&str> = physical_parameters().map(|f| f.name).chain(OTHERS).collect();
     names.sort_by_key(|name| std::cmp::Reverse(name.len()));
     names.iter().fold(message.to_owned(), |text, name| text.replace(name, &name.replace('.', "_")))
 }

@@ -36,7 +36,7 @@ mod _native {
     #[pymodule_export]
     use super::steady::{steady, steady_motion};
     #[pymodule_export]
-    use super::studies::{basins, bifurcation, lyapunov, measure, measures};
+    use super::studies::{basins, bifurcation, lyapunov, measure, measure_many, measures};
     #[pymodule_export]
     use super::system::{Load, System, find_name, parameters};
 

@@ -16,6 +16,16 @@ use vibro_analysis::orbits::{self, ConstantLoads, Family, OrbitWord, PathOptions
 pub struct Orbit {
     set: ParameterSet,
     orbit: orbits::Orbit,
+    /// How often the word that was asked for passes it.
+    passages: u32,
+}
+
+impl Orbit {
+    /// An orbit that was found, in its shortest word.
+    fn shortest(set: &ParameterSet, found: &orbits::Orbit) -> Self {
+        let (orbit, passages) = found.shortest();
+        Self { set: set.clone(), orbit, passages }
+    }
 }
 
 #[pymethods]
@@ -32,7 +42,7 @@ impl Orbit {
         let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
         let machine = orbits::System::new(system.parameters()).map_err(Failure::from)?;
         let orbit = orbits::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
-        Ok(Self { set: system.set().map_err(Failure::from)?.clone(), orbit })
+        Ok(Self { set: system.set().map_err(Failure::from)?.clone(), orbit, passages: 1 })
     }
 
     /// The stops in order, letters U and L.
@@ -57,6 +67,18 @@ impl Orbit {
     #[getter]
     fn period(&self) -> u32 {
         self.orbit.word().period()
+    }
+
+    /// How often the word that was asked for passes it.
+    #[getter]
+    fn passages(&self) -> u32 {
+        self.passages
+    }
+
+    /// Drive periods over which the multipliers are.
+    #[getter]
+    fn multiplier_periods(&self) -> f64 {
+        self.orbit.multiplier_periods()
     }
 
     /// Phases of the drive at the impacts, rad.
@@ -104,7 +126,7 @@ impl Orbit {
     }
 }
 
-/// The certified orbits with a word that a search finds.
+/// The certified orbits with a word that a search finds, each in its shortest word; those that have no shorter one come first.
 #[pyfunction]
 #[pyo3(signature = (system, word, closing, half_periods, tries, progress = None))]
 pub fn orbit(
@@ -120,7 +142,7 @@ pub fn orbit(
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |_| {
         let found = orbits::search(&orbits::System::new(set.parameters())?, &word, tries)?;
-        Ok(found.into_iter().map(|orbit| Orbit { set: set.clone(), orbit }).collect())
+        Ok(found.iter().map(|orbit| Orbit::shortest(&set, orbit)).collect())
     })
 }
 
@@ -139,7 +161,7 @@ pub fn settled_orbit(
         let machine = orbits::System::new(set.parameters())?;
         let settled = orbits::settle(&machine, &state(&start), discard)?;
         control.check()?;
-        Ok(Orbit { orbit: orbits::orbit_of(&machine, &settled)?, set })
+        Ok(Orbit { orbit: orbits::orbit_of(&machine, &settled)?, set, passages: 1 })
     })
 }
 

@@ -40,6 +40,7 @@ fn sheet(upper: bool) -> Sheet {
 
 /// The state of a theory on a sheet; `None` where it has none.
 fn solve(system: &System, theory: &str, sheet: Sheet) -> vibro_impact::Result<Option<Theory>> {
+    system.parameters().check_symmetric()?;
     let groups = || system.set().map(ParameterSet::groups);
     Ok(match theory {
         "multiple_scales" => {

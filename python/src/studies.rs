@@ -1,21 +1,23 @@
 //! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled motions.
 
-use crate::arrays::{Column, Table, column, state, table};
+use crate::arrays::{Column, Table, column, rows_of_states, state, table};
 use crate::background::{Control, compute, pool};
 use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
-use numpy::PyArrayMethods;
+use numpy::{PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
 use vibro_analysis::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_analysis::maxima::Displacement;
-use vibro_analysis::measures::{Measure, measure as measured};
+use vibro_analysis::measures::{Measure, Measured, measure as measured};
 use vibro_analysis::motion::settled_simulator;
 use vibro_analysis::parts::{PartStore, Shard, Task};
 use vibro_analysis::plane::ParameterAxis;
-use vibro_impact::Simulator;
+use vibro_analysis::start::{Coordinate, StartRule};
+use vibro_impact::{Parameters, Simulator, State};
 
 /// Keeps nothing, and refuses to go on once nobody waits for the study.
 struct Cancelling<'a>(&'a Control);
@@ -84,11 +86,12 @@ pub struct BothDirections<'py> {
 
 /// Maxima, classes and impacts over a parameter, with rising and with falling values.
 #[pyfunction]
-#[pyo3(signature = (system, name, ends, count, discard, keep, of, exponents, progress = None))]
+#[pyo3(signature = (system, start, name, ends, count, discard, keep, of, exponents, progress = None))]
 #[allow(clippy::too_many_arguments)]
 pub fn bifurcation<'py>(
     py: Python<'py>,
     system: &System,
+    start: Option<[f64; 6]>,
     name: &str,
     ends: (f64, f64),
     count: usize,
@@ -98,11 +101,12 @@ pub fn bifurcation<'py>(
     exponents: Option<u32>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<BothDirections<'py>> {
+    let start = start.map_or_else(StartRule::default, |s| StartRule::State(s.map(Coordinate::Si)));
     let axis = ParameterAxis::new(find(name)?, ends, count).map_err(Failure::from)?;
     let of: Displacement = of.parse().map_err(Failure::from)?;
     let exponents = exponents.map(|periods| SpectrumOptions { periods, ..SpectrumOptions::default() });
     let (sweep, set) =
-        (Sweep { axis, discard, keep, exponents, of }, system.set().map_err(Failure::from)?.clone());
+        (Sweep { axis, discard, keep, exponents, of, start }, system.set().map_err(Failure::from)?.clone());
     let found = compute(py, progress, move |control| {
         in_parts(control, diagram_parts(&sweep), |task| diagram(&set, &sweep, task))
     })?;
@@ -223,9 +227,9 @@ struct Settled<'py> {
     sizes: Column<'py, f64>,
 }
 
-fn attractor<'py>(py: Python<'py>, found: &Attractor) -> PyResult<Settled<'py>> {
+fn attractor<'py>(py: Python<'py>, found: &Attractor, class: MotionClass) -> PyResult<Settled<'py>> {
     Ok(Settled {
-        class_name: MotionClass::of(found, None).name(),
+        class_name: class.name(),
         period: found.period,
         impacts: column(py, &found.impacts),
         rests: found.rests,
@@ -244,8 +248,8 @@ pub struct Basins<'py> {
     mirror: Table<'py, bool>,
 }
 
-/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the stops, with whether it is the
-/// mirror image; rows of constant y.
+/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the stops, -2 where it has not settled, -3 where
+/// the attractor is undecided, with whether it is the mirror image; rows of constant y.
 #[pyfunction]
 #[pyo3(signature = (system, x, y, discard, progress = None))]
 pub fn basins<'py>(
@@ -257,7 +261,7 @@ pub fn basins<'py>(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Basins<'py>> {
     let axis = |(coordinate, from, to, count)| InitialValueAxis { coordinate, from, to, count };
-    let request = basin::Request { x: axis(x), y: axis(y), discard };
+    let request = basin::Request { x: axis(x), y: axis(y), discard, start: basin::in_the_middle() };
     let p = *system.set().map_err(Failure::from)?.parameters();
     let found = compute(py, progress, move |control| {
         in_parts(control, basin::count(&request), |task| basin::basin(&p, &request, task))
@@ -266,9 +270,12 @@ pub fn basins<'py>(
         Destination::Attractor(number) => (i32::from(*number), false),
         Destination::Mirror(number) => (i32::from(*number), true),
         Destination::Outside => (-1, false),
+        Destination::NotSettled => (-2, false),
+        Destination::Undecided => (-3, false),
     };
     let (cells, mirror): (Vec<i32>, Vec<bool>) = found.cells.iter().map(cell).unzip();
-    let attractors = found.attractors.iter().map(|a| attractor(py, a)).collect::<PyResult<_>>()?;
+    let attractors =
+        found.attractors.iter().map(|a| attractor(py, &a.attractor, a.class)).collect::<PyResult<_>>()?;
     Ok(Basins { attractors, cells: plane(py, &cells, y.3, x.3)?, mirror: plane(py, &mirror, y.3, x.3)? })
 }
 
@@ -303,11 +310,50 @@ pub fn measure(
 ) -> PyResult<(Vec<Option<f64>>, Option<String>)> {
     let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let (named, p) = (named.map_err(Failure::from)?, *system.parameters());
-    let found = compute(py, progress, move |control| {
-        let mut simulator = Simulator::new(&p, &state(&start), 0.0)?;
-        simulator.advance_to(f64::from(discard) * p.period())?;
-        control.check()?;
-        Ok(measured(&mut simulator, &named, periods)?)
-    })?;
+    let found =
+        compute(py, progress, move |control| one(control, &p, &state(&start), &named, (discard, periods)))?;
     Ok((found.numbers, found.class.map(MotionClass::name)))
+}
+
+/// A motion, settled and measured.
+fn one(
+    control: &Control,
+    p: &Parameters,
+    start: &State,
+    measures: &[Measure],
+    (discard, periods): (u32, u32),
+) -> Result<Measured, Failure> {
+    control.check()?;
+    let mut simulator = Simulator::new(p, start, 0.0)?;
+    simulator.advance_to(f64::from(discard) * p.period())?;
+    control.check()?;
+    Ok(measured(&mut simulator, measures, periods)?)
+}
+
+/// The same of many machines, from a state each, on all threads: numbers and class of each.
+#[pyfunction]
+#[pyo3(signature = (systems, starts, names, discard, periods, progress = None))]
+#[allow(clippy::type_complexity)]
+pub fn measure_many(
+    py: Python<'_>,
+    systems: Vec<PyRef<'_, System>>,
+    starts: PyReadonlyArray2<'_, f64>,
+    names: Vec<String>,
+    discard: u32,
+    periods: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<(Vec<Option<f64>>, Option<String>)>> {
+    let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
+    let named = named.map_err(Failure::from)?;
+    let parameters = systems.iter().map(|system| *system.parameters());
+    let motions: Vec<(Parameters, State)> = parameters.zip(rows_of_states(&starts)?).collect();
+    let found = compute(py, progress, move |control| {
+        let each = |(index, (p, start)): (usize, &(Parameters, State))| {
+            let found = one(control, p, start, &named, (discard, periods));
+            control.add(1);
+            found.map_err(|failure| failure.of_motion(index))
+        };
+        pool()?.install(|| motions.par_iter().enumerate().map(each).collect::<Result<Vec<_>, _>>())
+    })?;
+    Ok(found.into_iter().map(|f| (f.numbers, f.class.map(MotionClass::name))).collect())
 }

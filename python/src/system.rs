@@ -6,10 +6,10 @@ use crate::failure::{Failure, in_python};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use vibro_analysis::{GROUPS, Name, ParameterSet};
+use vibro_analysis::{GROUPS, Name, ParameterSet, physical_parameters};
 use vibro_impact::Parameters;
 use vibro_impact::load::{Body, Interpolation};
-use vibro_impact::parameters::FIELDS;
+use vibro_impact::parameters::{FIELDS, Field};
 
 /// The parameters of a machine, in SI and as groups.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -18,6 +18,8 @@ pub struct System {
     parameters: Parameters,
     /// None without a spring between box and ground, since ω10 scales time.
     set: Option<ParameterSet>,
+    /// Physical parameters that were not given although others were.
+    missing: Vec<Name>,
 }
 
 impl System {
@@ -72,20 +74,34 @@ impl System {
         let (si, groups) = (named(&si)?, named(&groups)?);
         let free = physical(&si).map_err(Failure::from)?;
         if free.box_stiffness == 0.0 && groups.is_empty() {
-            return Ok(Self { parameters: free, set: None });
+            let given = |field: &&'static Field| {
+                field.name == "drive.phase" || si.iter().any(|(name, _)| *name == Name::Si(field))
+            };
+            let missing = FIELDS.iter().filter(|field| !given(field)).map(Name::Si).collect();
+            return Ok(Self { parameters: free, set: None, missing });
         }
         let mut set = ParameterSet::basic();
         for part in [si, groups] {
             set.assign(&part).map_err(Failure::from)?;
         }
-        Ok(Self { parameters: *set.parameters(), set: Some(set) })
+        let missing = set.not_given();
+        Ok(Self { parameters: *set.parameters(), set: Some(set), missing })
     }
 
     /// The values of all parameters in the order of `parameters()`; of those in SI alone where the machine has no groups.
     fn values(&self) -> Vec<f64> {
-        let physical = FIELDS.iter().map(|field| (field.get)(&self.parameters));
+        let physical = physical_parameters().map(|field| (field.get)(&self.parameters));
         let groups = self.set.iter().flat_map(|set| GROUPS.iter().map(|group| (group.get)(set.groups())));
         physical.chain(groups).collect()
+    }
+
+    /// The physical parameters that were not given although others were, with the values that they have from the default set.
+    fn not_given(&self) -> Vec<(String, f64)> {
+        let told = |name: &Name| match name {
+            Name::Si(field) => Some((in_python(field.name), (field.get)(&self.parameters))),
+            Name::Group(_) => None,
+        };
+        self.missing.iter().filter_map(told).collect()
     }
 
     /// The drive's period, s; infinite for a constant force.
@@ -106,7 +122,7 @@ impl System {
 
 /// All parameters: those in SI, then the groups.
 fn names() -> impl Iterator<Item = Name> {
-    FIELDS.iter().map(Name::Si).chain(GROUPS.iter().map(Name::Group))
+    physical_parameters().map(Name::Si).chain(GROUPS.iter().map(Name::Group))
 }
 
 /// A parameter by its name in Python, in the library, or its symbol in the paper.
@@ -128,7 +144,7 @@ pub fn find_name(name: &str) -> PyResult<String> {
 #[allow(clippy::type_complexity)]
 pub fn parameters() -> (usize, Vec<(String, String, &'static str, &'static str, String)>) {
     let told = |n: Name| (in_python(n.name()), n.label(), n.unit(), n.description(), in_python(n.allowed()));
-    (FIELDS.len(), names().map(told).collect())
+    (physical_parameters().count(), names().map(told).collect())
 }
 
 /// A force history on one body.

@@ -305,3 +305,25 @@ fn closed_form_flights_with_roots_at_the_ends() {
         }
     }
 }
+
+/// Of all rising p with p' ≥ σ and |p''| ≤ 2 K σ that have a root a distance e from where p' = P, the one whose slope falls as fast
+/// as it may makes the shortest Newton step m; e is at most m + K m² for each P, and equal to it for P = σ sqrt(1 + 4 K e).
+#[test]
+fn closed_form_the_error_before_a_newton_step() {
+    const ROUNDING: f64 = 1e-12;
+    let e = 1.0;
+    for k in [0.01, 0.25, 2.0 / 3.0, 2.0, 1e2, 1e4] {
+        // With σ = 1 the slope is max(1, P - 2 K t) a distance t from the start.
+        let step = |p: f64| {
+            let bent = ((p - 1.0) / (2.0 * k)).min(e);
+            (p * bent - k * bent * bent + (e - bent)) / p
+        };
+        let bound = |m: f64| m + k * m * m;
+        for n in 0..2000 {
+            let p = 1.0 + (4.0 * k + 1.0) * f64::from(n) / 1000.0;
+            assert!(e <= bound(step(p)) * (1.0 + ROUNDING), "{k} {p}");
+        }
+        let sharpest = bound(step((1.0 + 4.0 * k * e).sqrt()));
+        assert!((sharpest - e).abs() < ROUNDING, "{k}: {sharpest}");
+    }
+}

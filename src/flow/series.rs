@@ -7,11 +7,12 @@ use crate::model::{
     SECONDARY_RATE, SmoothMode,
 };
 
-/// Coefficients of a series about an interval's centre: the remainder is 0.075¹⁰/10! < 2e-18 of the largest coordinate.
+/// Coefficients of a series about an interval's centre, of radius 0.075/rate: the remainder is under 0.075¹⁰/9! < 1.6e-17 of the
+/// motion's size S (docs/numerics.md, section 1).
 pub const CENTRED: usize = 10;
-/// Coefficients of a series about the start, of radius 0.15/rate: the remainder is 0.15¹²/12! < 3e-19.
+/// Coefficients of a series about the start, of radius 0.15/rate: the remainder is under 4e-18 of the size.
 pub const ANCHORED: usize = 12;
-/// Coefficients of a series over a whole sub-step, for the tables: the remainder is 2.4³⁰/30! < 1e-20.
+/// Coefficients of a series over a whole sub-step of 2.4/rate, for the tables: the remainder is under 4e-20 of the size.
 pub const WHOLE: usize = 30;
 
 /// 1/(k+1) of the recurrence.

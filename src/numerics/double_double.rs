@@ -1,5 +1,6 @@
 //! Double-double arithmetic: an unevaluated sum of two doubles (about 32 digits), so that neither the
-//! clock nor the drive's phase ([`drive_phase`](super::drive_phase)) drifts however many sub-steps are added (T. J. Dekker, Numer. Math. 18, 1971).
+//! clock nor the drive's phase ([`drive_phase`](super::drive_phase)) drifts however many sub-steps are added (T. J. Dekker, Numer.
+//! Math. 18, 1971).
 
 use serde::{Deserialize, Serialize};
 

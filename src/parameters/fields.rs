@@ -50,6 +50,28 @@ pub const FIELDS: [Field; 13] = [
     field!("drive.phase", drive_phase, "rad", Range::FINITE, "Phase of the harmonic force at time 0"),
 ];
 
+macro_rules! load {
+    ($name:literal, $body:literal, $text:literal) => {
+        Field {
+            name: $name,
+            field: "constant_loads",
+            unit: "N",
+            description: $text,
+            range: Range::FINITE,
+            get: |parameters| parameters.constant_loads[$body],
+            set: |parameters, value| parameters.constant_loads[$body] = value,
+        }
+    };
+}
+
+/// The constant loads on the three bodies, which are no variables of the FMU: its inputs `box.f`, `block.f`, `secondary.f` are
+/// held by the host.
+pub const LOADS: [Field; 3] = [
+    load!("load.box", 0, "Constant force on the box"),
+    load!("load.block", 1, "Constant force on the block"),
+    load!("load.secondary", 2, "Constant force on the secondary oscillator"),
+];
+
 impl Field {
     /// Checks a value against the range.
     ///

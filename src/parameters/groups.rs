@@ -52,7 +52,7 @@ impl Groups {
         Self::weak(0.1, 0.75, 1.5, 0.4, 1.0, 0.6, 0.0, 0.6)
     }
 
-    /// The physical parameters with these groups in the given scales, docs/theory.md (23), drive phase zero.
+    /// The physical parameters with these groups in the given scales, docs/theory.md (23), drive phase zero, without constant loads.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a resulting field is outside its range.
@@ -74,6 +74,7 @@ impl Groups {
             drive_amplitude: self.f10 * k1 * length * self.epsilon,
             drive_frequency: (1.0 + self.epsilon * self.sigma1) * omega10,
             drive_phase: 0.0,
+            constant_loads: [0.0; 3],
         };
         parameters.validate()?;
         Ok(parameters)

@@ -1,13 +1,13 @@
 //! SI parameters, the dimensionless groups of the paper (section 2) and the way between them (docs/theory.md, sections 1 and 4).
 //!
 //! [`FIELDS`] and [`GROUPS`] list both sets by name, with ranges and accessors; input, tables and documentation are made from
-//! these lists.
+//! these lists. [`LOADS`] lists the constant loads in the same way; they are zero unless set, and the FMU has inputs instead.
 
 mod fields;
 mod groups;
 mod range;
 
-pub use fields::{FIELDS, Field};
+pub use fields::{FIELDS, Field, LOADS};
 pub(crate) use groups::RESTITUTION;
 pub use groups::{GROUPS, Group, Groups, check_together};
 pub use range::Range;
@@ -32,7 +32,8 @@ macro_rules! entry {
 use entry;
 
 /// The physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of section 4: partly a
-/// reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI and dimensionless numbers coincide.
+/// reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI and dimensionless numbers coincide. A machine of one's own
+/// in SI needs all of them: [`left_at_default`](Self::left_at_default) names those that were forgotten.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -62,6 +63,10 @@ pub struct Parameters {
     pub drive_frequency: f64,
     /// Phase of that force at time 0, rad: F10 sin(ω1 t + phase).
     pub drive_phase: f64,
+    /// Forces on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its
+    /// centre (docs/theory.md (97)). Other loads add to them. They take the machine its symmetry, so that closed forms of
+    /// symmetric motions refuse them.
+    pub constant_loads: [f64; 3],
 }
 
 impl Default for Parameters {
@@ -80,6 +85,7 @@ impl Default for Parameters {
             drive_amplitude: 0.15,
             drive_frequency: 1.04,
             drive_phase: 0.0,
+            constant_loads: [0.0; 3],
         }
     }
 }
@@ -90,7 +96,47 @@ impl Parameters {
     /// # Errors
     /// [`Error::OutOfRange`] for the first field outside its range.
     pub fn validate(&self) -> Result<()> {
-        FIELDS.iter().try_for_each(|field| field.check((field.get)(self)))
+        FIELDS.iter().chain(&LOADS).try_for_each(|field| field.check((field.get)(self)))
+    }
+
+    /// The parameters that have the default machine's values although others have not: those that were forgotten where a machine is
+    /// written as `Parameters { box_mass: 12.0, ..Parameters::default() }`. Their values belong to a machine of 1 kg, 1 N/m and a gap of
+    /// 1 m. The drive's phase and constant loads, whose default is none, are not among them. Empty for the default machine itself. A
+    /// parameter that was meant to have the default's value, such as a restitution of 0.75, is named too.
+    ///
+    /// ```
+    /// use vibro_impact::Parameters;
+    ///
+    /// let p = Parameters { box_mass: 12.0, box_stiffness: 48e3, stop_gap: 0.015, ..Parameters::default() };
+    /// let forgotten: Vec<&str> = p.left_at_default().iter().map(|field| field.name).collect();
+    /// assert!(forgotten.contains(&"drive.amplitude") && !forgotten.contains(&"box.m"));
+    /// assert!(Parameters::default().left_at_default().is_empty());
+    /// ```
+    pub fn left_at_default(&self) -> Vec<&'static Field> {
+        let default = Self::default();
+        let of_machine = || FIELDS.iter().filter(|field| field.name != "drive.phase");
+        let same = |field: &&'static Field| (field.get)(self) == (field.get)(&default);
+        if of_machine().all(|field| same(&field)) { Vec::new() } else { of_machine().filter(same).collect() }
+    }
+
+    /// Whether the mirror image of a motion, half a drive period later, is a motion too: without constant loads.
+    pub fn is_symmetric(&self) -> bool {
+        self.constant_loads == [0.0; 3]
+    }
+
+    /// Refuses constant loads, for what holds of the symmetric machine alone.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the first load that is not zero.
+    pub fn check_symmetric(&self) -> Result<()> {
+        match LOADS.iter().find(|load| (load.get)(self) != 0.0) {
+            None => Ok(()),
+            Some(load) => Err(Error::OutOfRange {
+                name: load.name,
+                value: (load.get)(self),
+                allowed: "0: closed forms and theories are those of the machine without constant loads",
+            }),
+        }
     }
 
     /// Drive period 2π/ω1 in s (infinite for a constant force).

@@ -36,6 +36,8 @@ pub(super) struct Law {
     phase: f64,
     /// Polynomial coefficients of the loads over the masses, m/s² per s^order, in the time from `since`.
     loads: Option<[[f64; 4]; 3]>,
+    /// Loads that never change, N.
+    constant: [f64; 3],
     masses: [f64; 3],
     since: f64,
 }
@@ -44,7 +46,7 @@ impl Law {
     /// The equations of a system whose parameters have been checked.
     pub(super) fn new(p: &Parameters, time: f64) -> Self {
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
-        Self {
+        let mut law = Self {
             m1,
             m2,
             reduced: m1 / (m1 + m2) * m2,
@@ -60,17 +62,23 @@ impl Law {
             frequency: p.drive_frequency,
             phase: p.drive_phase,
             loads: None,
+            constant: p.constant_loads,
             masses: [m1, m2, m3],
             since: time,
-        }
+        };
+        law.set_loads(&Loads::default(), time);
+        law
     }
 
-    /// Sets the loads as polynomials in the time from `time`.
+    /// Sets the loads as polynomials in the time from `time`, to which the constant ones add.
     pub(super) fn set_loads(&mut self, loads: &Loads, time: f64) {
         self.since = time;
-        self.loads = (*loads != Loads::default()).then(|| {
+        let none = *loads == Loads::default() && self.constant == [0.0; 3];
+        self.loads = (!none).then(|| {
             std::array::from_fn(|b| {
-                let d = loads.derivatives[b].map(|d| d / self.masses[b]);
+                let mut d = loads.derivatives[b];
+                d[0] += self.constant[b];
+                let d = d.map(|d| d / self.masses[b]);
                 [d[0], d[1], d[2] / 2.0, d[3] / 6.0]
             })
         });

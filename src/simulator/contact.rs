@@ -2,7 +2,7 @@
 
 use super::step::EventObserver;
 use super::{Contact, DueEvent, Event, Simulator};
-use crate::flow::Series;
+use crate::flow::{CENTRED, Series};
 use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
 
 /// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by more than this many gaps, half
@@ -14,14 +14,10 @@ const LEAST_LOSS: f64 = 1e-3;
 /// e_h of docs/theory.md (18), that height in gaps. It is under what any host resolves, and leaves 10⁵ bounces a second to compute,
 /// where round-off would leave 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
-/// A run is closed only if the free acceleration a, changing at its present rate, changes by at most this part of itself within
-/// the run's length t_c at constant acceleration (docs/theory.md (16), (19)). 1/4 is the largest part s for which this contains
-/// the true run. Let the run last x t_c. While a falls, no bounce returns faster than it left, and each is shorter than at the
-/// least acceleration, a (1 - s x): the lengths sum to at most t_c/(1 - s x), so x (1 - s x) ≤ 1. From x = 0 on, this contains x
-/// if x (1 - s x) reaches 1, which it does only for s ≤ 1/4; at s = 1/4 that is at x = 2. Then a stays above half its value and the run ends within 2 t_c. While a
-/// rises, the speeds grow by at most sqrt(1 + s) and the run ends within t_c. Either way what the run moves is at most 2.3
-/// times what the threshold is made for, about one unit in the last place of the gap.
-const STEADY: f64 = 0.25;
+/// A run is closed only if the free acceleration of the merged motion changes by at most this part of itself within the run's
+/// length t_c at constant acceleration (docs/theory.md (16), (19)), at a rate that is bounded over 2 t_c. Why the true run is then
+/// contained in 2 t_c: docs/numerics.md, "Chatter".
+const STEADY: f64 = 0.125;
 
 #[inline(always)]
 fn report(observer: &mut EventObserver<'_, '_>, event: Event) {
@@ -61,7 +57,8 @@ impl Simulator {
             if self.hybrid.contact != Contact::Flight {
                 report(observer, Event::Rest { time, side: stop });
             }
-        } else if let Some(left) = self.time_to_chatter_end::<LOADS>(z, side, rebound) {
+        } else if let Some(left) = self.chatter_to_be_closed::<LOADS>(z, side, rebound) {
+            self.hybrid.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
@@ -72,12 +69,14 @@ impl Simulator {
         true
     }
 
-    /// The time until the impacts of the chatter run that starts with rebound speed `u` accumulate, s, if the run is to be
-    /// closed now (0 for nearly elastic runs), else `None`. The run lasts t_c = 2u/(a(1-κ)) and moves the block relative to the
-    /// box, and box and block against the merged motion, by no more than u t_c: it is closed when this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are under
-    /// [`LEAST_BOUNCE`].
+    /// Whether the chatter run that starts with rebound speed `u` is to be closed now: the time until its impacts accumulate, s
+    /// (0 for nearly elastic runs), or `None`.
+    ///
+    /// The run lasts t_c = 2u/(a(1-κ)) at constant acceleration a, and box and block move relative to each other by less than u t_c
+    /// in it: it is closed when this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are
+    /// under [`LEAST_BOUNCE`]; of them the acceleration must hold for two bounces.
     #[inline(always)]
-    fn time_to_chatter_end<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
+    fn chatter_to_be_closed<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
         let now = forces.first().map(|f| f.map(|d| d[0]));
         let a = side * self.model.acceleration(SmoothMode::Flight, z, now).1;
@@ -86,13 +85,19 @@ impl Simulator {
         }
         let loss = 1.0 - self.model.restitution;
         let elastic = loss < LEAST_LOSS;
-        // The acceleration must not change until the end of the run, or of the bounce.
         let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
-        let series = Series::<4>::expand(&self.model, SmoothMode::Flight, z, forces.first(), span);
-        // Half the second and a sixth of the third derivative, in units of the span.
-        let (second, third) = (series.lanes[2][RELATIVE], series.lanes[3][RELATIVE]);
-        let steady = (3.0 * third).abs() <= STEADY * second.abs();
-        steady.then_some(if elastic { 0.0 } else { span })
+        let longest = 2.0 * span;
+        if longest > 0.5 * self.interval() {
+            return None; // the series below would not reach so far
+        }
+        // The motion of box and block as one body, about which that of the run deviates by less than its bounces.
+        let mut merged = *z;
+        self.model.merge(&mut merged);
+        let series =
+            Series::<CENTRED>::expand(&self.model, SmoothMode::Rest, &merged, forces.first(), longest);
+        // In this unit of time a bound on the rate of the acceleration from now to then.
+        let rate: f64 = series.free.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum();
+        (rate * (span / longest) <= STEADY * a).then_some(if elastic { 0.0 } else { span })
     }
 
     /// The largest square of a rebound speed over the acceleration with which a run is closed, m.

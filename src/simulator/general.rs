@@ -119,11 +119,42 @@ impl Simulator {
         let passage = self.first_event_from_start(&series, start, near, span);
         let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
+        let order = self.hybrid.departing;
         self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+        if order > 0 && side.is_none() {
+            self.hybrid.departing = self.order_still_departing(z, &series, order, start.z[RELATIVE].signum());
+        }
         if side.is_none() && span >= remaining {
             self.hybrid.time = end;
         }
         side
+    }
+
+    /// The order of departure after a step in which the block has left stop `side` with `order` and has met no stop. It is 0, unless
+    /// the step was so short that w still rounds to the stop; then the zero of w at the next step's start is no return either.
+    fn order_still_departing(
+        &self,
+        z: &mut Augmented,
+        series: &Series<ANCHORED>,
+        order: u8,
+        side: f64,
+    ) -> u8 {
+        if side * z[RELATIVE] < self.model.gap {
+            return 0;
+        }
+        z[RELATIVE] = side * self.model.gap;
+        if side * z[RELATIVE_RATE] < 0.0 {
+            return 1;
+        }
+        // A block that let go without speed may still have none that rounding does not hide: w'' is zero at a release but for
+        // rounding. The terms that are not zero tell whether it is on its way out or has just come back.
+        let orders = series.lanes.iter().enumerate().skip(usize::from(order));
+        let rate: f64 = orders.map(|(k, lane)| k as f64 * (side * lane[RELATIVE])).sum();
+        if order == 1 || rate >= 0.0 {
+            return 0;
+        }
+        z[RELATIVE_RATE] = 0.0;
+        order
     }
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.

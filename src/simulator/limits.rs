@@ -13,6 +13,10 @@ const MAX_DRIFT: f64 = 1e10;
 /// shorter than the resolution of the motion that they are part of.
 const MAX_VIOLENCE: f64 = 1e12;
 
+/// What is told of a load that is too large for the system.
+pub(super) const VIOLENT_LOAD: &str =
+    "load over its body's mass, stop.gap and the square of the fastest rate";
+
 /// The highest order of the first derivative that leads away from a stop.
 const MAX_DEPARTING: u8 = 8;
 
@@ -36,13 +40,16 @@ pub(super) fn limit(what: &'static str, value: f64) -> Result<()> {
     Err(Error::PrecisionLost { what, value: value.abs(), limit: MAX_VIOLENCE })
 }
 
-/// Speeds, the secondary's place and the drive against what the gap and the system's rates can resolve.
+/// Speeds, the secondary's place, the drive and constant loads against what the gap and the system's rates can resolve.
 pub(super) fn check_speeds(model: &Model, state: &State) -> Result<()> {
     let (gap, rate) = (model.gap, model.rate);
     limit(
         "drive.amplitude over box.m, stop.gap and the square of the fastest rate",
         model.drive / (gap * rate * rate),
     )?;
+    for (load, inverse_mass) in model.constant_loads.iter().zip(&model.inverse_mass) {
+        limit(VIOLENT_LOAD, load * inverse_mass / (gap * rate * rate))?;
+    }
     limit("secondary.s over stop.gap", state.x[2] / gap)?;
     let speeds = [state.v[0], state.v[2], state.v[1] - state.v[0]];
     speeds

@@ -1,7 +1,8 @@
 //! The event-driven simulator: exact flow between events, events found with proof, the event's law at each.
 //!
 //! A communication step is a reporting interval, not an integration step: ten steps of h and one of 10 h agree to round-off.
-//! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then copied.
+//! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then
+//! copied.
 //!
 //! | kernel | when it runs | what proves that no event is missed | bits equal to which |
 //! |---|---|---|---|
@@ -45,7 +46,7 @@ use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
 pub use limits::check_time;
-use limits::{check_speeds, coordinates, limit};
+use limits::{VIOLENT_LOAD, check_speeds, coordinates, limit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use tables::ModeTables;
@@ -186,8 +187,8 @@ impl Simulator {
         &self.parameters
     }
 
-    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase continuous, a change of drive phase
-    /// shifts it. Energy that the change itself adds to springs and masses counts as input.
+    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase continuous, a change of drive
+    /// phase shifts it. Energy that the change itself adds to springs and masses counts as input.
     ///
     /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop, and its law takes the new
     /// values; a release that is due is decided anew, as contact is after every change. The same holds for
@@ -225,7 +226,8 @@ impl Simulator {
         self.renew_tables();
     }
 
-    /// Sets the loads from now on, as polynomials in the time from now; they hold until set again.
+    /// Sets the loads from now on, as polynomials in the time from now; they hold until set again. The constant loads of the
+    /// [parameters](Parameters::constant_loads) add to them.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when one is not finite, [`Error::PrecisionLost`] when it is out of all proportion; nothing
@@ -240,14 +242,13 @@ impl Simulator {
         for (derivatives, inverse_mass) in loads.derivatives.iter().zip(&self.model.inverse_mass) {
             let mut unit = self.model.gap * self.model.rate * self.model.rate;
             for derivative in derivatives {
-                limit(
-                    "load over its body's mass, stop.gap and the square of the fastest rate",
-                    derivative * inverse_mass / unit,
-                )?;
+                limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
                 unit *= self.model.rate;
             }
         }
-        let unchanged = self.forces_now() == loads.derivatives;
+        let before =
+            flow::shifted(&self.hybrid.loads, self.hybrid.time.minus(self.hybrid.loads_from).value());
+        let unchanged = before == loads.derivatives;
         self.hybrid.loads = loads.derivatives;
         self.hybrid.loads_from = self.hybrid.time;
         if !unchanged {
@@ -306,7 +307,7 @@ impl Simulator {
         self.hybrid.phase.angle(self.model.omega, self.hybrid.time)
     }
 
-    /// Loads at present, with their derivatives.
+    /// Loads at present, with their derivatives: those that were set and the constant ones.
     pub fn loads(&self) -> Loads {
         Loads { derivatives: self.forces_now() }
     }
@@ -355,7 +356,12 @@ impl Simulator {
 
     #[inline(always)]
     fn forces_now(&self) -> Forces {
-        flow::shifted(&self.hybrid.loads, self.hybrid.time.minus(self.hybrid.loads_from).value())
+        let mut forces =
+            flow::shifted(&self.hybrid.loads, self.hybrid.time.minus(self.hybrid.loads_from).value());
+        for (force, constant) in forces.iter_mut().zip(&self.model.constant_loads) {
+            force[0] += constant;
+        }
+        forces
     }
 
     fn accelerations(&self) -> ([f64; 3], f64) {
@@ -364,6 +370,6 @@ impl Simulator {
     }
 
     fn loaded(&self) -> bool {
-        self.hybrid.loads != [[0.0; 4]; 3]
+        self.hybrid.loads != [[0.0; 4]; 3] || self.model.constant_loads != [0.0; 3]
     }
 }

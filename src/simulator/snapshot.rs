@@ -39,7 +39,8 @@ impl Simulator {
         let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();
         let record = [hybrid.record.last_time, hybrid.record.last_impulse, hybrid.record.last_speed];
         let numbers = hybrid.y.iter().chain(hybrid.loads.iter().flatten()).chain(&record);
-        let plain = numbers.chain([&hybrid.record.total_impulse]).all(|x| x.is_finite());
+        let sums_of_impulses = [&hybrid.record.total_impulse, &hybrid.record.box_impulse];
+        let plain = numbers.chain(sums_of_impulses).all(|x| x.is_finite());
         let sums = [&hybrid.sums.input, &hybrid.sums.damped, &hybrid.sums.impact].into_iter().all(finite);
         if !(plain && sums && finite(&hybrid.time) && finite(&hybrid.loads_from) && hybrid.phase.is_finite())
         {

@@ -148,7 +148,7 @@ impl Simulator {
             remaining = end.minus(self.hybrid.time).value();
         }
         if remaining <= 0.0 {
-            self.hybrid.y.copy_from_slice(&advance.z[..6]);
+            self.keep_state(&advance.z);
             self.hybrid.time = end;
             return ControlFlow::Break(Ok(AdvanceOutcome::End));
         }
@@ -196,7 +196,7 @@ impl Simulator {
             self.work.events += 1;
             let impact = self.apply_event_law::<LOADS>(&mut advance.z, side, observer);
             if impact && pause == Pause::AfterImpact {
-                self.hybrid.y.copy_from_slice(&advance.z[..6]);
+                self.keep_state(&advance.z);
                 return ControlFlow::Break(Ok(AdvanceOutcome::Impact));
             }
         }
@@ -220,7 +220,7 @@ impl Simulator {
         if self.work.substeps <= advance.allowed {
             return Ok(());
         }
-        self.hybrid.y.copy_from_slice(&advance.z[..6]);
+        self.keep_state(&advance.z);
         Err(Error::WorkLimit {
             time: self.time(),
             span,
@@ -228,6 +228,16 @@ impl Simulator {
             restitution: self.model.restitution,
             path: self.hybrid.y[4].abs() * self.substep / self.model.gap,
         })
+    }
+
+    /// Keeps the state at which an advance ends. The block may be past a stop there by the rounding of w, just before an impact or
+    /// after passing close by: it is put on the stop, so that the state is one in which a motion may begin. An impact that lies
+    /// ahead is then the first event of the next advance.
+    #[inline(always)]
+    fn keep_state(&mut self, z: &Augmented) {
+        self.hybrid.y.copy_from_slice(&z[..6]);
+        let gap = self.model.gap;
+        self.hybrid.y[RELATIVE] = z[RELATIVE].clamp(-gap, gap);
     }
 
     /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits that the law takes.
@@ -243,7 +253,7 @@ impl Simulator {
             z[RELATIVE_RATE] = 0.0;
             DueEvent::Release { side: stop }
         });
-        self.hybrid.y.copy_from_slice(&z[..6]);
+        self.keep_state(&advance.z);
         AdvanceOutcome::EventDue
     }
 

@@ -71,6 +71,9 @@ pub struct ImpactRecord {
     pub last_speed: f64,
     /// Sum of all impulses (absolute), N·s.
     pub total_impulse: f64,
+    /// Impulse of the stops on the box, N·s: with sign, of all impacts and of the merges into rest; the block has the opposite.
+    /// The contact force in rest is not in it (docs/theory.md (114)).
+    pub box_impulse: f64,
 }
 
 /// Energy accounts in J since the start: mechanical = initial + input - damped - impact.
@@ -176,5 +179,6 @@ impl ImpactRecord {
         self.lower += u64::from(side <= 0.0);
         (self.last_time, self.last_speed, self.last_impulse) = (time, speed, impulse);
         self.total_impulse += impulse;
+        self.box_impulse += side * impulse;
     }
 }

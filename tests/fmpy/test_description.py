@@ -5,6 +5,7 @@ import zipfile
 from pathlib import Path
 
 import fmpy
+import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -41,7 +42,7 @@ def test_start_values_lie_within_their_range(description):
             assert v.max is None or start <= float(v.max), v.name
 
 
-@pytest.mark.parametrize("version", ["", "-FMI3", "-FMI3-clocked"])
+@pytest.mark.parametrize("version", ["-FMI3", "-FMI3-arrays", "-FMI3-clocked"])
 def test_terminals_follow_their_schema_and_name_what_can_be_connected(fmu, version):
     path = fmu.replace(".fmu", f"{version}.fmu")
     description = fmpy.read_model_description(path)
@@ -66,7 +67,7 @@ def test_terminals_follow_their_schema_and_name_what_can_be_connected(fmu, versi
     assert {"terminalsAndIcons/icon.png", "terminalsAndIcons/icon.svg"} <= pictures
 
 
-@pytest.mark.parametrize("version", ["", "-FMI3", "-FMI3-clocked"])
+@pytest.mark.parametrize("version", ["", "-FMI3", "-FMI3-arrays", "-FMI3-clocked"])
 def test_reference_files_are_those_of_the_manifest(fmu, version):
     """By the attributes and roles of FMI-LS-REF 1.0.0-alpha.1, whose schema is a draft."""
     folder = "extra/org.fmi-standard.fmi-ls-ref/"
@@ -82,7 +83,9 @@ def test_reference_files_are_those_of_the_manifest(fmu, version):
     assert manifest.get(f"{namespace}fmi-ls-version") == "1.0.0-alpha.1"
     assert manifest.get(f"{namespace}fmi-ls-description").startswith("Layered Standard providing")
     related = manifest.findall("Related")
-    assert {one.get("role") for one in related} == {"result", "parameter", "serialized-state", "document"}
+    assert {one.get("role") for one in related} == {
+        "result", "parameter", "serialized-state", "document", "experiment/smoke-test"
+    }
     sources = {posixpath.normpath(folder + one.get("source")) for one in related}
     assert len(sources) == len(related) and sources <= names
     assert {name for name in names if name.startswith(folder)} - sources == {folder + "fmi-ls-manifest.xml"}
@@ -95,8 +98,34 @@ def test_reference_files_are_those_of_the_manifest(fmu, version):
 
 def test_archives_of_one_build_hold_one_library(fmu):
     libraries = []
-    for version in ("", "-FMI3", "-FMI3-clocked"):
+    for version in ("", "-FMI3", "-FMI3-arrays", "-FMI3-clocked"):
         with zipfile.ZipFile(fmu.replace(".fmu", f"{version}.fmu")) as archive:
             found = [archive.read(name) for name in archive.namelist() if name.startswith("binaries/")]
         libraries.append(found)
-    assert len(libraries[0]) == 1 and libraries[0] == libraries[1] == libraries[2]
+    assert len(libraries[0]) == 1 and all(one == libraries[0] for one in libraries)
+
+
+def test_no_file_of_fmi3_is_in_the_archive_of_fmi2(fmu):
+    """The FMI Library logs the version 3.0 of `terminalsAndIcons.xml` as fatal in an archive of FMI 2.0; the icon stays."""
+    with zipfile.ZipFile(fmu) as archive:
+        names = archive.namelist()
+    assert not [name for name in names if name.startswith("terminalsAndIcons/")]
+    assert "model.png" in names
+
+
+def test_the_smoke_test_runs_as_it_says(fmu):
+    """The experiment's own times and step give its reference result, to the 1e-8 m that its description promises."""
+    folder = "extra/org.fmi-standard.fmi-ls-ref/"
+    with zipfile.ZipFile(fmu) as archive:
+        experiment = etree.fromstring(archive.read(folder + "smoke-test.xml")).find("Experiment")
+        source = folder + experiment.find("References").get("source")
+        expected = np.genfromtxt(archive.read(source).decode().splitlines(), delimiter=",", names=True, deletechars="")
+    columns = [name for name in expected.dtype.names if name.endswith(".s")]
+    rows = fmpy.simulate_fmu(
+        fmu, fmi_type="CoSimulation", output=columns, start_time=float(experiment.get("startTime")),
+        stop_time=float(experiment.get("stopTime")), output_interval=float(experiment.get("stepSize")),
+    )
+    assert len(rows) == len(expected) > 1000
+    for name in columns:
+        assert np.ptp(expected[name]) > 0.1
+        np.testing.assert_allclose(rows[name], expected[name], rtol=0, atol=1e-8)

@@ -63,7 +63,7 @@ def impacts(rows):
     return [(rows[i], rows[i + 1]) for i in np.flatnonzero(same)]
 
 
-@pytest.mark.parametrize("version", ["", "-FMI3", "-FMI3-clocked"])
+@pytest.mark.parametrize("version", ["", "-FMI3", "-FMI3-arrays", "-FMI3-clocked"])
 def test_fmpy_finds_nothing_wrong_with_any_archive(fmu, version):
     assert validate_fmu(fmu.replace(".fmu", f"{version}.fmu")) == []
 
@@ -143,7 +143,8 @@ def test_the_default_experiment_is_the_reference_result(fmu, version):
     """Both archives carry the same file; nine places are shipped."""
     path = fmu.replace(".fmu", f"{version}.fmu")
     expected = reference(path, "default.csv")
-    interval = float(fmpy.read_model_description(path).defaultExperiment.stepSize)
+    # The result has every fourth step of the default experiment.
+    interval = 4.0 * float(fmpy.read_model_description(path).defaultExperiment.stepSize)
     names = ["box.s", "block.s", "secondary.s", *COUNTS]
     rows = simulate_fmu(path, fmi_type="CoSimulation", output_interval=interval, output=names)
     assert len(rows) == len(expected["time"])
@@ -269,10 +270,48 @@ def test_model_exchange_agrees_with_co_simulation(fmu3, solver, stop, interval, 
     assert values(own[-1], COUNTS).tolist() == values(host[-1], COUNTS).tolist()
 
 
-def test_arrays_are_read_as_they_are_described(machine, description3):
-    lengths = {v.name: [int(d.start) for d in v.dimensions] for v in description3.modelVariables if v.dimensions}
+def test_arrays_are_read_as_they_are_described(fmu, description3, tmp_path):
+    """They are in the archive that is asked for, and in no main one."""
+    assert not [v.name for v in description3.modelVariables if v.dimensions]
+    path = fmu.replace(".fmu", "-FMI3-arrays.fmu")
+    description = fmpy.read_model_description(path)
+    lengths = {v.name: [int(d.start) for d in v.dimensions] for v in description.modelVariables if v.dimensions}
     assert lengths == {"motion.s": [3], "motion.v": [3], "motion.a": [3], "step.transition": [6, 6], "step.response": [6, 12]}
-    one = machine(event_mode=False, early_return=False).initialize()
+    folder = fmpy.extract(path, unzipdir=str(tmp_path))
+    one = Machine(folder, description, event_mode=False, early_return=False).initialize()
     one.step(0.0, 5.0)
     vector = one.slave.getFloat64([one.references["motion.s"]], nValues=3)
     assert list(vector) == one.get("box.s", "block.s", "secondary.s").tolist()
+    one.slave.freeInstance()
+
+
+@pytest.mark.parametrize("version", ["", "-FMI3"])
+def test_euler_at_the_default_step_ends_the_default_experiment(fmu, version):
+    """What a host does that knows no better: Model Exchange by Euler's rule at the step that the description says."""
+    path = fmu.replace(".fmu", f"{version}.fmu")
+    experiment = fmpy.read_model_description(path).defaultExperiment
+    rows = simulate_fmu(
+        path, fmi_type="ModelExchange", solver="Euler", step_size=float(experiment.stepSize),
+        output_interval=float(experiment.stepSize), output=["box.s", "block.s", "secondary.s", *COUNTS], record_events=False,
+    )
+    assert rows["time"][-1] == pytest.approx(float(experiment.stopTime))
+    assert max(np.abs(rows[name]).max() for name in ("box.s", "block.s", "secondary.s")) < 5.0
+    assert rows["impacts.upper"][-1] > 50
+
+
+@pytest.mark.parametrize("logging", [False, True])
+def test_why_a_value_is_discarded_is_said_where_logging_is_on(folder3, description3, logging, capfd):
+    """FMI 3.0.2 (2.3.1) has no message at all where logging is off; the page says how to switch it on."""
+    said = []
+    machine = FMU3Slave(
+        guid=description3.guid, unzipDirectory=folder3, instanceName="machine",
+        modelIdentifier=description3.coSimulation.modelIdentifier,
+    )
+    machine.instantiate(loggingOn=logging, logMessage=lambda *message: said.append(message[3]))
+    machine.enterInitializationMode(startTime=0.0)
+    references = {v.name: v.valueReference for v in description3.modelVariables}
+    with pytest.raises(Exception):
+        machine.setFloat64([references["stop.restitution"]], [1.5])
+    machine.freeInstance()
+    text = " ".join(message.decode() for message in said) + capfd.readouterr().out
+    assert ("stop.restitution = 1.5: allowed is" in text) == logging, text

@@ -5,12 +5,16 @@
 Each host is installed by itself under target/hosts/ (a virtual environment, or a root of `cargo install`). Needed beside
 Rust and Python >= 3.11: libclang for fmi-sim (Debian: libclang-dev) and TBB for ecos (Debian: libtbb12). A host that cannot
 be installed is named, and the command fails unless --allow-missing says that this is known.
+
+Four hosts are in no registry: PyFMI and OMSimulator are used where the Python that runs this can import them, fmusim and
+fmuCheck (FMI Library) where they are on PATH. They are named where they are not, and never needed.
 """
 
 import argparse
 import csv
 import os
 import re
+import shutil
 import stat
 import subprocess
 import sys
@@ -59,6 +63,10 @@ DIFFERENCES = 1e-6
 
 class Missing(Exception):
     """A host that cannot be installed here."""
+
+
+class NotFound(Exception):
+    """A host that no registry has and that is not on this machine."""
 
 
 def run(command, timeout=3600):
@@ -121,10 +129,10 @@ def difference(got, expected, states=slice(1, 7)):
 
 
 class Case:
-    """One run: host, way, largest difference from the native library, verdict."""
+    """One run: way, largest difference from the native library, verdict, and the host's version where the name has none."""
 
-    def __init__(self, what, value, good, note):
-        self.what, self.value, self.good, self.note = what, value, good, note
+    def __init__(self, what, value, good, note, version=""):
+        self.what, self.value, self.good, self.note, self.version = what, value, good, note, version
 
 
 def co_simulation(drive, how="FMI 2.0 Co-Simulation"):
@@ -190,12 +198,9 @@ def run_container(fmu, fmu3):
 
 def run_fmpy(fmu, fmu3):
     python = environment("fmpy", *requirements())
-    interval, steps = 0.5, round(ME_END / 0.5)
-    cvode = by_script(python, "drive_fmpy.py", fmu, "CVode")(interval, steps, ME_START)
-    value = difference(cvode, native(interval, steps, ME_START))
     return [
         co_simulation(by_script(python, "drive_fmpy.py", fmu, "CoSimulation")),
-        Case("FMI 2.0 Model Exchange, CVode 1e-10", value, value <= CVODE, f"at most {CVODE:g}"),
+        cvode(by_script(python, "drive_fmpy.py", fmu, "CVode"), "FMI 2.0 Model Exchange"),
         euler(by_script(python, "drive_fmpy.py", fmu, "Euler")),
         *(co_simulation(by_script(python, "drive_fmpy.py", fmu3, f"CoSimulation{flags}"), f"FMI 3.0 Co-Simulation{name}")
           for name, flags, _ in EVENTS),
@@ -224,6 +229,97 @@ def run_fmi_sim(fmu, fmu3):
     ]
 
 
+def program_on_path(name, source):
+    program = shutil.which(name)
+    if program is None:
+        raise NotFound(f"{name} is not on PATH; its public source: {source}")
+    return program
+
+
+def importable(package, source, version):
+    """The version of a package that the Python which runs this can import."""
+    try:
+        return run([sys.executable, "-c", f"import {package}; print({version})"]).split()[-1]
+    except RuntimeError as error:
+        last = str(error).strip().splitlines()[-1]
+        raise NotFound(f"{sys.executable} cannot import {package} ({last}); its public source: {source}") from error
+
+
+def of_version(version, cases):
+    for case in cases:
+        case.version = version
+    return cases
+
+
+def cvode(drive, how):
+    interval, steps = 0.5, round(ME_END / 0.5)
+    value = difference(drive(interval, steps, ME_START), native(interval, steps, ME_START))
+    return Case(f"{how}, CVode 1e-10", value, value <= CVODE, f"at most {CVODE:g}")
+
+
+def run_pyfmi(fmu, fmu3):
+    version = importable("pyfmi", "modelon-community/PyFMI, with Assimulo and FMI Library", "pyfmi.__version__")
+    recorded = "everything recorded"
+    cases = [co_simulation(by_script(sys.executable, "drive_pyfmi.py", fmu, "CoSimulation"),
+                           f"FMI 2.0 Co-Simulation, {recorded}")]  # it has none of FMI 3.0
+    for number, archive in (("2.0", fmu), ("3.0", fmu3)):
+        cases.append(cvode(by_script(sys.executable, "drive_pyfmi.py", archive, "CVode"),
+                           f"FMI {number} Model Exchange, {recorded}"))
+    return of_version(version, cases)
+
+
+def run_omsimulator(fmu, fmu3):
+    version = importable("OMSimulator", "OpenModelica/OMSimulator", "OMSimulator.Capi.getVersion()")
+    return of_version(version, [
+        co_simulation(by_script(sys.executable, "drive_omsimulator.py", archive),
+                      f"FMI {number} Co-Simulation, everything recorded")
+        for number, archive in (("2.0", fmu), ("3.0", fmu3))
+    ])
+
+
+def run_fmusim(fmu, fmu3):
+    program = program_on_path("fmusim", "modelica/Reference-FMUs up to 0.0.39, modelica/fmusim since")
+    version = run([program, "--version"]).split()[1]
+
+    def drive(archive, *way):
+        def one(step, steps, start):
+            output = TARGET / "fmusim.csv"
+            output.unlink(missing_ok=True)
+            values = [word for item in start for word in ("--start-value", *item.split("="))]
+            names = [word for name in STATES for word in ("--output-variable", name)]
+            run([program, *way, "--stop-time", repr(step * steps), "--output-interval", repr(step), *values, *names,
+                 "--output-file", output, archive])
+            return table(output.read_text())
+        return one
+
+    cases = []
+    for number, archive in (("2.0", fmu), ("3.0", fmu3)):
+        cases.append(co_simulation(drive(archive, "--interface-type", "cs"), f"FMI {number} Co-Simulation"))
+        cases.append(cvode(drive(archive, "--interface-type", "me", "--solver", "cvode", "--tolerance", "1e-10"),
+                           f"FMI {number} Model Exchange"))
+    return of_version(version, cases)
+
+
+def run_fmu_check(fmu, _fmu3):
+    program = program_on_path("fmuCheck", "modelica-tools/FMUComplianceChecker, with modelon-community/fmi-library")
+    log = TARGET / "fmuCheck.log"
+    log.unlink(missing_ok=True)
+    output = TARGET / "fmuCheck.csv"
+    output.unlink(missing_ok=True)
+    broken = ""
+    try:
+        run([program, "-k", "cs", "-h", repr(STEP), "-s", repr(STEP * STEPS), "-n", "0", "-l", "4", "-e", log, "-o", output, fmu])
+    except RuntimeError as error:  # also where FMI Library complains
+        broken = str(error)
+    complaints = [line for line in log.read_text().splitlines() if line.startswith(("[FATAL]", "[ERROR]", "[WARNING]"))]
+    print("\n".join(complaints), end="\n" if complaints else "", file=sys.stderr)
+    cases = [Case("FMI 2.0: complaints of FMI Library", len(complaints), not complaints and not broken, "none")]
+    if not broken:
+        value = difference(table(output.read_text()), native(STEP, STEPS))
+        cases.append(Case(f"FMI 2.0 Co-Simulation, {STEPS} steps", value, value <= SAME, f"at most {SAME:g}"))
+    return cases
+
+
 def by_script(python, script, fmu, *way):
     def one(step, steps, start):
         output = TARGET / f"{script}.csv"
@@ -246,6 +342,10 @@ HOSTS = (
     ("ecospy 0.7.2 (ecos; ignores statuses)", run_ecospy),
     ("casadi 3.8.2", run_casadi),
     ("fmu-manipulation-toolbox 2.0", run_container),
+    ("fmusim", run_fmusim),
+    ("fmuCheck (FMI Library)", run_fmu_check),
+    ("PyFMI", run_pyfmi),
+    ("OMSimulator", run_omsimulator),
 )
 
 
@@ -266,6 +366,10 @@ def main():
             print(f"MISSING {name}: cannot be installed here\n{error}", file=sys.stderr)
             lines.append(f"| {name} | could not be installed on the machine that wrote this table | | |")
             continue
+        except NotFound as error:
+            print(f"NOT FOUND {name}: {error}", file=sys.stderr)
+            lines.append(f"| {name} | not found on the machine that wrote this table | | |")
+            continue
         except (RuntimeError, AssertionError) as error:
             cases = [Case("broken off", float("nan"), False, str(error).splitlines()[0])]
             print(error, file=sys.stderr)
@@ -273,7 +377,8 @@ def main():
             verdict = "agrees" if case.good else "DIFFERS"
             if not case.good:
                 failed.append(f"{name}: {case.what}")
-            lines.append(f"| {name} | {case.what} | {case.value:.1e} | {verdict}: {case.note} |")
+            host_name = f"{name} {case.version}".strip()
+            lines.append(f"| {host_name} | {case.what} | {case.value:.1e} | {verdict}: {case.note} |")
             print(lines[-1], flush=True)
     head = ["| host | what was run | largest difference from the native library | verdict |", "|---|---|---|---|"]
     if not arguments.no_readme:

@@ -19,6 +19,8 @@ REFUSED = [
     (lambda: vi.Machine(stop_restitution=1.5), ValueError, "stop_restitution = 1.5: allowed is 0 <= stop_restitution <= 1"),
     (lambda: vi.Machine(box_k=0.0, kappa=0.5), ValueError, "box_k = 0: the dimensionless form needs box_k > 0"),
     (lambda: vi.Machine(m1=1.0, box_m=2.0), TypeError, "box_m is given twice"),
+    (lambda: vi.Machine().simulate({"x2": 0.1, "block_s": 0.3}), ValueError, "x2 and block_s are one coordinate"),
+    (lambda: vi.Machine().measure(["impacts"], {"box_v": 0.1, "v1": 0.3}), ValueError, "box_v and v1 are one coordinate"),
     (lambda: vi.Machine.from_groups(box_m=1.0), TypeError, "box_m is a physical parameter: allowed are epsilon, kappa"),
     (lambda: M.replace(sigma1=-11.0), ValueError, "sigma1 = -11: allowed is a finite number > -1/epsilon"),
     (lambda: M.box_mas, AttributeError, "the nearest is `box_m`"),

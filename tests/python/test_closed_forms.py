@@ -48,12 +48,31 @@ def test_orbit_of_a_word_is_the_closed_form(machine):
     exact, half, whole = machine.steady().exact_orbit, machine.orbit("U", symmetric=True), machine.orbit("UL")
     assert half.phases[0] % (2 * np.pi) == pytest.approx(exact.drive_phase, abs=SOLVED)
     np.testing.assert_allclose(np.sort(np.abs(half.multipliers)), np.sort(np.abs(exact.multipliers)), atol=1e-9)
-    # The multipliers of the whole period are the squares.
-    np.testing.assert_allclose(np.abs(whole.multipliers), np.abs(half.multipliers) ** 2, atol=1e-9)
+    # The whole word is said to be that of the symmetric orbit, and of what the multipliers are.
+    assert (whole.word, whole.symmetric, whole.passages, whole.multiplier_periods) == ("U", True, 1, 0.5)
+    np.testing.assert_allclose(np.abs(whole.multipliers), np.abs(half.multipliers), atol=1e-9)
     settled = machine.orbit()
     assert settled.symmetric and settled.stable
     np.testing.assert_allclose(whole.maxima("x2").max(), exact.amplitudes[1], rtol=1e-10)
     np.testing.assert_allclose(settled.start, exact.start, atol=1e-9)
+
+
+def test_an_orbit_passed_twice_is_said_to_be_that():
+    machine = vi.Machine.from_groups(f10=2.2)
+    once, twice = machine.orbit("UL"), machine.orbit("ULUL", period=2)
+    assert (once.word, once.passages, once.multiplier_periods) == ("UL", 1, 1.0)
+    assert (twice.period, len(twice.word), twice.passages, twice.multiplier_periods) == (1, 2, 2, 1.0)
+    np.testing.assert_allclose(np.abs(twice.multipliers), np.abs(once.multipliers), atol=1e-9)
+    # Past the doubling there is an orbit of the word's own.
+    assert machine.replace(f10=2.43).orbit("ULUL", period=2).period == 2
+
+
+def test_the_symmetric_orbit_of_a_block_without_a_spring_is_the_closed_form():
+    machine = vi.Machine(coupling_k=0.0)
+    exact, orbit = machine.steady().exact_orbit, machine.orbit("U", symmetric=True)
+    assert orbit.phases[0] % (2 * np.pi) == pytest.approx(exact.drive_phase, abs=SOLVED)
+    branch = orbit.follow("drive_amplitude", 0.1, 0.25)
+    assert branch.multiplier_periods == 0.5 and len(branch.value) > 10
 
 
 def test_an_orbit_with_three_impacts_is_a_motion_of_the_simulator():

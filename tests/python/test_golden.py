@@ -33,7 +33,7 @@ def rows(name):
 
 def machine(row):
     names = [*FIELDS, *(n for n in vi.SI_NAMES if n not in FIELDS.values())]
-    return vi.Machine(**{FIELDS.get(name, name): float(row[name]) for name in names})
+    return vi.Machine(**{FIELDS.get(name, name): float(row[name]) for name in names if name in row})
 
 
 def state(row, prefix=""):

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -30,7 +31,8 @@ def test_text_pickle_and_copy_make_the_same_machine(machine):
 
 
 def test_parameters_have_the_names_of_the_fmu_with_underscores():
-    assert vi.SI_NAMES[0] == "box_m" and vi.SI_NAMES[-1] == "drive_phase" and len(vi.SI_NAMES) == 13
+    assert vi.SI_NAMES[0] == "box_m" and vi.SI_NAMES[-4] == "drive_phase" and len(vi.SI_NAMES) == 16
+    assert vi.SI_NAMES[-3:] == ("load_box", "load_block", "load_secondary")
     assert {name for kind in vi.Machine.__mro__ for name in vars(kind).get("__annotations__", {})} >= set(vi.SI_NAMES + vi.GROUP_NAMES)
     assert vi.Machine(m1=2.0, L=0.5) == vi.Machine(box_m=2.0, stop_gap=0.5)
     assert vi.Machine.from_groups(**{"ε": 0.05}) == vi.Machine.from_groups(epsilon=0.05)
@@ -80,6 +82,70 @@ def test_a_box_without_a_spring_has_no_groups():
             refused()
     assert len(free.simulate({"x2": 0.5, "block_v": 1.0}).impacts) > 0
     assert free.replace(box_k=1.0) == vi.Machine(box_k=1.0) and free.steady().multiple_scales is None
+
+
+DAMPER = dict(
+    box_m=12.0, box_k=48e3, box_c=30.0, block_m=0.6, secondary_m=1.2, secondary_k=4800.0, secondary_c=5.0, coupling_k=0.0,
+    stop_gap=0.05, stop_restitution=0.6, drive_amplitude=75.0, drive_frequency=62.8,
+)  # fmt: skip
+
+
+def test_half_a_machine_warns_with_what_it_took():
+    with pytest.warns(vi.MixedParametersWarning, match=r"drive_amplitude = 0.15, .*stop_gap|stop_gap = 1.*drive_amplitude = 0.15"):
+        vi.Machine(box_m=12.0, box_k=48e3)
+    with pytest.warns(vi.MixedParametersWarning) as told:
+        vi.Machine(**{name: value for name, value in DAMPER.items() if name != "stop_gap"})
+    assert told[0].filename == __file__ and "stop_gap = 1" in str(told[0].message) and "box_m" not in str(told[0].message).split(":")[0]
+    with pytest.warns(vi.MixedParametersWarning, match="drive_amplitude = 0.15"):
+        vi.Machine(box_k=0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        whole = vi.Machine(**DAMPER)
+        for silent in [
+            lambda: vi.Machine(), lambda: vi.Machine.from_groups(f10=1.5), lambda: whole.replace(stop_gap=0.04),
+            lambda: vi.Machine().replace(stop_gap=0.5), lambda: vi.Machine(load_block=-0.01), lambda: pickle.loads(pickle.dumps(whole)),
+        ]:  # fmt: skip
+            silent()
+
+
+def test_constant_loads_are_parameters():
+    upright = vi.Machine(**DAMPER, load_block=-9.81 * 0.6)
+    assert upright != vi.Machine(**DAMPER) and upright.load_block == -9.81 * 0.6 and "load_block=-5.88" in repr(upright)
+    # A load that is set and one from samples are the same, but for round-off.
+    start = {"block_s": -0.02, "block_v": 0.3}
+    sampled = vi.Load("block", [0.0, 10.0], [-9.81 * 0.6] * 2)
+    own, other = upright.simulate(start, periods=10), vi.Machine(**DAMPER).simulate(start, periods=10, loads=[sampled])
+    assert len(own.impacts) == len(other.impacts) > 2
+    np.testing.assert_allclose(own.s, other.s, rtol=0, atol=1e-12)
+    # Its mirror image is the machine under the opposite load, half a drive period later.
+    image = upright.replace(load_block=9.81 * 0.6, drive_phase=np.pi).simulate({"block_s": 0.02, "block_v": -0.3}, periods=10)
+    np.testing.assert_allclose(own.s, -image.s, rtol=0, atol=1e-10)
+    # Every study has it, as a parameter too; closed forms say why they have no answer.
+    diagram = vi.bifurcation(upright, load_block=np.linspace(-6.0, 6.0, 3), periods=(5, 4), start=start)
+    assert list(diagram.up.value) == [-6.0, 0.0, 6.0]
+    basins = vi.basins(upright, block_s=(-0.02, 0.02, 3), v2=(-1, 1, 3), periods=10)
+    assert basins.names == ("x2", "v2") and not basins.mirror.any()
+    assert vi.simulate_many([upright], periods=5).s.shape == (1, 3)
+    assert upright.lyapunov(periods=5, settle=5).impacts >= 0
+    steady = upright.steady()
+    assert steady.exact_orbit is None and steady.multiple_scales is None
+    assert all("load_block = -5.88" in steady.reasons[name] for name in ("exact_orbit", "multiple_scales", "strong_coupling"))
+
+
+def test_invariant_many_measures_have_the_bits_of_one_by_one():
+    names = ["amplitude.x1", "rms.x2", "impacts", "power.input", "class", "exponent"]
+    machines = [vi.Machine.from_groups(f10=f10) for f10 in np.linspace(1.0, 4.0, 7)]
+    machines += [machines[0].replace(load_block=-0.004)]
+    many = vi.measure_many(machines, names, periods=8, settle=50)
+    assert many == [machine.measure(names, periods=8, settle=50) for machine in machines]
+    starts = [{"x2": 0.5}, {"block_v": 0.7}]
+    assert vi.measure_many(machines[3], names[:3], starts, periods=8, settle=5) == [
+        machines[3].measure(names[:3], start, periods=8, settle=5) for start in starts
+    ]
+    with pytest.raises(ValueError, match="motion 1: .*block"):
+        vi.measure_many(machines[:2], names[:1], [{"x2": 0.0}, {"x2": 1.5}], periods=2, settle=2)
+    with pytest.raises(TypeError, match="sequence of names"):
+        vi.measure_many(machines, "impacts")
 
 
 def test_loads_are_values():

@@ -50,6 +50,31 @@ def test_lines_are_the_results_numbers_in_the_bodies_colours():
     assert sorted(line.get_ydata()[0] for line in stops) == [-1.0, 1.0]
 
 
+def test_lengths_of_a_small_gap_are_in_mm():
+    damper = vi.Machine(
+        box_m=12.0, box_k=48e3, box_c=30.0, block_m=1.2, secondary_m=1.0, secondary_k=1e3, secondary_c=1.0, coupling_k=0.0,
+        stop_gap=0.015, stop_restitution=0.6, drive_amplitude=75.0, drive_frequency=62.8, drive_phase=0.0,
+    )  # fmt: skip
+    run = damper.simulate(periods=3)
+    axes = plot.history(run, of="w")
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), 1e3 * run.w)
+    assert axes.get_ylabel() == "$w$ (mm)" and sorted(line.get_ydata()[0] for line in axes.lines[1:]) == [-15.0, 15.0]
+    axes = plot.portrait(run, plt.figure().gca(), of="w")
+    assert (axes.get_xlabel(), np.nanmax(axes.lines[0].get_xdata())) == ("$w$ (mm)", 1e3 * run.w.max())
+
+
+def test_many_periods_are_an_envelope():
+    run = M.simulate(periods=100)
+    axes = plot.history(run, of="x2")
+    assert not axes.lines
+    (area,) = axes.collections
+    corners = area.get_paths()[0].vertices
+    assert (corners[:, 1].min(), corners[:, 1].max()) == (run.s[:, 1].min(), run.s[:, 1].max())
+    # Each of the steps has four corners.
+    assert 4 * 100 <= len(corners) < 4 * 110
+    assert len(plot.history(M.simulate(periods=40), plt.figure().gca(), of="x2").lines) == 1
+
+
 def test_portraits_are_interrupted_at_impacts():
     run = M.simulate(periods=3)
     (line,) = plot.portrait(run, of="x2").lines

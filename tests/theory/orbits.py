@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, Tuple
 import mpmath
 from approximation import NUMERIC
 from equations import eq
-from simulation import DIGITS
+from simulation import DIGITS, differences
 
 Known = Dict[str, Any]
 Phases = List[Any]
@@ -26,8 +26,12 @@ class Word:
         k["A"] = eq(70)("A", {**NUMERIC, **k, "matrix": mpmath.matrix})
         k["H"] = evaluated(71, "H", k)
         k["H_w"] = evaluated(71, "H_w", k)
-        k.update({name: eq(99)(name, {**NUMERIC, **k}) for name in ("x_1s", "x_3s")})
-        k["x_2s"] = eq(99)("x_2s", {**NUMERIC, **k})
+        self.free = k["k_23"] == 0
+        rest = eq(111) if self.free else eq(99)
+        k.update({name: rest(name, {**NUMERIC, **k}) for name in ("x_1s", "x_3s")})
+        k["x_2s"] = rest("x_2s", {**NUMERIC, **k})
+        # d of (111), by its one entry that is not zero.
+        self.pull = k["f_2"] / (k["m_2"] * k["omega_1"] ** 2 * k["L"]) if self.free else 0
         k["w_s"] = eq(100)("w_s", {**NUMERIC, **k})
         self.k = k
         share = (1 + k["kappa"]) / (1 + k["varepsilon"])
@@ -45,6 +49,10 @@ class Word:
         if span not in self.flights:
             self.flights[span] = mpmath.expm(self.k["A"] * span)
         return self.flights[span]
+
+    def flown(self, span: Any, z: Any) -> Any:
+        """A flight of a state, with the fall of a free block."""
+        return self.flight(span) * z + self.pull * mpmath.matrix([0, span**2 / 2, 0, 0, span, 0])
 
     def stop(self, i: int) -> int:
         return self.stops[i] if i < len(self.stops) else self.sigma * self.stops[0]
@@ -70,7 +78,7 @@ class Word:
     def pass_once(self, phases: Phases, z: Any) -> Tuple[Any, List[Any], List[Any]]:
         before, after = [], []
         for start, end in zip(phases, self.arrivals(phases)):
-            before.append(self.flight(end - start) * z)
+            before.append(self.flown(end - start, z))
             z = self.law(before[-1], end)
             after.append(z)
         return z, before, after
@@ -85,12 +93,26 @@ class Word:
     def start(self, phases: Phases) -> Any:
         """z_1 of (103)."""
         r, _, _ = self.pass_once(phases, mpmath.zeros(6, 1))
-        return mpmath.lu_solve(self.sigma * mpmath.eye(6) - self.map(phases), r)
+        if self.free:
+            r[1] = self.stops[0] - self.forced(phases[0])[0]
+        return mpmath.lu_solve(self.closed(phases), r)
+
+    def closed(self, phases: Phases, c: Any = 1) -> Any:
+        """The matrix of (103), or B of (112)."""
+        B = c * self.sigma * mpmath.eye(6) - self.map(phases)
+        if self.free:
+            for column in range(6):
+                B[1, column] = [-1, 1, 0, 0, 0, 0][column]
+        return B
 
     def residual(self, phases: Phases) -> List[Any]:
-        _, before, _ = self.pass_once(phases, self.start(phases))
+        start = self.start(phases)
+        end, before, _ = self.pass_once(phases, start)
         ends = enumerate(zip(before, self.arrivals(phases)))
-        return [z[1] - z[0] + self.forced(end)[0] - self.stop(i + 1) for i, (z, end) in ends]
+        found = [z[1] - z[0] + self.forced(end)[0] - self.stop(i + 1) for i, (z, end) in ends]
+        if self.free:
+            found[-1] = end[1] - self.sigma * start[1]
+        return found
 
     def rates(self, phases: Phases) -> List[Any]:
         _, before, _ = self.pass_once(phases, self.start(phases))
@@ -147,10 +169,11 @@ class Word:
         return self.sigma * D
 
     def solve(self, guess: List[float]) -> Phases:
-        """Newton's method with (105)."""
+        """Newton's method with (105), for a free block with differences."""
         phases = [mpmath.mpf(x) for x in guess]
         for _ in range(30):
-            step = mpmath.lu_solve(self.derivative(phases), -mpmath.matrix(self.residual(phases)))
+            slope = differences(self.residual, phases, mpmath.mpf(10) ** -10) if self.free else self.derivative(phases)
+            step = mpmath.lu_solve(slope, -mpmath.matrix(self.residual(phases)))
             phases = [a + b for a, b in zip(phases, step)]
             if mpmath.norm(step) < mpmath.mpf(10) ** (5 - DIGITS):
                 return phases

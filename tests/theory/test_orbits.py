@@ -7,7 +7,7 @@ import mpmath
 import sympy
 from equations import eq, tokens_of
 from orbits import Phases, Word
-from simulation import DIGITS, accelerations, basic, differences, run
+from simulation import DIGITS, accelerations, basic, differences, flight, run, strike
 
 TIGHT = mpmath.mpf(10) ** -18
 # Central differences of 1e-10 leave their square, amplified by the orbit's third derivatives.
@@ -180,3 +180,43 @@ def test_eq_110_bordered_matrix() -> None:
     g = matrix.LUsolve(sympy.Matrix([0, 0, 1]))[2]
     assert sympy.simplify(g - (a * d - b * c) / matrix.det()) == 0
     assert r"\begin" in eq(110).tex
+
+
+def falling(p: Any, z: List[Any], f_2: Any, span: Any) -> List[Any]:
+    """A flight of (6) with a load on a block without a spring, by the equations of the block alone."""
+    end = flight(p, z, span)
+    fall = f_2 / p["m_2"]
+    end[1] += fall * span**2 / 2
+    end[4] += fall * span
+    return end
+
+
+def test_eq_111_112_113_block_without_a_spring() -> None:
+    """(111), (112), (113): phases at which the residual is zero are those of a motion by the equations of motion; its impulses balance the load."""
+    with mpmath.workdps(DIGITS):
+        cases = [([1, -1], 1, 2, 0, [5.5, 8.6]), ([1], -1, 1, 0, [5.5]), ([-1], 1, 2, -0.05, [1.0]), ([1, -1], 1, 2, -0.002, [5.5, 8.6])]
+        for stops, sigma, half, load, guess in cases:
+            word = Word(basic(k_23=0), stops, sigma, half, (0, load, 0))
+            phases = word.solve(guess)
+            k, f_2 = word.k, word.k["f_2"]
+            z, impulse = word.si(phases), mpmath.mpf(0)
+            start = list(z)
+            reduced = k["m_1"] * k["m_2"] / (k["m_1"] + k["m_2"])
+            for i, (begin, end) in enumerate(zip(phases, word.arrivals(phases))):
+                z = falling(k, z, f_2, (end - begin) / k["omega_1"])
+                stop = word.stop(i + 1)
+                assert abs(z[1] - z[0] - stop * k["L"]) < TIGHT
+                assert stop * (z[4] - z[3]) > 0
+                impulse += stop * (1 + k["kappa"]) * reduced * stop * (z[4] - z[3])
+                z = strike(k, z)
+            assert max(abs(a - sigma * b) for a, b in zip(z[:6], start)) < TIGHT
+            if sigma == 1:
+                assert abs(impulse - f_2 * word.span / k["omega_1"]) < TIGHT
+        # The block moved along is a neutral direction of M, so that I - M is singular. B is not.
+        word = Word(basic(k_23=0), [1, -1], 1, 2)
+        phases = [mpmath.mpf(5.5), mpmath.mpf(8.6)]
+        M = word.map(phases)
+        assert max(abs(M[i, 1] - (1 if i == 1 else 0)) for i in range(6)) < TIGHT
+        assert abs(mpmath.det(word.closed(phases))) > 0.01
+        assert [r.key for r in eq(111).relations] == ["zp", "d", "x_1s", "x_2s", "x_3s"]
+        assert eq(112).relations[-1].key == "R_n" and eq(113).relations[0].right_tokens == tuple(tokens_of(r"\frac{f_2 \Theta}{\omega_1}"))

@@ -64,7 +64,7 @@ def test_a_missing_test_is_noticed() -> None:
 
 def rows() -> List[List[str]]:
     """The table of the last section."""
-    table = page().split("## 15. ")[1]
+    table = page().split("## 16. ")[1]
     lines = [line for line in table.splitlines() if line.startswith("|")][2:]
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
@@ -158,7 +158,7 @@ def test_contents_lead_to_the_sections() -> None:
 
     titles = re.findall(r"^## (.*)$", page(), re.M)
     links = re.findall(r"^\d+\. \[.*\]\(#(.*)\)$", page(), re.M)
-    assert links == [anchor(title) for title in titles] and len(links) == 15
+    assert links == [anchor(title) for title in titles] and len(links) == 16
 
 
 def test_equations_referred_to_exist() -> None:

@@ -6,29 +6,29 @@
 //! 0.8,0.012,0.75
 //! ```
 //!
-//! A cell is a number in SI, or one with a unit. A number that its parameter does not allow is no error here: that design is a
+//! A cell is a number with a unit, or one without in the unit in which the machine's file or `--set` wrote that parameter, else in SI. A number that its parameter does not allow is no error here: that design is a
 //! row of the sweep with its reason.
 
 use crate::manifest::fnv1a;
 use crate::{Error, Result};
 use std::path::Path;
 use vibro_analysis::design_sweep::Designs;
-use vibro_analysis::{Name, number};
+use vibro_analysis::{Name, ParameterSet};
 
 /// Most designs in a file: they are kept in the manifest.
 const MOST: usize = 100_000;
 
-/// Reads designs.
+/// Reads designs of a machine.
 ///
 /// # Errors
 /// [`Error::File`]; [`Error::Config`] with the line for names that are none, cells that are no finite numbers, rows of another
 /// length than the header, and files without a design or with too many.
-pub fn read(path: &Path) -> Result<Designs> {
+pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs> {
     let text = std::fs::read(path).map_err(Error::file("reading", path))?;
-    parse(&text).map_err(|problem| Error::Config { path: path.into(), problem })
+    parse(&text, set).map_err(|problem| Error::Config { path: path.into(), problem })
 }
 
-fn parse(text: &[u8]) -> std::result::Result<Designs, String> {
+fn parse(text: &[u8], set: &ParameterSet) -> std::result::Result<Designs, String> {
     // A mark of the byte order is what some spreadsheets begin a file with.
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text);
@@ -40,7 +40,7 @@ fn parse(text: &[u8]) -> std::result::Result<Designs, String> {
         let record = record.map_err(|e| e.to_string())?;
         let line = record.position().map_or(0, csv::Position::line);
         let cell = |(name, text): (&Name, &str)| {
-            let value = number(*name, text).map_err(|e| format!("line {line}: {e}"))?;
+            let value = set.quantity(*name, text).map_err(|e| format!("line {line}: {e}"))?.value;
             let infinite = || format!("line {line}: {} = {text}: allowed is {}", name.name(), name.allowed());
             if value.is_finite() { Ok(value) } else { Err(infinite()) }
         };
@@ -69,9 +69,18 @@ mod tests {
     #[test]
     fn designs_are_read_with_units() {
         let text = "\u{feff}m2, stop.gap\n# two of the same\n1.2 kg, 10 mm\n1.2,0.01\n";
-        let Ok(Designs::Rows { names, rows }) = parse(text.as_bytes()) else { panic!("no rows") };
+        let Ok(Designs::Rows { names, rows }) = parse(text.as_bytes(), &ParameterSet::basic()) else {
+            panic!("no rows")
+        };
         assert_eq!(names.iter().map(|n| n.name()).collect::<Vec<_>>(), ["block.m", "stop.gap"]);
         assert_eq!(rows, [[1.2, 0.01], [1.2, 0.01]]);
+        // A number without a unit is in the unit in which its parameter was written.
+        let mut set = ParameterSet::basic();
+        set.apply(&["stop.gap=5 mm"]).unwrap();
+        let Ok(Designs::Rows { rows, .. }) = parse(b"stop.gap,block.m\n10,1.2\n1 cm,1.2\n", &set) else {
+            panic!()
+        };
+        assert_eq!(rows, [[0.01, 1.2], [0.01, 1.2]]);
     }
 
     #[test]
@@ -85,7 +94,7 @@ mod tests {
             ("stop.gap\n", "no design"),
             ("", "no design"),
         ] {
-            let error = parse(text.as_bytes()).unwrap_err();
+            let error = parse(text.as_bytes(), &ParameterSet::basic()).unwrap_err();
             assert!(error.contains(expected), "{text:?}: {error}");
         }
     }

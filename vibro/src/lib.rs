@@ -10,8 +10,8 @@
 //! | [`manifest`] | what a result or a folder of parts was computed from |
 //! | [`report`] | all studies at once, and the paper's statements beside what is found |
 //! | [`parameter_file`] | parameter files |
-//! | [`run_start`] | where a run starts |
 //! | [`design_file`] | designs of a sweep from a CSV file |
+//! | [`special_points`] | special points of branches from their table |
 //! | [`part_folder`] | finished parts of long studies on disk |
 //! | [`html`] | text in HTML |
 
@@ -25,7 +25,7 @@ pub mod manifest;
 pub mod parameter_file;
 pub mod part_folder;
 pub mod report;
-pub mod run_start;
+pub mod special_points;
 pub mod studies;
 pub mod table;
 

@@ -1,4 +1,5 @@
-//! Load files: a force record as CSV text, time (s) and force (N), read into a [`Load`].
+//! Loads as on the command line: a constant force, or a force record in a file, CSV text of time (s) and force (N), read into a
+//! [`Load`].
 //!
 //! ```text
 //! time [s];force [N]
@@ -12,12 +13,24 @@
 use crate::manifest::fnv1a;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
+use vibro_analysis::{Name, ParameterSet, quantity_in};
 use vibro_impact::load::{Body, Interpolation, Load};
+use vibro_impact::parameters::LOADS;
 
 const EXPECTED: &str =
     "two numbers, time (s) and force (N), separated by a comma or a semicolon, with a decimal point";
 
-/// A body and the file of its load, as on the command line: `box=record.csv`.
+/// A load as on the command line: `box=record.csv` or `block=-3.4N`. What can be read as a force is one; a file of such a name is
+/// `./5N`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LoadArgument {
+    /// From a file.
+    File(LoadFile),
+    /// A force that does not change, N.
+    Constant(Body, f64),
+}
+
+/// A body and the file of its load.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LoadFile {
     /// The body.
@@ -26,19 +39,54 @@ pub struct LoadFile {
     pub path: PathBuf,
 }
 
-impl std::str::FromStr for LoadFile {
+impl std::str::FromStr for LoadArgument {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let form =
-            || Error::form(text, "BODY=FILE with a body of box, block, secondary, e.g. box=record.csv");
-        let (name, path) = text.split_once('=').ok_or_else(form)?;
+        let form = || {
+            Error::form(
+                text,
+                "BODY=FORCE or BODY=FILE with a body of box, block, secondary, e.g. block=-3.4N or box=record.csv",
+            )
+        };
+        let (name, what) = text.split_once('=').ok_or_else(form)?;
         let body = Body::ALL.into_iter().find(|b| b.name() == name.trim()).ok_or_else(form)?;
-        if path.is_empty() {
-            return Err(form());
+        match quantity_in("N", what) {
+            Some(force) if force.value.is_finite() => Ok(Self::Constant(body, force.value)),
+            Some(_) => Err(form()),
+            None if what.trim().is_empty() => Err(form()),
+            None => Ok(Self::File(LoadFile { body, path: what.into() })),
         }
-        Ok(Self { body, path: path.into() })
     }
+}
+
+impl LoadArgument {
+    /// The load in words that depend on it alone, for manifests; `None` for a file that cannot be read twice.
+    pub fn in_words(&self) -> Option<String> {
+        match self {
+            Self::File(file) => file.contents_in_words(),
+            Self::Constant(body, force) => Some(format!("{}={force} N", body.name())),
+        }
+    }
+}
+
+/// The files among loads.
+pub fn files(loads: &[LoadArgument]) -> impl Iterator<Item = &LoadFile> {
+    loads.iter().filter_map(|load| if let LoadArgument::File(file) = load { Some(file) } else { None })
+}
+
+/// Puts the constant ones among loads into a parameter set, those on one body added up and to what is there.
+///
+/// # Errors
+/// A sum that is not finite.
+pub fn apply_constant(set: &mut ParameterSet, loads: &[LoadArgument]) -> Result<()> {
+    for load in loads {
+        if let LoadArgument::Constant(body, force) = load {
+            let name = Name::Si(&LOADS[*body as usize]);
+            set.assign(&[(name, name.value(set) + force)])?;
+        }
+    }
+    Ok(())
 }
 
 impl LoadFile {
@@ -118,6 +166,36 @@ mod tests {
 
     fn read(text: &str) -> std::result::Result<Load, String> {
         parse(text, Body::Box, Interpolation::Linear)
+    }
+
+    #[test]
+    fn one_grammar_of_constant_loads_and_files() {
+        let read = |text: &str| text.parse::<LoadArgument>();
+        for (text, body, force) in [
+            ("block=-3.4N", Body::Block, -3.4),
+            ("box = 5 kN", Body::Box, 5000.0),
+            ("secondary=0.02", Body::Secondary, 0.02),
+        ] {
+            assert_eq!(read(text).unwrap(), LoadArgument::Constant(body, force), "{text}");
+        }
+        for (text, file) in [("box=record.csv", "record.csv"), ("box=./5N", "./5N"), ("box=5N.csv", "5N.csv")]
+        {
+            assert_eq!(
+                read(text).unwrap(),
+                LoadArgument::File(LoadFile { body: Body::Box, path: file.into() })
+            );
+        }
+        for wrong in ["box", "box=", "lid=3N", "block=inf", "block=1e999 N"] {
+            assert!(
+                read(wrong).unwrap_err().to_string().contains("block=-3.4N or box=record.csv"),
+                "{wrong}"
+            );
+        }
+        let mut set = ParameterSet::basic();
+        let loads = ["block=-3N", "box=record.csv", "block=1N"].map(|text| read(text).unwrap());
+        apply_constant(&mut set, &loads).unwrap();
+        assert_eq!(files(&loads).count(), 1);
+        assert_eq!(set.parameters().constant_loads, [0.0, -2.0, 0.0]);
     }
 
     #[test]

@@ -15,7 +15,7 @@ use vibro_analysis::parts::Task;
 
 /// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
 /// parts of another form are never put together. Before it was written down it was 1.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 
 /// One long study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -178,7 +178,7 @@ impl LongStudy {
                 let family = Family::new(&self.set, *loads, *span)?;
                 let told = |done, waiting| tell(done, done + waiting);
                 let found = tree_in_parts(&family, options, task.store, &told)?;
-                Ok(Some(vec![studies::orbits(&self.set, &family, &found.branches)?]))
+                Ok(Some(vec![studies::orbits(&self.set, &family, &found.branches, Some(&found.searched))?]))
             }
         }
     }

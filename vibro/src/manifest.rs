@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use vibro_analysis::{GROUPS, ParameterSet};
-use vibro_impact::parameters::FIELDS;
+use vibro_impact::parameters::{FIELDS, LOADS};
 
 /// The program in every manifest.
 const PROGRAM: &str = "vibro";
@@ -52,7 +52,11 @@ impl Manifest {
             version: env!("CARGO_PKG_VERSION").into(),
             study: study.into(),
             invocation: invocation.clone(),
-            si: FIELDS.iter().map(|f| (f.name.into(), (f.get)(parameters))).collect(),
+            si: FIELDS
+                .iter()
+                .chain(LOADS.iter().filter(|load| (load.get)(parameters) != 0.0))
+                .map(|f| (f.name.into(), (f.get)(parameters)))
+                .collect(),
             groups: GROUPS.iter().map(|g| (g.name.into(), (g.get)(groups))).collect(),
             long_study: None,
         }

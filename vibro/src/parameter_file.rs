@@ -11,8 +11,9 @@
 
 use crate::{Error, Result};
 use std::path::Path;
-use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, find_field, find_group, number, typed_unit};
-use vibro_impact::parameters::FIELDS;
+use vibro_analysis::{
+    GROUPS, Name, ParameterSet, Unit, find_field, find_group, number, physical_parameters, typed_unit,
+};
 
 /// Applies a parameter file to a parameter set: first `[si]`, then `[groups]`.
 ///
@@ -109,8 +110,8 @@ fn explained(text: &str, error: &toml::de::Error) -> Error {
 pub fn template(groups: bool) -> String {
     let set = ParameterSet::basic();
     let mut text = String::from(
-        "# Parameters of vibro. What is left out or begins with # has the default value, which is BASIC: a\n\
-         # reconstruction of the paper's machine, not its own data set.\n",
+        "# Parameters of vibro. What is left out or begins with # has the value of the default set: a\n\
+         # reconstruction of the paper's machine, not its own data.\n",
     );
     let names: Vec<Name> = if groups {
         text.push_str("# Dimensionless groups. The machine in SI: vibro template --si\n\n[groups]\n");
@@ -120,7 +121,7 @@ pub fn template(groups: bool) -> String {
             "# A number is in the unit told; another unit goes with it in quotation marks, e.g. \"48 kN/m\", \"2.5 mm\",\n\
              # \"350 g\", \"10 Hz\". Dimensionless groups: vibro template --groups\n\n[si]\n",
         );
-        FIELDS.iter().map(Name::Si).collect()
+        physical_parameters().map(Name::Si).collect()
     };
     for name in names {
         let unit = if name.unit() == "1" { "no unit" } else { name.unit() };
@@ -160,7 +161,7 @@ mod tests {
         for groups in [false, true] {
             let mut set = ParameterSet::basic();
             apply(&mut set, &template(groups)).unwrap();
-            let names = GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si));
+            let names = GROUPS.iter().map(Name::Group).chain(physical_parameters().map(Name::Si));
             for name in names {
                 let (found, expected) = (name.value(&set), name.value(&ParameterSet::basic()));
                 assert!((found - expected).abs() <= 1e-14 * (1.0 + expected.abs()), "{}", name.name());
@@ -172,7 +173,7 @@ mod tests {
             assert!(if groups {
                 GROUPS.iter().map(Name::Group).all(told)
             } else {
-                FIELDS.iter().map(Name::Si).all(told)
+                physical_parameters().map(Name::Si).all(told)
             });
             assert_eq!(set.not_given(), []);
         }

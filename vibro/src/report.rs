@@ -20,6 +20,7 @@ use vibro_analysis::maxima::Displacement;
 use vibro_analysis::orbits::TreeOptions;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet, find_group};
 
 /// Values of table 2: of each window and band that the diagrams show.
@@ -96,7 +97,14 @@ impl Plan {
         let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
         let sweep = |name: &str, range, count| -> Result<LongStudy> {
             let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-            let sweep = Sweep { axis, discard, keep, exponents: Some(options), of: Displacement::X2 };
+            let sweep = Sweep {
+                axis,
+                discard,
+                keep,
+                exponents: Some(options),
+                of: Displacement::X2,
+                start: StartRule::default(),
+            };
             Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new(), orbits: None }, set))
         };
         let cells = if quick { 40 } else { 200 };
@@ -108,7 +116,11 @@ impl Plan {
             quick,
             coarse: sweep("figure-14", (0.5, 5.0), if quick { 91 } else { 451 })?,
             fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
-            basin: LongStudy::new("basin", StudyKind::Basin(basin::Request { x, y, discard }), &there),
+            basin: LongStudy::new(
+                "basin",
+                StudyKind::Basin(basin::Request { x, y, discard, start: basin::in_the_middle() }),
+                &there,
+            ),
             orbits: if quick { quick_orbits() } else { TreeOptions::default() },
         })
     }
@@ -233,6 +245,7 @@ fn quick_orbits() -> TreeOptions {
     TreeOptions {
         seeds: 46,
         settle: 600,
+        starts: 0,
         depth: 4,
         longest_period: 4,
         most_letters: 16,

@@ -27,7 +27,7 @@ pub use design_sweep::{design_sweep, write_tables as write_design_tables};
 pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
 pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};
 pub use isoperiodic::{POINT_IN_TABLE, check_isoperiodic, isoperiodic};
-pub use locus::loci;
+pub use locus::{Curve, loci};
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
 pub use orbit::orbit;

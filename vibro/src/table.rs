@@ -2,6 +2,8 @@
 
 use crate::{Error, Result};
 use rayon::prelude::*;
+use std::borrow::Cow;
+use vibro_analysis::{Name, ParameterSet, Unit, physical_parameters};
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -87,7 +89,84 @@ pub fn csv_in_groups(
     Ok(text)
 }
 
+/// The unit in which a column of a table answers beside SI, where it is of a parameter that was written in another unit. Columns are
+/// named after the parameter: `drive.frequency`, `drive.frequency_from`, `drive.frequency_to`, `amplitude.x1.max.drive.frequency`.
+pub fn written_unit(set: &ParameterSet, column: &str) -> Option<&'static Unit> {
+    let plain = column.strip_suffix("_from").or_else(|| column.strip_suffix("_to")).unwrap_or(column);
+    let plain = plain.split_once(".max.").map_or(plain, |(_, name)| name);
+    let name = physical_parameters().find(|field| field.name == plain).map(Name::Si)?;
+    set.unit(name).filter(|unit| !unit.is_si())
+}
+
+/// The name of the column in a unit that stands beside a column in SI.
+pub fn column_in(column: &str, unit: &Unit) -> String {
+    format!("{column} [{}]", unit.plain())
+}
+
+/// A table with a further column, at its end, for each column of a parameter that was written in another unit than SI: the same
+/// values in that unit, which the column's name tells.
+///
+/// # Errors
+/// [`Error::Output`] for what is no table.
+pub fn in_written_units<'t>(set: &ParameterSet, csv: &'t [u8]) -> Result<Cow<'t, [u8]>> {
+    let problem = Error::output("a table");
+    let mut reader = csv::Reader::from_reader(csv);
+    let mut header = reader.byte_headers().map_err(&problem)?.clone();
+    let unit = |(i, name): (usize, &[u8])| Some((i, written_unit(set, std::str::from_utf8(name).ok()?)?));
+    let written: Vec<(usize, &Unit)> = header.iter().enumerate().filter_map(unit).collect();
+    if written.is_empty() {
+        return Ok(Cow::Borrowed(csv));
+    }
+    for (i, unit) in &written {
+        let name = column_in(&String::from_utf8_lossy(&header[*i]), unit);
+        header.push_field(name.as_bytes());
+    }
+    let mut rows = CsvRows::new(&header)?;
+    let mut record = csv::ByteRecord::new();
+    while reader.read_byte_record(&mut record).map_err(&problem)? {
+        for (i, unit) in &written {
+            let number = std::str::from_utf8(&record[*i]).ok().and_then(|cell| cell.parse::<f64>().ok());
+            let cell = number.map_or(String::new(), |si| exact(shown(unit, si)));
+            record.push_field(cell.as_bytes());
+        }
+        rows.push(&record)?;
+    }
+    Ok(Cow::Owned(rows.text()?))
+}
+
+/// A value in a unit, without the last digits that the way to SI and back has cost: 10 Hz are 10 and not 10.000000000000002.
+pub fn shown(unit: &Unit, si: f64) -> f64 {
+    let number = unit.number(si);
+    format!("{number:.14e}").parse().unwrap_or(number)
+}
+
 /// A number in decimals that read back as the same bits.
 pub fn exact(value: f64) -> String {
     format!("{value}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_answers_in_the_unit_in_which_a_parameter_was_written() {
+        let mut set = ParameterSet::basic();
+        set.apply(&["drive.frequency=10Hz", "stop.gap=5 mm", "box.m=12 kg"]).unwrap();
+        let si = [10.0, 10.3, 11.0].map(|f: f64| f * std::f64::consts::TAU);
+        let csv = format!("drive.frequency,class,box.m\n{},1T,12\n{},2T,12\n{},,12\n", si[0], si[1], si[2]);
+        let found = in_written_units(&set, csv.as_bytes()).unwrap();
+        let expected = format!(
+            "drive.frequency,class,box.m,drive.frequency [Hz]\n{},1T,12,10\n{},2T,12,10.3\n{},,12,11\n",
+            si[0], si[1], si[2]
+        );
+        assert_eq!(String::from_utf8_lossy(&found), expected);
+        let named =
+            [("stop.gap_from", true), ("amplitude.x1.max.stop.gap", true), ("box.m", false), ("gap", false)];
+        for (column, is_written) in named {
+            assert_eq!(written_unit(&set, column).is_some(), is_written, "{column}");
+        }
+        let without = in_written_units(&ParameterSet::basic(), csv.as_bytes()).unwrap();
+        assert!(matches!(without, Cow::Borrowed(same) if same == csv.as_bytes()));
+    }
 }

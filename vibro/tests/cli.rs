@@ -30,7 +30,7 @@ fn steady_writes_the_librarys_values() {
     let first = text.lines().next().unwrap();
     assert!(first.starts_with("drew time histories and phase portraits as in figure 8"), "{first}");
     assert!(first.contains("steady.svg") && first.contains("steady.csv"), "{first}");
-    assert!(text.contains("BASIC, a reconstruction, not the paper's own data set"), "{text}");
+    assert!(text.contains("the default set, a reconstruction, not the paper's own data"), "{text}");
     check_picture(&out, "steady");
     let rows = table(&out, "steady.csv");
     let mut set = ParameterSet::basic();
@@ -222,7 +222,10 @@ fn comparisons_find_the_papers_errors() {
         assert!((1.9..2.1).contains(&ratio), "{name}: {ratio}");
     }
     let text = drawn(&out, &["compare", "--figure", "19"]);
-    assert!(text.contains("STRONG, a set of ours, not the paper's own data set"), "{text}");
+    assert!(
+        text.contains("the strongly coupled set, chosen for this program, not the paper's own data"),
+        "{text}"
+    );
     for row in table(&out, "compare-19.csv") {
         assert!(row["relative_error"].parse::<f64>().unwrap().abs() < 0.12, "{row:?}");
     }

@@ -14,6 +14,7 @@ use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet};
 
 /// Numbers of values: few, as in a quick look, and many more than a panel has pixels.
@@ -116,6 +117,42 @@ fn invariant_files_of_many_values_are_small_and_finite() {
     }
 }
 
+/// The texts of a drawing.
+fn texts(drawing: &Figure) -> Vec<String> {
+    let svg = canvas::svg(drawing).unwrap();
+    let texts = svg.split("<text").skip(1).filter_map(|t| t.split_once('>')?.1.split('<').next());
+    texts.map(String::from).collect()
+}
+
+/// A curve that has no room for its name in a crowded panel is known by its colour from another panel: a legend with the
+/// names of some curves would look as if the others had none.
+#[test]
+fn a_name_beside_a_curve_of_one_panel_is_in_no_shared_legend() {
+    let curve = || Layer::line("", BOX, Dash::Solid, jagged(50)).labelled("box x₁");
+    let crowd = (0..10_000).map(|i| (f64::from(i % 100) / 99.0, f64::from(i / 100) / 49.5 - 1.0)).collect();
+    let crowded = figure(vec![curve(), Layer::marks("", BLACK, Mark::Disc, crowd)]).panels.remove(0);
+    let straight = Layer::line("", BOX, Dash::Solid, vec![(0.0, 0.0), (1.0, 0.5)]).labelled("box x₁");
+    let free = figure(vec![straight]).panels.remove(0);
+    let count = |panels: Vec<Panel>| {
+        let drawing =
+            Figure { panels, columns: 2, panel: (1700, 1150), shared_legend: true, ..Figure::default() };
+        texts(&drawing).iter().filter(|t| *t == "box x₁").count()
+    };
+    assert_eq!(count(vec![crowded.clone(), free]), 1);
+    // Without the other panel the name is in the legend.
+    assert_eq!(count(vec![crowded]), 1);
+}
+
+#[test]
+fn a_caption_keeps_symbols_values_and_units_together() {
+    let values: Vec<String> = (0..60).map(|i| format!("k = {i} kN/m")).collect();
+    let caption = vec![format!("{} (all set)", values.join(", "))];
+    let lines = texts(&Figure { caption, ..figure(Vec::new()) });
+    let of_caption: Vec<_> = lines.iter().filter(|l| l.contains("kN/m")).collect();
+    assert!(of_caption.len() > 3);
+    assert!(of_caption.iter().all(|l| l.starts_with("k = ")), "{of_caption:?}");
+}
+
 /// WCAG 2.2: the lighter of two luminances over the darker, with some stray light.
 fn contrast(a: Colour, b: Colour) -> f64 {
     let (a, b) = (a.luminance() + 0.05, b.luminance() + 0.05);
@@ -183,6 +220,11 @@ fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
             assert!(named.iter().any(|n| n.colour == layer.colour), "{}, {}", study.name, panel.title);
         }
     }
+    // No words that only those who wrote the program know.
+    for words in ["BASIC", "STRONG", "Past the paper", "ours"] {
+        let found = figure.caption.iter().find(|line| line.contains(words));
+        assert!(found.is_none(), "{}: {found:?}", study.name);
+    }
     // The picture can be drawn.
     let svg = canvas::svg(figure).unwrap();
     assert!(!svg.contains("NaN") && svg.len() < 4_000_000, "{}: {} bytes", study.name, svg.len());
@@ -205,7 +247,14 @@ fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
         let f10 = Name::find("f10").unwrap();
         let options = SpectrumOptions { periods: 210, ..SpectrumOptions::default() };
         let axis = ParameterAxis::new(f10, (1.0, 2.4), 8).unwrap();
-        let sweep = Sweep { axis, discard: 50, keep: 20, exponents: Some(options), of: Displacement::X1 };
+        let sweep = Sweep {
+            axis,
+            discard: 50,
+            keep: 20,
+            exponents: Some(options),
+            of: Displacement::X1,
+            start: StartRule::default(),
+        };
         let found = diagram(&set, &sweep, &Task::ALL).unwrap().unwrap();
         let all = [
             studies::steady(&set).unwrap(),

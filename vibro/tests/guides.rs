@@ -32,6 +32,7 @@ fn machine() -> Parameters {
         drive_amplitude: 75.0,
         drive_frequency: 10.0 * TAU,
         drive_phase: 0.0,
+        constant_loads: [0.0; 3],
     }
 }
 
@@ -72,6 +73,12 @@ fn closed_form_of_the_recipes() {
     let rows = guide::rows("recipes", "tilted/run.csv");
     let last = rows.last().unwrap();
     assert!((last[1] + (20.4417 + 2.04417) / 48e3).abs() < ROUNDING && last[4] == -0.015, "{last:?}");
+
+    // Standing: the heavy block meets the lower stop more often than the upper one; lying, both alike.
+    let rows = guide::rows("recipes", "standing/sweep.csv");
+    assert!(rows.len() == 7 && rows[0][0] == -11.772 && rows[6][0] == 0.0, "{rows:?}");
+    let more_below = |row: &Vec<f64>| row[3] - row[2];
+    assert!(more_below(&rows[0]) > 0.0 && more_below(&rows[6]).abs() < more_below(&rows[0]), "{rows:?}");
 
     // Off centre: the library under constant loads.
     let coupled = Parameters { coupling_stiffness: 2000.0, ..p };

@@ -17,7 +17,7 @@ fn axis(name: &str, range: (f64, f64), count: usize) -> ParameterAxis {
 }
 
 fn request(x: ParameterAxis, y: ParameterAxis, start: StartRule, discard: u32) -> Request {
-    Request { x, y, start, discard, exponents: Some(200) }
+    Request { x, y, start, discard, exponents: Some(4000) }
 }
 
 fn found(request: &Request) -> Isoperiodic {
@@ -38,7 +38,7 @@ fn second_method_points_of_a_plane_one_by_one() {
     let mut periods = std::collections::BTreeSet::new();
     /// m/s; far more than rounding, far less than a basin of attraction that one can see.
     const BESIDE: f64 = 1e-9;
-    let mut compared = 0;
+    let (mut compared, mut open) = (0, 0);
     for (i, point) in plane.points.iter().enumerate() {
         assert_eq!(point.theory, theory.classes[i], "point {i}");
         let motion = point.motion.expect("not refused");
@@ -63,11 +63,17 @@ fn second_method_points_of_a_plane_one_by_one() {
         let impacts = motion.impacts != [0.0; 2];
         let periodic = matches!(motion.class, MotionClass::Periodic(_));
         assert_eq!(motion.exponent.is_some(), impacts && !periodic, "point {i}: {motion:?}");
-        assert!(motion.class != MotionClass::Aperiodic, "point {i}: {motion:?}");
-        // Chaos is told by a positive exponent alone.
-        let positive = motion.exponent.is_some_and(|[e, _]| e > 1e-3);
+        // What is not settled at the limit has an exponent whose sign is undecided then.
+        if motion.class == MotionClass::NotSettled {
+            open += 1;
+            let undecided = motion.exponent.is_some_and(|[e, error]| e.abs() - 1e-3 <= 6.0 * error);
+            assert!(undecided, "point {i}: {motion:?}");
+        }
+        // Chaos is told by an exponent that is positive for certain alone.
+        let positive = motion.exponent.is_some_and(|[e, error]| e - 6.0 * error > 1e-3);
         assert_eq!(motion.class == MotionClass::Chaotic, positive, "point {i}: {motion:?}");
     }
+    assert!(open <= 2, "{open} of {} not settled", plane.points.len());
     assert!(compared >= 15, "{compared} of {}", plane.points.len());
     assert!(
         periods.len() > 1 && plane.points.iter().any(|p| p.motion.unwrap().class == MotionClass::Chaotic)

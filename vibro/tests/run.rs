@@ -140,6 +140,84 @@ fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
     }
 }
 
+/// The texts of a run's picture, and its size in bytes.
+fn picture(out: &Path) -> (Vec<String>, usize) {
+    let svg = std::fs::read_to_string(out.join("run.svg")).expect("a picture");
+    assert!(!svg.contains("NaN"));
+    let texts = svg.split("<text").skip(1).filter_map(|t| t.split_once('>')?.1.split('<').next());
+    (texts.map(String::from).collect(), svg.len())
+}
+
+/// Whether a picture says something, in a text of its own or as a part of one.
+fn says(texts: &[String], words: &str) -> bool {
+    // A caption is broken into lines.
+    texts.join(" ").contains(words)
+}
+
+#[test]
+fn invariant_a_run_of_many_periods_is_an_envelope_and_its_picture_bounded() {
+    // A picture of 20 periods of chaos has some 100 kB.
+    const LARGEST: usize = 500_000;
+    for (periods, window) in [("41", "in each drive period"), ("900", "in every 3 drive periods")] {
+        let out = folder("run-many");
+        drawn(&out, &["run", "--periods", periods, "--discard", "0", "--set", "f10=3.6"]);
+        let (texts, size) = picture(&out);
+        assert!(size < LARGEST, "{periods}: {size} bytes");
+        for words in [
+            "(a) Box, block and secondary, the whole run: least and largest",
+            "(b) Box, block and secondary, the last 10 drive periods",
+            "(e) Impact speeds",
+            &format!("Areas: from the least to the largest value {window}."),
+        ] {
+            assert!(says(&texts, words), "{periods}: {words} in {texts:?}");
+        }
+    }
+    let out = folder("run-forty");
+    drawn(&out, &["run", "--periods", "40", "--discard", "0"]);
+    let texts = picture(&out).0;
+    assert!(says(&texts, "(a) Box, block and secondary") && !says(&texts, "whole run"), "{texts:?}");
+}
+
+/// The machine of docs/design-a-damper.md.
+const DAMPER: &str = "[si]\nbox.m = 12\nbox.k = 48e3\nbox.c = 30\nblock.m = 1.2\nstop.gap = \"0.015 m\"\nstop.restitution = 0.6\n\
+    drive.amplitude = 75\ndrive.frequency = \"10 Hz\"\ncoupling.k = 0\nsecondary.m = 1\nsecondary.k = 1e3\nsecondary.c = 1\n";
+
+#[test]
+fn what_does_not_change_is_told_and_not_drawn() {
+    let machine = file("run-damper.toml", DAMPER);
+    let machine = machine.to_str().expect("a path");
+    let out = folder("run-damper");
+    drawn(&out, &["run", "--config", machine]);
+    let texts = picture(&out).0;
+    // The gap was written in m: lengths are in mm all the same, and speeds of about 1 m/s in m/s.
+    for words in [
+        "(a) Box and block",
+        "displacement (mm)",
+        "dw/dt (m/s)",
+        "x₃, the secondary, to which nothing couples the block, stays at 0 mm",
+        "all 40 impacts have a speed of 1.01",
+    ] {
+        assert!(says(&texts, words), "{words} in {texts:?}");
+    }
+    assert!(
+        !texts.iter().any(|t| t.starts_with("x₃, secondary") || t.contains("Impact speeds")),
+        "{texts:?}"
+    );
+    // A block in the middle that nothing reaches, and the box alone.
+    let few = ["--start", "box.v=0.01", "--set", "drive.amplitude=0N", "--periods", "5"];
+    let out = folder("run-alone");
+    drawn(&out, &[&["run", "--config", machine], &few[..]].concat());
+    let texts = picture(&out).0;
+    assert!(says(&texts, "(a) Box") && says(&texts, "x₂, the block, stays at 0 mm"), "{texts:?}");
+    assert!(says(&texts, "there are no impacts") && !says(&texts, "No impacts"), "{texts:?}");
+    // Nothing moves: no picture, and the reason.
+    let still = ["--start", "box.v=0", "--set", "drive.amplitude=0N", "--periods", "5"];
+    let out = folder("run-still");
+    let text = drawn(&out, &[&["run", "--config", machine], &still[..]].concat());
+    assert!(text.contains("nothing changes, so that there is no picture"), "{text}");
+    assert!(out.join("run.csv").exists() && !out.join("run.svg").exists());
+}
+
 #[test]
 fn second_method_bifurcation_of_the_box_has_the_orbits_amplitude() {
     let out = folder("run-bifurcation-of-x1");

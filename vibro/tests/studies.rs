@@ -16,6 +16,7 @@ use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group, lyapunov};
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
@@ -25,7 +26,8 @@ const SETTLED: f64 = 2e-6;
 
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), range, count).unwrap();
-    let sweep = Sweep { axis, discard: 300, keep: 60, exponents, of: Displacement::X2 };
+    let sweep =
+        Sweep { axis, discard: 300, keep: 60, exponents, of: Displacement::X2, start: StartRule::default() };
     let all = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }
@@ -148,7 +150,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
     let p = set.parameters();
     let (x, y) = (initial("x1=-1:1", 6), initial("v2=-2:2", 5));
-    let request = basin::Request { x, y, discard: 300 };
+    let request = basin::Request { x, y, discard: 300, start: basin::in_the_middle() };
     let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.cells.len(), 30);
     let both = found.shares(0);
@@ -164,9 +166,9 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
         let (number, relation) = match destination {
             Destination::Attractor(n) => (*n, Relation::Same),
             Destination::Mirror(n) => (*n, Relation::Mirror),
-            Destination::Outside => panic!("inside the stops"),
+            other => panic!("cell {i}: {other:?}"),
         };
-        assert_eq!(found.attractors[usize::from(number)].relation(&ends), relation, "cell {i}");
+        assert_eq!(found.attractors[usize::from(number)].attractor.relation(&ends), relation, "cell {i}");
     }
     let outside = basin::Request { x: initial("x2=-3:3", 6), ..request };
     let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
@@ -315,7 +317,7 @@ fn errors_of_long_studies_name_what_is_allowed() {
         (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
         (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
         (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent parameters"),
-        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1, or orbit"),
+        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1 or block.s=5mm; or orbit"),
         (vec!["isoperiodic", "--start", "x2=3"], "stop"),
         (vec!["merge", "absent"], "reading absent"),
     ] {
@@ -336,14 +338,14 @@ fn the_report_is_whole_and_the_same_on_any_threads() {
         text.contains("periodic rows of both directions whose transient has ended lie on a stable branch"),
         "{text}"
     );
-    assert!(text.contains("0.95–2.8 (NS 0.9146596632 – PD 2.8022054392)"), "{text}");
+    assert!(text.contains("0.95–2.85 (NS 0.9146596632 – PD 2.8022054392)"), "{text}");
     assert!(text.contains("PD of 1T at 2.3730753708, PD of 2T at 2.4930216604"), "{text}");
     drawn(&two, &["reproduce", "--quick", "--threads", "2"]);
     assert_same(&one, &two);
     let html = std::fs::read_to_string(one.join("report.html")).unwrap();
     assert!(
-        html.contains("a reconstruction, not the paper&#39;s own data set")
-            || html.contains("a reconstruction, not the paper's own data set")
+        html.contains("a reconstruction, not the paper&#39;s own data")
+            || html.contains("a reconstruction, not the paper's own data")
     );
     // Self-contained: pictures inside, nothing from outside.
     let pictures = html.matches("src=\"data:image/png;base64,").count();

@@ -106,18 +106,24 @@ fn units_and_symbols_name_the_same_sweep() {
         [&["--vary", vary[0], "--vary", vary[1], "--output", "impacts"], &QUICK[..]].concat()
     };
     let out = swept("sweep-units", &line(["L=900mm:1.1m:3", "m2=100g,120g"]));
-    let bytes = std::fs::read(out.join("sweep.csv")).unwrap();
-    assert!(String::from_utf8_lossy(&bytes).starts_with("stop.gap,block.m,impacts,reason\n0.9,0.1,"));
+    // The columns in SI; those in the units of the axes come after them.
+    let in_si = || {
+        let text = std::fs::read_to_string(out.join("sweep.csv")).unwrap();
+        let cut = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",");
+        text.lines().map(cut).collect::<Vec<_>>().join("\n")
+    };
+    let found = in_si();
+    assert!(found.starts_with("stop.gap,block.m,impacts,reason\n0.9,0.1,"), "{found}");
     // The same values in other words are the same run, and overwrite it without a word.
     drawn(&out, &[&["sweep"], &line(["stop.gap=0.9:1.1:3", "block.m=0.1,0.12"])[..]].concat());
-    assert_eq!(std::fs::read(out.join("sweep.csv")).unwrap(), bytes);
+    assert_eq!(in_si(), found);
     // Other values are another one.
     let other = [&["sweep"], &line(["stop.gap=0.9:1.1:3", "block.m=0.1,0.13"])[..]].concat();
     let output = command(&out, &other).output().unwrap();
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(error.contains("--vary: stop.gap=0.9:1.1:3 block.m=0.1,0.12 there"), "{error}");
-    assert_eq!(std::fs::read(out.join("sweep.csv")).unwrap(), bytes);
+    assert_eq!(in_si(), found);
 }
 
 #[test]
@@ -193,15 +199,25 @@ fn each_kind_of_designs_has_its_picture() {
     has(
         "sweep-lines",
         &["--vary", "f10=1:2:4", "--output", "amplitude.x1,amplitude.w"],
-        &["amplitude.x1", "amplitude (m)"],
+        &["amplitude of x₁ (m)", "Not drawn, since it is the same at all designs: amplitude of w is 1 m."],
     );
+    // A small gap, written in m: lengths in mm; what does not change is told with its unit.
+    let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep-damper.toml");
+    let text = "[si]\nbox.m = 12\nbox.k = 48e3\nbox.c = 30\nblock.m = 1.2\nstop.gap = 0.015\nstop.restitution = 0.6\n\
+        drive.amplitude = 75\ndrive.frequency = \"10 Hz\"\ncoupling.k = 0\nsecondary.m = 1\nsecondary.k = 1e3\nsecondary.c = 1\n";
+    std::fs::write(&machine, text).unwrap();
+    let over = ["--config", machine.to_str().unwrap(), "--vary", "drive.frequency=9.9Hz,10Hz"];
+    let told = ["amplitude of x₁ (mm)", "Designs over ω₁/2π", "amplitude of w is 15 mm."];
+    has("sweep-mm", &[&over[..], &["--output", "amplitude.x1,amplitude.w"]].concat(), &told);
+    let masses = ["--vary", "block.m=1kg,1.2kg", "--output", "amplitude.x1"];
+    has("sweep-mm-map", &[&over[..], &masses].concat(), &["least, ", " mm<"]);
     has(
         "sweep-map",
         &["--vary", "f10=1:2:4", "--vary", "kappa=0.4,0.5,0.8", "--output", "amplitude.x1"],
         &["least, ", "0.8"],
     );
     let three = ["--vary", "f10=1:2:3", "--vary", "kappa=0.4:0.8:3", "--vary", "L=0.9:1.1:2"];
-    has("sweep-three", &[&three[..], &["--output", "rms.x1"]].concat(), &["least over L of rms.x1"]);
+    has("sweep-three", &[&three[..], &["--output", "rms.x1"]].concat(), &["rms of x₁; least over L"]);
     let sobol = ["--vary", "f10=1:2", "--vary", "kappa=0.4:0.8", "--sobol", "9", "--output", "rms.x1"];
     has("sweep-sobol", &sobol, &["9 designs (points of the Sobol sequence)"]);
     // A design whose frequency the mass ratio does not allow.

@@ -14,12 +14,12 @@ const IRREGULAR: f64 = 0.1;
 const TOLD: f64 = 0.006;
 
 /// Mass (kg), gap (m) and restitution coefficient of the choice.
-const CHOICE: [f64; 3] = [1.1, 0.018, 0.5];
+const CHOICE: [f64; 3] = [1.2, 0.016, 0.5];
 
 /// Of the grid, the choice and its neighbours.
 const SHORTENED: [(&str, &str); 3] = [
-    ("block.m=0.2kg:1.2kg:11", "block.m=1kg,1.1kg,1.2kg"),
-    ("stop.gap=2mm:24mm:12", "stop.gap=16mm,18mm,20mm"),
+    ("block.m=0.2kg:1.2kg:11", "block.m=1.1kg,1.2kg"),
+    ("stop.gap=2mm:24mm:12", "stop.gap=14mm,16mm,18mm"),
     ("stop.restitution=0.5:0.9:9", "stop.restitution=0.5,0.55"),
 ];
 
@@ -87,7 +87,7 @@ fn the_tutorial_says_what_its_commands_find() {
     assert!(said.iter().any(|text| text.contains("class: 1T")));
     // 4. The choice and its neighbours.
     let designs = table("designs/sweep.csv");
-    assert_eq!(designs.len(), 3 * 3 * 2);
+    assert_eq!(designs.len(), 2 * 3 * 2);
     let design = |mass: f64, gap: f64, coefficient: f64| {
         let same = |row: &HashMap<String, String>, name, value: f64| (number(row, name) - value).abs() < 1e-9;
         let of = |row: &&HashMap<String, String>| {
@@ -105,11 +105,14 @@ fn the_tutorial_says_what_its_commands_find() {
     close(told(page, "to # mm at worst"), 1e3 * number(choice, "amplitude.x1.max"), IRREGULAR);
     close(told(page, "impacts of up to # N s"), number(choice, "impact.impulse.max"), IRREGULAR);
     let below = 1e-3 * told(page, "stay below # mm");
-    for (m, l, k) in
-        [(1.0, gap, 0.5), (1.2, gap, 0.5), (mass, 0.016, 0.5), (mass, 0.02, 0.5), (mass, gap, 0.55)]
-    {
+    for (m, l, k) in [(1.1, gap, 0.5), (mass, 0.014, 0.5), (mass, 0.018, 0.5), (mass, gap, 0.55)] {
         assert!(number(design(m, l, k), "amplitude.x1.max") < below * (1.0 + IRREGULAR), "{m} {l} {k}");
     }
+    // Measured again, the choice is the best; which is so by the first 60 periods depends on last digits.
+    let again = "again, over 600 drive periods from 10 starts";
+    let text = said.iter().find(|text| text.contains(again)).expect("the best are measured again");
+    let first = text.lines().skip_while(|line| !line.contains(again)).nth(1).expect("the best");
+    assert!(first.contains("block.m = 1.2 kg, stop.gap = 16 mm, stop.restitution = 0.5"), "{first}");
     // The parameter file of the page is that of the choice.
     let mut set = vibro_analysis::ParameterSet::basic();
     vibro::parameter_file::apply(&mut set, &std::fs::read_to_string(home().join("design.toml")).unwrap())

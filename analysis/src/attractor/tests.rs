@@ -2,6 +2,7 @@ use super::*;
 use crate::motion::settled_simulator;
 use crate::stroboscopic::moving_block;
 use vibro_impact::parameters::{Groups, Scales};
+use vibro_impact::simulator::{Loads, State};
 
 /// Periods of a made-up motion.
 fn periods(coordinate: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<ObservedPeriod> {
@@ -87,6 +88,7 @@ fn closed_form_classes_by_exponents() {
         states: vec![[0.0; 6]],
         mirror_states: vec![[0.0; 6]],
         sizes: [1.0; 3],
+        statistics: None,
     };
     let spectrum = |first: f64, second: f64| Spectrum {
         exponents: [first, second, -1.0, -1.0, -1.0, -1.0, f64::NEG_INFINITY],
@@ -102,5 +104,28 @@ fn closed_form_classes_by_exponents() {
     assert_eq!(class(false, 0.95e-3, 0.0), MotionClass::QuasiPeriodic);
     assert_eq!(class(true, 0.0, 0.0), MotionClass::Settling);
     assert_eq!(class(false, 0.0, -0.1), MotionClass::Settling);
-    assert_eq!(MotionClass::of(&attractor(false), None), MotionClass::Aperiodic);
+    assert_eq!(MotionClass::of(&attractor(false), None), MotionClass::NotSettled);
+}
+
+/// A weight on the block that is larger than all that the drive makes holds it at the lower stop: no impact, but no freedom either.
+#[test]
+fn closed_form_a_block_that_a_load_holds_at_a_stop_rests_throughout() {
+    let p = Groups { f10: 0.1, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
+    let held = State { x: [0.0, -p.stop_gap, 0.0], v: [0.0; 3] };
+    let mut simulator = Simulator::new(&p, &held, 0.0).unwrap();
+    let mut loads = Loads::default();
+    loads.derivatives[1][0] = -100.0;
+    simulator.set_loads(&loads).unwrap();
+    simulator.advance_to(2000.0 * p.period()).unwrap();
+    assert_ne!(simulator.contact(), Contact::Flight);
+    let found = observe(&mut simulator).unwrap();
+    assert!(found.rests && !found.is_free() && found.impacts == [0.0; 2], "{found:?}");
+    assert_eq!(found.period, Some(1));
+    // Box and block are one body.
+    assert!(found.states.iter().all(|s| (s[1] - s[0] + 1.0).abs() < 1e-12));
+    // The motion without any load flies freely, and is another one.
+    let mut free = Simulator::new(&p, &State::default(), 0.0).unwrap();
+    free.advance_to(2000.0 * p.period()).unwrap();
+    let free = observe(&mut free).unwrap();
+    assert!(free.is_free() && !free.rests && free.relation(&found) == Relation::Different);
 }

@@ -1,8 +1,8 @@
 //! Which designs a sweep has.
 
-use crate::isoperiodic::StartRule;
 use crate::parameter_set::Name;
 use crate::sobol::coordinate;
+use crate::start::StartRule;
 use serde::{Deserialize, Serialize};
 
 /// A parameter and the values that it takes, SI.
@@ -106,7 +106,7 @@ pub fn spread_starts(count: u32) -> Vec<StartRule> {
     let start = |index: u32| {
         let [x1, w, x3, v1, v2, v3]: [f64; 6] = std::array::from_fn(|d| 2.0 * coordinate(index, d) - 1.0);
         let state = [REACH * x1, REACH * x1 + w, REACH * x3, REACH * v1, REACH * v2, REACH * v3];
-        StartRule::State(state)
+        StartRule::scaled(state)
     };
     (2..count.saturating_add(2)).map(start).collect()
 }

@@ -41,12 +41,17 @@ fn designs_of_each_kind_in_order() {
     assert_eq!(values, [[0.0, 0.0], [1.0, 1.0], [1.5, 0.5], [0.5, 1.5]]);
     let mut more = request();
     assert_eq!((more.count(), more.motions()), (1, 6));
-    assert_eq!(more.motion_in_words(3), "drive.frequency = 1 rad/s, start x1=0.5,v3=-1");
+    assert_eq!(
+        more.motion_in_words(&ParameterSet::basic(), 3),
+        "drive.frequency = 1 rad/s, start x1=0.5,v3=-1"
+    );
     // Starts are inside the stops, and none is at rest.
     more.starts.extend(spread_starts(200));
     for start in &more.starts {
-        let StartRule::State([x1, x2, .., v2, _]) = start else { panic!("{start}") };
-        assert!((x2 - x1).abs() < 1.0 && (*v2 != 0.0 || x1 != x2), "{start}");
+        // The default machine has L = 1 m and ω10 = 1 rad/s.
+        let vibro_impact::State { x: [x1, x2, _], v: [_, v2, _] } =
+            start.state(&Parameters::default()).unwrap();
+        assert!((x2 - x1).abs() < 1.0 && (v2 != 0.0 || x1 != x2), "{start}");
     }
 }
 
@@ -60,9 +65,8 @@ fn second_method_a_row_is_what_its_motions_are_one_by_one() {
             let mut own = set.clone();
             let values = [("stop.gap", 1.0), ("kappa", 0.5), ("drive.frequency", frequency)];
             own.assign(&values.map(|(n, v)| (name(n), v))).unwrap();
-            let StartRule::State(start) = start else { panic!("{start}") };
             let p = own.parameters();
-            let mut simulator = settled_simulator(p, &dimensional(p, start), 40.0).unwrap();
+            let mut simulator = settled_simulator(p, &start.state(p).unwrap(), 40.0).unwrap();
             all.push(measure(&mut simulator, &request.measures, 12).unwrap());
         }
     }

@@ -42,6 +42,13 @@ impl Extent {
         (self.least.max(-bound), self.largest.min(bound))
     }
 
+    /// Takes up what another stretch of the motion has shown.
+    pub fn join(&mut self, other: &Self) {
+        self.least = self.least.min(other.least);
+        self.largest = self.largest.max(other.largest);
+        self.square += other.square;
+    }
+
     #[inline(always)]
     fn meet(&mut self, value: f64) {
         self.least = self.least.min(value);

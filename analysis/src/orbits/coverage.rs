@@ -97,7 +97,7 @@ impl Tree {
     ///
     /// let span = Span::new(find_group("f10")?, 1.4, 1.6)?;
     /// let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span)?;
-    /// let options = TreeOptions { seeds: 2, settle: 300, depth: 0, ..TreeOptions::default() };
+    /// let options = TreeOptions { seeds: 2, settle: 300, starts: 0, depth: 0, ..TreeOptions::default() };
     /// let found = tree(&family, &options, &|_, _| ())?;
     ///
     /// let system = family.system(&[1.5])?;

@@ -1,15 +1,22 @@
 //! The linear part of an orbit: for given impact phases the state follows from one system of six equations, and the conditions of
-//! contact are left as residual (docs/theory.md (101) to (105)).
+//! contact are left as residual (docs/theory.md (101) to (105)); for a block without a spring the first contact is among the six, and
+//! the block's return is left instead (docs/theory.md (112)).
 
 use super::obstacle::Obstacle;
 use super::system::System;
 use super::word::OrbitWord;
-use nalgebra::{Complex, DMatrix, DVector, Matrix6, SMatrix};
+use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 
 /// Least ratio of the diagonal entries of an LU decomposition of σI - M that still counts as regular: beyond it the state keeps
 /// fewer than six digits.
 const REGULAR: f64 = 1e-10;
+
+/// The place of the block's displacement in a state.
+const BLOCK: usize = 1;
+
+/// w as a row of a state.
+const GAP: Vector6 = Vector6::new(-1.0, 1.0, 0.0, 0.0, 0.0, 0.0);
 
 /// Which quantity at the ends of the flights is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +52,7 @@ pub(super) struct Cycle<'a> {
     pub start: Vector6,
     pub before: Vec<Vector6>,
     pub after: Vec<Vector6>,
-    /// w - s at the end of each flight.
+    /// w - s at the end of each flight; of an anchored system the last is how far the block misses its return.
     pub residual: Vec<f64>,
     /// w'⁻ at the end of each flight.
     pub rates: Vec<f64>,
@@ -76,29 +83,41 @@ impl<'a> Cycle<'a> {
         phases: &'a [f64],
         transitions: Vec<Transition>,
     ) -> Result<Self, Obstacle> {
+        if !system.balances(word) {
+            return Err(Obstacle::Unbalanced);
+        }
         let n = phases.len();
         let forced = |i: usize| system.forced_gap(arrival(word, phases, i));
+        let span = |i: usize| arrival(word, phases, i) - phases[i];
         let (mut map, mut constant) = (Matrix6::identity(), Vector6::zeros());
         let mut rows = Vec::with_capacity(n);
         for (i, transition) in transitions.iter().enumerate() {
             map = mapped(&map, |z| transition.apply(z));
             rows.push([1, 4].map(|i| (map.row(i) - map.row(i - 1)).transpose()));
             map = mapped(&map, |z| system.strike(z, 0.0));
-            constant = system.strike(&transition.apply(&constant), forced(i)[1]);
+            constant = system.strike(&system.flown(transition, span(i), &constant), forced(i)[1]);
         }
-        let closed = Matrix6::identity() * f64::from(word.closing()) - map;
+        let sigma = f64::from(word.closing());
+        let mut closed = Matrix6::identity() * sigma - map;
+        if system.is_anchored() {
+            closed.set_row(BLOCK, &GAP.transpose());
+            constant[BLOCK] = word.side(0) - system.forced_gap(phases[0])[0];
+        }
         let start = solve(&closed, &constant).ok_or(Obstacle::Singular)?;
         let (mut before, mut after) = (Vec::with_capacity(n), Vec::with_capacity(n));
         let (mut residual, mut rates) = (Vec::with_capacity(n), Vec::with_capacity(n));
         let mut z = start;
         for (i, transition) in transitions.iter().enumerate() {
             let [gap, rate, _] = forced(i);
-            let arrived = transition.apply(&z);
+            let arrived = system.flown(transition, span(i), &z);
             residual.push(Functional::Gap.of(&arrived) + gap - word.side(i + 1));
             rates.push(Functional::Rate.of(&arrived) + rate);
             z = system.strike(&arrived, rate);
             before.push(arrived);
             after.push(z);
+        }
+        if system.is_anchored() {
+            residual[n - 1] = z[BLOCK] - sigma * start[BLOCK];
         }
         if residual.iter().chain(&rates).any(|x| !x.is_finite()) {
             return Err(Obstacle::Singular);
@@ -124,6 +143,30 @@ impl<'a> Cycle<'a> {
 
     fn len(&self) -> usize {
         self.phases.len()
+    }
+
+    fn sigma(&self) -> f64 {
+        f64::from(self.word.closing())
+    }
+
+    /// The matrix of the equations for the state, or for its variations that close with `factor` times the word's sign.
+    fn closed<T: ComplexField<RealField = f64>>(&self, factor: &T) -> SMatrix<T, 6, 6> {
+        let factor = factor.clone() * T::from_real(self.sigma());
+        let mut closed = SMatrix::<T, 6, 6>::identity() * factor - self.map.map(T::from_real);
+        if self.system.is_anchored() {
+            closed.set_row(BLOCK, &GAP.transpose().map(T::from_real));
+        }
+        closed
+    }
+
+    /// The determinant by which that of the residual's derivative is multiplied so that it does not depend on which of the equations
+    /// are solved for the state (docs/theory.md (112)): 1 unless the system is anchored.
+    pub fn anchor(&self, factor: f64) -> f64 {
+        if self.system.is_anchored() {
+            factor * self.sigma() * self.closed(&factor).determinant()
+        } else {
+            1.0
+        }
     }
 
     /// The phase of the impact at the end of a flight.
@@ -164,51 +207,59 @@ impl<'a> Cycle<'a> {
     /// that close with `factor` times the word's sign: 1 for those of the orbit itself, -1 for those that double the period or
     /// break the symmetry.
     pub fn derivative(&self, functional: Functional, factor: f64) -> Option<DMatrix<f64>> {
-        let n = self.len();
-        let (direct, ends) = self.delays(functional);
-        let closed = Matrix6::identity() * (factor * f64::from(self.word.closing())) - self.map;
-        let lu = closed.lu();
-        let mut matrix = direct;
-        for k in 0..n {
-            // The first impact is varied at the end alone, where variations have the factor.
-            let factor = if k == 0 { factor } else { 1.0 };
-            let start = lu.solve(&(ends[k] * factor))?;
-            for i in 0..n {
-                matrix[(i, k)] += self.rows[i][functional as usize].dot(&start);
-            }
-        }
-        for i in 0..n {
-            let own = match functional {
-                Functional::Gap => self.rates[i],
-                Functional::Rate => self.approach_acceleration(i),
-            };
-            matrix[(i, (i + 1) % n)] += if i + 1 == n { factor * own } else { own };
-        }
-        Some(matrix)
+        self.derivative_for(functional, factor)
     }
 
     /// [`derivative`](Self::derivative) of the gap for variations that close with a complex factor.
     pub fn complex_derivative(&self, factor: Complex<f64>) -> Option<DMatrix<Complex<f64>>> {
+        self.derivative_for(Functional::Gap, factor)
+    }
+
+    fn derivative_for<T: ComplexField<RealField = f64>>(
+        &self,
+        functional: Functional,
+        factor: T,
+    ) -> Option<DMatrix<T>> {
         let n = self.len();
-        let complex = |x: f64| Complex::new(x, 0.0);
-        let (direct, ends) = self.delays(Functional::Gap);
-        let closed: SMatrix<Complex<f64>, 6, 6> =
-            SMatrix::identity() * (factor * f64::from(self.word.closing())) - self.map.map(complex);
-        let lu = closed.lu();
-        let mut matrix = direct.map(complex);
+        let (direct, ends) = self.delays(functional);
+        let lu = self.closed(&factor).lu();
+        let returns = self.system.is_anchored() && functional == Functional::Gap;
+        let contacts = if returns { n - 1 } else { n };
+        let mut matrix = direct.map(T::from_real);
         for k in 0..n {
-            let factor = if k == 0 { factor } else { complex(1.0) };
-            let start = lu.solve(&(ends[k].map(complex) * factor))?;
-            for i in 0..n {
-                let row = self.rows[i][Functional::Gap as usize].iter();
-                matrix[(i, k)] += row.zip(start.iter()).map(|(a, b)| b * *a).sum::<Complex<f64>>();
+            // The first impact is varied at the end alone, where variations have the factor.
+            let part = if k == 0 { factor.clone() } else { T::one() };
+            let end = ends[k].map(|x| T::from_real(x) * part.clone());
+            let mut right = end.clone();
+            if self.system.is_anchored() {
+                right[BLOCK] = T::from_real(if k == 0 { -self.departure_rate() } else { 0.0 });
+            }
+            let start = lu.solve(&right)?;
+            let along = |row: &Vector6| -> T {
+                let terms = row.iter().zip(start.iter()).map(|(a, b)| T::from_real(*a) * b.clone());
+                terms.fold(T::zero(), |sum, term| sum + term)
+            };
+            for i in 0..contacts {
+                matrix[(i, k)] += along(&self.rows[i][functional as usize]);
+            }
+            if returns {
+                let block = factor.clone() * T::from_real(self.sigma()) * start[BLOCK].clone();
+                matrix[(n - 1, k)] = along(&self.map.row(BLOCK).transpose()) + end[BLOCK].clone() - block;
             }
         }
-        for i in 0..n {
-            let own = complex(self.rates[i]);
-            matrix[(i, (i + 1) % n)] += if i + 1 == n { factor * own } else { own };
+        for i in 0..contacts {
+            let own = T::from_real(match functional {
+                Functional::Gap => self.rates[i],
+                Functional::Rate => self.approach_acceleration(i),
+            });
+            matrix[(i, (i + 1) % n)] += if i + 1 == n { factor.clone() * own } else { own };
         }
         Some(matrix)
+    }
+
+    /// w'⁺ of the first impact, by the state after it.
+    fn departure_rate(&self) -> f64 {
+        Functional::Rate.of(&self.start) + self.system.forced_gap(self.phases[0])[1]
     }
 
     /// For each impact what its delay changes directly: a functional at the ends of the later flights, and the state at the end of
@@ -216,7 +267,12 @@ impl<'a> Cycle<'a> {
     fn delays(&self, functional: Functional) -> (DMatrix<f64>, Vec<Vector6>) {
         let n = self.len();
         let mut direct = DMatrix::zeros(n, n);
-        let mut ends = vec![self.delay(n - 1)];
+        let mut first = self.delay(n - 1);
+        if self.system.is_anchored() {
+            // The state at the end is not yet that at the start.
+            first += self.system.rate(&self.after[n - 1]) - self.system.rate(&self.start) * self.sigma();
+        }
+        let mut ends = vec![first];
         for k in 1..n {
             let mut variation = self.delay(k - 1);
             for i in k..n {

@@ -59,6 +59,8 @@ pub struct Family {
     set: ParameterSet,
     loads: ConstantLoads,
     spans: Vec<Span>,
+    /// Whether the block of one of the machines has no spring: the equations are then the same for all.
+    anchored: bool,
 }
 
 impl Family {
@@ -90,11 +92,14 @@ impl Family {
     fn over(set: &ParameterSet, loads: ConstantLoads, spans: Vec<Span>) -> Result<Self, Error> {
         // A span has public fields, so that it need not come from `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
-        let family = Self { set: set.clone(), loads, spans };
+        // The set's own loads are among the family's; a load that varies is added to them by `System::with_loads`.
+        let (set, own) = set.without_loads();
+        let forces = std::array::from_fn(|body| loads.forces[body] + own[body]);
+        let family = Self { set, loads: ConstantLoads { forces }, spans, anchored: false };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
-        family.system(&from)?;
-        family.system(&to)?;
-        Ok(family)
+        // A range of the coupling begins at 0 at the least.
+        let anchored = family.system(&from)?.has_free_block() || family.system(&to)?.has_free_block();
+        Ok(Self { anchored, ..family })
     }
 
     /// The parameters that vary.
@@ -124,17 +129,18 @@ impl Family {
     /// # Errors
     /// As [`System::with_loads`] and the range that a value violates.
     pub fn system(&self, values: &[f64]) -> Result<System, Error> {
-        System::with_loads(self.parameter_set(values)?.parameters(), self.loads)
+        let system = System::with_loads(self.parameter_set(values)?.parameters(), self.loads)?;
+        Ok(if self.anchored { system.anchored() } else { system })
     }
 
-    /// The loads.
+    /// The loads, that of the parameter set with them; without one that varies.
     pub fn loads(&self) -> ConstantLoads {
         self.loads
     }
 
     /// Whether mirror images of orbits are orbits.
-    pub(super) fn is_symmetric(&self) -> bool {
-        self.loads == ConstantLoads::NONE
+    pub fn is_symmetric(&self) -> bool {
+        self.loads == ConstantLoads::NONE && !self.spans.iter().any(|span| span.name.is_load())
     }
 
     /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.

@@ -44,6 +44,7 @@ pub(super) fn pieces(
     (0..count).map(move |i| {
         let phase = phase + f64::from(i) * length;
         let mut x = system.flight.piece(&z, 0.0, length, 0.0);
+        x[1][2] += 0.5 * system.pull() * length * length;
         z = Flight::state(&x, 1.0, length);
         // The box swings against the gap.
         add_sine(&mut x[0], -amplitude, length, phase + angle);

@@ -18,10 +18,9 @@ const LOCATION: f64 = 1e-14;
 /// Step of the difference that tells on which side of a touch the block keeps clear, in parts of the range.
 const SIDE: f64 = 1e-6;
 
-/// How far the block keeps from the nearer stop, units of L.
+/// How far the block keeps from the nearer stop, units of L; NaN without such a motion.
 fn clearance(family: &Family, value: f64) -> f64 {
-    let system = family.system(&[value]);
-    system.map_or(f64::NAN, |s| 1.0 - s.amplitude() - s.offset().abs())
+    family.system(&[value]).ok().and_then(|s| s.clearance()).unwrap_or(f64::NAN)
 }
 
 /// The sign of the direction in which the parameter leaves a touch of the motion without impacts.
@@ -72,7 +71,7 @@ pub(super) fn branches(family: &Family, marks: &[f64]) -> Result<Vec<FreeBranch>
             let label = if touches { Label::Grazing } else { Label::EndPoint };
             let mut special = Special::of(label);
             if touches {
-                let contact = contact(family, points[at].value)?;
+                let contact = contact(family, &[points[at].value])?;
                 special.longer = contact.longer(family, 1).into_iter().next().map(|t| t.longer);
                 contacts.push((at, contact));
             }
@@ -96,11 +95,11 @@ fn point(family: &Family, value: f64) -> Result<Point> {
     Ok(Point { value, phases: Vec::new(), multipliers, stable: orbit.is_stable(), special: None })
 }
 
-/// The touch of the motion without impacts at a value where it has no clearance left.
-fn contact(family: &Family, value: f64) -> Result<Contact> {
-    let system = family.system(&[value])?;
+/// The touch of the motion without impacts at values where it has no clearance left.
+pub(super) fn contact(family: &Family, values: &[f64]) -> Result<Contact> {
+    let system = family.system(values)?;
     let (_, angle) = system.wave();
     let side: i8 = if system.offset() < 0.0 { -1 } else { 1 };
     let phase = (f64::from(side) * FRAC_PI_2 - angle).rem_euclid(TAU);
-    Ok(Contact { shorter: free_word(family), u: family.point(&[], &[value]), flight: 0, phase, side })
+    Ok(Contact { shorter: free_word(family), u: family.point(&[], values), flight: 0, phase, side })
 }

@@ -5,6 +5,7 @@ use super::family::Family;
 use super::free;
 use super::grazing::Touch;
 use super::path::{PathEnd, PathOptions};
+use super::seeds::{Place, Seeds};
 use super::switching::{self, Contact, Departure};
 use super::tree::{Traced, Tree, TreeOptions};
 use super::word::OrbitWord;
@@ -22,7 +23,12 @@ pub(super) struct Start {
     pub parent: Option<(usize, usize)>,
     pub word: OrbitWord,
     pub departures: Vec<Departure>,
+    /// Whether its branch is taken only if it is stable somewhere: of an orbit near which a motion passed.
+    pub island: bool,
 }
+
+/// A start at an orbit near which a motion passed, behind all others.
+const LAST: u32 = u32::MAX;
 
 /// The tree as far as it has grown.
 pub(super) struct Grower<'a> {
@@ -31,6 +37,8 @@ pub(super) struct Grower<'a> {
     pub path: PathOptions,
     pub tree: Tree,
     pub queue: Vec<Start>,
+    /// Branches that were traced and are stable nowhere, so that they are no islands.
+    left_out: Tree,
     /// Places from which branches were traced or at which they end: kind, canonical word, parameter.
     known: Vec<(Label, OrbitWord, f64)>,
 }
@@ -38,8 +46,24 @@ pub(super) struct Grower<'a> {
 impl<'a> Grower<'a> {
     pub fn new(family: &'a Family, options: &'a TreeOptions) -> Self {
         let path = PathOptions { longest_step: options.longest_step, most_points: options.most_points };
-        let tree = Tree { branches: Vec::new(), failures: 0 };
-        Self { family, options, path, tree, queue: Vec::new(), known: Vec::new() }
+        let (tree, left_out) = (Tree::default(), Tree::default());
+        Self { family, options, path, tree, left_out, queue: Vec::new(), known: Vec::new() }
+    }
+
+    /// Queues the orbits that were found by simulation: those on which motions settled first, those near which others passed last.
+    pub fn plant(&mut self, seeds: Seeds) {
+        let Seeds { settled, passed, searched } = seeds;
+        self.tree.searched = searched;
+        // A stable orbit is on an island or on a branch that is known.
+        let (stable, unstable): (Vec<Place>, Vec<Place>) = passed.into_iter().partition(|place| place.stable);
+        let passed = stable.into_iter().chain(unstable).map(|place| (place, LAST));
+        for (place, depth) in settled.into_iter().map(|place| (place, 0)).chain(passed) {
+            let Place { word, phases, value, .. } = place;
+            if let Ok((word, both)) = switching::both_ways(self.family, &word, &phases, value) {
+                let departures = both.to_vec();
+                self.queue.push(Start { depth, parent: None, word, departures, island: depth == LAST });
+            }
+        }
     }
 
     /// The next starts of the queue, which is in order of depth and in each depth in order of discovery: of those of one word the
@@ -62,19 +86,26 @@ impl<'a> Grower<'a> {
     pub fn tree_has(&self, start: &Start) -> bool {
         let Some(departure) = start.departures.first().filter(|d| d.special.is_none()) else { return false };
         let value = self.family.values(&departure.u)[0];
-        self.tree
-            .passing(self.family, &start.word, &departure.u.as_slice()[..start.word.len()], value)
-            .is_some()
+        let phases = &departure.u.as_slice()[..start.word.len()];
+        let passes = |tree: &Tree| tree.passing(self.family, &start.word, phases, value).is_some();
+        passes(&self.tree) || (start.island && passes(&self.left_out))
     }
 
     /// Takes a branch into the tree, unless it is there, and queues what begins on it.
     pub fn add(&mut self, start: Start, traced: Traced) {
         let Traced { points, closed, ends } = traced;
-        let Start { depth, parent, word, departures } = start;
+        let Start { depth, parent, word, departures, island } = start;
+        self.tree.searched.followed += usize::from(island);
         if points.len() < 3 {
-            self.tree.failures += 1;
+            self.tree.failures += usize::from(!island);
             return;
         }
+        if island && !points.iter().any(|p| p.stable) {
+            let id = self.left_out.branches.len();
+            self.left_out.branches.push(Branch { id, parent, depth, word, points, closed });
+            return;
+        }
+        let depth = if island { 0 } else { depth };
         let born = departures.len() == 1;
         // Away from the ends, next to which several branches lie close together.
         let middle = points.len() / 2;
@@ -82,6 +113,7 @@ impl<'a> Grower<'a> {
         if self.tree.passing(self.family, &word, &probe.phases, probe.value).is_some() {
             return;
         }
+        self.tree.searched.islands += usize::from(island);
         let id = self.tree.branches.len();
         if let (true, Some(label)) = (born, points[0].label()) {
             self.know(label, &word, points[0].value);
@@ -120,6 +152,7 @@ impl<'a> Grower<'a> {
                             parent: Some((id, point)),
                             word,
                             departures: both.to_vec(),
+                            island: false,
                         });
                     }
                 }
@@ -185,6 +218,7 @@ impl<'a> Grower<'a> {
                 parent: Some((id, point)),
                 word,
                 departures: vec![departure],
+                island: false,
             });
         }
     }
@@ -224,6 +258,7 @@ impl<'a> Grower<'a> {
         let departure = Departure { special: Some(special), ..departure.clone() };
         let (word, departure) = switching::reduced_departure(self.family, word, &departure);
         let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
-        self.offer(Start { depth: depth + 1, parent: Some(parent), word, departures: vec![departure] });
+        let departures = vec![departure];
+        self.offer(Start { depth: depth + 1, parent: Some(parent), word, departures, island: false });
     }
 }

@@ -1,16 +1,17 @@
 //! Curves of bifurcations and of touches in two parameters (docs/theory.md, section 14).
 
 mod equations;
+pub(super) mod start;
 
-use self::equations::{Border, Condition, Locus};
-use super::branch::Label;
+pub use self::start::LocusStart;
+
+use self::equations::{Condition, Locus};
+use self::start::{Normal, first_point};
 use super::curve::{CurvePoint, axis, correct, meet, tangent};
-use super::cycle::{Cycle, Functional};
 use super::family::Family;
 use super::obstacle::Obstacle;
-use super::word::OrbitWord;
 use crate::error::{Error, Result as Outcome};
-use nalgebra::{Complex, DVector};
+use nalgebra::DVector;
 use std::f64::consts::PI;
 
 /// First, least and longest step, in rad and fifths of the parameters' ranges.
@@ -23,19 +24,6 @@ const COSINE: f64 = 0.9;
 /// Points after which a curve can have closed, and the distance from its first point, in steps, at which it has.
 const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
-
-/// A point from which a curve in two parameters is followed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LocusStart {
-    /// What holds along the curve: LP, BP, PD, NS or GR.
-    pub label: Label,
-    /// The word; at a touch the longer one, which lists it.
-    pub word: OrbitWord,
-    /// Phases of the impacts near the point.
-    pub phases: Vec<f64>,
-    /// The two parameters.
-    pub values: [f64; 2],
-}
 
 /// A point of a curve in two parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +81,8 @@ impl LocusEnd {
 /// let spans = (Span::new(force, 1.9, 2.2)?, Span::new(kappa, 0.7, 0.8)?);
 /// let family = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, spans.0, spans.1)?;
 /// let word = OrbitWord::new("U", -1, 1)?;
-/// let start = LocusStart { label: Label::BranchPoint, word, phases: vec![5.54], values: [2.04, 0.75] };
+/// let (phases, values) = (vec![4.49692], [2.03959, 0.75]); // as special-points.csv has them
+/// let start = LocusStart { label: Label::BranchPoint, word, phases, values };
 /// let curve = locus(&family, &start)?;
 /// assert!(curve.iter().any(|p| (p.values[1] - 0.75).abs() < 1e-2 && (p.values[0] - 2.04).abs() < 2e-2));
 /// # Ok::<(), vibro_analysis::Error>(())
@@ -113,11 +102,12 @@ pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
         return Err(Error::Form { text, expected: "a start within the ranges of both parameters" });
     }
     let system = family.system(&start.values)?;
-    if start.word.closing() < 0 && !family.is_symmetric() {
-        return Err(Obstacle::Asymmetric.error(&system, &start.word));
-    }
     let failed = |obstacle: Obstacle| obstacle.error(&system, &start.word);
-    let (locus, u) = first_point(family, start)?.map_err(failed)?;
+    if start.word.closing() < 0 && !family.is_symmetric() {
+        return Err(failed(Obstacle::Asymmetric));
+    }
+    let normal = Normal::of(family, start)?;
+    let (locus, u) = first_point(family, &normal).map_err(failed)?;
     let both = axis(u.len(), u.len() - 1) + axis(u.len(), u.len() - 2);
     let along = tangent(&locus, &u, &both).map_err(failed)?;
     let (forward, end) = follow(&locus, &u, along.clone());
@@ -137,70 +127,6 @@ fn point(locus: &Locus, u: &DVector<f64>, end: Option<LocusEnd>) -> LocusPoint {
     let values = locus.family.values(u);
     let angle = matches!(locus.condition, Condition::Complex(_)).then(|| u[locus.n()]);
     LocusPoint { values: [values[0], values[1]], phases: u.as_slice()[..locus.n()].to_vec(), angle, end }
-}
-
-/// The point of the curve next to a start: the second parameter is held.
-fn first_point<'a>(
-    family: &'a Family,
-    start: &'a LocusStart,
-) -> Outcome<Result<(Locus<'a>, DVector<f64>), Obstacle>> {
-    let word = &start.word;
-    let symmetric = word.closing() < 0;
-    let form = || {
-        let text = format!("{} of the word {word}", start.label);
-        Error::Form {
-            text,
-            expected: "one of LP, BP, PD, NS, GR, with the word's closing sign and at GR the longer word",
-        }
-    };
-    let factor = match start.label {
-        Label::Fold => 1.0,
-        Label::BranchPoint if symmetric => -1.0,
-        Label::PeriodDoubling if !symmetric => -1.0,
-        Label::NeimarkSacker | Label::Grazing => 0.0,
-        _ => return Err(form()),
-    };
-    if start.phases.len() != word.len() || word.is_empty() {
-        return Err(form());
-    }
-    let found = || {
-        let system = family.system(&start.values)?;
-        let phases = if start.label == Label::Grazing {
-            start.phases.clone()
-        } else {
-            super::orbit::newton(&system, word, &start.phases)?
-        };
-        let cycle = Cycle::new(&system, word, &phases)?;
-        let mut u = family.point(&phases, &start.values);
-        let condition = match start.label {
-            Label::Grazing => {
-                let slowest = |a: &usize, b: &usize| cycle.speed(*a).abs().total_cmp(&cycle.speed(*b).abs());
-                Condition::Touch((0..word.len()).min_by(slowest).ok_or(Obstacle::Order)?)
-            }
-            Label::NeimarkSacker => {
-                let multipliers =
-                    super::orbit::eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
-                let near = multipliers.into_iter().filter(|m| m.im > 0.0);
-                let nearest = near.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()));
-                let angle = nearest.ok_or(Obstacle::NoConvergence)?.arg();
-                u = u.insert_row(word.len(), angle);
-                let matrix = cycle.complex_derivative(Complex::cis(angle)).ok_or(Obstacle::Singular)?;
-                Condition::Complex(Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
-            }
-            _ => {
-                let matrix = cycle.derivative(Functional::Gap, factor).ok_or(Obstacle::Singular)?;
-                Condition::Real(factor, Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
-            }
-        };
-        let mut locus = Locus { family, word, condition };
-        let last = u.len() - 1;
-        let held = u[last];
-        let hold = |u: &DVector<f64>| Ok((u[last] - held, axis(u.len(), last)));
-        let u = meet(&locus, &u, hold)?;
-        locus.condition = locus.adapted(&u)?;
-        Ok((locus, u))
-    };
-    Ok(found())
 }
 
 /// Follows a curve in one direction and tells how it ends; the first point is left out.

@@ -11,10 +11,14 @@ pub(super) enum Obstacle {
     Order,
     /// The motion without impacts has a neutral direction: σI - M is singular.
     Singular,
+    /// The impulses of the word cannot balance the load on a block without a spring.
+    Unbalanced,
     /// A symmetric orbit is asked of a machine that is not symmetric.
     Asymmetric,
     /// Newton's method did not converge.
     NoConvergence,
+    /// The phases of a special point are far from those of an orbit of the machine.
+    OtherMachine,
     /// The parameters make no machine.
     Refused(Error),
 }
@@ -39,10 +43,21 @@ impl Obstacle {
             Self::NoConvergence => {
                 no_orbit("Newton's method does not converge; a nearer guess of the phases may help")
             }
+            Self::OtherMachine => no_orbit(
+                "the phases are not those of an orbit of this machine: is it the one in which the point was found, with the same \
+                 parameters and loads?",
+            ),
             Self::Asymmetric => no_orbit(
                 "a word that closes with - is half of a symmetric orbit, which a machine under constant loads does not have; give the \
                  whole word, closing with +",
             ),
+            Self::Unbalanced => no_orbit(if system.pull() == 0.0 {
+                "nothing but its impacts moves a block without a spring (coupling.k = 0), so that it must meet both stops"
+            } else if system.pull() < 0.0 {
+                "only the lower stop can hold a block without a spring (coupling.k = 0) against load.block < 0, so that the word needs an L"
+            } else {
+                "only the upper stop can hold a block without a spring (coupling.k = 0) against load.block > 0, so that the word needs a U"
+            }),
             Self::Singular => {
                 let (name, value, allowed) = system.neutral_parameter();
                 let needed_by = "impact phases of a periodic orbit as unknowns";

@@ -3,6 +3,7 @@
 use super::cycle::{Cycle, Functional};
 use super::flights;
 use super::obstacle::Obstacle;
+use super::settled::REPETITION;
 use super::system::System;
 use super::word::OrbitWord;
 use crate::error::Error;
@@ -83,7 +84,8 @@ impl Orbit {
         if word.is_empty() {
             let free = free_map(system, word) * f64::from(word.closing());
             let (departures, speeds) = (Vec::new(), Vec::new());
-            let clear = system.amplitude() + system.offset().abs() <= 1.0 + flights::PENETRATION_ROUNDING;
+            let clearance = system.clearance().ok_or(Obstacle::Unbalanced)?;
+            let clear = clearance >= -flights::PENETRATION_ROUNDING;
             let multipliers = eigenvalues(free).ok_or(Obstacle::NoConvergence)?;
             return Ok(Self {
                 system: *system,
@@ -161,6 +163,42 @@ impl Orbit {
         Self::at(&self.system, &word, &phases).map_err(|obstacle| obstacle.error(&self.system, &word))
     }
 
+    /// The same orbit in its shortest word, and how often the word of this one passes it: a motion of two drive periods may be one of
+    /// a single period that is passed twice, and one whose second half is the mirror image of its first is a symmetric orbit, which
+    /// closes with -1. The multipliers are those of the shortest word.
+    ///
+    /// ```
+    /// use vibro_analysis::orbits::{Orbit, OrbitWord, System};
+    /// use vibro_impact::Parameters;
+    ///
+    /// let system = System::new(&Parameters::default())?;
+    /// let guess = [5.5, 8.6, 11.8, 14.9]; // rad
+    /// let twice = Orbit::find(&system, &OrbitWord::new("ULUL", 1, 4)?, &guess)?;
+    /// let (orbit, passages) = twice.shortest();
+    /// assert_eq!((orbit.word().to_string(), orbit.word().closing(), passages), ("U".into(), -1, 2));
+    /// // Four halves of a period in two periods.
+    /// assert!((twice.spectral_radius() - orbit.spectral_radius().powi(4)).abs() < 1e-9);
+    /// # Ok::<(), vibro_analysis::Error>(())
+    /// ```
+    pub fn shortest(&self) -> (Self, u32) {
+        let (word, phases) = self.word.reduced(&self.phases, self.system.is_symmetric(), REPETITION);
+        // The shorter word passes the same phases, whose cycle is regular.
+        let short = if word == self.word { None } else { Self::at(&self.system, &word, &phases).ok() };
+        let orbit = short.unwrap_or_else(|| self.clone());
+        let passages = self.word.period() / orbit.word.period().max(1);
+        (orbit, passages)
+    }
+
+    /// Whether no shorter word has this orbit.
+    pub fn is_shortest(&self) -> bool {
+        self.word.reduced(&self.phases, self.system.is_symmetric(), REPETITION).0 == self.word
+    }
+
+    /// Drive periods over which the [`multipliers`](Self::multipliers) are: the orbit's period, or half of it for a symmetric orbit.
+    pub fn multiplier_periods(&self) -> f64 {
+        0.5 * f64::from(self.word.half_periods())
+    }
+
     /// The state at phase θ (rad) of the drive; just after the impact at an impact. A motion of several drive periods has as many
     /// states at one phase of the drive: θ counts from the first period of its [`phases`](Self::phases).
     pub fn state(&self, theta: f64) -> State {
@@ -179,7 +217,7 @@ impl Orbit {
         }
         let flight = self.phases.iter().rposition(|phase| *phase <= first + since).unwrap_or(0);
         let flown = (first + since - self.phases[flight]).max(0.0);
-        let free = self.system.flight.transition(flown).apply(&self.departures[flight]);
+        let free = self.system.fly(flown, &self.departures[flight]);
         sign * (free + self.system.forced(first + since))
     }
 
@@ -221,7 +259,7 @@ impl Orbit {
         let closing = f64::from(self.word.closing());
         let arrivals = self.flights().enumerate().map(|(i, (z, phase, span))| {
             let forced = self.system.forced(phase + span);
-            let before = self.system.flight.transition(span).apply(z) + forced;
+            let before = self.system.fly(span, z) + forced;
             let last = i + 1 == self.word.len();
             let after = if last { closing * self.departures[0] } else { self.departures[i + 1] } + forced;
             (before, after)

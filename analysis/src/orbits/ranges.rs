@@ -116,7 +116,7 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
 ///
 /// let span = Span::new(find_group("f10")?, 2.0, 2.5)?;
 /// let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span)?;
-/// let options = TreeOptions { seeds: 1, settle: 300, depth: 2, longest_period: 2, ..TreeOptions::default() };
+/// let options = TreeOptions { seeds: 1, settle: 300, starts: 0, depth: 2, longest_period: 2, ..TreeOptions::default() };
 /// let found = tree(&family, &options, &|_, _| ())?;
 /// let sequence = &doubling_sequences(&found.branches)[0];
 /// // The symmetry breaks before the first period doubling.

@@ -1,5 +1,6 @@
 //! Orbits of a word without a guess of their phases.
 
+use super::obstacle::Obstacle;
 use super::orbit::Orbit;
 use super::system::System;
 use super::word::OrbitWord;
@@ -9,12 +10,16 @@ use crate::error::{Error, Result};
 const SAME: f64 = 1e-6;
 
 /// The certified orbits of a word that Newton's method reaches from `tries` guesses, which fill the space of phases evenly
-/// (the additive recurrence of the generalized golden ratio). There may be others.
+/// (the additive recurrence of the generalized golden ratio). There may be others. Those that a shorter word has too come last: they
+/// are that one's orbit passed several times, or a symmetric orbit ([`Orbit::shortest`]).
 ///
 /// # Errors
 /// [`Error::NoOrbit`] when none is found; what [`Orbit::find`] says of a machine whose orbits phases do not determine.
 pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit>> {
     let n = word.len();
+    if !system.balances(word) {
+        return Err(Obstacle::Unbalanced.error(system, word));
+    }
     if n == 0 {
         let orbit = Orbit::find(system, word, &[])?;
         return if orbit.is_certified() { Ok(vec![orbit]) } else { Err(none(word, tries)) };
@@ -39,6 +44,7 @@ pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit
             Err(other) => return Err(other),
         }
     }
+    found.sort_by_key(|orbit| !orbit.is_shortest());
     if found.is_empty() { Err(none(word, tries)) } else { Ok(found) }
 }
 

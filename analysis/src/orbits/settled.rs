@@ -20,7 +20,7 @@ const MOVE: f64 = 0.05;
 pub(super) const REPETITION: f64 = 1e-8;
 
 /// A simulator of a machine with its loads from a state on at time 0.
-fn simulator(system: &System, state: &State) -> Result<Simulator> {
+pub(super) fn simulator(system: &System, state: &State) -> Result<Simulator> {
     let mut simulator = Simulator::new(system.parameters(), state, 0.0)?.without_energy_accounts();
     simulator.set_loads(&system.loads().loads())?;
     Ok(simulator)

@@ -111,7 +111,7 @@ impl Contact {
             let system = family.system_at(&u)?;
             let cycle = Cycle::new(&system, &self.shorter, &u.as_slice()[..n])?;
             let since = self.phase - u[self.flight];
-            let z = system.flight.transition(since).apply(cycle.departure(self.flight));
+            let z = system.fly(since, cycle.departure(self.flight));
             Ok(f64::from(self.side) * (z[1] - z[0] + system.forced_gap(self.phase)[0]))
         };
         // The extremum's own shift changes its value in second order only.

@@ -1,18 +1,20 @@
 //! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 14).
 
+use super::word::OrbitWord;
 use crate::error::Result;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Loads;
-use vibro_impact::steady::exact_orbit::{Flight, Vector6};
+use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
 
 /// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its centre.
 ///
 /// They act on impacts through one number, the displacement w_s of the block in the box that they cause without impacts
 /// (docs/theory.md (100)). A gap whose middle lies b above the centre is the machine under the loads (0, -k23 b, k23 b),
-/// docs/theory.md (97).
+/// docs/theory.md (97). A block without a spring has no displacement under its load: it falls, and the load's acceleration acts on
+/// its flights instead (docs/theory.md (111)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ConstantLoads {
     /// On the box, the block and the secondary oscillator.
@@ -41,8 +43,12 @@ pub struct System {
     pub(super) flight: Flight,
     /// H of docs/theory.md (71): without impacts the box swings as Im(H e^{iφ}).
     response: Complex<f64>,
-    /// Where the loads hold the three bodies.
+    /// Where the loads hold the three bodies; a block without a spring in the middle of the box.
     rest: [f64; 3],
+    /// The acceleration of a block without a spring under its load, docs/theory.md (111); 0 where a spring holds it.
+    pull: f64,
+    /// Whether the state is found with the first contact in place of the block's return, docs/theory.md (112).
+    anchored: bool,
     /// Changes of v1 and v2 at an impact per unit of w'⁻, docs/theory.md (27).
     kick: [f64; 2],
 }
@@ -56,19 +62,60 @@ impl System {
         Self::with_loads(parameters, ConstantLoads::NONE)
     }
 
-    /// A machine under constant loads.
+    /// A machine under constant loads, to which those of its parameters add.
     ///
     /// # Errors
-    /// As [`new`](Self::new); a load that no spring holds or that is not finite.
+    /// As [`new`](Self::new); a load on box or secondary oscillator that no spring holds; one that is not finite.
     pub fn with_loads(parameters: &Parameters, loads: ConstantLoads) -> Result<Self> {
+        let forces = std::array::from_fn(|body| loads.forces[body] + parameters.constant_loads[body]);
+        let loads = ConstantLoads { forces };
+        let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
         let flight = Flight::new(parameters)?;
         let response = flight.harmonic(parameters)?;
         let k = (1.0 + flight.kappa) / (1.0 + flight.epsilon);
         let rest = rest(parameters, loads)?;
-        Ok(Self { parameters: *parameters, loads, flight, response, rest, kick: [k * flight.epsilon, -k] })
+        let anchored = parameters.coupling_stiffness == 0.0;
+        let scale = parameters.block_mass * parameters.stop_gap * parameters.drive_frequency.powi(2);
+        let pull = if anchored { loads.forces[1] / scale } else { 0.0 };
+        let kick = [k * flight.epsilon, -k];
+        Ok(Self { parameters: *parameters, loads, flight, response, rest, pull, anchored, kick })
     }
 
-    /// The machine's parameters.
+    /// The same machine with its state found by the first contact, as that of a block without a spring must be.
+    #[must_use]
+    pub(super) fn anchored(self) -> Self {
+        Self { anchored: true, ..self }
+    }
+
+    /// Whether the state is found so.
+    pub(super) fn is_anchored(&self) -> bool {
+        self.anchored
+    }
+
+    /// Whether no spring holds the block.
+    pub fn has_free_block(&self) -> bool {
+        self.parameters.coupling_stiffness == 0.0
+    }
+
+    /// The acceleration of a block without a spring under its load, units of ω1² L.
+    pub(super) fn pull(&self) -> f64 {
+        self.pull
+    }
+
+    /// Whether the impulses of a word can balance the load on a block without a spring over a round, docs/theory.md (113): without
+    /// a load they need both stops, with one the stop towards which it pulls.
+    pub(super) fn balances(&self, word: &OrbitWord) -> bool {
+        let has = |side: i8| word.letters().contains(&side);
+        if !self.has_free_block() || word.closing() < 0 {
+            true
+        } else if self.pull == 0.0 {
+            has(1) == has(-1)
+        } else {
+            has(if self.pull > 0.0 { 1 } else { -1 })
+        }
+    }
+
+    /// The machine's parameters, without its [loads](Self::loads).
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
@@ -116,10 +163,29 @@ impl System {
         self.rest
     }
 
-    /// A z: the rate of the free part of a state in flight.
+    /// How far the block keeps from the nearer stop without impacts, units of L; `None` where there is no such motion, since a
+    /// block without a spring falls.
+    pub(super) fn clearance(&self) -> Option<f64> {
+        (self.pull == 0.0).then(|| 1.0 - self.amplitude() - self.offset().abs())
+    }
+
+    /// The rate of the free part of a state in flight: A z, and the acceleration of a block that falls.
     pub(super) fn rate(&self, z: &Vector6) -> Vector6 {
         let [a1, a2, a3] = self.flight.accelerations(z, 0.0);
-        Vector6::new(z[3], z[4], z[5], a1, a2, a3)
+        Vector6::new(z[3], z[4], z[5], a1, a2 + self.pull, a3)
+    }
+
+    /// The free part of a state after a flight of a span with its map.
+    pub(super) fn flown(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
+        let mut after = transition.apply(z);
+        after[1] += 0.5 * self.pull * span * span;
+        after[4] += self.pull * span;
+        after
+    }
+
+    /// The same with the span alone.
+    pub(super) fn fly(&self, span: f64, z: &Vector6) -> Vector6 {
+        self.flown(&self.flight.transition(span), span, z)
     }
 
     /// The impact law J of docs/theory.md (27), with the rate `forced` of the gap that is not part of `z`.
@@ -143,9 +209,7 @@ impl System {
     pub(super) fn neutral_parameter(&self) -> (&'static str, f64, &'static str) {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
-        if p.coupling_stiffness == 0.0 {
-            ("coupling.k", 0.0, "a value > 0, since a block without a spring has no place of its own")
-        } else if p.box_stiffness == 0.0 {
+        if p.box_stiffness == 0.0 {
             ("box.k", 0.0, "a value > 0, since a box without a spring has no place of its own")
         } else if p.box_damping == 0.0 {
             ("box.c", 0.0, damped)
@@ -177,12 +241,12 @@ fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
         }
     };
     let x1 = held("box.k", f1, p.box_stiffness, "box.k > 0, or load.box = 0")?;
-    let x3 = held(
-        "secondary.k",
-        f2 + f3,
-        p.secondary_stiffness,
-        "secondary.k > 0, or load.block + load.secondary = 0",
-    )?;
-    let stretch = held("coupling.k", f2, p.coupling_stiffness, "coupling.k > 0, or load.block = 0")?;
-    Ok([x1, x3 + stretch, x3].map(|x| x / p.stop_gap))
+    let third = |load, allowed| held("secondary.k", load, p.secondary_stiffness, allowed);
+    let x = if p.coupling_stiffness == 0.0 {
+        [x1, x1, third(f3, "secondary.k > 0, or load.secondary = 0")?]
+    } else {
+        let x3 = third(f2 + f3, "secondary.k > 0, or load.block + load.secondary = 0")?;
+        [x1, x3 + f2 / p.coupling_stiffness, x3]
+    };
+    Ok(x.map(|x| x / p.stop_gap))
 }

@@ -46,10 +46,17 @@ pub(super) const PAIR: usize = 2;
 /// One test function at a cycle; the last needs the multipliers.
 pub(super) fn test(cycle: &Cycle, index: usize) -> Option<SignedLog> {
     match index {
-        UNIT => cycle.derivative(Functional::Gap, 1.0).map(determinant),
-        DOUBLING => cycle.derivative(Functional::Gap, -1.0).map(determinant),
+        UNIT => breaking(cycle, 1.0),
+        DOUBLING => breaking(cycle, -1.0),
         _ => eigenvalues(cycle.monodromy()).map(|m| pair_test(&m)),
     }
+}
+
+/// t_LP or t_PD of docs/theory.md (108), for variations that close with a factor.
+fn breaking(cycle: &Cycle, factor: f64) -> Option<SignedLog> {
+    let SignedLog { sign, log } = cycle.derivative(Functional::Gap, factor).map(determinant)?;
+    let anchor = SignedLog::of([cycle.anchor(factor)].into_iter());
+    Some(SignedLog { sign: sign * anchor.sign, log: log + anchor.log })
 }
 
 /// t_NS of docs/theory.md (81), each factor over 1 + |μᵢ μⱼ|, which changes no zero.

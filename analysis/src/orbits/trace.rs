@@ -1,5 +1,5 @@
-//! All branches that can be reached: from settled motions over the whole range, from the motion without impacts, and from every
-//! special point of every branch; or one branch alone.
+//! All branches that can be reached: from settled motions over the whole range, from orbits near which other motions pass, from the
+//! motion without impacts, and from every special point of every branch; or one branch alone.
 
 use super::branch::{Branch, Point};
 use super::family::Family;
@@ -8,14 +8,13 @@ use super::grower::{Grower, Start};
 use super::obstacle::Obstacle;
 use super::orbit::Orbit;
 use super::path::{Follower, PathEnd, PathOptions, follow};
-use super::settled::{self, REPETITION};
+use super::seeds::seeds;
+use super::settled::REPETITION;
 use super::switching;
 use super::tree::{Traced, Tree, TreeOptions};
 use super::word::OrbitWord;
-use crate::bifurcation::within_gap;
 use crate::error::Error;
 use crate::parts::{NoStore, PartStore, Task};
-use crate::stroboscopic::moving_block;
 use rayon::prelude::*;
 
 /// Traces the tree of a family with one parameter; `done` hears of the starts that were traced and those that are known to wait,
@@ -32,7 +31,7 @@ pub fn tree(
     tree_in_parts(family, options, &NoStore, done)
 }
 
-/// The same with finished parts kept: the settled motions, then the branches of each round of starts. How many rounds there are
+/// The same with finished parts kept: the orbits from which branches start, then the branches of each round of starts. How many rounds there are
 /// shows in their course. A tree that was interrupted goes on from the parts in the store, which must be of the same family and
 /// options, and becomes the same to the bit.
 ///
@@ -55,11 +54,8 @@ pub fn tree_in_parts(
             grower.offer_longer(&contact, 0, (id, point));
         }
     }
-    let settled = task.part(0, |_| settled_orbits(family, options))?.unwrap_or_default();
-    for (word, phases, value) in settled {
-        if let Ok((word, both)) = switching::both_ways(family, &word, &phases, value) {
-            grower.queue.push(Start { depth: 0, parent: None, word, departures: both.to_vec() });
-        }
+    if let Some(found) = task.part(0, |_| seeds(family, options))? {
+        grower.plant(found);
     }
     let mut traced = 0;
     for round in 1.. {
@@ -136,7 +132,7 @@ pub fn branch(
     let (word, phases) = word.reduced(orbit.phases(), family.is_symmetric(), REPETITION);
     let followed = || {
         let (word, both) = switching::both_ways(family, &word, &phases, value)?;
-        let start = Start { depth: 0, parent: None, word, departures: both.to_vec() };
+        let start = Start { depth: 0, parent: None, word, departures: both.to_vec(), island: false };
         Ok((trace(family, options, marks, &start)?, start.word))
     };
     let (Traced { points, closed, .. }, word) =
@@ -165,40 +161,4 @@ fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &Start) -
     points.extend(forward.points);
     ends.push((points.len() - 1, forward.end));
     Ok(Traced { points, closed, ends })
-}
-
-/// An orbit's word, phases and parameter.
-type Place = (OrbitWord, Vec<f64>, f64);
-
-/// The periodic orbits on which motions settle with the parameter rising and falling, the end of one value being the start of the
-/// next.
-fn settled_orbits(family: &Family, options: &TreeOptions) -> Result<Vec<Place>, Error> {
-    let seeds = options.seeds;
-    let span = *family.span();
-    let value = |i: usize| {
-        let part = if seeds > 1 { i as f64 / (seeds - 1) as f64 } else { 0.5 };
-        span.from * (1.0 - part) + span.to * part
-    };
-    let chain = |rising: bool| -> Result<Vec<Place>, Error> {
-        let mut found = Vec::new();
-        let mut last = None;
-        for i in 0..seeds {
-            let value = value(if rising { i } else { seeds - 1 - i });
-            let system = family.system(&[value])?;
-            let p = system.parameters();
-            let start =
-                last.map_or_else(|| moving_block(p), |(state, gap)| within_gap(state, gap, p.stop_gap));
-            // Where the simulator refuses, the next value starts anew.
-            let settled = settled::settle(&system, &start, options.settle).ok();
-            last = settled.map(|state| (state, p.stop_gap));
-            if let Some(orbit) = settled.and_then(|state| settled::orbit_of(&system, &state).ok())
-                && !orbit.word().is_empty()
-            {
-                found.push((orbit.word().clone(), orbit.phases().to_vec(), value));
-            }
-        }
-        Ok(found)
-    };
-    let (rising, falling) = rayon::join(|| chain(true), || chain(false));
-    Ok([rising?, falling?].concat())
 }

@@ -2,6 +2,7 @@
 
 use super::branch::{Branch, Point};
 use super::path::{PathEnd, PathOptions};
+use super::seeds::Searched;
 use super::word::MOST_LETTERS;
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,10 @@ pub struct TreeOptions {
     pub seeds: usize,
     /// Drive periods in which transients die out.
     pub settle: u32,
+    /// Motions from starts that are spread over the states that settled motions visit and over the range. Branches of orbits near
+    /// which they pass are kept where they are stable somewhere: islands that motions followed along the range miss.
+    #[serde(default)]
+    pub starts: usize,
     /// Switches of branches that are followed one after another from a settled motion.
     pub depth: u32,
     /// The longest period of a branch, in drive periods.
@@ -34,6 +39,9 @@ pub struct TreeOptions {
 const MOST_REPETITIONS: u32 = 64;
 const LONGEST_PERIOD: u32 = 1 << 12;
 
+/// Most starts.
+const MOST_STARTS: usize = 1_000_000;
+
 impl TreeOptions {
     /// Refuses what would not end or not fit into memory.
     pub(super) fn check(&self) -> Result<(), Error> {
@@ -43,6 +51,9 @@ impl TreeOptions {
         }
         if self.longest_period > LONGEST_PERIOD {
             return refused(format!("longest period {}", self.longest_period), "up to 4096 drive periods");
+        }
+        if self.starts > MOST_STARTS {
+            return refused(format!("{} starts", self.starts), "up to 1,000,000");
         }
         if self.most_letters > MOST_LETTERS {
             return refused(format!("{} letters", self.most_letters), "up to 1024");
@@ -57,6 +68,7 @@ impl Default for TreeOptions {
         Self {
             seeds: 91,
             settle: 1000,
+            starts: 512,
             depth: 12,
             longest_period: 32,
             most_letters: 64,
@@ -69,12 +81,14 @@ impl Default for TreeOptions {
 }
 
 /// All branches that were found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Tree {
     /// In the order in which they were found, which depends on nothing but the family and the options.
     pub branches: Vec<Branch>,
     /// Starts that led nowhere: no branch could be followed from them.
     pub failures: usize,
+    /// Where orbits were sought.
+    pub searched: Searched,
 }
 
 /// What was found from a start: the points of a branch, with how its ends continue.

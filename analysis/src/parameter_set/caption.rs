@@ -2,7 +2,7 @@
 
 use super::name::significant;
 use super::{Base, Given, Name, ParameterSet, Unit};
-use vibro_impact::parameters::{FIELDS, GROUPS, Group};
+use vibro_impact::parameters::{FIELDS, GROUPS, Group, LOADS};
 
 /// Two values of a quantity are the same up to the rounding of a conversion there and back.
 const ROUNDING: f64 = 1e-12;
@@ -10,8 +10,8 @@ const ROUNDING: f64 = 1e-12;
 impl Base {
     fn name(self) -> &'static str {
         match self {
-            Self::Basic => "BASIC, a reconstruction, not the paper's own data set",
-            Self::Strong => "STRONG, a set of ours, not the paper's own data set",
+            Self::Basic => "the default set, a reconstruction, not the paper's own data",
+            Self::Strong => "the strongly coupled set, chosen for this program, not the paper's own data",
         }
     }
 }
@@ -49,11 +49,13 @@ impl ParameterSet {
             let close = |other: &Self| (name.value(other) - own).abs() <= ROUNDING * (1.0 + own.abs());
             !varied.contains(name) && others.iter().all(close)
         };
-        let names: Vec<Name> = if self.is_si() {
+        let mut names: Vec<Name> = if self.is_si() {
             FIELDS.iter().map(Name::Si).collect()
         } else {
             GROUPS.iter().filter(|g| self.is_held(g)).map(Name::Group).collect()
         };
+        // Loads are told where there are any.
+        names.extend(LOADS.iter().map(Name::Si).filter(|load| load.value(self) != 0.0));
         let told = |name: Name| self.told(name, name.value(self));
         let values: Vec<String> = names.into_iter().filter(same).map(told).collect();
         format!("{} ({})", values.join(", "), self.origin())

@@ -3,7 +3,7 @@
 use super::{DEFINITIONS, ParameterSet};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::{FIELDS, Field, GROUPS, Group};
+use vibro_impact::parameters::{FIELDS, Field, GROUPS, Group, LOADS};
 
 /// A parameter of either form. Written down by its name.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -62,9 +62,30 @@ const ALIASES: [(&str, &str); 41] = [
     ("σ₃₀", "sigma30"), ("γ3", "gamma3"), ("γ₃", "gamma3"), ("μ13", "mu13"), ("μ₁₃", "mu13"), ("f₁₀", "f10"),
 ];
 
-/// The symbols of the physical parameters, in the order of [`FIELDS`].
-const SYMBOLS: [&str; FIELDS.len()] =
-    ["m₁", "k₁", "c₁", "m₂", "m₃", "k₃", "c₃", "k₂₃", "L", "κ", "F₁₀", "ω₁", "drive phase"];
+/// The symbols of the physical parameters, in the order of [`physical_parameters`].
+const SYMBOLS: [&str; FIELDS.len() + LOADS.len()] = [
+    "m₁",
+    "k₁",
+    "c₁",
+    "m₂",
+    "m₃",
+    "k₃",
+    "c₃",
+    "k₂₃",
+    "L",
+    "κ",
+    "F₁₀",
+    "ω₁",
+    "drive phase",
+    "load on box",
+    "load on block",
+    "load on secondary",
+];
+
+/// The physical parameters: those of the machine, then the constant loads.
+pub fn physical_parameters() -> impl Iterator<Item = &'static Field> + Clone {
+    FIELDS.iter().chain(&LOADS)
+}
 
 impl Name {
     /// Finds a parameter by its name or its symbol in the paper, e.g. `box.m` or `m1`, `kappa` or `κ`.
@@ -88,11 +109,16 @@ impl Name {
         match self {
             Self::Si(field) => {
                 // Every field is in the list.
-                let found = FIELDS.iter().zip(SYMBOLS).find(|(f, _)| f.name == field.name);
+                let found = physical_parameters().zip(SYMBOLS).find(|(f, _)| f.name == field.name);
                 found.map_or(field.name, |f| f.1)
             }
             Self::Group(g) => g.symbol,
         }
+    }
+
+    /// Whether it is a constant load, under which the machine has no symmetry.
+    pub fn is_load(self) -> bool {
+        LOADS.iter().any(|load| load.name == self.name())
     }
 
     /// The SI unit; `1` for groups.
@@ -198,7 +224,7 @@ pub fn find_group(name: &str) -> Result<&'static Group> {
 /// # Errors
 /// [`Error::UnknownName`].
 pub fn find_field(name: &str) -> Result<&'static Field> {
-    let fields: Vec<Name> = FIELDS.iter().map(Name::Si).collect();
+    let fields: Vec<Name> = physical_parameters().map(Name::Si).collect();
     match exact(name) {
         Some(Name::Si(field)) => Ok(field),
         _ => Err(unknown(name, &fields)),
@@ -209,12 +235,12 @@ fn exact(name: &str) -> Option<Name> {
     // The paper's hats are dropped: σ̂1 is σ1.
     let plain = name.replace('\u{302}', "");
     let name = ALIASES.iter().find(|a| a.0 == plain).map_or(name, |a| a.1);
-    let field = || FIELDS.iter().find(|f| f.name == name).map(Name::Si);
+    let field = || physical_parameters().find(|f| f.name == name).map(Name::Si);
     Group::named(name).map(Name::Group).or_else(field)
 }
 
 fn all_names() -> Vec<Name> {
-    GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si)).collect()
+    GROUPS.iter().map(Name::Group).chain(physical_parameters().map(Name::Si)).collect()
 }
 
 fn unknown(name: &str, valid: &[Name]) -> Error {

@@ -1,11 +1,11 @@
 //! Numbers of a parameter, with or without a unit of its dimension, and the units in which labels show parameters. What a unit
 //! is stands in [`vibro_impact::quantities`].
 
-use super::Name;
+use super::{Name, name::physical_parameters};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use vibro_impact::parameters::FIELDS;
+use vibro_impact::parameters::{FIELDS, LOADS};
 pub use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 use vibro_impact::quantities::{UNITS, in_si, split, symbols};
 
@@ -13,7 +13,7 @@ use vibro_impact::quantities::{UNITS, in_si, split, symbols};
 /// the units' symbols by the parameters' names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "BTreeMap<String, String>", into = "BTreeMap<String, String>")]
-pub(super) struct Units([u8; FIELDS.len()]);
+pub(super) struct Units([u8; FIELDS.len() + LOADS.len()]);
 
 impl Units {
     /// Whether no parameter had a unit.
@@ -23,14 +23,16 @@ impl Units {
 
     /// The unit of a physical parameter, if it was written with one.
     pub fn get(&self, name: &str) -> Option<&'static Unit> {
-        let place = FIELDS.iter().position(|f| f.name == name)?;
+        let place = physical_parameters().position(|f| f.name == name)?;
         UNITS.get(usize::from(self.0[place]).checked_sub(1)?)
     }
 
     /// Notes the unit of a physical parameter; a unit of another dimension, or another name, changes nothing.
     pub fn set(&mut self, name: &str, symbol: &str) {
-        let Some(place) = FIELDS.iter().position(|f| f.name == name) else { return };
-        if let Some(unit) = UNITS.iter().position(|u| u.si == FIELDS[place].unit && u.symbol == symbol) {
+        let Some((place, field)) = physical_parameters().enumerate().find(|(_, f)| f.name == name) else {
+            return;
+        };
+        if let Some(unit) = UNITS.iter().position(|u| u.si == field.unit && u.symbol == symbol) {
             self.0[place] = unit as u8 + 1;
         }
     }
@@ -47,7 +49,7 @@ impl From<BTreeMap<String, String>> for Units {
 impl From<Units> for BTreeMap<String, String> {
     fn from(units: Units) -> Self {
         let written = |name: &str| Some((name.to_owned(), units.get(name)?.symbol.to_owned()));
-        FIELDS.iter().filter_map(|f| written(f.name)).collect()
+        physical_parameters().filter_map(|f| written(f.name)).collect()
     }
 }
 
@@ -85,15 +87,17 @@ pub fn typed_unit(name: Name, text: &str) -> Option<&'static Unit> {
     quantity(name, text).ok()?.unit
 }
 
-/// The values of several numbers of one parameter. Either all have a unit or none, so that `9:11Hz` is no mixture.
+/// The values of several numbers of one parameter, and the unit in which they were written. Either all have a unit or none, so that
+/// `9:11Hz` is no mixture. Ranges are not checked: what a number without a unit means may depend on
+/// [how the parameter was written](super::ParameterSet::unit).
 ///
 /// # Errors
-/// As [`number`], the range of a value, and [`Error::Form`] for a mixture.
-pub fn numbers(name: Name, texts: &[&str]) -> Result<Vec<f64>> {
+/// As [`number`], and [`Error::Form`] for a mixture.
+pub fn numbers(name: Name, texts: &[&str]) -> Result<(Vec<f64>, Option<&'static Unit>)> {
     let all = texts.iter().map(|text| quantity(name, text)).collect::<Result<Vec<_>>>()?;
     if all.iter().any(|q| q.unit.is_some() != all[0].unit.is_some()) {
         let text = format!("{}={}", name.name(), texts.join(":"));
         return Err(Error::Form { text, expected: "a unit at every number or at none" });
     }
-    all.iter().map(|q| name.check(q.value).map(|()| q.value).map_err(Error::from)).collect()
+    Ok((all.iter().map(|q| q.value).collect(), all.first().and_then(|q| q.unit)))
 }

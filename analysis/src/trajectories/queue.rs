@@ -104,9 +104,7 @@ impl LaneRecord {
 
     /// Takes note of an event of a motion that may have settled; returns the number of the sample that is then asked for.
     fn look_for_repetition(&mut self, event: &Event) -> Option<u32> {
-        if self.confirmation.is_some() {
-            self.stroboscopic.event(event);
-        }
+        self.stroboscopic.event(event);
         let Event::Impact { time, side, speed, .. } = *event else { return None };
         let time = time * self.frequency;
         let period = self.impacts.impact(time, side > 0, self.per_speed * speed);
@@ -200,7 +198,7 @@ impl<'a> Motions<'a> {
             }
             (Stage::Discarding | Stage::Maxima, _) if program.observed => {
                 record.stage = Stage::Observing;
-                record.stroboscopic.clear();
+                record.stroboscopic.begin(simulator.contact());
                 if program.exponent.is_some() && !record.tangent_begun {
                     record.tangent.begin(&record.parameters, simulator.contact().mode(), (now, now));
                     record.tangent_begun = true;
@@ -229,9 +227,11 @@ impl<'a> Motions<'a> {
                 record.tangent.end_block(now);
                 let exponent = record.tangent.exponent();
                 if record.stage == Stage::Exponent && !record.moved_on && is_damped(&record.parameters) {
-                    // Chaos has ended in the motion without impacts, to which all is damped but the drive's phase.
+                    // Chaos has ended in the motion without impacts, to which all is damped but the drive's phase: negative for
+                    // certain.
                     attractor.approaching = true;
-                    record.exponent = Some(LargestExponent { value: 0.0, error: 0.0, ..exponent });
+                    let value = f64::NEG_INFINITY;
+                    record.exponent = Some(LargestExponent { value, error: 0.0, ..exponent });
                     return None;
                 }
                 if record.tangent.is_decided(most) {
@@ -254,7 +254,13 @@ impl<'a> Motions<'a> {
             _ => simulator.state(),
         };
         let (attractor, exponent) = (record.attractor.take(), record.exponent);
-        let outcome = ended.map(|()| Outcome { state, maxima: &record.maxima, attractor, exponent });
+        let outcome = ended.map(|()| Outcome {
+            state,
+            maxima: &record.maxima,
+            attractor,
+            exponent,
+            record: &record.stroboscopic,
+        });
         (self.finished)(record.number, outcome.map_err(Into::into));
     }
 }
@@ -282,6 +288,7 @@ impl MotionQueue for Motions<'_> {
             }
             let record = &mut self.lanes[lane];
             record.begin(number, &start, program);
+            record.stroboscopic.begin(simulator.contact());
             // Samples at half drive periods, none of them before impacts repeat or stay away.
             let (step, first) = (0.5 * record.period, 2 * record.watched);
             let reports = Reports { origin: 0.0, step, first, maxima_of: None };
@@ -312,7 +319,8 @@ impl MotionQueue for Motions<'_> {
             Stage::Exponent => record.moved_on = true,
             _ => {}
         }
-        if program.exponent.is_some() {
+        // Where maxima are recorded before the observation, the tangent may not have begun.
+        if record.tangent_begun {
             record.tangent.event(event, after);
         }
         None

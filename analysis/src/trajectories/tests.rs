@@ -170,3 +170,115 @@ fn second_method_verdicts_are_those_of_whole_motions() {
     assert!(early > starts.len() && periods.len() > 3, "{early} of {}: {periods:?}", 2 * starts.len());
     assert!(free > starts.len() / 10, "{free} without impacts");
 }
+
+/// A machine under constant loads: gravity on the block and a coupling that is off its centre.
+fn loaded(kappa: f64) -> Parameters {
+    let p = Groups { f10: 2.2, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
+    Parameters { constant_loads: [0.002, -0.004, 0.001], ..p }
+}
+
+#[test]
+fn second_method_maxima_under_constant_loads_by_interpolated_samples() {
+    /// Cubic interpolation between 128 samples a period.
+    const INTERPOLATION: f64 = 1e-7;
+    const PERIODS: u32 = 6;
+    let mut rests = false;
+    for kappa in [0.75, 0.2, 0.0] {
+        let p = loaded(kappa);
+        let start = crate::stroboscopic::moving_block(&p);
+        let simulator = crate::motion::settled_simulator(&p, &start, 50.0).unwrap();
+        let flights = crate::motion::record_flights(&mut simulator.clone(), PERIODS).unwrap();
+        for of in [Displacement::X1, Displacement::X2, Displacement::X3] {
+            let (mut own, mut exact) = (simulator.clone(), Vec::new());
+            crate::maxima::record_periods(&mut own, of, PERIODS, &mut |period| {
+                exact.extend(period.maxima.clone());
+                rests |= period.rests;
+            })
+            .unwrap();
+            let sampled = crate::motion::maxima(&flights, &p, of.weights());
+            assert_eq!(exact.len(), sampled.len(), "{of}, {kappa}");
+            for (top, sample) in exact.iter().zip(sampled) {
+                assert!((top.value - sample).abs() < INTERPOLATION, "{of}, {kappa}: {top:?} {sample}");
+            }
+        }
+    }
+    assert!(rests);
+}
+
+#[test]
+fn second_method_observed_side_by_side_under_constant_loads_as_one_alone() {
+    // The queue reports states, events and the tangent of loaded motions from its code for single ones.
+    let p = loaded(0.75);
+    let state = crate::stroboscopic::moving_block(&p);
+    let program = Program {
+        discard: 300,
+        until_settled: true,
+        observed: true,
+        exponent: Some(200),
+        ..Program::default()
+    };
+    let mut found = None;
+    let mut workspace = Workspace::default();
+    workspace.run(&mut std::iter::once(Start { parameters: p, state }), &program, &mut |_, outcome| {
+        found = outcome.unwrap().attractor;
+    });
+    let found = found.unwrap();
+    let mut simulator = crate::motion::settled_simulator(&p, &state, 300.0).unwrap();
+    let alone = crate::attractor::observe(&mut simulator).unwrap();
+    assert_eq!(found.period, alone.period);
+    assert!(found.period.is_some() && found.impacts == alone.impacts);
+    assert!(alone.passes(&found.states[0]), "{:?} {:?}", found.states, alone.states);
+    // There are no mirror images: the motion has none, and is not its own.
+    assert!(found.mirror_states.is_empty() && !found.is_symmetric());
+    let image = crate::attractor::Attractor {
+        states: alone.states.iter().map(|s| s.map(|x| -x)).collect(),
+        ..alone.clone()
+    };
+    assert_eq!(alone.relation(&image), crate::attractor::Relation::Different);
+}
+
+#[test]
+fn invariant_mirrored_loads_mirror_what_motions_settle_on() {
+    let p = loaded(0.75);
+    let image = Parameters {
+        constant_loads: p.constant_loads.map(|f| -f),
+        drive_phase: p.drive_phase + std::f64::consts::PI,
+        ..p
+    };
+    let state = crate::stroboscopic::moving_block(&p);
+    let mirrored = State { x: state.x.map(|x| -x), v: state.v.map(|v| -v) };
+    let program =
+        Program { discard: 400, maxima: Some((Displacement::X2, 8)), observed: true, ..Program::default() };
+    let mut found = Vec::new();
+    let starts = [Start { parameters: p, state }, Start { parameters: image, state: mirrored }];
+    Workspace::default().run(&mut starts.into_iter(), &program, &mut |_, outcome| {
+        found.push(outcome.unwrap().attractor.unwrap());
+    });
+    let [own, other] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(own.period, other.period);
+    assert!(own.period.is_some());
+    assert_eq!(own.impacts, [other.impacts[1], other.impacts[0]]);
+    for (a, b) in own.states[0].iter().zip(&other.states[0]) {
+        assert!((a + b).abs() < 1e-7, "{:?} {:?}", own.states, other.states);
+    }
+}
+
+#[test]
+fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit() {
+    /// What is left of the transient in a mean over the periods counted, and in the orbit's phases, 1/s.
+    const SETTLED: f64 = 1e-5;
+    let p = loaded(0.75);
+    let system = crate::orbits::System::new(&p).unwrap();
+    assert_eq!(system.loads().forces, p.constant_loads);
+    let settled = crate::orbits::settle(&system, &crate::stroboscopic::moving_block(&p), 1000).unwrap();
+    let orbit = crate::orbits::orbit_of(&system, &settled).unwrap();
+    let periods = 0.5 * f64::from(orbit.word().half_periods());
+    let largest = orbit.multipliers()[0].norm().ln() / (periods * p.period());
+    let mut simulator = Simulator::new(&p, &settled, 0.0).unwrap().without_energy_accounts();
+    let options = crate::lyapunov::SpectrumOptions { align: 100, periods: 4000, ..Default::default() };
+    let found = crate::lyapunov::spectrum(&mut simulator, &options).unwrap();
+    assert!(!orbit.word().is_empty() && found.impacts > 0);
+    // One exponent is the drive phase's zero.
+    assert!(found.exponents[0].abs() < SETTLED, "{:?}", found.exponents);
+    assert!((found.exponents[1] - largest).abs() < 1e-3 * largest.abs(), "{:?} {largest}", found.exponents);
+}

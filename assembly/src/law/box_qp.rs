@@ -259,7 +259,13 @@ impl Problem {
             }
         }
         if !length.is_finite() {
-            let mut contacts: Vec<usize> = basis.places.iter().zip(&shares).filter(|(_, s)| s.abs() > DEPENDENT).map(|(&i, _)| i).collect();
+            let mut contacts: Vec<usize> = basis
+                .places
+                .iter()
+                .zip(&shares)
+                .filter(|(_, s)| s.abs() > DEPENDENT)
+                .map(|(&i, _)| i)
+                .collect();
             contacts.push(entering);
             return Err(Jam { contacts });
         }

@@ -61,7 +61,12 @@ impl<'a> Selection<'a> {
     ///
     /// # Errors
     /// [`Jam`], whose contacts are places of stops: prescribed bodies drive them together.
-    pub fn select(system: &'a System, z: &DVector<f64>, sizes: &Sizes, touching: &Touching) -> Result<Mode, Jam> {
+    pub fn select(
+        system: &'a System,
+        z: &DVector<f64>,
+        sizes: &Sizes,
+        touching: &Touching,
+    ) -> Result<Mode, Jam> {
         let mut released = Vec::new();
         loop {
             let mut selection = Self::begin(system, z, sizes, touching, &released);
@@ -138,7 +143,10 @@ impl<'a> Selection<'a> {
             if cap > 0.0 && !touching.limits[i] {
                 return Stop::Is(StopState::Capped);
             }
-            if cap == 0.0 || (touching.limits[i] && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0])) {
+            if cap == 0.0
+                || (touching.limits[i]
+                    && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0]))
+            {
                 return Stop::AtLimit(StopState::Capped, StopState::Pressed);
             }
         }
@@ -239,7 +247,9 @@ impl<'a> Selection<'a> {
         let contacts: Vec<Contact> = (0..stops.len())
             .filter(|&i| stops[i] == StopState::Closed)
             .map(Contact::Stop)
-            .chain((0..frictions.len()).filter(|&i| frictions[i] == FrictionState::Stuck).map(Contact::Friction))
+            .chain(
+                (0..frictions.len()).filter(|&i| frictions[i] == FrictionState::Stuck).map(Contact::Friction),
+            )
             .collect();
         let z = self.derivatives[order].clone();
         let mut acceleration = &free * &z;
@@ -268,7 +278,13 @@ impl<'a> Selection<'a> {
     }
 
     /// Adds the next derivative of z, and a bound of its size by the free accelerations' terms.
-    fn differentiate(&mut self, z: &DVector<f64>, acceleration: &DVector<f64>, free: &DMatrix<f64>, order: usize) {
+    fn differentiate(
+        &mut self,
+        z: &DVector<f64>,
+        acceleration: &DVector<f64>,
+        free: &DMatrix<f64>,
+        order: usize,
+    ) {
         let (n, signals) = (self.system.coordinates, &self.system.signals);
         let mut next = DVector::zeros(signals.size);
         let mut size = DVector::zeros(signals.size);
@@ -305,7 +321,15 @@ impl<'a> Selection<'a> {
             b[k] = row.dot(z);
             // The terms' sizes, those of the forces before they are summed up on a body included.
             let terms: f64 = (0..self.system.coordinates)
-                .map(|c| e.w[c].abs() * free.row(c).iter().zip(self.sizes[order].0.iter()).map(|(f, s)| f.abs() * s).sum::<f64>())
+                .map(|c| {
+                    e.w[c].abs()
+                        * free
+                            .row(c)
+                            .iter()
+                            .zip(self.sizes[order].0.iter())
+                            .map(|(f, s)| f.abs() * s)
+                            .sum::<f64>()
+                })
                 .sum();
             zero[k] = ZERO * (terms + self.sizes[order].of(&e.drift));
             match contact {
@@ -320,7 +344,9 @@ impl<'a> Selection<'a> {
                     let held = bilateral && friction.has_static;
                     match self.frictions[i] {
                         Friction::Resting(first) if order < first => (lo[k], hi[k]) = (0.0, 0.0),
-                        Friction::Resting(first) if order == first && !held => (lo[k], hi[k]) = (-level, level),
+                        Friction::Resting(first) if order == first && !held => {
+                            (lo[k], hi[k]) = (-level, level)
+                        }
                         Friction::AtLevel(direction) if !held => {
                             if direction > 0.0 {
                                 hi[k] = level;
@@ -376,7 +402,9 @@ impl<'a> Selection<'a> {
             let ratio = match self.frictions[i] {
                 Friction::Resting(first) if first == order => force.abs() / level,
                 // At the level already: what it takes beyond the level's own change.
-                Friction::AtLevel(d) if d * force - level > ZERO * (force.abs() + level.abs()) => f64::INFINITY,
+                Friction::AtLevel(d) if d * force - level > ZERO * (force.abs() + level.abs()) => {
+                    f64::INFINITY
+                }
                 _ => continue,
             };
             let direction = if slips { limited.residual[k].signum() } else { force.signum() };

@@ -4,10 +4,10 @@ use super::event::{Event, EventKind};
 use super::{Motion, Observer};
 use crate::error::Error;
 use crate::flow::ORDERS;
+use crate::law::ZERO;
 use crate::law::box_qp::Jam;
 use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{Selection, Touching};
-use crate::law::ZERO;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::motion::step::row_dot;
 use nalgebra::{DMatrix, DVector};
@@ -152,8 +152,7 @@ impl Motion {
         let mut closing: Vec<(usize, f64)> = Vec::new();
         loop {
             let mut z = before.clone();
-            let instant =
-                Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
+            let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
             let impacts = instant.collide(&mut z).map_err(|jam| self.jammed(&jam))?;
             self.hybrid.z = z;
             let last: Vec<(usize, f64)> =
@@ -179,7 +178,8 @@ impl Motion {
         restitution: &[f64],
         flags: &Flags,
     ) -> Result<Vec<(usize, f64)>, Error> {
-        let candidates: Vec<(usize, f64)> = hit.iter().copied().filter(|&(i, _)| restitution[i] > 0.0).collect();
+        let candidates: Vec<(usize, f64)> =
+            hit.iter().copied().filter(|&(i, _)| restitution[i] > 0.0).collect();
         if candidates.is_empty() {
             return Ok(Vec::new());
         }
@@ -195,7 +195,8 @@ impl Motion {
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
             let scale = self.hybrid.sizes.of(&stop.excess);
             if a > 0.0 && rebound >= 0.0 && rebound * rebound < 2.0 * a * LEAST_BOUNCE * scale {
-                let left = if restitution[i] < 1.0 { 2.0 * rebound / (a * (1.0 - restitution[i])) } else { 0.0 };
+                let left =
+                    if restitution[i] < 1.0 { 2.0 * rebound / (a * (1.0 - restitution[i])) } else { 0.0 };
                 found.push((i, left));
             }
         }

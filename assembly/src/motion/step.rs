@@ -37,7 +37,11 @@ impl Motion {
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
-    pub fn advance_observed(&mut self, end: f64, observer: &mut dyn FnMut(&super::Event)) -> Result<(), Error> {
+    pub fn advance_observed(
+        &mut self,
+        end: f64,
+        observer: &mut dyn FnMut(&super::Event),
+    ) -> Result<(), Error> {
         self.advance(end, false, &mut Some(observer)).map(drop)
     }
 
@@ -45,7 +49,11 @@ impl Motion {
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
-    pub fn advance_to_event(&mut self, end: f64, observer: &mut dyn FnMut(&super::Event)) -> Result<Outcome, Error> {
+    pub fn advance_to_event(
+        &mut self,
+        end: f64,
+        observer: &mut dyn FnMut(&super::Event),
+    ) -> Result<Outcome, Error> {
         self.advance(end, true, &mut Some(observer))
     }
 
@@ -70,7 +78,9 @@ impl Motion {
             work += WORK.1 * (self.time() - from) / self.table.length;
             from = self.time();
             if work < 0.0 {
-                return Err(self.stuck("the limit of work in one call is reached; events follow one another without end"));
+                return Err(self.stuck(
+                    "the limit of work in one call is reached; events follow one another without end",
+                ));
             }
         }
     }
@@ -135,7 +145,10 @@ impl Motion {
             let size = self.hybrid.sizes.of(&w.row);
             let slope = row_dot(&w.coefficients, 1, &self.hybrid.z).abs() / table.length;
             let curvature = w.curvature.dot(sizes);
-            while span * (slope + 0.5 * curvature * span) > REACH * size && size > 0.0 && span > f64::MIN_POSITIVE {
+            while span * (slope + 0.5 * curvature * span) > REACH * size
+                && size > 0.0
+                && span > f64::MIN_POSITIVE
+            {
                 span *= 0.5;
             }
         }

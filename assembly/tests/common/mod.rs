@@ -40,7 +40,14 @@ pub fn rigid(name: &str, terms: &[(usize, f64)], gap: f64, restitution: f64) -> 
 }
 
 /// A compliant stop.
-pub fn compliant(name: &str, terms: &[(usize, f64)], gap: f64, stiffness: f64, damping: f64, limit: DampingLimit) -> Stop {
+pub fn compliant(
+    name: &str,
+    terms: &[(usize, f64)],
+    gap: f64,
+    stiffness: f64,
+    damping: f64,
+    limit: DampingLimit,
+) -> Stop {
     Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Compliant { stiffness, damping, limit } }
 }
 

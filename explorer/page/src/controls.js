@@ -1,21 +1,25 @@
 // Fields and sliders: one row for each parameter, the library's message beside a value that it refuses.
 import { assign, BY_NAME, PARAMETERS, set, state } from "./state.js";
+import { chooseUnits, ends as endsOf, unitOf } from "./units.js";
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
 /** Steps of a slider. */
 const STEPS = 400;
 
-/** @type {Map<string, {row: HTMLElement, slider: HTMLInputElement, text: HTMLInputElement, why: HTMLElement, ends: [number, number]}>} */
+/** A slider's ends are in SI. @type {Map<string, {row: HTMLElement, slider: HTMLInputElement, text: HTMLInputElement, unit: HTMLElement, why: HTMLElement, ends: [number, number]}>} */
 const fields = new Map();
 
 /** A number as a field shows it: the shortest that comes back. @param {number} x */
 export const told = (x) => String(Number.parseFloat(x.toPrecision(10)));
 
-/** What a field's text means: a number, with a comma or a minus sign as people write them. @param {string} text */
-export function read(text) {
-  const plain = text.trim().replace("−", "-").replace(/^(-?\d*),(\d+)$/, "$1.$2");
-  return plain === "" ? NaN : Number(plain);
+/** What is written in a field as the library reads it: a comma or a minus sign as people write them. @param {string} text */
+export const plain = (text) => text.trim().replace("−", "-").replace(/^(-?\d*),(\d+)/, "$1.$2");
+
+/** A value with its unit. @param {string} name @param {number} value */
+export function toldOf(name, value) {
+  const { symbol, factor } = unitOf(name);
+  return symbol ? `${told(value * factor)} ${symbol}` : told(value);
 }
 
 /** The groups as they are shown: those first that are changed most. */
@@ -44,6 +48,7 @@ export function makeFields(changed) {
   const host = element("fields");
   host.textContent = "";
   fields.clear();
+  chooseUnits();
   const shown = PARAMETERS.filter((p) => p.group === (state.form === "groups")), place = (/** @type {string} */ name) => ORDER.indexOf(name);
   for (const p of shown[0].group ? shown.sort((a, b) => place(a.name) - place(b.name)) : shown) {
     const row = document.createElement("div");
@@ -52,7 +57,7 @@ export function makeFields(changed) {
     row.innerHTML = `<label class="sym" for="${id}"></label><span class="what"></span><input type="text" id="${id}" inputmode="decimal" autocomplete="off" spellcheck="false"><span class="unit"></span><input type="range" min="0" max="${STEPS}" step="1" tabindex="0">`;
     const [text, slider] = /** @type {NodeListOf<HTMLInputElement>} */ (row.querySelectorAll("input"));
     /** @type {HTMLElement} */ (row.querySelector(".sym")).textContent = p.symbol;
-    /** @type {HTMLElement} */ (row.querySelector(".unit")).textContent = p.unit === "1" ? "" : p.unit.replace(".", "·");
+    const unit = /** @type {HTMLElement} */ (row.querySelector(".unit"));
     /** @type {HTMLElement} */ (row.querySelector(".what")).textContent = words;
     row.title = `${p.group ? words : p.meaning}${formula ? `: ${formula}` : ""}; ${printed(p.allowed)}`;
     slider.setAttribute("aria-label", `${p.symbol}, ${words}`);
@@ -63,40 +68,47 @@ export function makeFields(changed) {
     why.setAttribute("role", "alert");
     row.append(why);
     text.setAttribute("aria-describedby", why.id);
-    const field = { row, slider, text, why, ends: span(p) };
+    const field = { row, slider, text, unit, why, ends: span(p) };
     fields.set(p.name, field);
-    slider.addEventListener("input", () => { const [low, high] = field.ends; apply(p.name, low + (high - low) * Number(slider.value) / STEPS, changed, slider); });
-    text.addEventListener("input", () => apply(p.name, read(text.value), changed, text));
-    text.addEventListener("blur", () => { if (why.hidden) show(); });
+    slider.addEventListener("input", () => {
+      // Sliders give round numbers in the unit that is shown.
+      const [low, high] = field.ends, { factor } = unitOf(p.name), value = low + (high - low) * Number(slider.value) / STEPS;
+      apply(p.name, () => Number((value * factor).toPrecision(4)) / factor, changed, slider);
+    });
+    text.addEventListener("input", () => apply(p.name, () => set.read(p.name, plain(text.value), unitOf(p.name).plain), changed, text));
+    text.addEventListener("blur", () => { if (why.hidden) { chooseUnits(); adoptRange(); } });
     host.append(row);
   }
   adoptRange();
 }
 
-/** The values at a slider's ends: those of the diagram for its parameter; a physical value may be of any size. @param {import("./core.js").Parameter} p @returns {[number, number]} */
-function span(p) {
-  if (p.name === state.along) return [...state.range];
-  if (p.group || p.unit === "rad" || p.name === "stop.restitution") return [p.low, p.high];
-  return [0, 3 * Math.abs(set.value(p.name)) || 1];
-}
+/** The values at a slider's ends: those of the diagram for its parameter. @param {import("./core.js").Parameter} p @returns {[number, number]} */
+const span = (p) => (p.name === state.along ? [...state.range] : endsOf(p));
 
 /** After the diagram shows another parameter or range: its slider is its cursor. */
 export function adoptRange() {
   for (const [name, field] of fields) {
     field.row.classList.toggle("along", name === state.along);
     const p = BY_NAME.get(name);
-    if (p && (name === state.along || p.group)) field.ends = span(p);
+    if (p && (name === state.along || p.group || !fits(field.ends, set.value(name)))) field.ends = span(p);
   }
   show();
 }
 
-/** @param {string} name @param {number} value @param {() => void} changed @param {HTMLElement} by */
+/** Whether a slider shows a value well: not beyond its ends, nor crowded at the lower one. @param {[number, number]} ends @param {number} value */
+const fits = ([low, high], value) => value >= low && value <= high && (value === 0 || low !== 0 || value >= 0.1 * high);
+
+/** @param {string} name @param {() => number} value @param {() => void} changed @param {HTMLElement} by */
 function apply(name, value, changed, by) {
   const field = fields.get(name);
   if (!field) return;
   try {
-    // Sliders give round numbers.
-    assign(name, by === field.slider ? Number(value.toPrecision(4)) : value);
+    assign(name, value());
+    if (by === field.text) {
+      const unit = set.typed(name, plain(field.text.value));
+      if (unit) state.units[name] = unit;
+      if (unit) chooseUnits();
+    }
     refuse(name, "");
     show(by);
     changed();
@@ -117,21 +129,26 @@ export function refuse(name, words) {
 
 /** Brings all fields up to date but the one that is being written in. @param {HTMLElement} [by] */
 export function show(by) {
-  for (const [name, { slider, text, ends: [low, high] }] of fields) {
-    const value = set.value(name);
-    if (text !== by && document.activeElement !== text) { text.value = told(value); if (by) refuse(name, ""); }
-    else if (text !== by && by) text.value = told(value);
+  for (const [name, field] of fields) {
+    const value = set.value(name), { slider, text } = field, { symbol, factor } = unitOf(name), p = BY_NAME.get(name);
+    // No slider stands at its end because the machine is another one.
+    if (p && slider !== by && name !== state.along && !(value >= field.ends[0] && value <= field.ends[1])) field.ends = span(p);
+    const [low, high] = field.ends, words = told(value * factor);
+    field.unit.textContent = symbol;
+    if (text !== by && document.activeElement !== text) { text.value = words; if (by) refuse(name, ""); }
+    else if (text !== by && by) text.value = words;
     if (slider !== by) slider.value = String(Math.round(STEPS * (value - low) / (high - low)));
     slider.style.setProperty("--part", `${Math.max(0, Math.min(100, 100 * (value - low) / (high - low))).toFixed(1)}%`);
-    slider.setAttribute("aria-valuetext", told(value));
+    slider.setAttribute("aria-valuetext", toldOf(name, value));
   }
 }
 
 /** The parameter set in words. */
 export function describe() {
+  if (PARAMETERS.every((p) => p.group || p.name === "drive.phase" || state.set.some(([name]) => name === p.name))) return "Shown: the machine with the values above in SI.";
   const base = state.strong ? "the strongly coupled set (chosen for this program)" : "the default set";
-  const changes = state.set.filter(([name]) => BY_NAME.has(name)).map(([name, value]) => `${BY_NAME.get(name)?.symbol} = ${told(value)}`);
-  const list = changes.length > 6 ? "own values in SI" : changes.join(", ");
+  const changes = state.set.filter(([name]) => BY_NAME.has(name)).map(([name, value]) => `${BY_NAME.get(name)?.symbol} = ${toldOf(name, value)}`);
+  const list = changes.join(", ");
   return `Shown: ${base}${list ? ` with ${list}` : ""}.`;
 }
 

@@ -2,7 +2,8 @@
 import { curves } from "./panels.js";
 import { FONT, Frame, reach, rgb, theme } from "./plot.js";
 import { tops } from "./motion.js";
-import { BY_NAME, set, startSi, state, units } from "./state.js";
+import { set, startSi, state, units } from "./state.js";
+import { lengths, parameterAxis } from "./units.js";
 
 const AXIS = 34;
 
@@ -174,12 +175,14 @@ function findBand() {
 
 /** @param {any} g @param {number} width @param {number} height @param {number} ratio @param {boolean} [vector] */
 export function drawDiagram(g, width, height, ratio, vector = false) {
-  const parameter = BY_NAME.get(state.along);
+  const symbol = { x1: "x₁", x2: "x₂", x3: "x₃", w: "w", strobe: "x₂" }[state.ordinate];
   // New columns come many times a frame: the picture of all is made anew some fifteen times a second.
   const anew = vector || (diagram.dirty && (performance.now() - shaded > BETWEEN || diagram.finished === 2 || picture.width !== Math.round((width - 54) * ratio)));
   if (anew) findBand();
   const frame = frameOf(width, height), { box } = frame;
-  frame.axes(g, { xTicks: false, y: { x1: "x₁/L", x2: "x₂/L", x3: "x₃/L", w: "w/L", strobe: "x₂/L", speed: "±v/Lω₁" }[state.ordinate] });
+  // Each column's speeds are in units of its own L ω₁, and over the gap its lengths in units of its own L.
+  const ordinate = !symbol ? "±v/Lω₁" : state.along === "stop.gap" ? `${symbol}/L` : lengths(symbol), parameter = parameterAxis(state.along);
+  frame.axes(g, { xTicks: false, x: { ...parameter, label: "" }, y: ordinate });
   if (anew) {
     shade(frame, ratio);
     shaded = performance.now();
@@ -187,7 +190,7 @@ export function drawDiagram(g, width, height, ratio, vector = false) {
   }
   g.drawImage(picture, box.left, box.top, box.right - box.left, box.bottom - box.top);
   frame.inside(g, () => drawBranches(g, frame));
-  drawExponents(g, frame, height, parameter?.symbol ?? "");
+  drawExponents(g, frame, height, parameter);
   const here = set.value(state.along);
   if (here >= state.range[0] && here <= state.range[1]) {
     g.strokeStyle = theme.here; g.lineWidth = 1.5;
@@ -231,11 +234,11 @@ function drawBranches(g, frame) {
   g.globalAlpha = 1;
 }
 
-/** The strip of Lyapunov exponents under the diagram. @param {any} g @param {Frame} above @param {number} height @param {string} symbol */
-function drawExponents(g, above, height, symbol) {
+/** The strip of Lyapunov exponents under the diagram. @param {any} g @param {Frame} above @param {number} height @param {import("./units.js").Axis} parameter */
+function drawExponents(g, above, height, parameter) {
   const known = diagram.exponents.filter((e) => e !== null), most = Math.min(0.25, Math.max(0.02, ...known.map((e) => e[0])));
   const strip = new Frame(state.range, [-most, most], { left: above.box.left, right: above.box.right, top: height - 18 - AXIS, bottom: height - 22 });
-  strip.axes(g, { x: symbol, yTicks: 0 });
+  strip.axes(g, { x: parameter, yTicks: 0 });
   g.fillStyle = theme.soft; g.font = `10px ${FONT}`; g.textAlign = "right"; g.textBaseline = "middle";
   if (known.length) g.fillText(most.toFixed(2), strip.box.left - 6, strip.box.top + 3);
   g.fillStyle = theme.ink; g.font = `11px ${FONT}`;

@@ -25,7 +25,7 @@ function draw(figure, g, w, h, ratio, shown) {
   else if (figure === "portrait") drawPortrait(g, w, h);
   else if (figure === "poincare") drawSection(g, w, h, ratio);
   else if (figure === "response") drawResponse(g, w, h);
-  else if (figure === "machine") drawMachine(g, w, h, layout(w, h, shown.extent), shown);
+  else if (figure === "machine") drawMachine(g, w, h, layout(w, h, shown.extent, !shown.parts.k23), shown);
   else drawDiagram(g, w, h, ratio, true);
 }
 

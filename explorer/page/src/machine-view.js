@@ -1,4 +1,5 @@
 // The machine as in the documentation's sketch, in motion: lengths along the axis are to scale, so that the block really meets the stop.
+// A spring or a damper of zero is not drawn, and the oscillator is left out where nothing couples it to the block.
 import { FONT, rgb, theme } from "./plot.js";
 
 /** Half the block's and the oscillator's width, the stops' and the walls' thickness; in units of L. */
@@ -20,14 +21,17 @@ const ABOVE = 40, BELOW = 52;
  * @property {[number, number]} glow of the lower and the upper stop, 0 to 1
  * @property {number} held the body that is dragged or chosen, -1 for none
  * @property {number[]} extent largest displacements and largest x1 - x3
+ * @property {Parts} parts
+ * @property {string} gap the gap in words
  */
+/** Which springs and dampers there are, by their symbols. @typedef {Record<"k1" | "c1" | "k23" | "k3" | "c3", boolean>} Parts */
 
-/** The places of the bodies at rest. @param {number} width @param {number} height @param {number[]} extent @returns {Layout} */
-export function layout(width, height, extent) {
+/** The places of the bodies at rest. @param {number} width @param {number} height @param {number[]} extent @param {boolean} [alone] without the oscillator @returns {Layout} */
+export function layout(width, height, extent, alone = false) {
   const [x1, , x3, apart] = extent;
   // The box swings clear of the ground, the oscillator of the box and of the other ground.
-  const before = OUTER + LEAST + x1, after = HALF + LEAST + x3;
-  const between = OUTER + HALF + Math.max(0.7, 0.3 + apart);
+  const before = OUTER + LEAST + x1, after = alone ? before : HALF + LEAST + x3;
+  const between = alone ? 0 : OUTER + HALF + Math.max(0.7, 0.3 + apart);
   const total = before + between + after, margin = 18;
   const scale = (width - 2 * margin) / total, wheel = Math.max(3.5, Math.min(7, 0.085 * scale));
   const room = height - ABOVE - BELOW - 2 * wheel - 2 * WALL * scale;
@@ -128,10 +132,10 @@ function drawGround(g, at) {
   g.beginPath(); g.moveTo(left - 2, top); g.lineTo(left - 2, floor); g.lineTo(right + 2, floor); g.lineTo(right + 2, top); g.stroke();
 }
 
-/** How far each body is from its place at rest, with ticks at whole L. @param {any} g @param {Layout} at @param {number[]} x @param {number} width */
-function drawDisplacements(g, at, x, width) {
+/** How far each body is from its place at rest, with ticks at whole L. @param {any} g @param {Layout} at @param {Shown} shown @param {number} width */
+function drawDisplacements(g, at, { x, parts, gap }, width) {
   const first = at.floor + 20;
-  for (const [rest, rows] of [[at.box, 2], [at.secondary, 1]]) {
+  for (const [rest, rows] of [[at.box, 2], [at.secondary, 1]].slice(0, parts.k23 ? 2 : 1)) {
     g.strokeStyle = theme.faint; g.lineWidth = 1;
     g.beginPath(); g.moveTo(rest, first - 8); g.lineTo(rest, first + 13 * rows - 6); g.stroke();
     g.strokeStyle = theme.line;
@@ -139,18 +143,18 @@ function drawDisplacements(g, at, x, width) {
     for (const n of [-1, 1]) { g.moveTo(rest + n * at.scale, first - 4); g.lineTo(rest + n * at.scale, first + 13 * rows - 9); }
     g.stroke();
   }
-  for (const [rest, row, colour, name, by] of /** @type {const} */ ([[at.box, 0, theme.box, "x₁", x[0]], [at.box, 1, theme.block, "x₂", x[1]], [at.secondary, 0, theme.secondary, "x₃", x[2]]])) {
+  for (const [rest, row, colour, name, by] of /** @type {const} */ ([[at.box, 0, theme.box, "x₁", x[0]], [at.box, 1, theme.block, "x₂", x[1]], [at.secondary, 0, theme.secondary, "x₃", x[2]]]).slice(0, parts.k23 ? 3 : 2)) {
     const y = first + 13 * row, tip = rest + by * at.scale, way = by < 0 ? -1 : 1;
     g.strokeStyle = colour; g.lineWidth = 3;
     g.beginPath(); g.moveTo(rest, y); g.lineTo(tip, y); g.stroke();
     label(g, name, tip + way * 5, y, colour, 11, 600, way > 0 ? "left" : "right");
   }
-  label(g, "ticks at ±L", width - 8, first + 13, theme.soft, 11, 400, "right");
+  label(g, `ticks at ±${gap}`, width - 8, first + 13, theme.soft, 11, 400, "right");
 }
 
-/** The box without what is in it: frame with an opening for the coupling spring, stops, wheels. @param {any} g @param {Layout} at @param {number} box @param {Shown} shown */
+/** The box without what is in it: frame with an opening for the coupling spring if there is one, stops, wheels. @param {any} g @param {Layout} at @param {number} box @param {Shown} shown */
 function drawBox(g, at, box, shown) {
-  const { scale, y, half, floor } = at, wall = WALL * scale, inner = INNER * scale, outer = OUTER * scale, top = y - half - wall, slot = Math.max(9, half * 0.17);
+  const { scale, y, half, floor } = at, wall = WALL * scale, inner = INNER * scale, outer = OUTER * scale, top = y - half - wall, slot = shown.parts.k23 ? Math.max(9, half * 0.17) : 0;
   g.fillStyle = tinted(theme.ink, 0.06);
   g.beginPath(); g.roundRect(box - outer, floor - 2, 2 * outer, 4, 2); g.fill();
   for (const d of [-0.72, 0.72]) wheel(g, box + d * outer, floor - at.wheel, at.wheel, shown.x[0] * scale);
@@ -222,6 +226,18 @@ function drawForce(g, box, top, inner, force) {
   label(g, "F₁₀ sin θ", box + most + 10, y, theme.soft, 12, 400, "left");
 }
 
+/** The oscillator, on wheels. @param {any} g @param {Layout} at @param {number} secondary @param {number} x3 @param {number} size */
+function drawOscillator(g, at, secondary, x3, size) {
+  const { scale, y, half, floor } = at, body = HALF * scale, tall = half * TALL;
+  g.fillStyle = tinted(theme.ink, 0.06);
+  g.beginPath(); g.roundRect(secondary - body, floor - 2, 2 * body, 4, 2); g.fill();
+  for (const d of [-0.58, 0.58]) wheel(g, secondary + d * body, floor - at.wheel, at.wheel, x3 * scale);
+  metal(g, secondary - body, y - tall, 2 * body, tall + half + WALL * scale, Math.min(5, body * 0.2), theme["drawn-secondary"]);
+  label(g, "m₃", secondary, y, theme["on-body"], size);
+  grip(g, secondary, y + half * 0.62);
+  label(g, "oscillator", secondary, y - tall - 0.7 * size, theme.secondary, 0.86 * size);
+}
+
 /** Height of block and oscillator above their middle, in parts of half the box's. */
 const TALL = 0.72;
 
@@ -233,23 +249,17 @@ export function drawMachine(g, width, height, at, shown) {
   const size = Math.max(11, Math.min(17, scale * 0.2));
   g.lineCap = "round"; g.lineJoin = "round";
   drawGround(g, at);
-  drawDisplacements(g, at, shown.x, width);
-  spring(g, at.left - 2, box - outer, y - half * 0.42, 7, Math.min(12, half * 0.16));
-  damper(g, at.left - 2, box - outer, y + half * 0.48, at.box - outer, LEAST * scale, Math.min(11, half * 0.15));
-  spring(g, at.right + 2, secondary + body, y - half * 0.3, 7, Math.min(11, half * 0.15));
-  damper(g, at.right + 2, secondary + body, y + half * 0.48, at.secondary + body, LEAST * scale, Math.min(10, half * 0.14));
+  drawDisplacements(g, at, shown, width);
+  const { k1, c1, k23, k3, c3 } = shown.parts;
+  if (k1) spring(g, at.left - 2, box - outer, y - half * 0.42, 7, Math.min(12, half * 0.16));
+  if (c1) damper(g, at.left - 2, box - outer, y + half * 0.48, at.box - outer, LEAST * scale, Math.min(11, half * 0.15));
+  if (k23 && k3) spring(g, at.right + 2, secondary + body, y - half * 0.3, 7, Math.min(11, half * 0.15));
+  if (k23 && c3) damper(g, at.right + 2, secondary + body, y + half * 0.48, at.secondary + body, LEAST * scale, Math.min(10, half * 0.14));
   drawBox(g, at, box, shown);
-  spring(g, block + body, secondary - body, y, 10, Math.min(8, half * 0.12));
+  if (k23) spring(g, block + body, secondary - body, y, 10, Math.min(8, half * 0.12));
   drawBlock(g, at, block, box, shown, size);
-  // The oscillator, on wheels.
-  g.fillStyle = tinted(theme.ink, 0.06);
-  g.beginPath(); g.roundRect(secondary - body, floor - 2, 2 * body, 4, 2); g.fill();
-  for (const d of [-0.58, 0.58]) wheel(g, secondary + d * body, floor - at.wheel, at.wheel, x3 * scale);
-  metal(g, secondary - body, y - tall, 2 * body, tall + half + wall, Math.min(5, body * 0.2), theme["drawn-secondary"]);
-  label(g, "m₃", secondary, y, theme["on-body"], size);
-  grip(g, secondary, y + half * 0.62);
+  if (k23) drawOscillator(g, at, secondary, x3, size);
   label(g, "m₁ box", box, y - half + size * 0.85, theme.box, 0.86 * size);
-  label(g, "oscillator", secondary, y - tall - 0.7 * size, theme.secondary, 0.86 * size);
   // Light at the contact itself, over the bodies.
   for (const side of [-1, 1]) {
     const hot = shown.glow[side < 0 ? 0 : 1];
@@ -265,12 +275,12 @@ export function drawMachine(g, width, height, at, shown) {
   drawForce(g, box, y - half - wall, inner, shown.force);
 }
 
-/** The body at a place: 0 box, 1 block, 2 oscillator, -1 none. @param {Layout} at @param {number[]} x @param {number} px @param {number} py */
-export function bodyAt(at, x, px, py) {
+/** The body at a place: 0 box, 1 block, 2 oscillator, -1 none. @param {Layout} at @param {Shown} shown @param {number} px @param {number} py */
+export function bodyAt(at, { x, parts }, px, py) {
   const { scale, half } = at, reach = HALF * scale + 8;
   if (Math.abs(py - at.y) > half + WALL * scale + 14) return -1;
   const near = py > at.y - half * TALL - 8;
   if (near && Math.abs(px - at.box - x[1] * scale) < reach) return 1;
-  if (near && Math.abs(px - at.secondary - x[2] * scale) < reach) return 2;
+  if (parts.k23 && near && Math.abs(px - at.secondary - x[2] * scale) < reach) return 2;
   return Math.abs(px - at.box - x[0] * scale) < OUTER * scale + 6 ? 0 : -1;
 }

@@ -1,6 +1,6 @@
 // The page: puts the parts together, keeps the clock, and hears mouse, touch and keys.
 import { PHASE, RATE, ROW, TIME, unpack, use, X1 } from "./core.js";
-import { adoptRange, definitions, describe, makeFields, meaning, refuse, show } from "./controls.js";
+import { adoptRange, definitions, describe, makeFields, meaning, refuse, show, toldOf } from "./controls.js";
 import { attractorAt, compute, diagram, drawDiagram, frameOf, startWorkers } from "./diagram.js";
 import { take } from "./exports.js";
 import { bodyAt, drawMachine, layout } from "./machine-view.js";
@@ -10,6 +10,7 @@ import { readout, readTheme, Surface } from "./plot.js";
 import { MOVING_BLOCK, PRESETS } from "./presets.js";
 import { enable, tick } from "./sound.js";
 import { assign, BY_NAME, fromHash, PARAMETERS, prepare, set, state, toHash, units, usePreset } from "./state.js";
+import { range as rangeOver, uncoupled } from "./units.js";
 
 /* global WORKER: the script of the worker, put in by the bundler */
 
@@ -45,7 +46,7 @@ async function start() {
   prepare();
   readTheme();
   on = { machine: new Surface("machine"), bars: new Surface("bars"), history: new Surface("history"), portrait: new Surface("portrait"), poincare: new Surface("poincare"), diagram: new Surface("diagram"), response: new Surface("response") };
-  linked = fromHash(location.hash);
+  adoptLink();
   makeControls();
   playing = !calm.matches;
   showPlaying();
@@ -75,6 +76,13 @@ function say(text, bad = false, head = "") {
 
 /** What was wrong with the link, until something is changed. */
 let linked = "";
+
+/** Takes over the link; one that names no range of the diagram gets one with the machine's own value in it. */
+function adoptLink() {
+  linked = fromHash(location.hash);
+  if (!/[#&]over=/.test(location.hash)) holdCursor();
+}
+
 /** Says what the settled motion is. */
 function tell() {
   const { head, rest } = words();
@@ -99,6 +107,7 @@ function ahead() {
   idle = 0;
   redraw = true;
   element("shown").textContent = describe();
+  for (const id of ["keyOscillator", "portraitOfOscillator", "maximaOfOscillator"]) element(id).hidden = uncoupled();
   element("story").textContent = PRESETS.find((p) => p.id === state.preset)?.story ?? "Your own numbers. The steps above, the presets and the browser’s back lead to others.";
   for (const link of element("tour").querySelectorAll("a")) {
     if (link.hash === `#preset=${state.preset}`) link.setAttribute("aria-current", "step"); else link.removeAttribute("aria-current");
@@ -113,11 +122,20 @@ function changed(diagramToo = true) {
   linked = "";
   try { reparametrize(); } catch { begin(); }
   ahead();
+  if (diagramToo) holdCursor();
   write();
   /** @type {HTMLSelectElement} */ (element("preset")).value = state.preset;
   if (diagramToo) { clearTimeout(later); later = window.setTimeout(() => compute(on.diagram.width), 120); }
   lastChange = performance.now() - before;
 }
+/** The diagram's range is another where the machine has become one whose own value is outside. */
+function holdCursor() {
+  const here = set.value(state.along), p = BY_NAME.get(state.along);
+  if (!p || (here >= state.range[0] && here <= state.range[1])) return;
+  [state.range, state.band] = [rangeOver(p), null];
+  adoptRange();
+}
+
 /** Milliseconds that the last change took, for the measurements. */
 export let lastChange = 0;
 
@@ -179,9 +197,15 @@ function strike(impacts) {
   }
 }
 
+/** The springs and dampers that there are. @returns {import("./machine-view.js").Parts} */
+const parts = () => ({ k1: set.value("box.k") > 0, c1: set.value("box.c") > 0, k23: !uncoupled(), k3: set.value("secondary.k") > 0, c3: set.value("secondary.c") > 0 });
+
+/** Where the machine is drawn. */
+const placed = () => layout(on.machine.width, on.machine.height, extent, uncoupled());
+
 /** What the machine's picture shows. @returns {import("./machine-view.js").Shown} */
 function shown() {
-  return { x: [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length), rate: motion.now[RATE] / motion.length * motion.period, force: Math.sin(motion.now[PHASE]), side: motion.now[ROW], glow: /** @type {[number, number]} */ ([...glow]), held: held >= 0 ? held : document.activeElement === on.machine.canvas ? chosen : -1, extent };
+  return { x: [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length), rate: motion.now[RATE] / motion.length * motion.period, force: Math.sin(motion.now[PHASE]), side: motion.now[ROW], glow: /** @type {[number, number]} */ ([...glow]), held: held >= 0 ? held : document.activeElement === on.machine.canvas ? chosen : -1, extent, parts: parts(), gap: state.form === "si" ? toldOf("stop.gap", motion.length) : "L" };
 }
 
 /** The panel under the pointer. @type {{surface: Surface, x: number, y: number} | null} */
@@ -218,7 +242,7 @@ function frame(time) {
 
 function draw() {
   const { machine, bars, history, portrait, poincare, response } = on;
-  if (machine.width) drawMachine(machine.begin(), machine.width, machine.height, layout(machine.width, machine.height, extent), shown());
+  if (machine.width) drawMachine(machine.begin(), machine.width, machine.height, placed(), shown());
   if (bars.width) drawBars(bars.begin(), bars.width);
   for (const [surface, panel] of /** @type {const} */ ([[history, drawHistory], [portrait, drawPortrait], [poincare, drawSection], [on.diagram, drawDiagram], [response, drawResponse]])) {
     if (!surface.width) continue;
@@ -227,7 +251,7 @@ function draw() {
   }
   const canvas = on.diagram.canvas, here = set.value(state.along);
   canvas.setAttribute("aria-valuemin", String(state.range[0])); canvas.setAttribute("aria-valuemax", String(state.range[1]));
-  canvas.setAttribute("aria-valuenow", String(here)); canvas.setAttribute("aria-valuetext", `${BY_NAME.get(state.along)?.symbol} = ${here.toPrecision(5)}`);
+  canvas.setAttribute("aria-valuenow", String(here)); canvas.setAttribute("aria-valuetext", `${BY_NAME.get(state.along)?.symbol} = ${toldOf(state.along, Number(here.toPrecision(5)))}`);
 }
 
 /** Sets the parameter of the diagram; its picture stays as it is. @param {number} value */
@@ -262,13 +286,13 @@ function zoom(range, band) {
   state.band = band && /** @type {[number, number]} */ (band.map((x) => Number(x.toPrecision(6))));
   write(true);
   adoptRange();
-  say(`Diagram over ${p?.symbol} from ${state.range[0]} to ${state.range[1]}.`);
+  say(`Diagram over ${p?.symbol} from ${toldOf(state.along, state.range[0])} to ${toldOf(state.along, state.range[1])}.`);
   compute(on.diagram.width);
 }
 
 function whole() {
-  const p = BY_NAME.get(state.along), preset = PRESETS.find((q) => q.id === state.preset && q.along === state.along), value = set.value(state.along);
-  const range = preset?.range ?? (p?.group ? (state.along === "f10" ? [0.5, 5] : [p.low, p.high]) : state.along === "stop.restitution" ? [0, 1] : [0.5 * value || 0.01, 1.5 * value || 1]);
+  const p = BY_NAME.get(state.along), preset = PRESETS.find((q) => q.id === state.preset && q.along === state.along);
+  const range = preset?.range ?? (p ? rangeOver(p) : state.range);
   zoom([range[0], range[1]], null);
 }
 
@@ -290,8 +314,8 @@ function listen() {
   let offset = 0;
   const place = (/** @type {PointerEvent} */ e) => { const r = machine.getBoundingClientRect(); return [e.clientX - r.left, e.clientY - r.top]; };
   machine.addEventListener("pointerdown", (e) => {
-    const [px, py] = place(e), at = layout(on.machine.width, on.machine.height, extent), x = shown().x;
-    held = chosen = bodyAt(at, x, px, py);
+    const [px, py] = place(e), at = placed(), { x } = shown();
+    held = chosen = bodyAt(at, shown(), px, py);
     if (held < 0) return;
     machine.setPointerCapture(e.pointerId);
     machine.classList.add("held");
@@ -300,13 +324,13 @@ function listen() {
   });
   machine.addEventListener("pointermove", (e) => {
     const [px, py] = place(e);
-    if (held < 0) { machine.classList.toggle("over", bodyAt(layout(on.machine.width, on.machine.height, extent), shown().x, px, py) >= 0); return; }
-    const at = layout(on.machine.width, on.machine.height, extent);
+    if (held < 0) { machine.classList.toggle("over", bodyAt(placed(), shown(), px, py) >= 0); return; }
+    const at = placed();
     hold(held, Math.max(-4, Math.min(4, (px - offset - [at.box, at.box, at.secondary][held]) / at.scale)));
   });
   for (const type of ["pointerup", "pointercancel"]) machine.addEventListener(type, () => { held = -1; machine.classList.remove("held"); redraw = true; });
   machine.addEventListener("keydown", (e) => {
-    if (["1", "2", "3"].includes(e.key)) { chosen = Number(e.key) - 1; redraw = true; e.preventDefault(); }
+    if (["1", "2", "3"].slice(0, uncoupled() ? 2 : 3).includes(e.key)) { chosen = Number(e.key) - 1; redraw = true; e.preventDefault(); }
     const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[e.key];
     if (way && chosen >= 0) { playing = false; showPlaying(); hold(chosen, shown().x[chosen] + way * (e.shiftKey ? 0.2 : 0.05)); e.preventDefault(); }
   });
@@ -335,7 +359,7 @@ function listen() {
     write(true);
     adoptState();
   });
-  for (const radio of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("input[name=form]"))) radio.addEventListener("change", () => { state.form = radio.value; makeFields(changed); write(); });
+  for (const radio of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("input[name=form]"))) radio.addEventListener("change", () => { state.form = radio.value; makeFields(changed); forgetRanges(); diagram.dirty = redraw = true; write(); });
   element("along").addEventListener("change", () => { state.along = /** @type {HTMLSelectElement} */ (element("along")).value; whole(); });
   element("shownOrdinate").addEventListener("change", () => { state.ordinate = /** @type {HTMLSelectElement} */ (element("shownOrdinate")).value; state.band = null; write(); compute(on.diagram.width); });
   element("plane").addEventListener("change", () => { state.plane = /** @type {HTMLSelectElement} */ (element("plane")).value; redraw = true; write(); });
@@ -346,7 +370,7 @@ function listen() {
     const figure = /** @type {HTMLSelectElement} */ (element("figure")).value, surface = on[/** @type {keyof typeof on} */ (figure)];
     element("exported").textContent = await take(button.dataset.export ?? "", figure, surface, shown());
   });
-  addEventListener("popstate", () => { linked = fromHash(location.hash); adoptState(); });
+  addEventListener("popstate", () => { adoptLink(); adoptState(); });
   addEventListener("keydown", (e) => {
     const target = /** @type {HTMLElement} */ (e.target);
     if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(target.tagName)) return;

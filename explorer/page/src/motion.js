@@ -215,8 +215,8 @@ export function words() {
   if (motion.problem) return { head: "", rest: motion.problem };
   const c = motion.class;
   if (!c) return { head: "", rest: "" };
-  const [period, up, low, symmetric, rests, settling, chaotic, exponent] = c;
-  const head = settling ? "It is still settling:" : period === 1 ? "It repeats in every drive period:" : period ? `It repeats after ${period} drive periods:` : chaotic ? "Chaos, it never repeats:" : "Two frequencies, it never repeats:";
+  const [period, up, low, symmetric, rests, settling, chaotic, exponent, undecided] = c;
+  const head = undecided ? "It has not settled:" : settling ? "It is still settling:" : period === 1 ? "It repeats in every drive period:" : period ? `It repeats after ${period} drive periods:` : chaotic ? "Chaos, it never repeats:" : "Two frequencies, it never repeats:";
   // Of a motion with a period its impacts are whole numbers; else a mean.
   const span = period || 1, number = (/** @type {number} */ n) => (Math.abs(n - Math.round(n)) < 1e-9 ? String(Math.round(n)) : n.toFixed(2)), [right, left] = [number(up * span), number(low * span)];
   const impacts = (/** @type {string} */ n) => (n === "1" ? "one impact" : `${n} impacts`);

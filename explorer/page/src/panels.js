@@ -2,7 +2,8 @@
 import { manifold, KIND, PHASE, RATE, ROW, TIME, V1, W, X1, X2, X3 } from "./core.js";
 import { KEPT, motion } from "./motion.js";
 import { FONT, Frame, reach, rgb, theme } from "./plot.js";
-import { BY_NAME, set, state } from "./state.js";
+import { set, state } from "./state.js";
+import { digits, lengths, parameterAxis, speeds, times, uncoupled } from "./units.js";
 
 const smooth = new Map();
 /** A range that grows at once and shrinks slowly, so that axes do not jump. @param {string} key @param {[number, number]} wanted @returns {[number, number]} */
@@ -23,12 +24,14 @@ export function drawHistory(g, width, height) {
   const shown = rows.subarray(first * ROW, count * ROW), begin = Math.max(from, count ? rows[0] : 0) / period, x = /** @type {[number, number]} */ ([begin, begin + KEPT + 0.25]);
   const box = { left: 44, right: width - 10, top: 20, bottom: height * 0.56 };
   let most = 0.5;
-  for (let i = 0; i < shown.length; i += ROW) most = Math.max(most, Math.abs(shown[i + X1]), Math.abs(shown[i + X2]), Math.abs(shown[i + X3]));
-  most = Math.max(most / (most > 0.5 ? L : 1), 0.5) * 1.08;
+  // A body that nothing couples stays where it is, and is not drawn.
+  const bodies = /** @type {[number, string][]} */ ([[X3, theme["drawn-secondary"]], [X1, theme.box], [X2, theme.block]]).slice(uncoupled() ? 1 : 0);
+  for (let i = 0; i < shown.length; i += ROW) for (const [column] of bodies) most = Math.max(most, Math.abs(shown[i + column]) / L);
+  most *= 1.08;
   const [low, high] = eased("history", [-most, most]);
   const upper = new Frame(x, [low, high], box), lower = new Frame(x, [-1.22, 1.22], { ...box, top: height * 0.66, bottom: height - 20 });
-  upper.axes(g, { xTicks: false, y: "x/L", yTicks: 4 });
-  lower.axes(g, { x: "t/T", y: "w/L", yTicks: 3 });
+  upper.axes(g, { xTicks: false, x: { ...times(period), label: "" }, y: lengths("x"), yTicks: 4 });
+  lower.axes(g, { x: times(period), y: lengths("w"), yTicks: 3 });
   const curve = (/** @type {Frame} */ frame, /** @type {number} */ column, /** @type {string} */ colour, /** @type {number} */ thick) => frame.inside(g, () => {
     g.strokeStyle = colour; g.lineWidth = thick; g.lineJoin = "round";
     g.beginPath();
@@ -38,7 +41,7 @@ export function drawHistory(g, width, height) {
     }
     g.stroke();
   });
-  curve(upper, X3, theme["drawn-secondary"], 1.6); curve(upper, X1, theme.box, 1.8); curve(upper, X2, theme.block, 1.8);
+  for (const [column, colour] of bodies) curve(upper, column, colour, 1.8);
   g.strokeStyle = theme.ink; g.lineWidth = 1.5;
   g.beginPath();
   for (const side of [-1, 1]) { g.moveTo(box.left, lower.py(side)); g.lineTo(box.right, lower.py(side)); }
@@ -53,7 +56,7 @@ export function drawHistory(g, width, height) {
     }
   });
   const end = shown.length - ROW;
-  if (end >= 0) for (const [frame, column, colour] of /** @type {const} */ ([[upper, X3, theme["drawn-secondary"]], [upper, X1, theme.box], [upper, X2, theme.block], [lower, W, theme.relative]])) {
+  if (end >= 0) for (const [frame, column, colour] of /** @type {[Frame, number, string][]} */ ([...bodies.map(([column, colour]) => [upper, column, colour]), [lower, W, theme.relative]])) {
     g.fillStyle = colour;
     g.beginPath(); g.arc(frame.px(shown[end + TIME] / period), frame.py(shown[end + column] / L), 3.4, 0, 2 * Math.PI); g.fill();
   }
@@ -61,7 +64,7 @@ export function drawHistory(g, width, height) {
 }
 
 /** Columns of a displacement and its rate, with symbols and colour. @type {Record<string, [number, number, string, string, string]>} */
-const PLANES = { w: [W, RATE, "w/L", "w′/Lω₁₀", "relative"], x1: [X1, V1, "x₁/L", "v₁/Lω₁₀", "box"], x2: [X2, V1 + 1, "x₂/L", "v₂/Lω₁₀", "block"], x3: [X3, V1 + 2, "x₃/L", "v₃/Lω₁₀", "drawn-secondary"] };
+const PLANES = { w: [W, RATE, "w", "w′", "relative"], x1: [X1, V1, "x₁", "v₁", "box"], x2: [X2, V1 + 1, "x₂", "v₂", "block"], x3: [X3, V1 + 2, "x₃", "v₃", "drawn-secondary"] };
 
 /** The frame of portrait and stroboscopic section: a displacement over L, its rate over L ω10. @param {number} width @param {number} height @param {string} plane */
 function phaseFrame(width, height, plane) {
@@ -88,7 +91,7 @@ function stops(g, frame) {
 export function drawPortrait(g, width, height) {
   const { frame, L, V } = phaseFrame(width, height, state.plane), [place, rate, across, up, colour] = PLANES[state.plane];
   if (state.plane === "w") stops(g, frame);
-  frame.axes(g, { x: across, y: up });
+  frame.axes(g, { x: lengths(across), y: speeds(up, V, "Lω₁₀") });
   const line = (/** @type {Float64Array} */ rows, /** @type {number} */ from, /** @type {number} */ to) => {
     g.beginPath();
     for (let i = from; i < to; i++) {
@@ -135,7 +138,7 @@ export function drawSection(g, width, height, ratio) {
     frame = new Frame([-1, 1], [low, high], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
   }
   if (strobe) stops(g, frame);
-  frame.axes(g, strobe ? { x: "w/L", y: "w′/Lω₁₀" } : { x: "θ/π", y: "±v/Lω₁" });
+  frame.axes(g, strobe ? { x: lengths("w"), y: speeds("w′", V, "Lω₁₀") } : { x: "θ/π", y: speeds("±v", V, "Lω₁") });
   const canvas = /** @type {HTMLCanvasElement} */ (section.canvas), points = motion.points;
   const key = `${width},${height},${ratio},${frame.y.map((v) => v.toFixed(3))},${state.section},${theme.relative}`;
   if (section.key !== key || section.drawn > points.length) {
@@ -176,7 +179,7 @@ export function drawBars(g, width) {
     g.fillRect(side > 0 ? middle : middle - part * (middle - left), 6, part * (middle - left), 10);
     g.globalAlpha = 1;
     g.fillStyle = theme.soft; g.textAlign = side > 0 ? "right" : "left"; g.font = `11px ${FONT}`;
-    g.fillText(motion.now[ROW] ? "at rest" : `${(impulse / unit).toFixed(2)} m₂Lω₁`, side > 0 ? middle - 8 : middle + 8, 11.5);
+    g.fillText(motion.now[ROW] ? "at rest" : state.form === "si" ? `${digits(impulse, 3)} N·s` : `${(impulse / unit).toFixed(2)} m₂Lω₁`, side > 0 ? middle - 8 : middle + 8, 11.5);
   }
   g.strokeStyle = theme.soft; g.lineWidth = 1; g.beginPath(); g.moveTo(middle, 3); g.lineTo(middle, 19); g.stroke();
   const all = Math.max(mechanical + damped + lost, 1e-300), wide = right - left;
@@ -215,7 +218,7 @@ function drawManifold(g, width, height) {
   for (let i = 0; i < rows.length; i += 4) (rows[i + 3] ? points : curve).push(rows.subarray(i, i + 4));
   const most = Math.max(1, ...curve.map((p) => p[1])) * 1.06, ends = /** @type {[number, number]} */ (curve.length ? [curve[0][0], curve[curve.length - 1][0]] : [0, 1]);
   const frame = new Frame(ends, [0, most], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
-  frame.axes(g, { x: "C/L", y: "B/L" });
+  frame.axes(g, { x: lengths("C"), y: lengths("B") });
   const at = (/** @type {ArrayLike<number>} */ p) => /** @type {const} */ ([frame.px(p[0]), frame.py(p[1])]);
   frame.inside(g, () => {
     g.lineJoin = "round"; g.strokeStyle = theme.relative;
@@ -240,15 +243,16 @@ function drawManifold(g, width, height) {
 /** @param {any} g @param {number} width @param {number} height */
 export function drawResponse(g, width, height) {
   if (state.theory === "manifold") return drawManifold(g, width, height);
-  const bodies = [theme.box, theme.block, theme["drawn-secondary"]];
-  const tops = [0, ...motion.amplitudes];
-  for (const rows of [curves.exact, curves.scales]) for (let i = 0; i < rows.length; i += 5) for (let b = 1; b < 4; b++) if (rows[i + b] < 8) tops.push(rows[i + b]);
+  const bodies = [theme.box, theme.block, theme["drawn-secondary"]].slice(0, uncoupled() ? 2 : 3), amplitudes = motion.amplitudes.slice(0, bodies.length);
+  const tops = [0, ...amplitudes];
+  for (const rows of [curves.exact, curves.scales]) for (let i = 0; i < rows.length; i += 5) for (let b = 1; b <= bodies.length; b++) if (rows[i + b] < 8) tops.push(rows[i + b]);
   const [, high] = reach(tops);
   const frame = new Frame(state.range, [0, Math.min(high, 6)], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
-  frame.axes(g, { x: BY_NAME.get(state.along)?.symbol ?? "", y: "A/L" });
+  // Over the gap, amplitudes are in units of the gap there.
+  frame.axes(g, { x: parameterAxis(state.along), y: state.along === "stop.gap" ? "A/L" : lengths("A") });
   frame.inside(g, () => {
     const theories = state.strong ? /** @type {const} */ ([[curves.strong, 1], [curves.exact, 2.2]]) : /** @type {const} */ ([[curves.scales, 1], [curves.exact, 2.2]]);
-    for (const [rows, thick] of theories) for (let b = 0; b < 3; b++) {
+    for (const [rows, thick] of theories) for (let b = 0; b < bodies.length; b++) {
       g.strokeStyle = bodies[b]; g.lineWidth = thick; g.lineJoin = "round";
       for (const stable of [1, 0]) {
         g.setLineDash(stable ? [] : [5, 4]); g.globalAlpha = stable ? 1 : 0.7;
@@ -269,7 +273,7 @@ export function drawResponse(g, width, height) {
     g.strokeStyle = theme.here; g.lineWidth = 1; g.globalAlpha = 0.7;
     g.beginPath(); g.moveTo(frame.px(here), frame.box.top); g.lineTo(frame.px(here), frame.box.bottom); g.stroke();
     g.globalAlpha = 1;
-    motion.amplitudes.forEach((a, b) => {
+    amplitudes.forEach((a, b) => {
       g.fillStyle = bodies[b]; g.strokeStyle = theme.card; g.lineWidth = 1.5;
       g.beginPath(); g.arc(frame.px(here), frame.py(a), 4.5, 0, 2 * Math.PI); g.fill(); g.stroke();
     });

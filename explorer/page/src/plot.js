@@ -64,12 +64,16 @@ export function short(x, span) {
   return (text.includes(".") ? text.replace(/\.?0+$/, "") : text).replace(/^-0$/, "0").replace("-", "−");
 }
 
+/** @typedef {import("./units.js").Axis} Axis */
+
 /** A frame with linear axes. */
 export class Frame {
   /** @param {[number, number]} x @param {[number, number]} y @param {{left: number, right: number, top: number, bottom: number}} box in pixels */
   constructor(x, y, box) {
     Object.assign(this, { x, y, box });
     this.x = x; this.y = y; this.box = box;
+    /** How many of its unit one unit of the data is, of either axis. */
+    this.fx = 1; this.fy = 1;
     this.sx = (box.right - box.left) / (x[1] - x[0]);
     this.sy = (box.top - box.bottom) / (y[1] - y[0]);
   }
@@ -77,11 +81,14 @@ export class Frame {
   py(/** @type {number} */ y) { return this.box.bottom + (y - this.y[0]) * this.sy; }
   ux(/** @type {number} */ p) { return this.x[0] + (p - this.box.left) / this.sx; }
   uy(/** @type {number} */ p) { return this.y[0] + (p - this.box.bottom) / this.sy; }
-  /** @param {any} g @param {{x?: string, y?: string, xTicks?: boolean, yTicks?: number}} [words] */
-  axes(g, words = {}) {
-    const { left, right, top, bottom } = this.box;
+  /** Draws grid, numbers and words; an axis with a factor has numbers in its own unit. @param {any} g @param {{x?: string | Axis, y?: string | Axis, xTicks?: boolean, yTicks?: number}} [axes] */
+  axes(g, axes = {}) {
+    const { left, right, top, bottom } = this.box, of = (/** @type {string | Axis | undefined} */ axis) => (typeof axis === "object" ? axis : { label: axis, factor: 1 });
+    const { label: wordsX, factor: fx } = of(axes.x), { label: wordsY, factor: fy } = of(axes.y), words = { ...axes, x: wordsX, y: wordsY };
+    [this.fx, this.fy] = [fx, fy];
     g.lineWidth = 1; g.font = `11px ${FONT}`;
-    const across = ticks(this.x[0], this.x[1], (right - left) / 70), along = ticks(this.y[0], this.y[1], words.yTicks ?? (bottom - top) / 32), bare = words.yTicks === 0;
+    const inUnit = (/** @type {[number, number]} */ [low, high], /** @type {number} */ f, /** @type {number} */ most) => ticks(low * f, high * f, most).map((t) => t / f);
+    const across = inUnit(this.x, fx, (right - left) / 70), along = inUnit(this.y, fy, words.yTicks ?? (bottom - top) / 32), bare = words.yTicks === 0;
     g.strokeStyle = theme.grid;
     g.beginPath();
     for (const x of across) { g.moveTo(this.px(x), top); g.lineTo(this.px(x), bottom); }
@@ -89,10 +96,10 @@ export class Frame {
     g.stroke();
     g.fillStyle = theme.soft; g.textAlign = "center"; g.textBaseline = "top";
     if (words.xTicks !== false) {
-      for (const x of across) if (!words.x || this.px(x) < right - 8 - g.measureText(words.x).width) g.fillText(short(x, (this.x[1] - this.x[0]) / 5), this.px(x), bottom + 5);
+      for (const x of across) if (!words.x || this.px(x) < right - 8 - g.measureText(words.x).width) g.fillText(short(x * fx, (this.x[1] - this.x[0]) * fx / 5), this.px(x), bottom + 5);
     }
     g.textAlign = "right"; g.textBaseline = "middle";
-    for (const y of bare ? [] : along) g.fillText(short(y, (this.y[1] - this.y[0]) / 4), left - 6, this.py(y));
+    for (const y of bare ? [] : along) g.fillText(short(y * fy, (this.y[1] - this.y[0]) * fy / 4), left - 6, this.py(y));
     g.textBaseline = "top"; g.fillStyle = theme.ink;
     if (words.x) { g.textAlign = "right"; g.fillText(words.x, right, bottom + 5); }
     if (words.y) { g.textAlign = "left"; g.textBaseline = "middle"; g.fillText(words.y, 6, top - 10); }
@@ -112,7 +119,7 @@ export class Frame {
 export function readout(g, frames, px, py) {
   const frame = frames.find(({ box }) => px >= box.left && px <= box.right && py >= box.top && py <= box.bottom);
   if (!frame) return;
-  const text = `${short(frame.ux(px), (frame.x[1] - frame.x[0]) / 300)}, ${short(frame.uy(py), (frame.y[1] - frame.y[0]) / 300)}`;
+  const text = `${short(frame.ux(px) * frame.fx, (frame.x[1] - frame.x[0]) * frame.fx / 300)}, ${short(frame.uy(py) * frame.fy, (frame.y[1] - frame.y[0]) * frame.fy / 300)}`;
   g.font = `11px ${FONT}`;
   const wide = g.measureText(text).width + 10, left = px + 12 + wide > frame.box.right ? px - 12 - wide : px + 12, top = Math.max(frame.box.top, py - 24);
   g.globalAlpha = 0.9; g.fillStyle = theme.card;

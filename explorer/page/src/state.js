@@ -23,6 +23,8 @@ export const state = {
   /** Plane of the phase portrait: w or a body. */
   plane: "w",
   form: "groups",
+  /** The units in which physical parameters were written. @type {Record<string, string>} */
+  units: {},
   /** Closed forms over the parameter, or the slow invariant manifold. */
   theory: "response",
   orbits: false,
@@ -77,10 +79,11 @@ export function usePreset(preset) {
   state.orbits = preset.orbits ?? false;
   state.theory = preset.theory ?? "response";
   state.preset = preset.id;
+  state.units = {};
   set = setOf(state.strong, state.set);
 }
 
-const pair = (/** @type {readonly number[]} */ p) => p.join(":");
+const pair = (/** @type {readonly (number | string)[]} */ p) => p.join(":");
 
 const presetOf = (/** @type {string} */ id) => PRESETS.find((p) => p.id === id);
 /** Whether a preset shows exact orbits. @param {string} id */
@@ -98,8 +101,10 @@ export function toHash() {
   for (const [key, usual] of /** @type {const} */ ([["ordinate", "x2"], ["section", "strobe"], ["plane", "w"], ["form", "groups"]])) if (state[key] !== usual) parts.set(key, state[key]);
   if (state.theory !== (presetOf(state.preset)?.theory ?? "response")) parts.set("theory", state.theory);
   if (state.orbits !== orbitsOf(state.preset)) parts.set("orbits", state.orbits ? "1" : "0");
+  const units = Object.entries(state.units).map(pair);
+  if (units.length) parts.set("units", units.join(","));
   if (state.pace !== -0.3) parts.set("pace", String(state.pace));
-  return parts.toString().replaceAll("%3A", ":");
+  return parts.toString().replaceAll("%3A", ":").replaceAll("%2C", ",").replaceAll("%2F", "/");
 }
 
 /** Takes over a link; returns what was wrong in it, in words. @param {string} hash @returns {string} */
@@ -113,8 +118,19 @@ export function fromHash(hash) {
     state.strong = parts.get("base") === "strong";
     /** @type {[string, number][]} */
     const wanted = [];
-    for (const [key, text] of parts) if (BY_NAME.has(key)) wanted.push([key, Number(text)]);
+    /** @type {Record<string, string>} */
+    const units = {};
     try {
+      for (const [key, text] of parts) {
+        if (!BY_NAME.has(key)) continue;
+        wanted.push([key, set.read(key, text, "")]);
+        const unit = set.typed(key, text);
+        if (unit) units[key] = unit;
+      }
+      for (const [name, unit] of (parts.get("units") ?? "").split(",").map((text) => text.split(":"))) {
+        if (unit && BY_NAME.has(name) && set.typed(name, `1${unit}`) === unit) units[name] = unit;
+      }
+      state.units = units;
       set = setOf(state.strong, wanted);
       state.set = wanted;
       state.preset = wanted.length || state.strong ? "" : "default";

@@ -21,6 +21,9 @@ const state = (/** @type {any} */ tab) => tab.evaluate("JSON.parse(JSON.stringif
 const time = (/** @type {any} */ tab) => tab.evaluate("explorer.motion.now[0]");
 const finished = (/** @type {any} */ tab) => tab.waitForFunction("explorer.diagram.finished === 2", null, { timeout: 60_000 });
 
+/** The damper of docs/design-a-damper.md, as an engineer would write it. */
+const DAMPER = "#form=si&box.m=12kg&box.k=48kN/m&box.c=30&block.m=1.2&stop.gap=15mm&stop.restitution=0.6&drive.amplitude=75&drive.frequency=10Hz&coupling.k=0&secondary.m=1&secondary.k=1000&secondary.c=1";
+
 /** @type {Record<string, () => Promise<void>>} */
 const tests = {
   async "opens from a file without a request or an error, and moves"() {
@@ -148,7 +151,9 @@ const tests = {
     assert.equal(await tab.getAttribute("#field-kappa", "aria-invalid"), "true");
     assert.deepEqual((await state(tab)).set, []);
     await tab.fill("#field-kappa", "abc");
-    assert.match(await tab.textContent("#field-kappa-why"), /kappa = NaN: allowed is/);
+    assert.match(await tab.textContent("#field-kappa-why"), /kappa = `abc` is not a number: allowed is/);
+    await tab.fill("#field-kappa", "nan");
+    assert.match(await tab.textContent("#field-kappa-why"), /kappa = `nan` is not a number: allowed is/);
     await tab.fill("#field-kappa", "0.6");
     assert.ok(await tab.isHidden("#field-kappa-why"));
     assert.deepEqual((await state(tab)).set, [["kappa", 0.6]]);
@@ -157,9 +162,92 @@ const tests = {
     const linked = await browser.tab({}, "#kappa=3");
     assert.match(await linked.tab.textContent("#status"), /kappa = 3: allowed is/);
     await linked.close();
+    const unreadable = await browser.tab({}, "#box.m=heavy");
+    assert.match(await unreadable.tab.textContent("#status"), /box.m = `heavy` is not a number: allowed is/);
+    await unreadable.close();
     const outside = await browser.tab({}, "#start=0:3:0:0:0:0");
     assert.match(await outside.tab.textContent("#status"), /could not be read in full: .*stop/);
     await outside.close();
+  },
+  async "a value with a unit is understood, and a unit of something else refused with what is allowed"() {
+    const { tab, wrong, close } = await browser.tab({}, DAMPER);
+    const value = async (/** @type {string} */ name) => (await state(tab)).set.find((/** @type {any[]} */ s) => s[0] === name)?.[1];
+    const shown = async (/** @type {string} */ id) => [await tab.inputValue(`#${id}`), await tab.textContent(`.field:has(#${id}) .unit`)];
+    assert.deepEqual([await value("stop.gap"), await value("box.k")], [0.015, 48000]);
+    assert.deepEqual([await shown("field-stop-gap"), await shown("field-box-k"), await shown("field-drive-frequency")], [["15", "mm"], ["48", "kN/m"], ["10", "Hz"]]);
+    await tab.fill("#field-stop-gap", "50 mm");
+    assert.equal(await value("stop.gap"), 0.05);
+    // A number alone is in the unit beside the field.
+    await tab.fill("#field-stop-gap", "40");
+    assert.equal(await value("stop.gap"), 0.04);
+    await tab.fill("#field-stop-gap", "0,03m");
+    assert.equal(await value("stop.gap"), 0.03);
+    for (const [text, words] of [["5 kg", /stop\.gap: `kg` is no unit of it; allowed are m, cm, mm/], ["", /stop\.gap = `` is not a number: allowed is/], ["mm", /is not a number/], ["1e999", /not a number|allowed is/]]) {
+      await tab.fill("#field-stop-gap", String(text));
+      assert.match(await tab.textContent("#field-stop-gap-why"), /** @type {RegExp} */ (words));
+      assert.equal(await value("stop.gap"), 0.03);
+    }
+    await tab.fill("#field-stop-gap", "15mm");
+    await tab.fill("#field-drive-frequency", "10.65Hz");
+    assert.ok(Math.abs(await value("drive.frequency") - 2 * Math.PI * 10.65) < 1e-12);
+    assert.deepEqual(await shown("field-drive-frequency"), ["10.65Hz", "Hz"]);
+    await tab.focus("#machine");
+    assert.deepEqual(await shown("field-drive-frequency"), ["10.65", "Hz"]);
+    assert.doesNotMatch(await tab.evaluate("document.body.innerText"), /NaN|undefined/);
+    const link = await tab.evaluate("explorer.toHash()"), before = await state(tab);
+    assert.deepEqual(wrong, []);
+    await close();
+    const again = await browser.tab({}, `#${link}`);
+    assert.deepEqual(await state(again.tab), before);
+    assert.equal(await again.tab.evaluate("explorer.toHash()"), link);
+    await again.close();
+  },
+  async "sliders follow the machine at hand, with round numbers at their ends"() {
+    const { tab, wrong, close } = await browser.tab({}, DAMPER);
+    const places = () => tab.$$eval(".field", (/** @type {any[]} */ rows) => rows.map((row) => [row.querySelector("input[type=text]").id, row.querySelector("input[type=text]").value, Number(row.querySelector("input[type=range]").value) / 400]));
+    for (const form of ["si", "groups"]) {
+      await tab.locator(`input[name=form][value=${form}]`).evaluate((/** @type {any} */ e) => e.click());
+      for (const [id, value, place] of await places()) if (Number(value) !== 0) assert.ok(place > 0.02 && place < 0.98, `${form}, ${id} = ${value} at ${place}`);
+    }
+    await tab.locator("input[name=form][value=si]").evaluate((/** @type {any} */ e) => e.click());
+    // A machine of another size: its sliders, and the diagram's range, are others.
+    await tab.fill("#field-box-m", "24000 kg");
+    await tab.fill("#field-box-k", "96 MN/m");
+    await tab.focus("#machine");
+    for (const [id, value, place] of (await places()).filter(([id]) => /box-[mk]/.test(id))) assert.ok(place > 0.2 && place < 0.8, `${id} = ${value} at ${place}`);
+    await tab.locator("#field-box-m ~ input[type=range]").evaluate((/** @type {any} */ e) => { e.value = e.max; e.dispatchEvent(new Event("input")); });
+    assert.equal((await state(tab)).set.find((/** @type {any[]} */ s) => s[0] === "box.m")[1], 50000);
+    const { range, along } = await state(tab), here = await tab.evaluate("Number(document.getElementById('diagram').getAttribute('aria-valuenow'))");
+    assert.ok(along === "f10" && here >= range[0] && here <= range[1], `${here} in ${range}`);
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "what nothing couples is not drawn, and SI has its units at the axes"() {
+    const { tab, wrong, close } = await browser.tab({ viewport: { width: 1440, height: 1000 } }, DAMPER);
+    await finished(tab);
+    await tab.waitForTimeout(2000);
+    for (const id of ["machine", "history", "response"]) {
+      const { of } = await drawn(tab, id);
+      assert.ok(!of["20,160,115"], `${id} without the oscillator: ${of["20,160,115"]}`);
+      if (id === "machine") assert.ok(of["200,75,0"] > 500 && of["0,70,150"] > 500);
+    }
+    assert.ok(await tab.isHidden("#keyOscillator"));
+    await tab.screenshot({ path: join(folder, "damper-light.png"), fullPage: true });
+    for (const [figure, words] of [["history", ["x (mm)", "w (mm)", "t (s)"]], ["portrait", ["w (mm)", "w′ (m/s)"]], ["diagram", ["x₂ (mm)"]], ["machine", ["ticks at ±15 mm"]]]) {
+      await tab.selectOption("#figure", figure);
+      const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("[data-export=svg]")]);
+      const path = join(folder, `damper-${figure}.svg`);
+      await download.saveAs(path);
+      const svg = readFileSync(path).toString();
+      for (const word of words) assert.ok(svg.includes(word), `${figure}: ${word}`);
+    }
+    // With a coupling the oscillator is there again.
+    await tab.fill("#field-coupling-k", "2 kN/m");
+    await tab.waitForTimeout(300);
+    assert.ok((await drawn(tab, "machine")).of["20,160,115"] > 500);
+    assert.ok(await tab.isVisible("#keyOscillator"));
+    assert.deepEqual(wrong, []);
+    await close();
   },
   async "the steps lead through the machine, and a drag stays in its step"() {
     const { tab, wrong, close } = await browser.tab();

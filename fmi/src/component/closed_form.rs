@@ -321,6 +321,7 @@ impl ClosedForm {
             impacts.last_time = self.impact_time(now).value();
             (impacts.last_speed, impacts.last_impulse) = (self.speed, self.impulse);
             impacts.total_impulse += count * self.impulse;
+            impacts.box_impulse += (2.0 * upper - count) * self.impulse;
         }
         let half = self.knots.last().copied().unwrap_or_default();
         let (begun, reached) = (self.energies(before), self.energies(since));

@@ -49,7 +49,8 @@ impl Data {
         let at = &self.accepted;
         let points = [(&self.state, &self.forces, self.time), (&at.state, &at.forces, at.time)];
         let numbers = points.iter().flat_map(|(s, f, t)| s.x.iter().chain(&s.v).chain(f.iter()).chain([t]));
-        let sums = [self.initial, self.damped, self.lost, self.record.total_impulse];
+        let ImpactRecord { total_impulse, box_impulse, .. } = self.record;
+        let sums = [self.initial, self.damped, self.lost, total_impulse, box_impulse];
         match numbers.chain(&sums).find(|x| !x.is_finite()) {
             None if self.phase.is_finite() => Ok(()),
             found => {
@@ -320,6 +321,7 @@ impl Continuous {
         // Height of the bounce: rebound²/(2 pressing). An elastic block bounces for ever.
         let low = rebound * rebound <= 2.0 * pressing * CONTACT * self.model.gap;
         if pressing > 0.0 && low && (rebound == 0.0 || self.model.restitution < 1.0) {
+            self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
             self.data.lost += self.model.merge(&mut z);
             self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             report(&Event::Rest { time, side: stop });
@@ -366,7 +368,7 @@ impl Continuous {
             coupling_force: coupling_force(&data.parameters, &data.state.x),
             indicators: self.indicators(),
             mechanical,
-            // What the balance leaves: the work of inputs between steps is the host's to know.
+            // Of the host's own solution: what the balance leaves, its solver's errors included (docs/theory.md, section 12).
             input: mechanical - data.initial + damped + data.lost,
             damped,
             impact_loss: data.lost,

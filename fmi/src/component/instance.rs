@@ -10,6 +10,7 @@ mod dependencies;
 mod derivative;
 mod events;
 mod exchange;
+mod given;
 mod initial;
 mod last_step;
 mod pieces;
@@ -30,13 +31,14 @@ use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
-use super::variables::{Access, Edition, VARIABLES};
+use super::variables::{Access, Edition, Numbering, VARIABLES};
 use events::Present;
 use last_step::LastStep;
 use vibro_impact::simulator::Simulator;
 
 pub use advance::Advance;
 pub use dependencies::Dependency;
+pub use events::Handled;
 pub use pieces::{Piece, Pieces};
 pub use step::{StepOutcome, StepReason};
 
@@ -57,7 +59,7 @@ enum Engine {
 #[derive(Debug)]
 pub struct Instance {
     interface: Interface,
-    first_reference: u32,
+    numbering: Numbering,
     handling: EventHandling,
     edition: Edition,
     /// What settings start from.
@@ -84,6 +86,10 @@ pub struct Instance {
     step_matrices: Option<StepMatrices>,
     /// What the clock of impacts shows.
     tick: Tick,
+    /// Nominal values of the states at the last event.
+    nominals_told: Option<[f64; 6]>,
+    /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
+    given: u16,
 }
 
 impl Instance {
@@ -94,10 +100,10 @@ impl Instance {
 
     /// The same in a protocol's own terms.
     pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
-        let Protocol { first_reference, handling, start, edition } = protocol;
+        let Protocol { numbering, handling, start, edition } = protocol;
         Self {
             interface,
-            first_reference,
+            numbering,
             handling,
             edition,
             initial: start,
@@ -117,6 +123,8 @@ impl Instance {
             last_step: None,
             step_matrices: None,
             tick: Tick::default(),
+            nominals_told: None,
+            given: 0,
         }
     }
 
@@ -194,11 +202,11 @@ impl Instance {
             Engine::Continuous(continuous) => drop(finite(continuous.values())?),
             Engine::None => {}
         }
-        if let Some(objections) = objections
-            && log.wants(Category::Warnings)
-        {
-            log.log(Category::Warnings, &objections);
+        if log.wants(Category::Warnings) {
+            let half = given::half_a_machine(&self.settings.parameters, self.given);
+            objections.into_iter().chain(half).for_each(|text| log.log(Category::Warnings, &text));
         }
+        self.nominals_told = Some(self.nominals());
         self.engine = engine;
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
@@ -228,6 +236,7 @@ impl Instance {
         self.derived_stale = true;
         self.last_step = None;
         self.tick = Tick::default();
+        self.given = 0;
         self.invalidate();
     }
 

@@ -31,7 +31,7 @@ pub mod values;
 pub mod variables;
 mod variation;
 
-pub use instance::{Advance, Dependency, Instance, Piece, Pieces, StepOutcome, StepReason};
+pub use instance::{Advance, Dependency, Handled, Instance, Piece, Pieces, StepOutcome, StepReason};
 pub use phase::{Interface, Phase};
 pub use problem::{Outcome, Problem};
 pub use protocol::{EventHandling, Protocol};

@@ -1,7 +1,7 @@
 //! What the protocols of different interface standards agree on with a component when it is made.
 
 use super::settings::Settings;
-use super::variables::Edition;
+use super::variables::{Edition, Numbering};
 
 /// What a host does about events; agreed when the component is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,8 +15,8 @@ pub struct EventHandling {
 /// What protocols differ in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protocol {
-    /// The value reference of the table's first variable.
-    pub first_reference: u32,
+    /// Which variable a value reference stands for.
+    pub numbering: Numbering,
     /// What the host does about events.
     pub handling: EventHandling,
     /// What settings start from.
@@ -26,10 +26,10 @@ pub struct Protocol {
 }
 
 impl Default for Protocol {
-    /// References count from 0, the host does nothing about events, and there is what every description has.
+    /// Every variable by the table's own reference, the host does nothing about events, and there is what every description has.
     fn default() -> Self {
         Self {
-            first_reference: 0,
+            numbering: Numbering::ALL,
             handling: EventHandling::default(),
             start: Settings::default(),
             edition: Edition::Every,

@@ -34,7 +34,7 @@ use vibro_impact::simulator::Snapshot;
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROFMU";
 /// Version of the layout of the bytes that follow.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// Everything a component needs to continue: its phase, what was set, and what moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

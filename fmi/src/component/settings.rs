@@ -81,30 +81,10 @@ impl Default for Derived {
 pub struct Steady {
     /// A real solution exists.
     pub exists: bool,
-    /// It keeps the block between the stops.
-    pub geometric: bool,
-    /// The slow flow's fixed point is stable.
-    pub fixed_point_stable: bool,
-    /// The two-impact motion is stable.
-    pub motion_stable: bool,
-    /// All three tests hold.
+    /// It keeps the block between the stops, the slow flow stays at it, and the two-impact motion is stable.
     pub stable: bool,
-    /// Amplitude B of the centre-of-mass coordinate, in units of the gap.
-    pub b: f64,
-    /// Amplitude C of the sawtooth, in units of the gap.
-    pub c: f64,
     /// Amplitude of the secondary oscillator, in units of the gap.
     pub a3: f64,
-    /// ρ = (2/π)(1-κ)/(1+κ).
-    pub rho: f64,
-    /// Smallest C of the slow invariant manifold's stable branch.
-    pub c_min: f64,
-    /// Smallest C of stable periodic motion.
-    pub cs_min: f64,
-    /// Largest C of stable periodic motion.
-    pub cs_max: f64,
-    /// Largest geometrically admissible C.
-    pub cg_max: f64,
     /// Phase of the drive at the impact on the upper stop, rad.
     pub phase: f64,
     /// Amplitude of the box, in units of the gap.

@@ -8,7 +8,7 @@ use vibro_impact::model::{self, DRIVE_COS, DRIVE_SIN, LANES, Model};
 use vibro_impact::parameters::{GROUPS, Groups, Parameters};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
-use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales};
+use vibro_impact::steady::multiple_scales::{FixedPoint, MultipleScales};
 use vibro_impact::steady::{Roots, Sheet};
 
 /// Orders of the displacements' derivatives, 0 to 5.
@@ -39,23 +39,12 @@ fn groups(parameters: &Parameters) -> Groups {
 /// The `steady.*` variables: multiple scales, with impulse and spectral radius of the exact orbit.
 fn values(parameters: &Parameters) -> Steady {
     let mut steady = Steady::default();
-    if let Ok(manifold) = Manifold::new(parameters.stop_restitution) {
-        steady.rho = manifold.rho();
-        steady.c_min = manifold.c_min();
-        steady.cs_min = manifold.c_smin();
-        steady.cs_max = manifold.c_smax();
-        steady.cg_max = manifold.c_gmax();
-    }
     let scales = parameters.groups().and_then(|groups| MultipleScales::new(&groups));
     if let Some(point) = scales.ok().and_then(|scales| upper(&scales)) {
         steady.exists = true;
-        steady.geometric = point.admissibility.geometric;
-        steady.fixed_point_stable = point.admissibility.fixed_point;
-        steady.motion_stable = point.admissibility.periodic_motion;
         steady.stable = point.admissibility.all();
-        (steady.b, steady.c, steady.a3) = (point.b, point.c, point.a3);
         steady.phase = point.drive_phase;
-        (steady.a1, steady.a2) = (point.a1(), point.a2());
+        (steady.a1, steady.a2, steady.a3) = (point.a1(), point.a2(), point.a3);
     }
     let orbit = OrbitFamily::new(parameters).and_then(|family| family.orbit(Sheet::Upper));
     if let Ok(Some(orbit)) = orbit {
@@ -109,9 +98,9 @@ impl Solution {
             Self::Scales { point, .. } => {
                 let a = point.admissibility;
                 [
-                    (a.geometric, "steady.geometric (the block passes through a stop)"),
-                    (a.fixed_point, "steady.fixedPointStable (the slow flow leaves it)"),
-                    (a.periodic_motion, "steady.motionStable (the two-impact motion is unstable)"),
+                    (a.geometric, "the block passes through a stop"),
+                    (a.fixed_point, "the slow flow leaves it"),
+                    (a.periodic_motion, "the two-impact motion is unstable"),
                 ]
                 .into_iter()
                 .filter_map(|(holds, test)| (!holds).then_some(test.to_owned()))

@@ -2,7 +2,7 @@
 
 use super::variables::{
     Causality, Dependencies, DependencyKind, Edition, Initial, Initially, Knowns, START, VARIABLES, Variable,
-    find, of_edition, reference,
+    of_edition, place,
 };
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 /// what either depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
-    /// Its value reference.
-    pub reference: u32,
-    /// Dependencies as (value reference, kind), ordered by reference.
-    pub dependencies: Vec<(u32, DependencyKind)>,
+    /// Its place in the table.
+    pub place: usize,
+    /// Dependencies as (place, kind), ordered by place.
+    pub dependencies: Vec<(usize, DependencyKind)>,
 }
 
 /// Names of the continuous states, in the order in which a solver takes them.
@@ -36,7 +36,7 @@ pub const EVENT_INDICATORS: usize = 3;
 const fn check_names(names: &[&str]) {
     let mut i = 0;
     while i < names.len() {
-        reference(names[i]);
+        place(names[i]);
         i += 1;
     }
 }
@@ -48,7 +48,7 @@ const _: () = {
         if let Dependencies::On(knowns) = VARIABLES[i].dependencies {
             let mut k = 0;
             while k < knowns.len() {
-                reference(knowns[k].0);
+                place(knowns[k].0);
                 k += 1;
             }
         }
@@ -70,14 +70,14 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-/// Knowns by reference, in its order; of those that are only named it is not said how they enter.
+/// Knowns by place, in its order; of those that are only named it is not said how they enter.
 fn ordered<'a>(
     knowns: Knowns,
     names: impl IntoIterator<Item = &'a &'static str>,
-) -> Vec<(u32, DependencyKind)> {
+) -> Vec<(usize, DependencyKind)> {
     let named = names.into_iter().map(|name| (*name, DependencyKind::Dependent));
     // Where a name stands in both lists, the second says less.
-    let all = knowns.iter().copied().chain(named).filter_map(|(name, kind)| Some((find(name)?.0, kind)));
+    let all = knowns.iter().copied().chain(named).map(|(name, kind)| (place(name), kind));
     let ordered: BTreeMap<_, _> = all.collect();
     ordered.into_iter().collect()
 }
@@ -90,18 +90,18 @@ fn listed(variable: &Variable) -> Knowns {
 }
 
 /// What a variable that is no unknown of the model's structure depends on, an array as a whole.
-pub fn declared(variable: &Variable) -> Vec<(u32, DependencyKind)> {
+pub fn declared(variable: &Variable) -> Vec<(usize, DependencyKind)> {
     ordered(listed(variable), variable.further)
 }
 
 /// Outside initialization. Descriptions with more than the variables of all have further knowns.
-fn unknown((reference, variable): (u32, &Variable), edition: Edition) -> Unknown {
+fn unknown((place, variable): (usize, &Variable), edition: Edition) -> Unknown {
     let further = if edition > Edition::Every { variable.further } else { &[] };
-    Unknown { reference, dependencies: ordered(listed(variable), further) }
+    Unknown { place, dependencies: ordered(listed(variable), further) }
 }
 
 /// In initialization, where a factor is either constant or has no particular structure.
-fn initially((reference, variable): (u32, &Variable)) -> Unknown {
+fn initially((place, variable): (usize, &Variable)) -> Unknown {
     let knowns = listed(variable);
     let dependencies = match variable.initially {
         Initially::AsLater => ordered(knowns, []),
@@ -110,7 +110,7 @@ fn initially((reference, variable): (u32, &Variable)) -> Unknown {
         }
         Initially::On(names) => ordered(&[], names),
     };
-    Unknown { reference, dependencies }
+    Unknown { place, dependencies }
 }
 
 /// Every output of an edition, in the order of the table, with what it depends on outside initialization.
@@ -120,7 +120,7 @@ pub fn outputs(edition: Edition) -> Vec<Unknown> {
 }
 
 fn named(names: &[&str], edition: Edition) -> Vec<Unknown> {
-    names.iter().filter_map(|name| find(name)).map(|row| unknown(row, edition)).collect()
+    names.iter().map(|name| unknown((place(name), &VARIABLES[place(name)]), edition)).collect()
 }
 
 /// The derivatives of the states, in the order of the states.
@@ -167,7 +167,7 @@ mod tests {
     fn invariant_derivatives_belong_to_the_states() {
         let pairs = STATES.iter().zip(&DERIVATIVES).chain(STATES.iter().zip(&EXTENDED_DERIVATIVES));
         for (state, derivative) in pairs {
-            let (_, variable) = find(derivative).unwrap();
+            let variable = &VARIABLES[place(derivative)];
             assert!(
                 matches!(variable.kind, Kind::Real { derivative_of: Some(of), .. } if of == *state),
                 "{derivative} must be the derivative of {state}"

@@ -184,10 +184,11 @@ impl OutputValues {
     pub(crate) fn is_finite(&self) -> bool {
         let impacts = &self.impacts;
         let lists = [self.x, self.v, self.acceleration, self.indicators];
-        let impact = [impacts.last_time, impacts.last_impulse, impacts.last_speed, impacts.total_impulse];
+        let last = [impacts.last_time, impacts.last_impulse, impacts.last_speed];
+        let sums = [impacts.total_impulse, impacts.box_impulse];
         let forces = [self.time, self.gap.0, self.gap.1, self.contact_force, self.coupling_force];
         let energies = [self.mechanical, self.input, self.damped, self.impact_loss];
-        let numbers = lists.iter().flatten().chain(&impact).chain(&forces).chain(&energies);
+        let numbers = lists.iter().flatten().chain(&last).chain(&sums).chain(&forces).chain(&energies);
         numbers.map(|number| number * 0.0).sum::<f64>() == 0.0
     }
 

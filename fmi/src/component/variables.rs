@@ -1,49 +1,58 @@
 //! The one table of variables: the model description, start values, range checks, getters, setters, derivatives, reset and
 //! the documentation all come from it.
 //!
-//! A reference is a variable's place in [`VARIABLES`], for all types alike; new variables are appended, so references stay. A
-//! description leaves out the variables of later [`Edition`]s, and a door makes its value references from the places. How a
-//! variable is added: `fmi/README.md`.
+//! A variable's place is that of its row, in the order of the descriptions. Its value reference is a column of the row, and stays
+//! where rows are put in before it or taken out. A description leaves out the variables of later [`Edition`]s; which references it
+//! has is the matter of its [`Numbering`]. How a variable is added: `fmi/README.md`.
 
 mod bases;
 mod columns;
 mod later;
+mod numbering;
 mod packed;
 mod rows;
 mod sections;
 mod table;
 
-pub(crate) use bases::Class;
 pub use bases::{Base, Bases, Edition};
 pub use columns::*;
+pub use numbering::Numbering;
 pub(crate) use packed::{Get, READERS, Reader, Set, WRITERS, Writer};
 pub use rows::START;
 pub use sections::{SECTIONS, Section};
 pub use table::{COUNT, VARIABLES};
 
 /// The variables of a description, each with its place.
-pub fn of_edition(edition: Edition) -> impl Iterator<Item = (u32, &'static Variable)> {
-    (0..).zip(VARIABLES.iter()).filter(move |(_, variable)| variable.edition <= edition)
+pub fn of_edition(edition: Edition) -> impl Iterator<Item = (usize, &'static Variable)> {
+    VARIABLES.iter().enumerate().filter(move |(_, variable)| variable.edition <= edition)
 }
 
-/// The variable of that name and its place.
-pub fn find(name: &str) -> Option<(u32, &'static Variable)> {
-    (0..).zip(VARIABLES.iter()).find(|(_, variable)| variable.name == name)
+/// The variable of that name.
+pub fn find(name: &str) -> Option<&'static Variable> {
+    VARIABLES.iter().find(|variable| variable.name == name)
 }
 
 /// Place of the variable of that name, at compile time.
 ///
 /// # Panics
 /// When there is none: a misspelt constant does not compile.
-pub const fn reference(name: &str) -> u32 {
+pub const fn place(name: &str) -> usize {
     let mut i = 0;
     while i < COUNT {
         if same(VARIABLES[i].name, name) {
-            return i as u32;
+            return i;
         }
         i += 1;
     }
     panic!("no variable of that name")
+}
+
+/// The table's own value reference of the variable of that name, at compile time.
+///
+/// # Panics
+/// As [`place`].
+pub const fn reference(name: &str) -> u32 {
+    VARIABLES[place(name)].reference
 }
 
 const fn same(a: &str, b: &str) -> bool {

@@ -3,10 +3,11 @@
 
 use crate::component::identity;
 pub use crate::component::identity::{
-    LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, default_experiment,
+    AUTHOR, COPYRIGHT, LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, default_experiment,
 };
 pub use crate::component::structure::EVENT_INDICATORS;
-use crate::component::variables::{Edition, Variable, of_edition};
+pub use crate::component::variables::Edition;
+use crate::component::variables::{Numbering, Variable, of_edition};
 use crate::messages::{Category, log_categories};
 
 /// `version` of the model.
@@ -62,14 +63,18 @@ pub const MODEL_EXCHANGE: bool = true;
 pub const LOG_CATEGORIES: [Category; 6] =
     log_categories("Why a step ended early or a status is not available");
 
-/// Every variable of this version with its value reference, which is its place in the table.
+/// The value references: the table's own.
+pub const NUMBERING: Numbering = Numbering::EVERY;
+
+/// Every variable of this version with its value reference.
 pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {
-    of_edition(Edition::Every)
+    NUMBERING.variables()
 }
 
-/// `ScalarVariable` index of a variable (FMI 2.0, 2.2.8): they count from 1, without those of other versions.
-pub fn index(reference: u32) -> u32 {
-    let before = variables().take_while(|(place, _)| *place < reference);
+/// `ScalarVariable` index of the variable at a place of the table (FMI 2.0, 2.2.8): they count from 1, without those of other
+/// versions.
+pub fn index(place: usize) -> u32 {
+    let before = of_edition(Edition::Every).take_while(|(other, _)| *other < place);
     1 + before.count() as u32
 }
 

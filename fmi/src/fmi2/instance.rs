@@ -8,7 +8,7 @@ use super::status::{self, StatusKind};
 use crate::component::log::Categories;
 use crate::component::saved_state::SavedState;
 use crate::component::variables::{Base, Bases};
-use crate::component::{self, Interface, StepReason};
+use crate::component::{self, Handled, Interface, Protocol, StepReason};
 use crate::ffi::Fault;
 use crate::ffi::handles::Handles;
 use crate::messages::{self, Logger, Sink};
@@ -49,8 +49,9 @@ impl Instance {
         if guid != own {
             return Err(Fault::Text { argument: "fmuGUID", value: guid.to_owned(), allowed: own }.into());
         }
+        let protocol = Protocol { numbering: description::NUMBERING, ..Protocol::default() };
         Ok(Self {
-            component: component::Instance::new(interface),
+            component: component::Instance::of_protocol(interface, protocol),
             enabled: status::enabled_at_start(logging_on),
             states: Handles::default(),
         })
@@ -115,11 +116,11 @@ impl Instance {
         Ok(self.component.exit_initialization(&mut log)?)
     }
 
-    /// `fmi2NewDiscreteStates` (FMI 2.0, 3.2.2): returns whether continuous states have changed.
+    /// `fmi2NewDiscreteStates` (FMI 2.0, 3.2.2): returns what has changed.
     ///
     /// # Errors
     /// As [`handle_events`](component::Instance::handle_events).
-    pub fn new_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<bool> {
+    pub fn new_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<Handled> {
         let mut log = Logger { sink, enabled: self.enabled, function: Function::NewDiscreteStates.name() };
         Ok(self.component.handle_events(&mut log)?)
     }

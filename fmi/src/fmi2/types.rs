@@ -1,6 +1,7 @@
 //! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), by the names that std has for the C
 //! types.
 
+use crate::component::Handled;
 use std::ffi::c_int;
 
 /// `fmi2Boolean`.
@@ -27,9 +28,12 @@ pub struct FmiEventInfo {
 }
 
 impl FmiEventInfo {
-    /// After an event at which states have changed or not: one call does all that happens at an instant, nothing ends the
-    /// simulation, nominal values stay, and there are no time events.
-    pub fn after_event(values_changed: bool) -> Self {
-        Self { values_of_continuous_states_changed: values_changed.into(), ..Self::default() }
+    /// After an event: one call does all that happens at an instant, nothing ends the simulation, and there are no time events.
+    pub fn after_event(changed: Handled) -> Self {
+        Self {
+            values_of_continuous_states_changed: changed.states.into(),
+            nominals_of_continuous_states_changed: changed.nominals.into(),
+            ..Self::default()
+        }
     }
 }

@@ -125,7 +125,7 @@ unsafe fn go_on(
 fn refuse(instance: &mut Instance, host: &mut Host, function: Function, problem: &Problem) -> FmiStatus {
     let status = problem.status(function);
     report(instance.enabled(), host, function.name(), status, problem);
-    instance.after(status);
+    instance.after(function, status);
     status as FmiStatus
 }
 
@@ -250,7 +250,7 @@ export! {
     fmi3ExitInitializationMode, ExitInitializationMode() |instance, host| instance.exit_initialization_mode(host);
 
     "2.3.4":
-    fmi3Terminate, Terminate() |instance, _| done(instance.component.terminate());
+    fmi3Terminate, Terminate() |instance, _| done(instance.terminate());
 
     "2.2.6.4":
     /// Writes into a new FMU state, or over one that this instance gave out.

@@ -3,19 +3,20 @@
 
 use crate::component::identity;
 pub use crate::component::identity::{
-    LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, VERSION, default_experiment,
+    AUTHOR, COPYRIGHT, LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, VERSION,
+    default_experiment,
 };
 use crate::component::settings::Settings;
 use crate::component::structure::STATES;
 pub use crate::component::variables::Edition;
-use crate::component::variables::{
-    Access, Causality, Initial, Kind, Variability, Variable, find, of_edition,
-};
+use crate::component::variables::{Access, Causality, Initial, Kind, Numbering, Variability, Variable};
 use crate::messages::{Category, log_categories};
 
 /// The description of the archive that every importer can read.
 pub const MAIN: Edition = Edition::Extended;
-/// The second description, with a clock. Several importers break on clocks that are outputs.
+/// A description with arrays beside. Several importers read every local variable as a scalar.
+pub const ARRAYS: Edition = Edition::Arrays;
+/// A description with arrays and a clock. Several importers break on clocks that are outputs.
 pub const CLOCKED: Edition = Edition::Clocked;
 
 /// Capability flags (FMI 3.0.2, 2.4.3, 3.4 and 4.4); one that is absent here has its default.
@@ -76,29 +77,28 @@ pub fn start_settings() -> Settings {
     Settings { stop_at_impact: true, ..Settings::default() }
 }
 
-/// Value reference of a place in the table: they count from 1, in the order of the description. Some importers take value
-/// references for places.
-pub const fn value_reference(place: u32) -> u32 {
-    place + 1
+/// The value references of a description: they count from 1 in its order, since there are importers that take value references
+/// for places (OMSimulator the references in the model's structure and in `derivative`). So they are those of one description,
+/// which its token names, and not the table's own.
+pub const fn numbering(edition: Edition) -> Numbering {
+    Numbering::counted(edition)
 }
 
-/// Place of a value reference in the table; none for 0.
-pub const fn place(value_reference: u32) -> Option<u32> {
-    value_reference.checked_sub(1)
+/// Value reference in a description of the variable of that name, where it has one.
+pub fn value_reference(edition: Edition, name: &str) -> Option<u32> {
+    variables(edition).find(|(_, variable)| variable.name == name).map(|(reference, _)| reference)
 }
 
 /// Every variable of a description with its value reference.
 pub fn variables(edition: Edition) -> impl Iterator<Item = (u32, &'static Variable)> {
-    of_edition(edition).map(|(place, variable)| (value_reference(place), variable))
+    numbering(edition).variables()
 }
 
-/// Value reference of the variable whose derivative this is. A state has no such attribute, although velocities are
+/// Name of the variable whose derivative this is. A state has no such attribute, although velocities are
 /// derivatives: importers would take it for a state and a derivative.
-pub fn derivative(variable: &Variable) -> Option<u32> {
+pub fn derivative(variable: &Variable) -> Option<&'static str> {
     match variable.kind {
-        Kind::Real { derivative_of: Some(of), .. } if !STATES.contains(&variable.name) => {
-            Some(value_reference(find(of)?.0))
-        }
+        Kind::Real { derivative_of, .. } if !STATES.contains(&variable.name) => derivative_of,
         _ => None,
     }
 }
@@ -130,7 +130,7 @@ pub fn instantiation_token(edition: Edition) -> String {
 
 /// The description that a token belongs to.
 pub fn edition_of(token: &str) -> Option<Edition> {
-    [MAIN, CLOCKED].into_iter().find(|edition| instantiation_token(*edition) == token)
+    [MAIN, ARRAYS, CLOCKED].into_iter().find(|edition| instantiation_token(*edition) == token)
 }
 
 #[cfg(test)]
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn each_description_has_a_token_of_its_own() {
-        for edition in [MAIN, CLOCKED] {
+        for edition in [MAIN, ARRAYS, CLOCKED] {
             assert_eq!(edition_of(&instantiation_token(edition)), Some(edition));
         }
         assert_eq!(edition_of(&instantiation_token(Edition::Every)), None);
@@ -149,18 +149,19 @@ mod tests {
 
     #[test]
     fn value_references_are_places_counted_from_one() {
-        for (i, (reference, variable)) in (1..).zip(variables(MAIN)) {
-            assert_eq!(reference, i, "{}", variable.name);
-            assert_eq!(place(reference), Some(i - 1));
+        for edition in [MAIN, ARRAYS, CLOCKED] {
+            for (i, (reference, variable)) in (1..).zip(variables(edition)) {
+                assert_eq!(reference, i, "{}", variable.name);
+                assert_eq!(numbering(edition).variable(i).map(|v| v.name), Some(variable.name));
+            }
+            assert!(numbering(edition).variable(0).is_none());
         }
-        assert_eq!(place(0), None);
     }
 
     #[test]
     fn each_state_has_one_derivative_and_is_none() {
-        let states: BTreeSet<u32> =
-            STATES.iter().map(|name| value_reference(find(name).unwrap().0)).collect();
-        let derivatives: Vec<u32> = variables(CLOCKED).filter_map(|(_, v)| derivative(v)).collect();
+        let states = BTreeSet::from(STATES);
+        let derivatives: Vec<_> = variables(CLOCKED).filter_map(|(_, v)| derivative(v)).collect();
         assert_eq!(derivatives.iter().copied().collect::<BTreeSet<_>>(), states);
         assert_eq!(derivatives.len(), states.len());
     }

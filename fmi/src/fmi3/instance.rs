@@ -16,26 +16,23 @@ use crate::ffi::pointers::check_count;
 use crate::messages::{self, Logger, Sink, Status};
 
 /// Variables of the type `Float64` (FMI 3.0.2, 2.4.7).
-pub const FLOAT64: Bases = Bases::new("Float64", &[Base::Real]).of(Edition::Extended);
+pub const FLOAT64: Bases = Bases::new("Float64", &[Base::Real]);
 /// Variables of the type `Int32`.
-pub const INT32: Bases = Bases::new("Int32", &[Base::Integer]).of(Edition::Extended);
+pub const INT32: Bases = Bases::new("Int32", &[Base::Integer]);
 /// Variables that `fmi3GetInt64` and `fmi3SetInt64` access: enumerations.
-pub const INT64: Bases = Bases::new("Int64 or Enumeration", &[Base::Enumeration]).of(Edition::Extended);
+pub const INT64: Bases = Bases::new("Int64 or Enumeration", &[Base::Enumeration]);
 /// Variables of the type `Boolean`.
-pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]).of(Edition::Extended);
+pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
 /// Variables of the type `Clock`.
-pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]).of(Edition::Extended);
+pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]);
 
 /// By how much an announced event must be later than the present, relative to max(1, |t|): fmusim takes one that is nearer for
 /// one in the past, and stops.
 const LATER: f64 = 1e-9;
 
-/// The value reference of the table's first variable.
-pub const FIRST: u32 = description::value_reference(0);
-
 /// Types of which there is no variable.
 pub const fn none(name: &'static str) -> Bases {
-    Bases::new(name, &[]).of(Edition::Extended)
+    Bases::new(name, &[])
 }
 
 /// The inputs that a host intends to set inside a step, by body.
@@ -68,6 +65,8 @@ pub struct Instance {
     pub(super) required: Required,
     /// What it may do now, while its callback runs.
     pub(super) update: Option<Update>,
+    /// The function whose error has terminated it, if one has.
+    failed: Option<Function>,
 }
 
 impl Instance {
@@ -98,8 +97,12 @@ impl Instance {
             }
             .into());
         };
-        let protocol =
-            Protocol { first_reference: FIRST, handling, start: description::start_settings(), edition };
+        let protocol = Protocol {
+            numbering: description::numbering(edition),
+            handling,
+            start: description::start_settings(),
+            edition,
+        };
         Ok(Self {
             component: component::Instance::of_protocol(interface, protocol),
             enabled,
@@ -107,6 +110,7 @@ impl Instance {
             edition,
             required: Required::default(),
             update: None,
+            failed: None,
         })
     }
 
@@ -133,22 +137,22 @@ impl Instance {
         if function.allowed(interface, stage) {
             return Ok(());
         }
-        Err(Problem::State { stage, interface })
+        let failed = self.failed.filter(|_| stage == Stage::Terminated);
+        Err(Problem::State { stage, interface, failed })
     }
 
-    /// What a status leaves behind: after an error the instance is Terminated (FMI 3.0.2, 2.3.1).
-    pub fn after(&mut self, status: Status) {
+    /// What a status of a function leaves behind: after an error the instance is Terminated (FMI 3.0.2, 2.3.1).
+    pub fn after(&mut self, function: Function, status: Status) {
         match status {
-            Status::Error if self.component.phase() != Phase::Broken => self.component.terminate(),
+            Status::Error if self.component.phase() != Phase::Broken => {
+                if self.component.phase() != Phase::Terminated {
+                    self.failed = Some(function);
+                }
+                self.component.terminate();
+            }
             Status::Fatal => self.component.break_down(),
             _ => {}
         }
-    }
-
-    /// These types with the variables of this instance's description.
-    #[inline]
-    fn reached(&self, bases: Bases) -> Bases {
-        if self.edition == Edition::Extended { bases } else { bases.of(self.edition) }
     }
 
     /// Which description it is of.
@@ -158,6 +162,12 @@ impl Instance {
 
     pub(super) fn log<'a>(&self, sink: &'a mut dyn Sink, function: Function) -> Logger<'a> {
         Logger { sink, enabled: self.enabled, function: function.name() }
+    }
+
+    /// `fmi3Terminate` (FMI 3.0.2, 2.3.4).
+    pub fn terminate(&mut self) {
+        self.failed = None;
+        self.component.terminate();
     }
 
     /// `fmi3SetDebugLogging` (FMI 3.0.2, 2.3.1); no names means all categories.
@@ -223,7 +233,7 @@ impl Instance {
     ) -> Outcome {
         self.check_get()?;
         let mut written = 0;
-        self.component.get(self.reached(bases), references, |i, value| {
+        self.component.get(bases, references, |i, value| {
             written = i + 1;
             write(i, value);
         })?;
@@ -244,7 +254,7 @@ impl Instance {
     ) -> Outcome {
         check_count("nValues", count, references.len())?;
         self.check_set(references)?;
-        Ok(self.component.set(self.reached(bases), references, read)?)
+        Ok(self.component.set(bases, references, read)?)
     }
 
     /// `fmi3EnterEventMode` (FMI 3.0.2, 3.2.1 and 4.2.1).
@@ -264,8 +274,8 @@ impl Instance {
     /// As [`handle_events`](component::Instance::handle_events).
     pub fn update_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<DiscreteStates> {
         let mut log = self.log(sink, Function::UpdateDiscreteStates);
-        let values_of_continuous_states_changed = self.component.handle_events(&mut log)?;
-        Ok(DiscreteStates { values_of_continuous_states_changed, next_event_time: self.next_event_time() })
+        let changed = self.component.handle_events(&mut log)?;
+        Ok(DiscreteStates { changed, next_event_time: self.next_event_time() })
     }
 
     /// `nextEventTime`: that of the next impact, rest or release in Co-Simulation, where it is later than the present also for a

@@ -65,7 +65,7 @@ impl Instance {
         sink: &mut dyn Sink,
     ) -> Outcome {
         for &reference in references {
-            let variable = self.component.variable(reference, self.edition())?;
+            let variable = self.component.variable(reference)?;
             if let Some(body) = variable.body {
                 self.required.inputs[body] = has_callback;
             }
@@ -129,7 +129,7 @@ impl Instance {
     #[cold]
     fn check_set_inside(&self, references: &[u32], update: Update) -> Outcome {
         for &reference in references {
-            let variable = self.component.variable(reference, self.edition())?;
+            let variable = self.component.variable(reference)?;
             if !variable.body.is_some_and(|body| update.set_requested && self.required.inputs[body]) {
                 return Err(Problem::Intermediate {
                     what: format!("{} is set", variable.name),
@@ -175,7 +175,7 @@ impl Instance {
     ) -> Outcome<Turn> {
         self.update = None;
         if self.component.phase() == component::Phase::Terminated {
-            self.component.take_pieces_back(&progress.pieces);
+            self.component.take_pieces_back(&progress.pieces)?;
             return Err(Problem::Sequence {
                 what: "a call inside the callback was refused: the step has been taken back",
             });

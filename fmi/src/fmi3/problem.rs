@@ -14,12 +14,14 @@ pub type Outcome<T = ()> = Result<T, Problem>;
 #[non_exhaustive]
 pub enum Problem {
     /// The call is not allowed in this state (FMI 3.0.2, 2.3, 3.2 and 4.2).
-    #[error("not allowed in state {stage:?} of {}{}", interface.name(), way_on(*stage))]
+    #[error("not allowed in state {stage:?} of {}{}{}", interface.name(), led_there(*failed), way_on(*stage))]
     State {
         /// The state it met.
         stage: Stage,
         /// Interface type.
         interface: Interface,
+        /// The function whose error has led there, if one has.
+        failed: Option<Function>,
     },
     /// The component refuses.
     #[error(transparent)]
@@ -41,6 +43,11 @@ pub enum Problem {
         /// What is allowed.
         allowed: &'static str,
     },
+}
+
+/// What has led to the state, where it was an error.
+fn led_there(failed: Option<Function>) -> String {
+    failed.map_or_else(String::new, |function| format!(", after an error in {}", function.name()))
 }
 
 /// How a host gets on from a state in which little is allowed.

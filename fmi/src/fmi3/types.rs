@@ -1,5 +1,6 @@
 //! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.2 and 2.2.3), by the names that std has for the C types.
 
+use crate::component::Handled;
 use std::ffi::c_int;
 
 /// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte there.
@@ -12,10 +13,10 @@ pub type FmiDependencyKind = c_int;
 pub type FmiIntervalQualifier = c_int;
 
 /// The returned arguments of `fmi3UpdateDiscreteStates` (FMI 3.0.2, 2.3.5).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscreteStates {
-    /// Whether a continuous state has changed.
-    pub values_of_continuous_states_changed: bool,
+    /// What the event has changed.
+    pub changed: Handled,
     /// The time of the next event, s, where it is known.
     pub next_event_time: Option<f64>,
 }

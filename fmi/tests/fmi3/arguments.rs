@@ -2,14 +2,13 @@
 
 use super::host::*;
 use std::ptr::{null, null_mut};
-use vibro_fmi::component::variables::VARIABLES;
 use vibro_fmi::fmi3::abi::*;
 
 /// After an error getters answer, steps and sets do not; Reset or a saved state leads out.
 fn assert_terminated(fmu: &Fmu) {
     let point = fmu.get("time");
     assert_eq!(fmu.try_step(point, 0.1).0, ERROR);
-    assert!(fmu.last().contains("not allowed in state Terminated of Co-Simulation: restore a saved state"));
+    assert!(fmu.last().contains("not allowed in state Terminated of Co-Simulation, after an error in fmi3"));
     assert_eq!(fmu.set("box.f", 0.0), ERROR);
     // SAFETY: a live instance.
     assert_eq!(unsafe { fmi3Reset(fmu.c) }, OK);
@@ -27,9 +26,10 @@ fn wrong_calls_are_errors_that_terminate() {
     // SAFETY (all): wrong as intended, and checked before anything is followed.
     let cases: [Wrong; 14] = unsafe {
         [
-            ("value reference 0 is no Float64 variable: allowed is 1 to ", &|c| {
-                fmi3GetFloat64(c, &0, 1, [0.0].as_mut_ptr(), 1)
-            }),
+            (
+                "value reference 0 is no Float64 variable: allowed are those of the model description, from 1 to ",
+                &|c| fmi3GetFloat64(c, &0, 1, [0.0].as_mut_ptr(), 1),
+            ),
             ("value reference 4294967295 is no Float64 variable", &|c| {
                 fmi3GetFloat64(c, &u32::MAX, 1, [0.0].as_mut_ptr(), 1)
             }),
@@ -40,7 +40,7 @@ fn wrong_calls_are_errors_that_terminate() {
             }),
             ("nValues = 2: allowed is 1", &|c| fmi3GetFloat64(c, &box_s, 1, [0.0; 2].as_mut_ptr(), 2)),
             ("nValues = 0: allowed is 1", &|c| fmi3SetFloat64(c, &vr("box.f"), 1, null(), 0)),
-            ("nValues = 1: allowed is 3", &|c| fmi3GetFloat64(c, &vr("motion.s"), 1, &mut 0.0, 1)),
+            ("nValues = 3: allowed is 1", &|c| fmi3GetFloat64(c, &box_s, 1, [0.0; 3].as_mut_ptr(), 3)),
             ("values is null or misaligned", &|c| fmi3GetFloat64(c, &box_s, 1, null_mut(), 1)),
             ("values is null or misaligned", &|c| fmi3GetFloat64(c, &box_s, 1, odd(v), 1)),
             ("valueReferences is null or misaligned", &|c| fmi3GetFloat64(c, null(), 1, v, 1)),
@@ -264,12 +264,8 @@ fn start_values_are_read_before_initialization() {
     assert_eq!(fmu.get("stopAtImpact"), 1.0);
     assert_eq!(fmu.set("block.s", 0.25), OK);
     assert_eq!((fmu.get("block.s"), fmu.get("mode")), (0.25, 1.0));
-    for (i, variable) in VARIABLES.iter().enumerate() {
-        if variable.dimensions.is_empty()
-            && variable.edition != vibro_fmi::component::variables::Edition::Clocked
-        {
-            let _ = (i, fmu.get(variable.name));
-        }
+    for (_, variable) in vibro_fmi::fmi3::description::variables(vibro_fmi::fmi3::description::MAIN) {
+        let _ = fmu.get(variable.name);
     }
     assert!(fmu.log().is_empty(), "{:?}", fmu.log());
 }
@@ -305,4 +301,27 @@ fn a_seed_of_another_length_is_an_error() {
     };
     assert_eq!(status, ERROR);
     assert!(fmu.last().contains("nSeed = 1: allowed is 2"), "{}", fmu.last());
+}
+
+/// Who calls on after an error learns which call it was; after `fmi3Terminate` there was none.
+#[test]
+fn a_refused_call_in_terminated_names_the_error_that_led_there() {
+    let fmu = Fmu::started(FF, &[]);
+    // SAFETY (all): live instances, wrong as intended.
+    unsafe { assert_eq!(fmi3GetFloat64(fmu.c, &9999, 1, &mut 0.0, 1), ERROR) };
+    assert_eq!(fmu.try_step(0.0, 1.0).0, ERROR);
+    assert!(
+        fmu.last().contains(
+            "not allowed in state Terminated of Co-Simulation, after an error in fmi3GetFloat64: restore"
+        ),
+        "{}",
+        fmu.last()
+    );
+    // The first error stays the cause.
+    assert_eq!(fmu.try_step(0.0, 1.0).0, ERROR);
+    assert!(fmu.last().contains("after an error in fmi3GetFloat64"), "{}", fmu.last());
+    let fmu = Fmu::started(FF, &[]);
+    assert_eq!(unsafe { fmi3Terminate(fmu.c) }, OK);
+    assert_eq!(fmu.try_step(0.0, 1.0).0, ERROR);
+    assert!(fmu.last().contains("Terminated of Co-Simulation: restore"), "{}", fmu.last());
 }

@@ -4,7 +4,7 @@
 use super::host::*;
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
-use vibro_fmi::component::variables::{Base, Edition, of_edition, reference};
+use vibro_fmi::component::variables::{Base, reference};
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_impact::{Parameters, Simulator, State};
@@ -53,14 +53,14 @@ impl Fmu2 {
         assert_eq!(unsafe { fmi2DoStep(self.0, point, size, 1) }, OK);
     }
 
-    fn get(&self, place: u32, base: Base) -> f64 {
+    fn get(&self, r: u32, base: Base) -> f64 {
         let (mut real, mut whole) = (f64::NAN, -1);
         // SAFETY: one of each.
         let status = unsafe {
             match base {
-                Base::Real => fmi2GetReal(self.0, &place, 1, &mut real),
-                Base::Boolean => fmi2GetBoolean(self.0, &place, 1, &mut whole),
-                _ => fmi2GetInteger(self.0, &place, 1, &mut whole),
+                Base::Real => fmi2GetReal(self.0, &r, 1, &mut real),
+                Base::Boolean => fmi2GetBoolean(self.0, &r, 1, &mut whole),
+                _ => fmi2GetInteger(self.0, &r, 1, &mut whole),
             }
         };
         assert_eq!(status, OK);
@@ -98,8 +98,8 @@ impl Drop for Fmu2 {
 
 /// All variables of both descriptions but the setting whose start differs.
 fn compare(two: &Fmu2, three: &Fmu, at: f64) {
-    for (place, variable) in of_edition(Edition::Every).filter(|(_, v)| v.name != "stopAtImpact") {
-        let (a, b) = (two.get(place, variable.base()), three.get(variable.name));
+    for (r, variable) in description::variables().filter(|(_, v)| v.name != "stopAtImpact") {
+        let (a, b) = (two.get(r, variable.base()), three.get(variable.name));
         assert_eq!(a.to_bits(), b.to_bits(), "{} at {at}: {a} {b}", variable.name);
     }
 }

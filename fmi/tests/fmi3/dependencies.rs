@@ -2,15 +2,16 @@
 
 use super::derivatives::{CONTACTS, INPUTS, forward, in_event_mode};
 use super::host::*;
-use vibro_fmi::component::variables::{Edition, VARIABLES, of_edition};
+use vibro_fmi::component::variables::VARIABLES;
 use vibro_fmi::fmi3::abi::*;
+use vibro_fmi::fmi3::description;
 
 /// What `fmi3GetVariableDependencies` says: element, name, kind.
 fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     let mut count = 99;
     // SAFETY: one of each.
     assert_eq!(
-        unsafe { fmi3GetNumberOfVariableDependencies(fmu.c, vr(name), &mut count) },
+        unsafe { fmi3GetNumberOfVariableDependencies(fmu.c, fmu.vr(name), &mut count) },
         OK,
         "{}",
         fmu.last()
@@ -21,7 +22,7 @@ fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     let status = unsafe {
         fmi3GetVariableDependencies(
             fmu.c,
-            vr(name),
+            fmu.vr(name),
             elements.as_mut_ptr(),
             references.as_mut_ptr(),
             others.as_mut_ptr(),
@@ -31,7 +32,7 @@ fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     };
     assert_eq!(status, OK, "{}", fmu.last());
     assert!(others.iter().all(|element| *element == 0) && kinds.iter().all(|kind| (1..6).contains(kind)));
-    let names = references.iter().map(|r| VARIABLES[*r as usize - 1].name);
+    let names = references.iter().map(|r| description::numbering(fmu.edition).variable(*r).unwrap().name);
     elements.into_iter().zip(names).zip(kinds).map(|((element, name), kind)| (element, name, kind)).collect()
 }
 
@@ -67,7 +68,7 @@ fn second_method_dependencies_of_the_present_contact() {
 
 #[test]
 fn dependencies_of_arrays_parameters_and_in_initialization() {
-    let fmu = in_event_mode(CONTACTS[0], true);
+    let fmu = Fmu::arrays(TT).start(FF, CONTACTS[0]);
     let places = dependencies(&fmu, "motion.s");
     let expected = ["box.s", "block.s", "secondary.s"];
     assert_eq!(places.len(), 3);
@@ -79,12 +80,15 @@ fn dependencies_of_arrays_parameters_and_in_initialization() {
     assert!(!accelerations.iter().any(|entry| (entry.0, entry.1) == (1, "secondary.f")));
     assert!(dependencies(&fmu, "box.m").is_empty() && dependencies(&fmu, "box.f").is_empty());
     // Within what is declared.
-    for (place, variable) in of_edition(Edition::Extended) {
+    for (_, variable) in description::variables(description::ARRAYS) {
         let listed = dependencies(&fmu, variable.name);
-        let declared = vibro_fmi::component::structure::outputs(Edition::Extended);
-        if let Some(unknown) = declared.iter().find(|unknown| unknown.reference == place) {
+        let declared = vibro_fmi::component::structure::outputs(description::ARRAYS);
+        let of = |unknown: &&vibro_fmi::component::structure::Unknown| {
+            VARIABLES[unknown.place].name == variable.name
+        };
+        if let Some(unknown) = declared.iter().find(of) {
             for entry in listed {
-                assert!(unknown.dependencies.iter().any(|(r, _)| VARIABLES[*r as usize].name == entry.1));
+                assert!(unknown.dependencies.iter().any(|(place, _)| VARIABLES[*place].name == entry.1));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
-use vibro_fmi::component::variables::{Base, VARIABLES};
+use vibro_fmi::component::variables::{Base, find};
 use vibro_fmi::fmi3::abi::*;
 use vibro_fmi::fmi3::description;
 
@@ -58,12 +58,13 @@ unsafe extern "C-unwind" fn keep(
 
 pub struct Fmu {
     pub c: FmiInstance,
+    pub edition: description::Edition,
     log: *mut Vec<Record>,
 }
 
-/// Value reference: the place in the table, counted from 1.
+/// Value reference in the main description.
 pub fn vr(name: &str) -> u32 {
-    vibro_fmi::component::variables::reference(name) + 1
+    description::value_reference(description::MAIN, name).unwrap()
 }
 
 pub fn token() -> CString {
@@ -73,6 +74,11 @@ pub fn token() -> CString {
 impl Fmu {
     pub fn new(flags: Flags) -> Self {
         Self::with_callback(flags, &[], None, null_mut())
+    }
+
+    /// Of the description with arrays.
+    pub fn arrays(flags: Flags) -> Self {
+        Self::with(description::ARRAYS, flags, &[], None, null_mut())
     }
 
     /// Of the description with a clock.
@@ -121,7 +127,7 @@ impl Fmu {
             )
         };
         assert!(!c.is_null());
-        Self { c, log }
+        Self { c, edition, log }
     }
 
     pub fn exchange() -> Self {
@@ -139,7 +145,7 @@ impl Fmu {
             )
         };
         assert!(!c.is_null());
-        Self { c, log }
+        Self { c, edition: description::MAIN, log }
     }
 
     pub fn log(&self) -> &[Record] {
@@ -160,7 +166,12 @@ impl Fmu {
     }
 
     pub fn started(flags: Flags, start: &[(&str, f64)]) -> Self {
-        let fmu = Self::new(flags);
+        Self::new(flags).start(flags, start)
+    }
+
+    /// Sets start values and goes to the first step.
+    pub fn start(self, flags: Flags, start: &[(&str, f64)]) -> Self {
+        let fmu = self;
         for (name, value) in start {
             assert_eq!(fmu.set(name, *value), OK, "{name}: {}", fmu.last());
         }
@@ -172,11 +183,16 @@ impl Fmu {
         fmu
     }
 
+    /// Value reference in this instance's description.
+    pub fn vr(&self, name: &str) -> u32 {
+        description::value_reference(self.edition, name).unwrap()
+    }
+
     pub fn set(&self, name: &str, value: f64) -> c_int {
-        let r = vr(name);
+        let r = self.vr(name);
         // SAFETY: one reference and one value each.
         unsafe {
-            match VARIABLES[r as usize - 1].base() {
+            match find(name).unwrap().base() {
                 Base::Real => fmi3SetFloat64(self.c, &r, 1, &value, 1),
                 Base::Boolean => fmi3SetBoolean(self.c, &r, 1, &u8::from(value != 0.0), 1),
                 Base::Integer => fmi3SetInt32(self.c, &r, 1, &(value as i32), 1),
@@ -186,10 +202,10 @@ impl Fmu {
     }
 
     pub fn get(&self, name: &str) -> f64 {
-        let r = vr(name);
+        let r = self.vr(name);
         let (mut real, mut flag, mut short, mut long) = (f64::NAN, 0, 0, 0);
         // SAFETY: one reference and one value each.
-        let base = VARIABLES[r as usize - 1].base();
+        let base = find(name).unwrap().base();
         let status = unsafe {
             match base {
                 Base::Real => fmi3GetFloat64(self.c, &r, 1, &mut real, 1),

@@ -7,7 +7,7 @@ use crate::schema::{Category, DefaultExperiment, LogCategories, UnitDefinitions}
 use vibro_fmi::component::structure::{self, Unknown as Row};
 use vibro_fmi::component::units;
 use vibro_fmi::component::variables::{self, Edition, Initial, Kind};
-use vibro_fmi::fmi3::description::{self, value_reference};
+use vibro_fmi::fmi3::description;
 
 /// The model description of an edition, made from the table.
 pub fn model_description(edition: Edition) -> ModelDescription {
@@ -17,7 +17,9 @@ pub fn model_description(edition: Edition) -> ModelDescription {
         model_name: model_name(edition),
         instantiation_token: description::instantiation_token(edition),
         description: description::MODEL_DESCRIPTION.into(),
+        author: description::AUTHOR.into(),
         version: description::VERSION.into(),
+        copyright: description::COPYRIGHT.into(),
         license: description::LICENSE.into(),
         generation_tool: concat!("fmu-build ", env!("CARGO_PKG_VERSION")).into(),
         generation_date_and_time: None,
@@ -39,20 +41,24 @@ pub fn model_description(edition: Edition) -> ModelDescription {
             step: experiment.step_size,
         },
         model_variables: ModelVariables {
-            variables: description::variables(edition).map(variable).collect(),
+            variables: description::variables(edition).map(|row| variable(row, edition)).collect(),
         },
         model_structure: ModelStructure {
-            outputs: unknowns(&structure::outputs(edition)),
-            derivatives: unknowns(&structure::derivatives(edition)),
-            initial_unknowns: unknowns(&initial_unknowns(edition)),
-            event_indicators: unknowns(&structure::event_indicators()),
+            outputs: unknowns(&structure::outputs(edition), edition),
+            derivatives: unknowns(&structure::derivatives(edition), edition),
+            initial_unknowns: unknowns(&initial_unknowns(edition), edition),
+            event_indicators: unknowns(&structure::event_indicators(), edition),
         },
     }
 }
 
-/// `modelName`: the second description has a name of its own; the library's name is `modelIdentifier`.
+/// `modelName`: further descriptions have names of their own; the library's name is `modelIdentifier`.
 pub fn model_name(edition: Edition) -> String {
-    let suffix = if edition == description::CLOCKED { "Clocked" } else { "" };
+    let suffix = match edition {
+        description::ARRAYS => "Arrays",
+        description::CLOCKED => "Clocked",
+        _ => "",
+    };
     format!("{}{suffix}", description::MODEL_IDENTIFIER)
 }
 
@@ -117,7 +123,8 @@ fn types(edition: Edition) -> Vec<Type> {
     floats.chain(enumerations).collect()
 }
 
-fn variable((reference, v): (u32, &variables::Variable)) -> Variable {
+fn variable((reference, v): (u32, &variables::Variable), edition: Edition) -> Variable {
+    let numbered = |name: &str| description::value_reference(edition, name);
     let (min, max) = v.bounds();
     let mut attributes = Attributes {
         name: v.name.into(),
@@ -138,10 +145,10 @@ fn variable((reference, v): (u32, &variables::Variable)) -> Variable {
         max,
         nominal: None,
         start: start(v),
-        derivative: description::derivative(v),
+        derivative: description::derivative(v).and_then(numbered),
         reinit: None,
         intermediate_update: description::intermediate_update(v).then_some(true),
-        clocks: description::is_clocked(v).then(|| clock().to_string()),
+        clocks: numbered(CLOCK).filter(|_| description::is_clocked(v)).map(|clock| clock.to_string()),
         interval_variability: None,
         dimensions: v.dimensions.iter().map(|length| Dimension { start: *length as u64 }).collect(),
         aliases: description::alias(v).map(|name| Alias { name: name.into() }).into_iter().collect(),
@@ -166,10 +173,8 @@ fn variable((reference, v): (u32, &variables::Variable)) -> Variable {
     }
 }
 
-/// Value reference of the clock of impacts.
-fn clock() -> u32 {
-    value_reference(variables::reference("impacts.clock"))
-}
+/// Name of the clock of impacts.
+const CLOCK: &str = "impacts.clock";
 
 fn start(v: &variables::Variable) -> Option<String> {
     let start = v.start_in(&description::start_settings())?;
@@ -179,19 +184,21 @@ fn start(v: &variables::Variable) -> Option<String> {
 /// Calculated outputs, calculated parameters, and those derivatives of states that are no outputs (FMI 3.0.2, 2.4.8). What belongs
 /// to a clock is not among them; the clock itself is, although it cannot have the attribute `initial`: validators ask for it.
 fn initial_unknowns(edition: Edition) -> Vec<Row> {
-    let clocked = |row: &Row| description::is_clocked(&variables::VARIABLES[row.reference as usize]);
+    let clocked = |row: &Row| description::is_clocked(&variables::VARIABLES[row.place]);
     structure::initial_unknowns(edition).into_iter().filter(|row| !clocked(row)).collect()
 }
 
 /// Every element has both lists, since importers exist that need them.
-fn unknowns(rows: &[Row]) -> Vec<Unknown> {
+fn unknowns(rows: &[Row], edition: Edition) -> Vec<Unknown> {
+    let numbering = description::numbering(edition);
+    let reference = |place: usize| numbering.reference(place).map_or_else(String::new, |r| r.to_string());
     let joined = |words: Vec<String>| Some(words.join(" "));
-    let unknown = |row: &Row| Unknown {
-        value_reference: value_reference(row.reference),
-        dependencies: joined(
-            row.dependencies.iter().map(|(place, _)| value_reference(*place).to_string()).collect(),
-        ),
-        kinds: joined(row.dependencies.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect()),
+    let unknown = |row: &Row| {
+        Some(Unknown {
+            value_reference: numbering.reference(row.place)?,
+            dependencies: joined(row.dependencies.iter().map(|(place, _)| reference(*place)).collect()),
+            kinds: joined(row.dependencies.iter().map(|(_, kind)| kind_name(*kind).to_owned()).collect()),
+        })
     };
-    rows.iter().map(unknown).collect()
+    rows.iter().filter_map(unknown).collect()
 }

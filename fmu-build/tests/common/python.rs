@@ -23,7 +23,7 @@ pub fn root() -> &'static Path {
 /// The packaged FMU, built on first use in this process; those of FMI 3.0 lie beside it.
 pub fn fmu() -> PathBuf {
     let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
-    let versions = [Version::Fmi2, Version::Fmi3, Version::Clocked];
+    let versions = Version::ALL;
     let built = platforms::own().and_then(|binaries| package::write(&path, &versions, &binaries, None));
     built.unwrap_or_else(|error| panic!("{error}"));
     path

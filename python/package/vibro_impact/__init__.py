@@ -16,12 +16,12 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 
 from ._fmu import fmu_path
 from ._machine import Machine
-from ._many import Ends, simulate_many
+from ._many import Ends, measure_many, simulate_many
 from ._measures import MEASURES, Spectrum
 from ._motion import Load, Run, Section
 from ._native import __version__
 from ._orbits import LABELS, Branch, Orbit
-from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES
+from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning
 from ._steady import SteadyState, SteadyStates
 from ._studies import Attractor, Basins, Diagram, Direction, basins, bifurcation
 
@@ -39,6 +39,7 @@ __all__ = [
     "Ends",
     "Load",
     "Machine",
+    "MixedParametersWarning",
     "Orbit",
     "Run",
     "Section",
@@ -49,5 +50,6 @@ __all__ = [
     "basins",
     "bifurcation",
     "fmu_path",
+    "measure_many",
     "simulate_many",
 ]

@@ -96,9 +96,16 @@ def state(name: str, value: Start, system: _native.System) -> list[float]:
         return [float(x) for x in found]
     scaled = [0.0] * 6
     si = [None] * 6  # type: list[Any]
+    named: dict[int, str] = {}
     for key, given in value.items():
         coordinate = choice(f"a name in {name}", key, (*COORDINATES, *SI_COORDINATES))
         plain = number(f"{name}[{key!r}]", given)
+        first = named.setdefault((*COORDINATES, *SI_COORDINATES).index(coordinate) % 6, coordinate)
+        if first != coordinate:
+            raise ValueError(
+                f"{name} = {dict(value)!r}: {first} and {coordinate} are one coordinate, in units of L or L omega10 and in SI: allowed "
+                "is each coordinate once"
+            )
         if coordinate in COORDINATES:
             scaled[COORDINATES.index(coordinate)] = plain
         else:

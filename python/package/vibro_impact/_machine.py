@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, MOST_ROWS, Start, array, choice, number, state, whole
-from ._measures import Spectrum, spectrum_of
+from ._measures import Spectrum, measure_names, measured, spectrum_of
 from ._motion import Load, Run, Section, load_list, run_of
 from ._orbits import Orbit, find_orbit
 from ._progress import Bar
@@ -32,12 +32,21 @@ class Machine(ParameterValues):
 
     A machine without a spring between box and ground (``box_k=0``) has no groups, and starts and studies in their units are refused.
 
-    Two machines are equal when their thirteen physical parameters are.
+    Constant forces ``load_box``, ``load_block``, ``load_secondary`` (N) are parameters too: gravity on a vertical machine is
+    ``load_block=-9.81 * block_m``. They take the machine its symmetry; closed forms refuse them.
+
+    Two machines are equal when their physical parameters are, loads included.
 
     >>> Machine.from_groups(f10=2.5).replace(kappa=0.8)
     Machine.from_groups(f10=2.5, kappa=0.8)
-    >>> Machine(box_m=12.0, box_k=48e3, stop_gap=0.0025).drive_frequency
+    >>> Machine().replace(stop_gap=0.5, load_block=-0.02).drive_frequency
     1.04
+
+    Warns
+    -----
+    MixedParametersWarning
+        Where some physical parameters are given and others are left to the default set, whose values belong to a machine of 1 kg and a
+        gap of 1 m. ``Machine().replace(...)`` says that this is meant, and does not warn.
 
     Raises
     ------
@@ -60,7 +69,7 @@ class Machine(ParameterValues):
     ) -> Run:
         """The exact motion with all its impacts, reported at equal steps of the drive's period or at times of one's own.
 
-        Steps are for reporting only: the result does not depend on them but for round-off (docs/numerics.md). The bits are those of the
+        Steps are for reporting only: the result does not depend on them but for round-off (docs/guarantees.md). The bits are those of the
         FMU that is asked for the same times.
 
         Parameters
@@ -181,7 +190,7 @@ class Machine(ParameterValues):
         measures: Sequence[str],
         start: Start = None,
         *,
-        periods: int = 64,
+        periods: int = 60,
         settle: int = 400,
         progress: bool = False,
     ) -> dict[str, float | str | None]:
@@ -197,7 +206,7 @@ class Machine(ParameterValues):
         start
             As of :meth:`simulate`, at time 0.
         periods, settle
-            Drive periods that are measured, and those before in which the transient dies out.
+            Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
 
         Raises
         ------
@@ -205,9 +214,7 @@ class Machine(ParameterValues):
             As :meth:`simulate`; for a name that is none, with the nearest one.
         """
         self._needs_period("a measure")
-        if isinstance(measures, str) or not all(isinstance(name, str) for name in measures):
-            raise TypeError(f"measures = {measures!r}: allowed is a sequence of names, e.g. ['amplitude.x1']")
-        names = list(measures)
+        names = measure_names(measures)
         with Bar(progress, 1, "motions") as bar:
             numbers, kind = _native.measure(
                 self._system,
@@ -217,7 +224,7 @@ class Machine(ParameterValues):
                 whole("periods", periods, 1, MOST_PERIODS),
                 bar.report,
             )
-        return {name: kind if name == "class" else value for name, value in zip(names, numbers)}
+        return measured(names, numbers, kind)
 
     def steady(self, *, sheet: str = "upper") -> SteadyStates:
         """The symmetric motion with two impacts a drive period in closed form, by three theories (docs/theory.md, sections 6 to 9).
@@ -241,8 +248,8 @@ class Machine(ParameterValues):
         start: Start = None,
         period: int = 1,
         symmetric: bool = False,
-        settle: int = 1000,
-        tries: int = 64,
+        settle: int = 2000,
+        tries: int = 400,
         progress: bool = False,
     ) -> Orbit:
         """A periodic orbit by the order of its impacts, stable or not; or the one on which a motion has settled.
@@ -262,6 +269,8 @@ class Machine(ParameterValues):
             periods, an odd number.
         tries
             Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
+            Where all that is found is an orbit of a shorter word, passed several times, or a symmetric one, that is returned with
+            ``passages``.
 
         Raises
         ------

@@ -11,6 +11,7 @@ import numpy as np
 from . import _native
 from ._arguments import MOST_PERIODS, Floats, Start, array, state, whole
 from ._machine import Machine
+from ._measures import measure_names, measured
 from ._progress import Bar
 from ._result import Result
 
@@ -42,7 +43,7 @@ def simulate_many(
     """Many motions over whole drive periods from time 0, side by side in the processor's vectors and on all cores.
 
     Each ends as accurately as by :meth:`Machine.simulate`, but not on the same bits; they do not depend on the other motions, nor on the
-    number of threads (docs/numerics.md, section 8).
+    number of threads (docs/guarantees.md).
 
     Parameters
     ----------
@@ -58,11 +59,59 @@ def simulate_many(
     ValueError, TypeError, RuntimeError
         As :meth:`Machine.simulate`, with the motion's index; for numbers of machines and starts that differ.
     """
+    periods = whole("periods", periods, 0, MOST_PERIODS)
+    several, rows = _motions(machines, starts, "a motion over periods")
+    with Bar(progress, len(several), "motions") as bar:
+        s, v = _native.simulate_many([m._system for m in several], rows, periods, bar.report)
+    return Ends(np.array([periods * m.period for m in several]), s, v)
+
+
+def measure_many(
+    machines: Union[Machine, Iterable[Machine]],
+    measures: Sequence[str],
+    starts: Union[Start, Sequence[Start]] = None,
+    *,
+    periods: int = 60,
+    settle: int = 400,
+    progress: bool = False,
+) -> list[dict[str, float | str | None]]:
+    """Measures of many settled motions on all cores: a dictionary for each, with the bits of :meth:`Machine.measure`.
+
+    ``pandas.DataFrame(measure_many(...))`` makes a table of them.
+
+    Parameters
+    ----------
+    machines
+        Machines, or one for all starts.
+    measures
+        Names as of :meth:`Machine.measure`; :data:`MEASURES` has all, with units.
+    starts
+        As of :func:`simulate_many`.
+    periods, settle
+        Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
+
+    Raises
+    ------
+    ValueError, TypeError, RuntimeError
+        As :meth:`Machine.measure`, with the motion's index; for numbers of machines and starts that differ.
+    """
+    names = measure_names(measures)
+    periods = whole("periods", periods, 1, MOST_PERIODS)
+    settle = whole("settle", settle, 0, MOST_PERIODS)
+    several, rows = _motions(machines, starts, "a measure")
+    with Bar(progress, len(several), "motions") as bar:
+        found = _native.measure_many([m._system for m in several], rows, names, settle, periods, bar.report)
+    return [measured(names, numbers, kind) for numbers, kind in found]
+
+
+def _motions(
+    machines: Union[Machine, Iterable[Machine]], starts: Union[Start, Sequence[Start]], what: str
+) -> tuple[list[Machine], Floats]:
+    """A machine and a start for each motion."""
     several = list(machines) if isinstance(machines, Iterable) else [machines]
     for index, machine in enumerate(several):
         if not isinstance(machine, Machine):
             raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Machine")
-    periods = whole("periods", periods, 0, MOST_PERIODS)
     rows = _rows(several, starts)
     if len(several) == 1:
         several *= len(rows)
@@ -70,12 +119,10 @@ def simulate_many(
         raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
     for index, machine in enumerate(several):
         try:
-            machine._needs_period("a motion over periods")
+            machine._needs_period(what)
         except ValueError as error:
             raise ValueError(f"machines[{index}]: {error}") from None
-    with Bar(progress, len(several), "motions") as bar:
-        s, v = _native.simulate_many([m._system for m in several], rows, periods, bar.report)
-    return Ends(np.array([periods * m.period for m in several]), s, v)
+    return several, rows
 
 
 def _rows(machines: list[Machine], starts: Any) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Optional
 
 import numpy as np
 
@@ -12,11 +12,25 @@ from ._arguments import Floats
 from ._result import Result
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from . import _returned
     from ._machine import Machine
 
 #: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
 MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
+
+
+def measure_names(measures: Sequence[str]) -> list[str]:
+    """Names of measures as they are given."""
+    if isinstance(measures, str) or not all(isinstance(name, str) for name in measures):
+        raise TypeError(f"measures = {measures!r}: allowed is a sequence of names, e.g. ['amplitude.x1']")
+    return list(measures)
+
+
+def measured(names: list[str], numbers: list[Optional[float]], kind: Optional[str]) -> dict[str, float | str | None]:
+    """What was measured of a motion, by name."""
+    return {name: kind if name == "class" else value for name, value in zip(names, numbers)}
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

@@ -39,17 +39,21 @@ class Orbit(Result):
     machine: Machine
     "Whose orbit it is."
     word: str
-    "The stops in order, letters U and L."
+    "The stops in order, letters U and L: the shortest word of the orbit, which may be shorter than the one that was asked for."
     symmetric: bool
-    "Whether the word is half of a symmetric orbit."
+    "Whether the word is half of a symmetric orbit, whose second half is the mirror image of the first."
     period: int
     "The period in drive periods."
+    passages: int
+    "How often the word that was asked for passes the orbit: more than 1 where it is no orbit of its own."
     phases: Floats
     "Phases of the drive at the impacts, shape (n,), rad."
     speeds: Floats
     "|w'| before the impacts, shape (n,), m/s."
     multipliers: NDArray[np.complex128]
-    "Multipliers, largest first, shape (6,): of the period, for a symmetric orbit of half of it."
+    "Multipliers, largest first, shape (6,), over :attr:`multiplier_periods`."
+    multiplier_periods: float
+    "Drive periods over which the multipliers are: the period, for a symmetric orbit half of it, so that those of the period are their squares."
     stable: bool
     "Whether it attracts its neighbourhood."
     _half_periods: int = dataclasses.field(repr=False)
@@ -139,7 +143,7 @@ class Branch(Result):
     phases: list[Floats]
     "Phases of the drive at the impacts, rad, an array for each point."
     multipliers: NDArray[np.complex128]
-    "Multipliers, largest first, shape (n, 6)."
+    "Multipliers, largest first, shape (n, 6), over :attr:`multiplier_periods`."
     stable: NDArray[np.bool_]
     "Whether the piece from a point to the next is stable, shape (n,)."
     labels: NDArray[np.str_]
@@ -148,6 +152,11 @@ class Branch(Result):
     "The displacement whose maxima are kept."
     maxima: list[Floats]
     "Local maxima of it, m, the largest first, an array for each point."
+
+    @property
+    def multiplier_periods(self) -> float:
+        """Drive periods over which the multipliers are: the period, for a symmetric orbit half of it."""
+        return 0.5 * self.period if self.symmetric else float(self.period)
 
     @property
     def special(self) -> list[tuple[str, float]]:
@@ -174,15 +183,20 @@ def find_orbit(
                 raise TypeError(f"word = {word!r}: allowed is a word of the letters U and L, e.g. 'UL'")
             closing, half_periods = (-1, period) if symmetric else (1, 2 * period)
             all_found = _native.orbit(machine._system, word, closing, half_periods, tries, bar.report)
-            found = next((orbit for orbit in all_found if orbit.stable), all_found[0])
+            # Those of the word itself, if there are some, before those of a shorter one.
+            rank = (all_found[0].word, all_found[0].closing, all_found[0].passages)
+            alike = [orbit for orbit in all_found if (orbit.word, orbit.closing, orbit.passages) == rank]
+            found = next((orbit for orbit in alike if orbit.stable), alike[0])
     return Orbit(
         machine,
         found.word,
         found.closing < 0,
         found.period,
+        found.passages,
         found.phases,
         found.speeds,
         found.multipliers,
+        found.multiplier_periods,
         found.stable,
         found.half_periods,
     )

@@ -40,6 +40,13 @@ if TYPE_CHECKING:
         drive_amplitude: float
         drive_frequency: float
         drive_phase: float
+        load_box: float
+        load_block: float
+        load_secondary: float
+
+
+class MixedParametersWarning(UserWarning):
+    """Some physical parameters of a machine were given, and the others are the default set's, which belong to another machine."""
 
 
 _COUNT, _TOLD = _native.parameters()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import COORDINATES, MOST_PERIODS, Floats, array, choice, number, whole
+from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, Start, array, choice, number, state, whole
 from ._machine import Machine
 from ._progress import Bar
 from ._result import Result
@@ -30,7 +30,7 @@ class Direction(Result):
     value: Floats
     "The parameter, shape (n,), in its unit, rising."
     kind: NDArray[np.str_]
-    "Class of each motion, shape (n,): 1T, 2T, ..., aperiodic, with exponents quasi-periodic or chaotic; refused where there is none."
+    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled where it is undecided; refused where there is none."
     period: NDArray[np.int32]
     "Period in drive periods, shape (n,); 0 where it has none up to 32."
     impacts: Floats
@@ -68,6 +68,7 @@ class Diagram(Result):
 def bifurcation(
     machine: Machine,
     *,
+    start: Start = None,
     periods: tuple[int, int] = (400, 800),
     of: str = "x2",
     exponents: Union[bool, int] = False,
@@ -85,8 +86,10 @@ def bifurcation(
         All other parameters.
     **parameter
         The parameter by name with its values, equally spaced and rising: ``f10=np.linspace(0.5, 5, 451)``.
+    start
+        Where the motion at the first value of either direction starts, as of :meth:`Machine.simulate`: of the machine itself.
     periods
-        Drive periods discarded and kept at each value.
+        Drive periods discarded and kept at each value; the defaults of this and of the others are those of the command line.
     of
         The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``.
     exponents
@@ -111,9 +114,10 @@ def bifurcation(
     discard = whole("periods[0]", discard, 0, MOST_PERIODS)
     keep = whole("periods[1]", keep, 1, MOST_PERIODS)
     over = None if exponents is False else 1500 if exponents is True else whole("exponents", exponents, 1, 10_000_000)
+    own = None if start is None else state("start", start, machine._system)
     with Bar(progress, 1, "parts") as bar:
         found = _native.bifurcation(
-            machine._system, name, ends, count, discard, keep, choice("of", of, ("x1", "x2", "x3", "w")), over, bar.report
+            machine._system, own, name, ends, count, discard, keep, choice("of", of, ("x1", "x2", "x3", "w")), over, bar.report
         )
     return Diagram(machine, name, of, _direction(found["up"]), _direction(found["down"]), found["hysteresis"])
 
@@ -154,7 +158,7 @@ class Attractor(Result):
     """A settled motion as it is recognized."""
 
     kind: str
-    "Its class: 1T, 2T, ..., aperiodic."
+    "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
     period: Optional[int]
     "Its period in drive periods, up to 32."
     impacts: Floats
@@ -166,7 +170,7 @@ class Attractor(Result):
     states: Floats
     "States at whole drive periods, one for each of its period, shape (p, 6): x1, x2, x3 (units of L), v1, v2, v3 (L omega10)."
     mirror_states: Floats
-    "The same of its mirror image."
+    "The same of its mirror image; none under constant loads."
     sizes: Floats
     "Root mean squares of x1, x2, x3 at whole and half drive periods, shape (3,), units of L."
 
@@ -178,7 +182,7 @@ class Basins(Result):
     machine: Machine
     "The machine."
     names: tuple[str, str]
-    "The initial values across and up."
+    "The initial values across and up, by their names in units of L or L omega10."
     x: Floats
     "Centres of the cells across, shape (nx,), units of L or L omega10."
     y: Floats
@@ -186,7 +190,8 @@ class Basins(Result):
     attractors: tuple[Attractor, ...]
     "The attractors in the order in which the cells meet them."
     cells: NDArray[np.int32]
-    "Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx); -1 for a start outside the stops."
+    """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start outside the stops,
+    -2 where the motion has not settled, -3 where it is on a chaotic or quasi-periodic attractor but on which one is undecided."""
     mirror: NDArray[np.bool_]
     "Whether it is the attractor's mirror image, shape (ny, nx)."
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
@@ -194,7 +199,7 @@ class Basins(Result):
 
 
 def basins(
-    machine: Machine, *, periods: int = 400, progress: bool = False, **ranges: tuple[float, float, int]
+    machine: Machine, *, periods: int = 300, progress: bool = False, **ranges: tuple[float, float, int]
 ) -> Basins:
     """Basins of attraction: where motions from a plane of two initial values end, with the attractors that coexist.
 
@@ -203,8 +208,8 @@ def basins(
     machine
         The machine.
     **ranges
-        Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), the first across, each as (from, to, cells); the others are zero:
-        ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
+        Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or in SI of box_s, block_s, secondary_s (m), box_v, block_v,
+        secondary_v (m/s), the first across, each as (from, to, cells); the others are zero: ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
     periods
         Drive periods before a motion is recognized.
 
@@ -217,7 +222,8 @@ def basins(
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")
-    (x_name, y_name), (x, y) = tuple(ranges), (_range(name, given) for name, given in ranges.items())
+    x, y = (_range(name, given, machine) for name, given in ranges.items())
+    x_name, y_name = COORDINATES[x[0]], COORDINATES[y[0]]
     periods = whole("periods", periods, 0, MOST_PERIODS)
     with Bar(progress, 1, "parts") as bar:
         found = _native.basins(machine._system, x, y, periods, bar.report)
@@ -228,8 +234,9 @@ def basins(
     )
 
 
-def _range(name: str, given: Any) -> tuple[int, float, float, int]:
-    index = COORDINATES.index(choice("a name of a range", name, COORDINATES))
+def _range(name: str, given: Any, machine: Machine) -> tuple[int, float, float, int]:
+    choice("a name of a range", name, (*COORDINATES, *SI_COORDINATES))
+    index = (*COORDINATES, *SI_COORDINATES).index(name) % 6
     try:
         first, last, cells = given
     except (TypeError, ValueError):
@@ -237,6 +244,9 @@ def _range(name: str, given: Any) -> tuple[int, float, float, int]:
     low, high = number(f"{name}[0]", first), number(f"{name}[1]", last)
     if not low < high:
         raise ValueError(f"{name} = {given!r}: allowed is from < to")
+    if name in SI_COORDINATES:
+        ones = machine._system.dimensional([1.0] * 6)  # L, and L omega10
+        low, high = low / ones[index], high / ones[index]
     return index, low, high, whole(f"{name}[2]", cells, 1, _MOST_CELLS)
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from . import _native
-from ._parameters import GROUP_NAMES, SI_NAMES, in_order, named, with_changes, written
+from ._parameters import GROUP_NAMES, SI_NAMES, MixedParametersWarning, in_order, named, with_changes, written
 
 if TYPE_CHECKING:
     from typing_extensions import Self, Unpack
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class ParameterValues:
-    """Thirteen physical parameters and, where there are, the dimensionless groups; what a machine is, without what it does."""
+    """Thirteen physical parameters with three constant loads and, where there are, the dimensionless groups; what a machine is, without what it does."""
 
     box_m: float
     "Mass of the box m1, kg."
@@ -44,6 +45,12 @@ class ParameterValues:
     "Angular frequency omega1 of that force, rad/s."
     drive_phase: float
     "Phase of that force at time 0, rad."
+    load_box: float
+    "Constant force on the box, N; 0 unless given."
+    load_block: float
+    "Constant force on the block, N: gravity on a vertical machine; 0 unless given."
+    load_secondary: float
+    "Constant force on the secondary oscillator, N; 0 unless given."
     epsilon: float
     "Mass ratio m2/m1."
     kappa: float
@@ -72,6 +79,15 @@ class ParameterValues:
     def __init__(self, **parameters: Unpack[Parameters]) -> None:
         si, groups = named(parameters)
         self._fill(in_order(si), groups)
+        missing = self._system.not_given()
+        if missing:
+            values = ", ".join(f"{name} = {value:.6g}" for name, value in missing)
+            warnings.warn(
+                f"the machine is given in SI, but not {values}: these are the default set's values, a machine of 1 kg, 1 N/m and a "
+                "gap of 1 m. Give them too, or say so by Machine().replace(...)",
+                MixedParametersWarning,
+                stacklevel=2,
+            )
 
     @classmethod
     def from_groups(cls, **groups: Unpack[Groups]) -> Self:

@@ -1,7 +1,8 @@
 """Pictures by matplotlib: each function draws one result into axes and returns them.
 
 ``axes`` is where to draw; without it the current axes are taken, as matplotlib's own functions do. Bodies have the colours of the
-pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple.
+pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are in m, and in mm where
+the gap is under 0.1 m; the numbers of the results stay in SI.
 
 >>> from vibro_impact import Machine, plot
 >>> axes = plot.portrait(Machine().simulate(periods=20), of="x2")
@@ -19,8 +20,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from ._arguments import Floats, choice
+from ._machine import Machine
 from ._motion import Run, Section
 from ._orbits import Branch
 from ._parameters import PARAMETERS
@@ -34,6 +37,11 @@ _BODIES = {"x1": "box", "x2": "block", "x3": "secondary oscillator", "w": "block
 #: Colours of areas (Okabe and Ito).
 _AREAS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
+#: Below this gap (m) lengths are drawn in mm.
+_SMALL_GAP = 0.1
+#: Drive periods up to which a history is drawn as a line; more would run into a bar.
+_DRAWN = 40
+
 __all__ = ["COLOURS", "basins", "bifurcation", "branch", "history", "portrait", "section"]
 
 
@@ -45,6 +53,22 @@ def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
     return result.s[:, index], result.v[:, index]
 
 
+def _length(machine: Machine) -> tuple[float, str]:
+    """The unit of lengths: how many of it are in a metre, and its symbol."""
+    return (1e3, "mm") if machine.stop_gap < _SMALL_GAP else (1.0, "m")
+
+
+def _windows(run: Run) -> NDArray[np.intp]:
+    """The first instants of windows of whole drive periods, at most 400; none where a run is short enough to be drawn as a line."""
+    period = 2 * np.pi / run.machine.drive_frequency
+    periods = (run.t[-1] - run.t[0]) / period if len(run.t) else 0.0
+    if periods <= _DRAWN * (1 + 1e-9):
+        return np.empty(0, dtype=np.intp)
+    width = period * np.ceil(periods / 400 - 1e-9)
+    window = np.floor((run.t - run.t[0]) / width + 1e-9)
+    return np.flatnonzero(np.diff(window, prepend=-1.0))
+
+
 def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
     """The stops, where the block's displacement in the box is drawn."""
     for stop in (-gap, gap):
@@ -53,7 +77,7 @@ def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
 
 
 def history(run: Run, axes: Optional[Axes] = None, *, of: Union[str, Sequence[str]] = ("x1", "x2", "x3")) -> Axes:
-    """Displacements (m) over time (s).
+    """Displacements over time; of more than 40 drive periods the least and largest in each, or in every so many.
 
     Parameters
     ----------
@@ -61,13 +85,22 @@ def history(run: Run, axes: Optional[Axes] = None, *, of: Union[str, Sequence[st
         Some of x1, x2, x3 and w = x2 - x1; with w the stops are dashed.
     """
     axes = axes or plt.gca()
+    scale, unit = _length(run.machine)
     names = [of] if isinstance(of, str) else list(of)
+    windows = _windows(run)
     for name in names:
-        axes.plot(run.t, _columns(run, name)[0], color=COLOURS[name], linewidth=1.2, label=f"{_SYMBOLS[name]} {_BODIES[name]}")
+        place, label = scale * _columns(run, name)[0], f"{_SYMBOLS[name]} {_BODIES[name]}"
+        if len(windows):
+            low, high = (extreme.reduceat(place, windows) for extreme in (np.minimum, np.maximum))
+            t, low, high = (np.append(values, values[-1]) for values in (run.t[windows], low, high))
+            t[-1] = run.t[-1]
+            axes.fill_between(t, low, high, step="post", facecolor=COLOURS[name] + "55", edgecolor=COLOURS[name], linewidth=0.8, label=label)
+        else:
+            axes.plot(run.t, place, color=COLOURS[name], linewidth=1.2, label=label)
     if "w" in names:
-        _stops(axes, run.machine.stop_gap, horizontal=True)
+        _stops(axes, scale * run.machine.stop_gap, horizontal=True)
     axes.set_xlabel("time (s)")
-    axes.set_ylabel("displacement (m)" if len(names) > 1 else f"{_SYMBOLS[names[0]]} (m)")
+    axes.set_ylabel(f"displacement ({unit})" if len(names) > 1 else f"{_SYMBOLS[names[0]]} ({unit})")
     axes.margins(x=0)
     if len(names) > 1:
         # Above the axes, where no line is.
@@ -76,7 +109,7 @@ def history(run: Run, axes: Optional[Axes] = None, *, of: Union[str, Sequence[st
 
 
 def portrait(run: Run, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
-    """Velocity (m/s) over displacement (m): the line is interrupted at impacts, where the velocity jumps.
+    """Velocity (m/s) over displacement: the line is interrupted at impacts, where the velocity jumps.
 
     Parameters
     ----------
@@ -84,25 +117,28 @@ def portrait(run: Run, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
         One of x1, x2, x3 and w = x2 - x1; with w the stops are dashed.
     """
     axes = axes or plt.gca()
+    scale, unit = _length(run.machine)
     place, rate = _columns(run, of)
     jumps = np.unique(np.searchsorted(run.t, run.impacts["t"]))
     if of == "x3":
         jumps = jumps[:0]  # its velocity does not jump
     jumps = jumps[(jumps > 0) & (jumps < len(run.t))]
-    axes.plot(np.insert(place, jumps, np.nan), np.insert(rate, jumps, np.nan), color=COLOURS[of], linewidth=0.9)
+    axes.plot(np.insert(scale * place, jumps, np.nan), np.insert(rate, jumps, np.nan), color=COLOURS[of], linewidth=0.9)
     if of == "w":
-        _stops(axes, run.machine.stop_gap, horizontal=False)
-    axes.set_xlabel(f"{_SYMBOLS[of]} (m)")
+        _stops(axes, scale * run.machine.stop_gap, horizontal=False)
+    axes.set_xlabel(f"{_SYMBOLS[of]} ({unit})")
     axes.set_ylabel(f"rate of {_SYMBOLS[of]} (m/s)")
     return axes
 
 
 def section(section: Section, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
-    """The points of a Poincaré section: velocity (m/s) over displacement (m) at a phase, speed (m/s) over phase (rad) at a stop."""
+    """The points of a Poincaré section: velocity (m/s) over displacement at a phase, speed (m/s) over phase (rad) at a stop."""
     axes = axes or plt.gca()
     if section.at == "phase":
+        scale, unit = _length(section.machine)
         place, rate = _columns(section, of)
-        axes.set_xlabel(f"{_SYMBOLS[of]} (m)")
+        place = scale * place
+        axes.set_xlabel(f"{_SYMBOLS[of]} ({unit})")
         axes.set_ylabel(f"rate of {_SYMBOLS[of]} (m/s)")
     else:
         place, rate = section.phase, section.speed
@@ -129,7 +165,7 @@ def bifurcation(diagram: Diagram, axes: Optional[Axes] = None, *, direction: str
     shown = diagram.down if direction == "down" else diagram.up
     _dots(axes, shown, COLOURS[diagram.of], "falling" if direction == "down" else "rising")
     axes.set_xlabel(PARAMETERS[diagram.name][0])
-    axes.set_ylabel(f"maxima of {_SYMBOLS[diagram.of]} (L)")
+    axes.set_ylabel(f"maxima of {_SYMBOLS[diagram.of]} (units of L)")
     axes.margins(x=0.01)
     if direction == "both":
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False, markerscale=5)
@@ -183,7 +219,7 @@ def basins(basins: Basins, axes: Optional[Axes] = None) -> Axes:
 
 def _start(name: str) -> str:
     """A start's coordinate with its unit."""
-    return f"$x_{name[1]}$ (L)" if name[0] == "x" else f"$\\dot x_{name[1]}$ (L$\\,\\omega_{{10}}$)"
+    return f"$x_{name[1]}$ (units of L)" if name[0] == "x" else f"$\\dot x_{name[1]}$ (units of L$\\,\\omega_{{10}}$)"
 
 
 def _lighter(colour: str) -> str:
@@ -193,9 +229,10 @@ def _lighter(colour: str) -> str:
 
 
 def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
-    """The largest maximum (m) along a branch of periodic orbits: solid where stable, dashed where not, special points with labels."""
+    """The largest maximum along a branch of periodic orbits: solid where stable, dashed where not, special points with labels."""
     axes = axes or plt.gca()
-    top = np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
+    scale, unit = _length(branch.machine)
+    top = scale * np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
     colour = COLOURS[branch.of]
     # A piece goes from a point to the next, whose stability is that of its first point.
     for stable, style in ((True, "-"), (False, (0, (3, 2)))):
@@ -218,6 +255,6 @@ def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
         )
     axes.margins(y=0.1)
     axes.set_xlabel(PARAMETERS[branch.name][0])
-    axes.set_ylabel(f"largest maximum of {_SYMBOLS[branch.of]} (m)")
+    axes.set_ylabel(f"largest maximum of {_SYMBOLS[branch.of]} ({unit})")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     return axes

@@ -183,13 +183,18 @@ impl Rounds<'_> {
         self.systems.release_tables(lane);
         while let Some(plan) = self.work.queue.next(lane, self.work.simulators, ended.take()) {
             let simulator = &mut self.work.simulators[plan.simulator];
-            let motion = match LaneMotion::begin(simulator, &plan) {
+            let mut motion = match LaneMotion::begin(simulator, &plan) {
                 Ok(Some(motion)) => motion,
                 result => {
                     ended = Some(result.map(|_| ()));
                     continue;
                 }
             };
+            if simulator.loaded() {
+                // The lanes know no loads, so that this motion never suits them: it comes back ended.
+                ended = advance_loaded(&mut motion, simulator, (&mut *self.work.queue, lane));
+                continue;
+            }
             self.systems.load_system(lane, simulator, motion.end);
             self.states.load_state(lane, simulator, &motion.advance);
             self.active |= bit;
@@ -254,10 +259,20 @@ fn advance_alone<'q, S: Simd>(
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Option<Result<()>> {
             let Self(motion, simulator, report_to, touched) = self;
-            motion.advance_alone(simd, simulator, report_to, touched)
+            motion.advance_alone::<S, 0>(simd, simulator, report_to, touched)
         }
     }
     simd.vectorize(Alone(motion, simulator, report_to, touched))
+}
+
+/// The same under loads, to the motion's end: by the code that is compiled once for all machines.
+#[inline(never)]
+fn advance_loaded(
+    motion: &mut LaneMotion,
+    simulator: &mut Simulator,
+    report_to: (&mut (dyn MotionQueue + '_), usize),
+) -> Option<Result<()>> {
+    motion.advance_alone::<_, 1>(pulp::Scalar, simulator, report_to, None)
 }
 
 impl LaneMotion {
@@ -266,7 +281,7 @@ impl LaneMotion {
         let end = DoubleDouble::new(plan.end);
         let rounded = simulator.check_end(end)?;
         let reporter = plan.reports.map(|reports| Reporter::new(simulator, reports, plan.end)).transpose()?;
-        let alone = simulator.keeps_energy_accounts || simulator.loaded();
+        let alone = simulator.keeps_energy_accounts || (simulator.loaded() && reporter.is_none());
         if rounded || alone {
             return simulator.advance_until(end, Pause::Never, None).map(|_| None);
         }
@@ -278,7 +293,7 @@ impl LaneMotion {
     /// ended if it is over. Where the lanes have brought the block to the stop `touched` without applying the law
     /// of the impact, it begins with that law.
     #[inline(always)]
-    fn advance_alone<S: Simd>(
+    fn advance_alone<S: Simd, const LOADS: usize>(
         &mut self,
         simd: S,
         simulator: &mut Simulator,
@@ -299,9 +314,9 @@ impl LaneMotion {
             let mut observer: super::super::EventObserver<'_, '_> =
                 if reporter.is_some() { Some(&mut keep) } else { None };
             let going = if law_is_due {
-                simulator.finish_substep::<0>(advance, touched, Pause::Never, &mut observer)
+                simulator.finish_substep::<LOADS>(advance, touched, Pause::Never, &mut observer)
             } else {
-                simulator.next_substep::<S, 0, false>(simd, advance, *end, Pause::Never, &mut observer)
+                simulator.next_substep::<S, LOADS, false>(simd, advance, *end, Pause::Never, &mut observer)
             };
             law_is_due = false;
             if let Some(reporter) = reporter
@@ -320,12 +335,13 @@ impl LaneMotion {
 }
 
 impl Simulator {
-    /// Whether the next sub-step is likely to be one for the lanes: free flight from inside or just off a stop, with a whole
+    /// Whether the next sub-step is likely to be one for the lanes: free flight without loads from inside or just off a stop, with a whole
     /// sub-step and an interval to go before `end`. The lanes prove what they need themselves; this only decides who tries
     /// first.
     #[inline(always)]
     fn suits_lanes(&self, z: &Augmented, end: DoubleDouble) -> bool {
         self.hybrid.contact == Contact::Flight
+            && !self.loaded()
             && self.hybrid.departing <= 1
             && (self.hybrid.departing == 1 || z[RELATIVE].abs() < self.model.gap)
             && end.minus(self.hybrid.time).value() >= self.substep + self.interval()

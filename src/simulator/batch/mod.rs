@@ -13,7 +13,7 @@
 //! | `lanes/maxima.rs` | local maxima of a displacement |
 //! | `vectors.rs` | vectors with operators |
 //!
-//! docs/numerics.md, "Many motions side by side", says why each part is right and what its bits agree with.
+//! docs/numerics.md, "Many motions side by side", says why each part is right, docs/guarantees.md what its bits agree with.
 
 mod lanes;
 mod queue;
@@ -31,8 +31,8 @@ pub const TOGETHER: usize = vectors::ROW;
 /// Advances the motions of a queue until it has no more. A lane whose motion has ended takes the next one. Nothing is allocated
 /// for a motion. A motion and its reports depend neither on the other motions nor on their order or number.
 ///
-/// Motions that keep their energy accounts or are under loads are advanced one by one. Reports are made of motions without either:
-/// they switch the accounts off, and under loads they are refused, in `next`, with
+/// Motions that keep their energy accounts or are under loads are advanced one by one. Reports switch the accounts off. They are made
+/// under the constant loads of the parameters too; under other loads they are refused, in `next`, with
 /// [`Error::OutOfRange`](crate::Error::OutOfRange).
 ///
 /// # Panics

@@ -188,7 +188,8 @@ impl Flight {
     }
 
     /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state `s` at `phase`, with the
-    /// force `force` sin θ; [`least_pieces`](Self::least_pieces) says how large h may be. The coefficients follow order by order from the equations of motion, as in docs/theory.md (8).
+    /// force `force` sin θ; [`least_pieces`](Self::least_pieces) says how large h may be. The coefficients follow order by order
+    /// from the equations of motion, as in docs/theory.md (8).
     pub fn piece(&self, s: &Vector6, phase: f64, h: f64, force: f64) -> [Polynomial; 3] {
         let (sin, cos) = if force == 0.0 { (0.0, 0.0) } else { phase.sin_cos() };
         let h2 = h * h;

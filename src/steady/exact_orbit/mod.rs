@@ -47,6 +47,7 @@ impl OrbitFamily {
     /// resonance and for an undamped mode at an odd multiple of ω1; [`Error::PrecisionLost`] for a mode more than about
     /// 15,000 times faster than the drive.
     pub fn new(parameters: &Parameters) -> Result<Self> {
+        parameters.check_symmetric()?;
         let flight = Flight::new(parameters)?;
         let half = flight.half_period(parameters)?;
         let response = -flight.harmonic(parameters)?;

@@ -61,6 +61,7 @@ fn odd() -> Parameters {
         drive_amplitude: 14.0,
         drive_frequency: 14.5,
         drive_phase: 0.4,
+        constant_loads: [0.0; 3],
     }
 }
 

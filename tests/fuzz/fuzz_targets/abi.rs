@@ -22,7 +22,13 @@ const ROOM: usize = 4096;
 /// Value references are taken modulo this, so that a new variable does not give the kept inputs another meaning; those
 /// beyond the table are bad references.
 const REFERENCES: u32 = 96;
-const _: () = assert!(VARIABLES.len() <= REFERENCES as usize, "more variables than references: double REFERENCES");
+const _: () = {
+    let mut i = 0;
+    while i < VARIABLES.len() {
+        assert!(VARIABLES[i].reference < REFERENCES, "more references than REFERENCES: double it");
+        i += 1;
+    }
+};
 /// Stands behind every buffer.
 const GUARD: u64 = 0x5afe_5afe_5afe_5afe;
 /// Sub-steps per step that are still worth an iteration; a longer step is cut.

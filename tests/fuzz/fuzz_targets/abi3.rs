@@ -18,7 +18,7 @@ use vibro_fmi::fmi2::abi::{
     fmi2DeSerializeFMUstate, fmi2DoStep, fmi2FreeInstance, fmi2GetReal, fmi2Instantiate, fmi2SetFMUstate,
 };
 use vibro_fmi::fmi3::abi::*;
-use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token};
+use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token, value_reference, variables};
 
 const OK: c_int = 0;
 const ERROR: c_int = 3;
@@ -167,7 +167,8 @@ impl Host {
     fn real(&self, name: &str) -> f64 {
         let mut value = 0.0;
         // SAFETY: one reference, one value.
-        let status = unsafe { fmi3GetFloat64(self.c, &(reference(name) + 1), 1, &mut value, 1) };
+        let r = value_reference(CLOCKED, name).unwrap_or_default();
+        let status = unsafe { fmi3GetFloat64(self.c, &r, 1, &mut value, 1) };
         if status == OK { value } else { 0.0 }
     }
 
@@ -279,13 +280,13 @@ impl Host {
 
     /// No number of the motion is NaN or infinite.
     fn assert_finite(&self) {
-        for (place, variable) in (0..).zip(&VARIABLES) {
+        for (r, variable) in variables(CLOCKED) {
             let mut values = [0.0; 128];
             if variable.base() != Base::Real {
                 continue;
             }
             // SAFETY: as many values as any variable has.
-            let status = unsafe { fmi3GetFloat64(self.c, &(place + 1), 1, values.as_mut_ptr(), variable.size()) };
+            let status = unsafe { fmi3GetFloat64(self.c, &r, 1, values.as_mut_ptr(), variable.size()) };
             if status == OK {
                 assert!(values.iter().all(|value| value.is_finite()), "{}: {values:?}", variable.name);
             } else if status == ERROR {

@@ -27,11 +27,16 @@ struct Page<'f> {
 
 impl<'f> Page<'f> {
     fn new(figure: &'f Figure) -> Self {
-        let panels: Vec<_> = figure.panels.iter().map(|p| Layout::new(p, figure.panel)).collect();
+        let mut panels: Vec<_> = figure.panels.iter().map(|p| Layout::new(p, figure.panel)).collect();
+        if !figure.shared_legend {
+            panels.iter_mut().for_each(Layout::name_all_or_none);
+        }
         let (mut own, mut shared) = (Vec::new(), Vec::new());
         if figure.shared_legend {
+            // A curve whose name stands beside it in one panel is known in the others by its colour.
+            let named = |layer: &Layer| panels.iter().any(|p: &Layout| p.names_like(layer));
             let entries = panels.iter().flat_map(|p| p.entries.iter().copied());
-            shared = legend(entries, f64::from(figure.width() - 4 * GAP));
+            shared = legend(entries.filter(|layer| !named(layer)), f64::from(figure.width() - 4 * GAP));
         } else {
             let width = f64::from(figure.panel.0 - 3 * GAP);
             own = panels.iter().map(|p| legend(p.entries.iter().copied(), width)).collect();
@@ -72,6 +77,22 @@ fn draw_legend(canvas: &mut Canvas, lines: &[Vec<&Layer>], (left, top): (f64, f6
     }
 }
 
+/// A text whose symbols, values and units stay together: `k₁ = 48 kN/m`.
+fn unbroken(paragraph: &str) -> String {
+    let paragraph = paragraph.replace(" = ", "\u{a0}=\u{a0}");
+    let mut text = String::new();
+    for word in paragraph.split(' ') {
+        let before = text.rsplit(' ').next().unwrap_or_default();
+        let value = before.contains('=') && before.ends_with(|c: char| c.is_ascii_digit());
+        let unit = value && word.starts_with(|c: char| c.is_alphabetic() || c == '°');
+        if !text.is_empty() {
+            text.push(if unit { '\u{a0}' } else { ' ' });
+        }
+        text.push_str(word);
+    }
+    text
+}
+
 impl Figure {
     fn rows(&self) -> u32 {
         self.panels.len().div_ceil(self.columns.max(1)) as u32
@@ -90,10 +111,8 @@ impl Figure {
         let room = f64::from(self.width() - 4 * GAP);
         let mut lines = Vec::new();
         for paragraph in &self.caption {
-            // A symbol and its value stay together.
-            let paragraph = paragraph.replace(" = ", "\u{a0}=\u{a0}");
             let mut line = String::new();
-            for word in paragraph.split(' ') {
+            for word in unbroken(paragraph).split(' ') {
                 if !line.is_empty() && text_width(&format!("{line} {word}"), CAPTION) > room {
                     lines.push(std::mem::take(&mut line));
                 }

@@ -43,6 +43,24 @@ impl<'p> Layout<'p> {
         layout
     }
 
+    /// Leaves all names to the legend where one of them is there: a legend of a part of the curves looks as if it were of all.
+    pub fn name_all_or_none(&mut self) {
+        if self.entries.iter().any(|layer| layer.label.is_some()) {
+            self.names.clear();
+            self.entries = self.panel.layers.iter().filter(|layer| layer.entry().is_some()).collect();
+        }
+    }
+
+    /// Whether a layer drawn alike has its name beside its curve.
+    pub fn names_like(&self, layer: &Layer) -> bool {
+        let pen = |layer: &Layer| match layer.shape {
+            Shape::Lines { dash, .. } => Some((layer.tint(), dash)),
+            _ => None,
+        };
+        layer.label.is_some()
+            && self.names.iter().any(|(_, named)| named.label == layer.label && pen(named) == pen(layer))
+    }
+
     /// Finds places for the names of curves; the others are entries of a legend.
     fn name_layers(&mut self) {
         let mut room = self.room();

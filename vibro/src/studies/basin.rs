@@ -3,22 +3,37 @@
 use super::Study;
 use super::lengths::Lengths;
 use crate::Result;
-use crate::figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use crate::figures::canvas::palette::GREY;
 use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use crate::table::{Table, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::attractor::{Attractor, MotionClass};
+use vibro_analysis::attractor::Attractor;
 use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
 use vibro_analysis::plane::check_cells;
 use vibro_analysis::stroboscopic::COORDINATES;
+use vibro_analysis::verdict::PROLONGED;
 
-/// Colours of attractors and of their mirror images; more share the last.
-const PAIRS: [[Colour; 2]; 4] =
-    [[BLUE, SKY], [VERMILLION, ORANGE], [GREEN, Colour(150, 220, 190)], [PURPLE, Colour(240, 200, 225)]];
+/// Colours of the first attractors and of their mirror images. Each has a lightness of its own, as have those below.
+pub const PAIRS: [[Colour; 2]; 8] = [
+    [Colour(0, 65, 111), Colour(0, 145, 248)],
+    [Colour(172, 57, 0), Colour(250, 167, 125)],
+    [Colour(0, 83, 42), Colour(0, 176, 88)],
+    [Colour(201, 0, 134), Colour(251, 176, 226)],
+    [Colour(94, 0, 226), Colour(185, 145, 241)],
+    [Colour(144, 108, 0), Colour(251, 207, 75)],
+    [Colour(180, 0, 0), Colour(246, 148, 148)],
+    [Colour(0, 137, 137), Colour(0, 251, 251)],
+];
+/// What is none of these: starts outside the stops, motions that have not settled, those that are on a chaotic attractor but on which
+/// one is undecided, and all attractors after those with colours of their own.
+pub const OTHERS: [Colour; 4] =
+    [Colour(235, 235, 235), Colour(132, 132, 132), Colour(45, 45, 45), Colour(20, 20, 20)];
+const OUTSIDE: Colour = OTHERS[0];
+const NOT_SETTLED: Colour = OTHERS[1];
+const UNDECIDED: Colour = OTHERS[2];
+const FURTHER: Colour = OTHERS[3];
 
-/// Starts outside the stops.
-const OUTSIDE: Colour = Colour(235, 235, 235);
-/// Most attractors that are shown and listed: their numbers fit into the codes of a picture's cells.
+/// Most attractors that are listed.
 const SHOWN: usize = 101;
 
 /// The most that a row of the table takes, bytes.
@@ -38,7 +53,9 @@ pub fn check_basins(request: &Request) -> Result<()> {
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn basins(set: &ParameterSet, request: &Request, basin: &Basin, name: &str) -> Result<Study> {
-    let what = format!("basins of {} attractors, mirror images counted once", basin.attractors.len());
+    let count = basin.attractors.len();
+    let attractors = if count == 1 { "attractor" } else { "attractors" };
+    let what = format!("basins of {count} {attractors}, mirror images counted once");
     Ok(Study {
         tables: vec![
             (name.into(), cell_table(request, basin)?),
@@ -49,10 +66,9 @@ pub fn basins(set: &ParameterSet, request: &Request, basin: &Basin, name: &str) 
     })
 }
 
-/// The attractors that are shown, with their indices and the names of their classes.
+/// The attractors that are listed, with their indices and the names of their classes.
 fn shown(basin: &Basin) -> impl Iterator<Item = (usize, &Attractor, String)> {
-    let named = |(i, a)| (i, a, MotionClass::of(a, None).name());
-    basin.attractors.iter().take(SHOWN).enumerate().map(named)
+    basin.attractors.iter().take(SHOWN).enumerate().map(|(i, a)| (i, &a.attractor, a.class.name()))
 }
 
 /// Each attractor with the shares of its basin and of its mirror image's.
@@ -80,17 +96,24 @@ fn attractor_table(basin: &Basin) -> Table {
 /// Each start with the number of its attractor.
 fn cell_table(request: &Request, basin: &Basin) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
-    let header = [COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image"];
+    let header = [COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image", "class"];
+    let classes: Vec<String> = basin.attractors.iter().map(|a| a.class.name()).collect();
     let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
     csv_in_groups(&header, y.count, |rows, j| {
         let value = exact(y.value(j));
         xs.iter().zip(&basin.cells[j * x.count..]).try_for_each(|(x, destination)| {
             let (number, mirror) = match destination {
-                Destination::Outside => (String::new(), ""),
                 Destination::Attractor(n) => ((n + 1).to_string(), "false"),
                 Destination::Mirror(n) => ((n + 1).to_string(), "true"),
+                _ => (String::new(), ""),
             };
-            rows.push([x, &value, &number, mirror])
+            let class = match destination {
+                Destination::Attractor(n) | Destination::Mirror(n) => &classes[usize::from(*n)],
+                Destination::Outside => "outside",
+                Destination::NotSettled => "not settled",
+                Destination::Undecided => "attractor undecided",
+            };
+            rows.push([x, &value, &number, mirror, class])
         })
     })
 }
@@ -98,54 +121,101 @@ fn cell_table(request: &Request, basin: &Basin) -> Result<Vec<u8>> {
 fn remarks(basin: &Basin) -> Vec<String> {
     let remark = |(index, attractor, class): (usize, &Attractor, String)| {
         let [own, mirror] = basin.shares(index as u16);
-        format!(
+        // Of motion without a period a mean, known to two or three digits.
+        let impacts = attractor.impacts.map(|x| match attractor.period {
+            Some(_) => exact(x),
+            None => format!("{x:.2}"),
+        });
+        let mut words = format!(
             "attractor {}: {class}, {} + {} impacts a period, {:.1} % of the starts, its mirror image {:.1} %",
             index + 1,
-            exact(attractor.impacts[0]),
-            exact(attractor.impacts[1]),
+            impacts[0],
+            impacts[1],
             100.0 * own,
             100.0 * mirror
-        )
+        );
+        if let Some(statistics) = attractor.statistics {
+            words.push_str(&format!("; means over {} drive periods", statistics.periods));
+        }
+        words
     };
-    shown(basin).map(remark).collect()
+    let mut lines: Vec<String> = shown(basin).map(remark).collect();
+    if basin.attractors.len() > SHOWN {
+        lines.push(format!("and {} more", basin.attractors.len() - SHOWN));
+    }
+    let rest = [
+        (Destination::NotSettled, format!("not settled: followed for {PROLONGED} drive periods or more")),
+        (
+            Destination::Undecided,
+            "of undecided attractor: chaotic or quasi-periodic, but on which attractor was not decided"
+                .into(),
+        ),
+    ];
+    for (destination, what) in rest {
+        if basin.cells.contains(&destination) {
+            lines.push(format!("{:.1} % of the starts {what}", 100.0 * basin.share(destination)));
+        }
+    }
+    lines
 }
 
-fn colour(index: usize, mirror: bool) -> Colour {
-    PAIRS[index.min(PAIRS.len() - 1)][usize::from(mirror)]
-}
-
-/// The cells of the plane: code 0 for starts outside the stops, then two codes for each attractor and its mirror image.
-fn cells(request: &Request, basin: &Basin) -> Shape {
-    const LAST: u16 = SHOWN as u16 - 1;
-    let code = |destination: &Destination| match destination {
+/// The code of a cell in the picture: four for what is no attractor or has no colour of its own, then two for each attractor and its
+/// mirror image.
+fn code(destination: &Destination) -> u8 {
+    match *destination {
         Destination::Outside => 0,
-        Destination::Attractor(n) => 1 + 2 * (*n).min(LAST) as u8,
-        Destination::Mirror(n) => 2 + 2 * (*n).min(LAST) as u8,
-    };
-    let mut colours = vec![Some(OUTSIDE)];
-    colours.extend(shown(basin).flat_map(|(i, ..)| [Some(colour(i, false)), Some(colour(i, true))]));
+        Destination::NotSettled => 1,
+        Destination::Undecided => 2,
+        Destination::Attractor(n) if usize::from(n) < PAIRS.len() => 4 + 2 * n as u8,
+        Destination::Mirror(n) if usize::from(n) < PAIRS.len() => 5 + 2 * n as u8,
+        Destination::Attractor(_) | Destination::Mirror(_) => 3,
+    }
+}
+
+/// The cells of the plane.
+fn cells(request: &Request, basin: &Basin) -> Shape {
     Shape::Cells {
         x: (request.x.from, request.x.to),
         y: (request.y.from, request.y.to),
         columns: request.x.count,
         cells: basin.cells.iter().map(code).collect(),
-        colours,
+        colours: OTHERS.into_iter().chain(PAIRS.into_iter().flatten()).map(Some).collect(),
     }
 }
 
-/// Entries of the legend: each attractor with a colour of its own, and its mirror image where there is one.
+/// Entries of the legend: each attractor with a colour of its own, and its mirror image where there is one; the others together; then what
+/// is on no attractor that is known.
 fn legend(basin: &Basin) -> Vec<Layer> {
     let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
     let mut layers = Vec::new();
-    for (index, _, class) in shown(basin).take(PAIRS.len()) {
-        let title = format!("{}: {class}", index + 1);
-        layers.push(entry(&title, colour(index, false)));
-        if basin.shares(index as u16)[1] > 0.0 {
-            layers.push(entry(&format!("{title}, mirror image"), colour(index, true)));
+    for (index, (attractor, [own, image])) in basin.attractors.iter().zip(PAIRS).enumerate() {
+        let title = format!("{}: {}", index + 1, attractor.class.name());
+        let [share, share_of_image] = basin.shares(index as u16);
+        if share > 0.0 {
+            layers.push(entry(&title, own));
+        }
+        if share_of_image > 0.0 {
+            layers.push(entry(&format!("{title}, mirror image"), image));
         }
     }
-    if basin.cells.contains(&Destination::Outside) {
-        layers.push(entry("no start: outside the stops", OUTSIDE));
+    if let Some(further) = basin.attractors.get(PAIRS.len()..).filter(|further| !further.is_empty()) {
+        let mut classes: Vec<String> = Vec::new();
+        for name in further.iter().map(|a| a.class.name()) {
+            if !classes.contains(&name) {
+                classes.push(name);
+            }
+        }
+        let title = format!("{} to {}: {}", PAIRS.len() + 1, basin.attractors.len(), classes.join(", "));
+        layers.push(entry(&title, FURTHER));
+    }
+    for (destination, name, colour) in [
+        (Destination::NotSettled, "not settled", NOT_SETTLED),
+        (Destination::Undecided, "attractor undecided", UNDECIDED),
+        (Destination::Outside, "no start: outside the stops", OUTSIDE),
+    ] {
+        if basin.cells.contains(&destination) {
+            layers.push(entry(name, colour));
+        }
     }
     layers
 }
@@ -163,7 +233,7 @@ fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
     let mut layers = vec![Layer::new("", GREY, cells(request, basin))];
     layers.extend(legend(basin));
     let method = format!(
-        "{} × {} starts, the other initial values zero; {} periods discarded. Past the paper.",
+        "{} × {} starts, the other initial values zero; {} periods discarded, and more where nothing is decided then.",
         request.x.count, request.y.count, request.discard
     );
     let lengths = Lengths::of(set);
@@ -175,5 +245,51 @@ fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
         columns: 1,
         panel: (2300, 1700),
         shared_legend: true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibro_analysis::attractor::MotionClass;
+    use vibro_analysis::basin::BasinAttractor;
+
+    #[test]
+    fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
+        /// Of the lighter luminance over the darker, with some stray light: more than the eye tells apart.
+        const APART: f64 = 1.02;
+        let mut light: Vec<f64> =
+            PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();
+        light.sort_by(f64::total_cmp);
+        assert!(light.windows(2).all(|pair| pair[1] / pair[0] > APART), "{light:?}");
+        // Eleven attractors, of which three share the entry of those without a colour of their own.
+        let attractor = |period: u32| BasinAttractor {
+            attractor: Attractor {
+                period: Some(period),
+                approaching: false,
+                impacts: [1.0; 2],
+                rests: false,
+                states: Vec::new(),
+                mirror_states: Vec::new(),
+                sizes: [1.0; 3],
+                statistics: None,
+            },
+            class: MotionClass::Periodic(period),
+        };
+        let mut cells: Vec<Destination> =
+            (0..11).flat_map(|n| [Destination::Attractor(n), Destination::Mirror(n)]).collect();
+        cells.extend([Destination::NotSettled, Destination::Undecided, Destination::Outside]);
+        let basin = Basin { attractors: (1..=11).map(attractor).collect(), cells };
+        let legend = legend(&basin);
+        let mut codes: Vec<u8> = basin.cells.iter().map(code).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        assert_eq!(legend.len(), codes.len());
+        for (i, layer) in legend.iter().enumerate() {
+            assert!(legend[..i].iter().all(|other| other.colour != layer.colour), "{:?}", layer.name);
+        }
+        let names: Vec<&str> = legend.iter().filter_map(|layer| layer.name.as_deref()).collect();
+        assert!(names.contains(&"9 to 11: 9T, 10T, 11T") && names.contains(&"not settled"), "{names:?}");
+        assert!(remarks(&basin).iter().any(|line| line.contains("% of the starts not settled")));
     }
 }

@@ -16,6 +16,7 @@ use vibro_analysis::maxima::Displacement;
 use vibro_analysis::motion::{amplitude, record_flights, settled_simulator};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group, short};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
@@ -132,7 +133,7 @@ pub fn histories(set: &ParameterSet) -> Result<Study> {
     let (table, remarks) =
         amplitude_table("multiple_scales", theory.amplitudes(p), found.amplitudes, reason.as_deref());
     let mut figure = four_panels(
-        "Multiple scales against simulation (cf. figure 8)",
+        "Multiple scales against simulation (cf. the paper's figure 8)",
         set,
         (&theory.history(p, f64::from(SHOWN)), "multiple scales"),
         (&found.samples, "simulation"),
@@ -154,7 +155,14 @@ pub fn force_overlay(
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
     let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-    let sweep = Sweep { axis, discard: DISCARDED, keep: KEPT, exponents: None, of: Displacement::X2 };
+    let sweep = Sweep {
+        axis,
+        discard: DISCARDED,
+        keep: KEPT,
+        exponents: None,
+        of: Displacement::X2,
+        start: StartRule::default(),
+    };
     let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are made here.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
@@ -233,7 +241,7 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     }
     caption.push(set.caption_but(&[group.into()]));
     let figure = Figure {
-        title: "Accuracy of multiple scales (cf. figure 17)".into(),
+        title: "Accuracy of multiple scales (cf. the paper's figure 17)".into(),
         caption,
         panels,
         columns: 2,

@@ -4,6 +4,7 @@ mod collected;
 mod map;
 mod picture;
 mod table;
+mod words;
 
 pub use table::write_tables;
 
@@ -19,7 +20,7 @@ use vibro_analysis::{Name, ParameterSet};
 /// # Errors
 /// What the store refuses.
 pub fn design_sweep(set: &ParameterSet, request: &Request, task: &Task, name: &str) -> Result<Study> {
-    let mut found = Collected::new(request);
+    let mut found = Collected::new(set, request);
     let quiet = Task { done: &|_| (), ..*task };
     each_row(set, request, &quiet, |row| -> Result<()> {
         found.take(&row);
@@ -30,7 +31,8 @@ pub fn design_sweep(set: &ParameterSet, request: &Request, task: &Task, name: &s
     Ok(Study {
         files: ["csv", "parquet"].map(|ending| format!("{name}.{ending}")).into(),
         figure,
-        ..Study::without_figure(name, what).with_remarks(found.remarks())
+        ..Study::without_figure(name, what)
+            .with_remarks([found.remarks(), found.measured_again(set, request)].concat())
     })
 }
 

@@ -5,7 +5,7 @@ mod drawn;
 use super::Study;
 use super::diagram::{DIRECTIONS, method};
 use super::lengths::Lengths;
-use super::orbits::special_table;
+use super::orbits::{search_in_words, special_table};
 use crate::Result;
 use crate::figures::chart::Figure;
 use crate::table::{CsvRows, exact};
@@ -206,6 +206,7 @@ impl DiagramOrbits {
             shared_legend: false,
         };
         let mut remarks = self.coverage_in_words(set, sweep);
+        remarks.push(search_in_words(&self.tree.searched));
         remarks.extend(self.doublings_in_words(set).into_iter().take(TOLD));
         let what = format!(
             "{} branches of periodic orbits over the local maxima of {symbol} over {along}",
@@ -341,7 +342,9 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
     let system = family.system(&[value])?;
     let Some(state) = point.attractor.states.first() else { return Ok(Covering::Missing) };
     let later = settle(&system, &dimensional(system.parameters(), state), LATER)?;
-    let motion = observe(&mut Simulator::new(system.parameters(), &later, 0.0)?)?;
+    let mut simulator = Simulator::new(system.parameters(), &later, 0.0)?;
+    simulator.set_loads(&system.loads().loads())?;
+    let motion = observe(&mut simulator)?;
     let covered = tree.covering(family, value, &motion)?.is_some();
     Ok(if covered { Covering::Transient } else { Covering::Missing })
 }

@@ -2,7 +2,7 @@
 
 use super::Study;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY};
+use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY, VERMILLION};
 use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Panel, Path, Shape, THIN};
 use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
@@ -19,7 +19,7 @@ const MINT: Colour = Colour(150, 220, 190);
 type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 
 /// Kinds of motion as the first panel tells them apart; the last takes what no other does.
-const KINDS: [Entry<SettledMotion>; 10] = [
+const KINDS: [Entry<SettledMotion>; 11] = [
     ("(a) without impacts", PALE, |m| m.impacts == [0.0; 2] && !m.rests),
     ("(a) 1T, two symmetric impacts", BLUE, |m| m.is_two_impact()),
     ("(a) 1T, others", SKY, |m| m.class == MotionClass::Periodic(1)),
@@ -29,8 +29,8 @@ const KINDS: [Entry<SettledMotion>; 10] = [
     ("(a) longer periods", ORANGE, |m| matches!(m.class, MotionClass::Periodic(_))),
     ("(a) periodic, settling", GREY, |m| m.class == MotionClass::Settling),
     ("(a) quasi-periodic", YELLOW, |m| m.class == MotionClass::QuasiPeriodic),
-    // Without exponents no more is known than that there is no period.
-    ("(a) chaotic, or no period found", BLACK, |_| true),
+    ("(a) chaotic", BLACK, |m| m.class == MotionClass::Chaotic),
+    ("(a) not settled", VERMILLION, |_| true),
 ];
 
 /// Impacts per drive period, dark where there are many, as the second panel tells them apart.
@@ -71,7 +71,7 @@ pub fn isoperiodic(set: &ParameterSet, request: &Request, plane: &Isoperiodic, n
         title: format!("Simulated motion over {pair}"),
         caption: vec![
             method(request),
-            format!("Past the paper. Elsewhere {}", set.caption_but(&[request.x.name, request.y.name])),
+            format!("Elsewhere {}", set.caption_but(&[request.x.name, request.y.name])),
         ],
         panels,
         columns: 2,

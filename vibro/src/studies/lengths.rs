@@ -5,6 +5,8 @@ use vibro_analysis::{Name, ParameterSet};
 
 /// Below this gap, in m, lengths are shown in mm unless the gap was written in another unit.
 const SMALL_GAP: f64 = 0.1;
+/// From this number on a rate is shown in a larger unit.
+const LARGE_RATE: f64 = 500.0;
 
 /// A unit of length: how many of it are in a metre, and its symbol.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,15 +16,24 @@ pub(super) struct LengthUnit {
 }
 
 impl LengthUnit {
-    /// The unit in which the gap was written; else m, or mm for a small gap.
+    /// The unit in which the gap was written; mm for a small gap that was written in m or without a unit.
     pub fn of(set: &ParameterSet) -> Self {
         let written = Name::find("stop.gap").ok().and_then(|gap| set.unit(gap));
-        let (per_metre, symbol) = match written {
-            Some(unit) => (unit.number(1.0), unit.symbol()),
-            None if set.parameters().stop_gap < SMALL_GAP => (1e3, "mm".into()),
-            None => (1.0, "m".into()),
-        };
-        Self { per_metre, symbol }
+        match written.map(|unit| (unit.number(1.0), unit.symbol())) {
+            Some((per_metre, symbol)) if symbol != "m" => Self { per_metre, symbol },
+            _ if set.parameters().stop_gap < SMALL_GAP => Self { per_metre: 1e3, symbol: "mm".into() },
+            _ => Self { per_metre: 1.0, symbol: "m".into() },
+        }
+    }
+
+    /// The unit of length for rates as large as `speed`, m/s: a larger one where the numbers would be large.
+    pub fn of_rates(&self, speed: f64) -> Self {
+        let larger =
+            [(1e3, "mm"), (1.0, "m")].map(|(per_metre, symbol)| Self { per_metre, symbol: symbol.into() });
+        let mut units =
+            std::iter::once(self.clone()).chain(larger.into_iter().filter(|u| u.per_metre < self.per_metre));
+        let fits = |unit: &Self| unit.per_metre * speed < LARGE_RATE || unit.per_metre <= 1.0;
+        units.find(fits).unwrap_or_else(|| self.clone())
     }
 }
 
@@ -65,7 +76,10 @@ impl Lengths {
         let name = symbols.iter().map(rate).collect::<Vec<_>>().join(", ");
         match &self.unit {
             None => Axis::new(format!("{name} (units of L)")),
-            Some(u) => Axis::new(format!("{name} ({}/s)", u.symbol)).times(u.per_metre * self.speed),
+            Some(unit) => {
+                let u = unit.of_rates(self.speed);
+                Axis::new(format!("{name} ({}/s)", u.symbol)).times(u.per_metre * self.speed)
+            }
         }
     }
 
@@ -102,10 +116,10 @@ mod tests {
         set.apply(&["box.k=4 kN/m", "box.m=1000 g", "stop.gap=5000 um"]).unwrap();
         let lengths = Lengths::of(&set);
         let (axis, rates) = (lengths.axis(&lengths.amplitude("C")), lengths.rates(&["W", "X₁"]));
-        assert_eq!((axis.label.as_str(), rates.label.as_str()), ("C·L (µm)", "dw/dt, dx₁/dt (µm/s)"));
-        // Of L = 5000 µm, and of L ω10 = 5000 µm · sqrt(4000)/s.
+        assert_eq!((axis.label.as_str(), rates.label.as_str()), ("C·L (µm)", "dw/dt, dx₁/dt (mm/s)"));
+        // Of L = 5000 µm, and of L ω10 = 5 mm · sqrt(4000)/s.
         let close = |a: Option<f64>, b: f64| (a.unwrap() / b - 1.0).abs() < 1e-12;
-        assert!(close(axis.factor, 5000.0) && close(rates.factor, 5000.0 * 4000.0_f64.sqrt()));
+        assert!(close(axis.factor, 5000.0) && close(rates.factor, 5.0 * 4000.0_f64.sqrt()));
         let gap = Name::find("L").unwrap();
         assert!(close(Some(lengths.ratio(gap, 0.01)), 2.0));
         assert_eq!(lengths.ratio(Name::find("f10").unwrap(), 0.01), 1.0);
@@ -114,5 +128,12 @@ mod tests {
         let mut plain = ParameterSet::basic();
         plain.apply(&["L=0.02"]).unwrap();
         assert_eq!(LengthUnit::of(&plain).symbol, "mm");
+        // A small gap written in m: lengths in mm, and speeds of about 1 m/s in m/s.
+        plain.apply(&["stop.gap=0.015m"]).unwrap();
+        let unit = LengthUnit::of(&plain);
+        assert_eq!((unit.symbol.as_str(), unit.of_rates(0.2).symbol.as_str()), ("mm", "mm"));
+        assert_eq!(unit.of_rates(1.01), LengthUnit { per_metre: 1.0, symbol: "m".into() });
+        plain.apply(&["stop.gap=1.5 m"]).unwrap();
+        assert_eq!(LengthUnit::of(&plain).of_rates(1e9).symbol, "m");
     }
 }

@@ -3,18 +3,127 @@
 use super::orbits::said;
 use super::{Study, parameter_axis};
 use crate::Result;
-use crate::figures::canvas::palette::FAMILY;
-use crate::figures::chart::{Dash, Figure, Layer, Panel};
+use crate::figures::canvas::palette::{BLACK, FAMILY};
+use crate::figures::chart::{Dash, Figure, Layer, Mark, Panel, Path};
 use crate::table::{CsvRows, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::orbits::{Family, LocusEnd, LocusPoint, LocusStart, Span};
 
-/// The study of curves over the two parameters of a family.
+/// A curve with where it was started.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The file and row of its special point.
+    pub from: String,
+    /// The row.
+    pub row: usize,
+    /// The special point.
+    pub start: LocusStart,
+    /// Its points.
+    pub points: Vec<LocusPoint>,
+    /// Other rows that are the same point, seen from another branch.
+    pub also: Vec<usize>,
+}
+
+impl Curve {
+    /// Its word with the closing sign.
+    fn word(&self) -> String {
+        format!("{}{}", self.start.word, if self.start.word.closing() > 0 { "+" } else { "-" })
+    }
+
+    /// What is special at its ends and on its way, but for the ends of the ranges, in words.
+    fn ends(&self) -> String {
+        let told = |point: &LocusPoint| {
+            let what = point.end.filter(|end| *end != LocusEnd::Range).and_then(in_words)?;
+            let [x, y] = point.values.map(|value| format!("{value:.6}"));
+            Some(format!("{what} at ({x}, {y})"))
+        };
+        let all: Vec<String> = self.points.iter().filter_map(told).collect();
+        if all.is_empty() { String::new() } else { format!("; {}", all.join(", ")) }
+    }
+
+    fn in_words(&self) -> String {
+        let also: Vec<String> = self.also.iter().map(|row| format!(" = row {row}")).collect();
+        let LocusStart { label, .. } = self.start;
+        format!(
+            "{label} of {} from {}{}: {} points{}",
+            self.word(),
+            self.from,
+            also.concat(),
+            self.points.len(),
+            self.ends()
+        )
+    }
+}
+
+/// What is special at a point of a curve, in words.
+fn in_words(end: LocusEnd) -> Option<&'static str> {
+    Some(match end {
+        LocusEnd::Range | LocusEnd::Closed => return None,
+        LocusEnd::Touch => "GR ends at a touch",
+        LocusEnd::Cusp => "CP cusp",
+        LocusEnd::Resonance(1) => "R1 multipliers meet at 1",
+        LocusEnd::Resonance(_) => "R2 multipliers meet at −1",
+        LocusEnd::NoConvergence => "MX not followed on",
+    })
+}
+
+/// Marks of what is special on curves.
+const MARKS: [(LocusEnd, Mark); 5] = [
+    (LocusEnd::Touch, Mark::Ring),
+    (LocusEnd::Cusp, Mark::Disc),
+    (LocusEnd::Resonance(1), Mark::Square),
+    (LocusEnd::Resonance(-1), Mark::Triangle),
+    (LocusEnd::NoConvergence, Mark::Plus),
+];
+
+/// The study of curves over the two parameters of a family; `problems` tells of the points from which none could be followed.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn loci(set: &ParameterSet, family: &Family, curves: &[(LocusStart, Vec<LocusPoint>)]) -> Result<Study> {
+pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[String]) -> Result<Study> {
     let [x, y] = [0, 1].map(|i| family.spans()[i]);
+    let mut layers = Vec::new();
+    for (i, curve) in curves.iter().enumerate() {
+        let path = curve.points.iter().map(|p| (p.values[0], p.values[1])).collect();
+        let name = format!("{} {} {}T", curve.start.label, curve.word(), curve.start.word.period());
+        layers.push(Layer::line("", FAMILY[i % FAMILY.len()], Dash::Solid, path).labelled(name));
+    }
+    for (end, mark) in MARKS {
+        let at: Path = curves
+            .iter()
+            .flat_map(|c| &c.points)
+            .filter(|p| p.end == Some(end))
+            .map(|p| (p.values[0], p.values[1]))
+            .collect();
+        if let (Some(name), false) = (in_words(end), at.is_empty()) {
+            layers.push(Layer::marks(name, BLACK, mark, at).stroke(9));
+        }
+    }
+    let axis = |span: &Span| parameter_axis(set, span.name, (span.from, span.to));
+    let what =
+        format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
+    let figure = Figure {
+        title: "Bifurcations of periodic orbits".into(),
+        caption: vec![format!(
+            "Elsewhere {}{}",
+            set.caption_but(&[x.name, y.name]),
+            said(set, family.loads())
+        )],
+        panels: vec![Panel { title: String::new(), x: axis(&x), y: axis(&y), layers }],
+        columns: 1,
+        panel: (2000, 1500),
+        shared_legend: false,
+    };
+    let mut remarks: Vec<String> = curves.iter().map(Curve::in_words).collect();
+    remarks.extend(problems.iter().map(|problem| format!("no curve from {problem}")));
+    Ok(Study {
+        tables: vec![("locus".into(), table(x, y, curves)?)],
+        figure: Some(figure),
+        ..Study::without_figure("locus", what).with_remarks(remarks)
+    })
+}
+
+fn table(x: Span, y: Span, curves: &[Curve]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "curve",
         "label",
@@ -26,9 +135,9 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[(LocusStart, Vec<Locu
         "angle",
         "end",
         "phases",
+        "row",
     ])?;
-    let mut layers = Vec::new();
-    for (i, (start, points)) in curves.iter().enumerate() {
+    for (i, Curve { row, start, points, .. }) in curves.iter().enumerate() {
         let sign = if start.word.closing() > 0 { "+" } else { "-" };
         for point in points {
             let phases: Vec<String> = point.phases.iter().map(|p| exact(*p)).collect();
@@ -43,29 +152,9 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[(LocusStart, Vec<Locu
                 point.angle.map_or(String::new(), exact),
                 point.end.map_or("", LocusEnd::name).into(),
                 phases.join(" "),
+                row.to_string(),
             ])?;
         }
-        let path = points.iter().map(|p| (p.values[0], p.values[1])).collect();
-        let name = format!("{} {}{sign} {}T", start.label, start.word, start.word.period());
-        layers.push(Layer::line("", FAMILY[i % FAMILY.len()], Dash::Solid, path).labelled(name));
     }
-    let axis = |span: &Span| parameter_axis(set, span.name, (span.from, span.to));
-    let what =
-        format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
-    let figure = Figure {
-        title: "Bifurcations of periodic orbits".into(),
-        caption: vec![format!("Elsewhere {}{}", set.caption_but(&[x.name, y.name]), said(family.loads()))],
-        panels: vec![Panel { title: String::new(), x: axis(&x), y: axis(&y), layers }],
-        columns: 1,
-        panel: (2000, 1500),
-        shared_legend: false,
-    };
-    let remarks = curves
-        .iter()
-        .map(|(start, points)| format!("{} of {}: {} points", start.label, start.word, points.len()));
-    Ok(Study {
-        tables: vec![("locus".into(), table.text()?)],
-        figure: Some(figure),
-        ..Study::without_figure("locus", what).with_remarks(remarks.collect())
-    })
+    table.text()
 }

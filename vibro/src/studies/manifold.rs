@@ -108,7 +108,7 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
         "sawtooth function, slow invariant manifold and ρ(κ) as in figure 2",
         &table,
         Figure {
-            title: "The slow invariant manifold (cf. figure 2)".into(),
+            title: "The slow invariant manifold (cf. the paper's figure 2)".into(),
             caption: vec![set.caption()],
             panels,
             columns: 3,
@@ -181,7 +181,7 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
         "parts of the slow invariant manifold by the three tests as in figure 7",
         &part_table(m, [left, right], &roots),
         Figure {
-            title: "Admissible part of the slow invariant manifold (cf. figure 7)".into(),
+            title: "Admissible part of the slow invariant manifold (cf. the paper's figure 7)".into(),
             caption: vec![set.caption()],
             panels,
             columns: 2,
@@ -244,7 +244,7 @@ pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study>
         ),
         &table,
         Figure {
-            title: format!("Fixed points for some {} (cf. figure 9)", name.symbol()),
+            title: format!("Fixed points for some {} (cf. the paper's figure 9)", name.symbol()),
             caption: vec![
                 format!("{} differs between the panels; else:", set.symbol(name)),
                 set.caption_but(&[name]),

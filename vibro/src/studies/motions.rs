@@ -97,7 +97,7 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
     }
     let Some(modulation) = found else { unreachable!("two values") };
     let figure = Figure {
-        title: "Simulated motions (cf. figure 13)".into(),
+        title: "Simulated motions (cf. the paper's figure 13)".into(),
         caption: vec![format!("{TRANSIENT} periods discarded. {}", set.caption_but(&[name]))],
         panels,
         columns: 3,
@@ -189,7 +189,7 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
         panels.push(shown.portrait(&title, &[(3, "X₂", BLOCK)]));
     }
     let figure = Figure {
-        title: "Phase portraits of the block (cf. figure 15)".into(),
+        title: "Phase portraits of the block (cf. the paper's figure 15)".into(),
         caption: vec![
             format!(
                 "Motions of the sweep with {} rising, over their period, or over {WANDERING} periods.",

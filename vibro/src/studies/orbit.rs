@@ -1,41 +1,57 @@
 //! One periodic orbit: its impacts and multipliers as a table; gap, portrait and multipliers as a picture.
 
 use super::Study;
+use super::lengths::Lengths;
 use super::orbits::said;
-use crate::Result;
 use crate::figures::canvas::palette::{BLACK, GREY, RELATIVE, VERMILLION};
 use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{CsvRows, exact};
+use crate::{Error, Result};
 use std::f64::consts::TAU;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::Orbit;
+use vibro_analysis::orbits::{Orbit, OrbitWord};
 use vibro_impact::parameters::FIELDS;
 
 /// Points of a curve in a drive period.
 const SAMPLES: u32 = 400;
 
-/// The study of an orbit.
+/// The study of the first of the orbits that were found, in its shortest word.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> {
+pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
+    let asked = found.first().ok_or_else(|| Error::form("orbits", "at least one"))?;
+    let (orbit, passages) = asked.shortest();
+    let orbit = &orbit;
     let word = orbit.word();
-    let sign = if word.closing() > 0 { '+' } else { '-' };
-    let what = format!("the periodic orbit {word} (closing {sign}, period {}T)", word.period());
+    let what = format!("the periodic orbit {} (period {}T)", signed(word), word.period());
     let stability = if orbit.is_stable() { "stable" } else { "unstable" };
     let start = orbit.start_state();
-    let mut remarks = vec![
-        format!("{stability}: largest multiplier {:.9}", orbit.spectral_radius()),
-        format!("start: x = {:?} m, v = {:?} m/s at time 0", start.x, start.v),
-    ];
-    if others > 0 {
-        remarks
-            .push(format!("{others} other orbits of this word were found; this one is nearest to stability"));
+    let mut remarks: Vec<String> = shorter(asked, orbit, passages).into_iter().collect();
+    remarks.push(format!("{stability}: {}", largest_multiplier(orbit)));
+    remarks.push(format!("start: x = {:?} m, v = {:?} m/s at time 0", start.x, start.v));
+    if word.closing() > 0 && orbit.system().is_symmetric() {
+        remarks.push("it is not symmetric: its mirror image is an orbit too".into());
     }
+    let own = found.iter().skip(1).filter(|o| o.is_shortest()).count();
+    if own > 0 {
+        remarks.push(format!("{own} other orbits of this word were found; this one is nearest to stability"));
+    }
+    let short = found.len() - 1 - own;
+    if short > 0 {
+        remarks.push(format!(
+            "{short} more are orbits of a shorter word passed several times, or symmetric orbits"
+        ));
+    }
+    let sign = if word.closing() > 0 { '+' } else { '-' };
     let figure = Figure {
         title: format!("Periodic orbit {word}{sign} of period {}T", word.period()),
-        caption: vec![format!("{stability}; {}{}", set.caption(), said(orbit.system().loads()))],
-        panels: vec![history(orbit), portrait(orbit), multipliers(orbit)],
+        caption: vec![format!("{stability}; {}{}", set.caption(), said(set, orbit.system().loads()))],
+        panels: vec![
+            history(orbit, &Lengths::of(set)),
+            portrait(orbit, &Lengths::of(set)),
+            multipliers(orbit),
+        ],
         columns: 3,
         panel: (1150, 1150),
         shared_legend: false,
@@ -51,6 +67,42 @@ pub fn orbit(set: &ParameterSet, orbit: &Orbit, others: usize) -> Result<Study> 
     })
 }
 
+/// A word with its closing sign.
+fn signed(word: &OrbitWord) -> String {
+    format!("{word}{}", if word.closing() > 0 { '+' } else { '-' })
+}
+
+/// That the orbit of a word is one of a shorter word, if it is.
+fn shorter(asked: &Orbit, orbit: &Orbit, passages: u32) -> Option<String> {
+    if asked.word() == orbit.word() {
+        return None;
+    }
+    let (long, short) = (signed(asked.word()), signed(orbit.word()));
+    let period = orbit.word().period();
+    let symmetric = match (asked.word().closing(), orbit.word().closing()) {
+        (1, -1) => ", a symmetric orbit, whose second half is the mirror image of the first",
+        _ => "",
+    };
+    Some(match passages {
+        1 => format!("{long} is {short}{symmetric}"),
+        _ => format!(
+            "{long} over {}T is {short} of {period}T passed {passages} times{symmetric}; no orbit of its own was found for it",
+            asked.word().period()
+        ),
+    })
+}
+
+/// The largest multiplier, of half the period and of the whole where the orbit is symmetric.
+fn largest_multiplier(orbit: &Orbit) -> String {
+    let (radius, period) = (orbit.spectral_radius(), orbit.word().period());
+    if orbit.word().closing() < 0 {
+        let whole = radius * radius;
+        format!("largest multiplier {radius:.9} of half the period, so {whole:.9} of the whole ({period}T)")
+    } else {
+        format!("largest multiplier {radius:.9} of the whole period ({period}T)")
+    }
+}
+
 fn impact_table(orbit: &Orbit) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["impact", "stop", "phase", "approach_speed"])?;
     let letters = orbit.word().letters();
@@ -61,11 +113,11 @@ fn impact_table(orbit: &Orbit) -> Result<Vec<u8>> {
 }
 
 fn multiplier_table(orbit: &Orbit) -> Result<Vec<u8>> {
-    let mut table = CsvRows::new(["real", "imaginary", "modulus", "drive_periods"])?;
-    // Half the period of a symmetric orbit.
-    let periods = 0.5 * f64::from(orbit.word().half_periods());
+    let mut table = CsvRows::new(["real", "imaginary", "modulus", "drive_periods", "of"])?;
+    let periods = orbit.multiplier_periods();
+    let of = if orbit.word().closing() < 0 { "half period" } else { "whole period" };
     for m in orbit.multipliers() {
-        table.push([exact(m.re), exact(m.im), exact(m.norm()), exact(periods)])?;
+        table.push([exact(m.re), exact(m.im), exact(m.norm()), exact(periods), of.into()])?;
     }
     table.text()
 }
@@ -87,12 +139,12 @@ fn start_table(orbit: &Orbit) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The relative displacement over the whole period, in L, and its rate in L ω1.
+/// The relative displacement over the whole period, in L, and its rate in L ω10.
 fn samples(orbit: &Orbit) -> Vec<(f64, f64, f64)> {
     let p = orbit.system().parameters();
     let first = orbit.phases().first().copied().unwrap_or(0.0);
     let count = SAMPLES * orbit.word().period();
-    let speed = p.stop_gap * p.drive_frequency;
+    let speed = p.stop_gap * p.box_frequency();
     let at = |i: u32| {
         let phase = first + TAU * f64::from(i) / f64::from(SAMPLES);
         let state = orbit.state(phase);
@@ -101,16 +153,17 @@ fn samples(orbit: &Orbit) -> Vec<(f64, f64, f64)> {
     (0..=count).map(at).collect()
 }
 
-fn history(orbit: &Orbit) -> Panel {
+fn history(orbit: &Orbit, lengths: &Lengths) -> Panel {
     let points: Path = samples(orbit).into_iter().map(|(phase, w, _)| (phase / TAU, w)).collect();
     let (from, to) = (points[0].0, points[points.len() - 1].0);
     let stop = |w: f64| Layer::line("", GREY, Dash::Dotted, vec![(from, w), (to, w)]).stroke(THIN);
     let layers = vec![stop(1.0), stop(-1.0), Layer::line("", RELATIVE, Dash::Solid, points)];
     let x = Axis::over("phase of the drive (periods)", from, to);
-    Panel { title: "(a) history".into(), x, y: Axis::over("w (units of L)", -1.1, 1.1), layers }
+    let y = lengths.axis_over(&lengths.displacement("W"), -1.1, 1.1);
+    Panel { title: "(a) Block in the box; dotted: stops".into(), x, y, layers }
 }
 
-fn portrait(orbit: &Orbit) -> Panel {
+fn portrait(orbit: &Orbit, lengths: &Lengths) -> Panel {
     // Pieces end where the rate jumps.
     let mut pieces: Vec<Path> = vec![Vec::new()];
     let mut last: Option<(f64, f64)> = None;
@@ -122,10 +175,8 @@ fn portrait(orbit: &Orbit) -> Panel {
         last = Some((w, rate));
     }
     let layers = vec![Layer::lines("", RELATIVE, Dash::Solid, pieces)];
-    let title = "(b) portrait".into();
-    Panel {
-        title, x: Axis::over("w (units of L)", -1.1, 1.1), y: Axis::new("w′ (units of ω₁L)"), layers
-    }
+    let x = lengths.axis_over(&lengths.displacement("W"), -1.1, 1.1);
+    Panel { title: "(b) Phase portrait".into(), x, y: lengths.rates(&["W"]), layers }
 }
 
 fn multipliers(orbit: &Orbit) -> Panel {
@@ -138,5 +189,6 @@ fn multipliers(orbit: &Orbit) -> Panel {
         Layer::marks("multipliers", if orbit.is_stable() { BLACK } else { VERMILLION }, Mark::Disc, points),
     ];
     let axis = |label: &str| Axis::over(label, -reach, reach);
-    Panel { title: "(c) multipliers".into(), x: axis("Re μ"), y: axis("Im μ"), layers }
+    let of = if orbit.word().closing() < 0 { "half the period" } else { "the period" };
+    Panel { title: format!("(c) Multipliers of {of}"), x: axis("Re μ"), y: axis("Im μ"), layers }
 }

@@ -1,5 +1,6 @@
 //! Branches of periodic orbits over a parameter, with their bifurcations.
 
+use super::lengths::Lengths;
 use super::{Study, parameter_axis};
 use crate::Result;
 use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
@@ -8,7 +9,7 @@ use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Span};
+use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Searched, Span};
 
 /// Weights of X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
@@ -29,11 +30,16 @@ pub(super) const MARKS: [(Label, &str, Mark); 8] = [
     (Label::UserValue, "UZ value asked for", Mark::Diamond),
 ];
 
-/// The study of branches over the one parameter of a family: `branches`, `special-points` and a picture.
+/// The study of branches over the one parameter of a family: `branches`, `special-points`, `search` of a tree, and a picture.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Result<Study> {
+pub fn orbits(
+    set: &ParameterSet,
+    family: &Family,
+    branches: &[Branch],
+    searched: Option<&Searched>,
+) -> Result<Study> {
     let span = *family.span();
     let tops: Vec<Vec<f64>> = branches.par_iter().map(|b| largest(family, b)).collect();
     let specials = branches.iter().flat_map(|b| &b.points).filter(|p| p.special.is_some()).count();
@@ -43,29 +49,63 @@ pub fn orbits(set: &ParameterSet, family: &Family, branches: &[Branch]) -> Resul
     if marks.of_stable_only {
         caption.push("Marks: where a branch gains or loses its stability, or ends stable; special-points.csv has the others.".into());
     }
-    caption.push(format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(family.loads())));
+    caption.push(format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(set, family.loads())));
     let what = format!("{} branches of periodic orbits over {}", branches.len(), span.name.symbol());
     let figure = Figure {
-        title: format!("Periodic orbits over {}", span.name.symbol()),
+        title: format!("Periodic orbits over {}", set.symbol(span.name)),
         caption,
         panels: vec![panel(set, &span, branches, &tops, marks)],
         columns: 1,
         panel: (2900, 1700),
         shared_legend: false,
     };
-    Ok(Study {
-        tables: vec![
-            ("branches".into(), branch_table(&span, branches, &tops)?),
-            ("special-points".into(), special_table(&span, branches)?),
-        ],
-        figure: Some(figure),
-        ..Study::without_figure("orbits", what).with_remarks(remarks(branches, points, specials))
-    })
+    let mut tables = vec![
+        ("branches".into(), branch_table(&span, branches, &tops)?),
+        ("special-points".into(), special_table(&span, branches)?),
+    ];
+    let mut told = remarks(branches, points, specials);
+    if let Some(searched) = searched {
+        told.push(search_in_words(searched));
+        tables.push(("orbits-search".into(), search_table(&span, searched)?));
+    }
+    Ok(Study { tables, figure: Some(figure), ..Study::without_figure("orbits", what).with_remarks(told) })
 }
 
-/// The loads in words.
-pub(super) fn said(loads: ConstantLoads) -> String {
-    let named = ConstantLoads::NAMES.into_iter().zip(loads.forces).filter(|(_, f)| *f != 0.0);
+/// Where the orbits of a tree were sought.
+pub(super) fn search_in_words(searched: &Searched) -> String {
+    let Searched { values, periods, followed, islands } = searched;
+    let settled = values.iter().flat_map(|v| [v.rising, v.falling]).flatten().count();
+    let starts: u32 = values.iter().map(|v| v.starts).sum();
+    let ways = format!(
+        "searched from motions at {} values, rising and falling, of which {settled} settled on a stable orbit",
+        values.len()
+    );
+    if starts == 0 {
+        return ways;
+    }
+    format!(
+        "{ways}, and from {starts} starts over the states they visit, half again as wide, for {periods} periods each: of {followed} more \
+         branches near whose orbits these passed {islands} are stable somewhere and were kept"
+    )
+}
+
+/// Where orbits were sought, value by value; starts lie between the value and the next.
+fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
+    let mut table =
+        CsvRows::new([span.name.name(), "period_rising", "period_falling", "starts", "orbits_passed"])?;
+    let period = |period: Option<u32>| period.map_or(String::new(), |p| p.to_string());
+    for v in &searched.values {
+        let (rising, falling) = (period(v.rising), period(v.falling));
+        table.push([exact(v.value), rising, falling, v.starts.to_string(), v.found.to_string()])?;
+    }
+    table.text()
+}
+
+/// The loads beside those of the parameter set, which its caption tells, in words.
+pub(super) fn said(set: &ParameterSet, loads: ConstantLoads) -> String {
+    let own = set.parameters().constant_loads;
+    let forces: [f64; 3] = std::array::from_fn(|body| loads.forces[body] - own[body]);
+    let named = ConstantLoads::NAMES.into_iter().zip(forces).filter(|(_, f)| *f != 0.0);
     named.map(|(name, f)| format!(", {name} = {f} N")).collect()
 }
 
@@ -73,7 +113,7 @@ pub(super) fn said(loads: ConstantLoads) -> String {
 /// which is left out everywhere.
 fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
     let own = branch.maxima(family, BLOCK);
-    let mirror = if family.loads() == ConstantLoads::NONE { BLOCK.map(|w| -w) } else { BLOCK };
+    let mirror = if family.is_symmetric() { BLOCK.map(|w| -w) } else { BLOCK };
     let image = branch.maxima(family, mirror);
     let first = |all: &Vec<f64>| all.first().copied().unwrap_or(f64::NAN);
     own.iter().zip(&image).map(|(a, b)| first(a).max(first(b))).collect()
@@ -179,7 +219,7 @@ pub(super) fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>>
                 branch.id.to_string(),
                 i.to_string(),
                 span.name.name().into(),
-                format!("{:.15}", point.value),
+                exact(point.value),
                 branch.word.to_string(),
                 closing(branch).into(),
                 branch.word.period().to_string(),
@@ -290,6 +330,11 @@ fn panel(
         layers.push(Layer::lines(&name, colour(period), Dash::Solid, Vec::new()));
     }
     layers.extend(marks.layers);
-    let x = parameter_axis(set, span.name, (span.from, span.to));
-    Panel { title: String::new(), x, y: Axis::new("largest X₂ (units of L)"), layers }
+    let (x, lengths) = (parameter_axis(set, span.name, (span.from, span.to)), Lengths::of(set));
+    // Over the gap itself, each point is in units of its own gap.
+    let y = match span.name.name() {
+        "stop.gap" => Axis::new("largest X₂ (units of L)"),
+        _ => lengths.axis(&format!("largest {}", lengths.displacement("X₂"))),
+    };
+    Panel { title: String::new(), x, y, layers }
 }

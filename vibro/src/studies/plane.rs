@@ -49,7 +49,7 @@ pub fn planes(
     // Of one plane both axes are left out; of several each is told, since it holds in the other planes.
     let varied = if let [(x, y)] = pairs { vec![x.name, y.name] } else { Vec::new() };
     let figure = Figure {
-        title: format!("Existence and stability, {} (cf. figure 12)", method.name()),
+        title: format!("Existence and stability, {} (cf. the paper's figure 12)", method.name()),
         caption: vec![format!("Elsewhere {}", set.caption_but(&varied))],
         columns: panels.len().clamp(1, 3),
         panels,

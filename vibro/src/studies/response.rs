@@ -228,7 +228,8 @@ fn caption(set: &ParameterSet, varied: &[Name], of: Option<Displacement>) -> Vec
         }
         Some(_) => "Thin: exact orbit.",
     };
-    let text = format!("Pale and wide: multiple scales. {exact} Shown where C > C_Smin (right branch).");
+    let text =
+        format!("Pale and wide: multiple scales. {exact} Shown for C > C_Smin, where motions can be stable.");
     vec![text, set.caption_but(varied)]
 }
 
@@ -313,7 +314,7 @@ pub fn frequency(
 ) -> Result<Study> {
     ResponseFigure {
         stem: "response-frequency",
-        title: "Frequency response (cf. figure 10)",
+        title: "Frequency response (cf. the paper's figure 10)",
         what: "frequency response C(σ̂₁), A₃(σ̂₁) as in figure 10",
         along: Name::find("sigma1")?,
         range,
@@ -340,7 +341,7 @@ pub fn force(
     let sigma1 = Name::find("sigma1")?;
     ResponseFigure {
         stem: "response-force",
-        title: "Force response (cf. figure 11)",
+        title: "Force response (cf. the paper's figure 11)",
         what: "force response C(f̂₁₀), A₃(f̂₁₀) as in figure 11",
         along: Name::find("f10")?,
         range,

@@ -1,19 +1,21 @@
 //! One motion of the given machine: its table, its impacts, a picture and a short account.
 
+mod envelope;
 mod history;
 mod picture;
 
 use super::Study;
 use super::steady_motion::SteadyMotion;
-use crate::run_start::{self, Coordinate, Start};
 use crate::table::{CsvRows, Table, exact};
 use crate::{Error, Result};
 use history::{Extent, History, RunImpact};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::attractor::{MotionClass, OBSERVED, observe};
-use vibro_analysis::lyapunov::{SpectrumOptions, dimensionless};
+use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::motion::settled_simulator;
+use vibro_analysis::start::{Coordinate, StartRule, state};
 use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::trajectories;
+use vibro_analysis::verdict::{PROLONGED, verdict};
 use vibro_impact::load::Load;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator, State};
@@ -49,10 +51,10 @@ pub struct Request {
     /// given.
     pub discard: Option<u32>,
     /// The start, before what is discarded; the moving block unless given.
-    pub start: Option<Start>,
+    pub start: Option<StartRule>,
     /// Rows of the table in a drive period.
     pub samples: u32,
-    /// The loads, whose time 0 is the beginning of the run.
+    /// The loads that change, whose time 0 is the beginning of the run. Constant ones are among the parameters.
     pub loads: Vec<Load>,
 }
 
@@ -82,18 +84,15 @@ impl Request {
     /// The state in which the run, or what is discarded before it, begins; with its name.
     fn first_state(&self, p: &Parameters) -> Result<(State, String)> {
         match self.start.unwrap_or_default() {
-            Start::Coordinates(start) => {
+            StartRule::State(start) => {
                 let units = if start.iter().any(|c| matches!(c, Coordinate::Si(_))) {
                     "names with a point in m and m/s, others in units of L and L ω10"
                 } else {
                     "units of L and L ω10"
                 };
-                Ok((
-                    run_start::state(p, &start),
-                    format!("{} ({units}), the rest 0", Start::Coordinates(start)),
-                ))
+                Ok((state(p, &start), format!("{} ({units}), the rest 0", StartRule::State(start))))
             }
-            Start::Orbit => match SteadyMotion::exact(p)? {
+            StartRule::Orbit => match SteadyMotion::exact(p)? {
                 Some(SteadyMotion::Exact(orbit)) if orbit.is_stable() => {
                     Ok((orbit.state(p.drive_phase), "the stable exact orbit".into()))
                 }
@@ -127,9 +126,10 @@ pub fn run(set: &ParameterSet, request: &Request) -> Result<Study> {
     let figure = picture::figure(set, &history, &request.loads, remarks.last().cloned().unwrap_or_default());
     let tables =
         vec![("run".into(), motion_table(&history)?), ("run-impacts".into(), impact_table(&history).csv()?)];
-    let what =
-        format!("a motion over {} s ({} drive periods)", short(duration), short(duration / p.period()));
-    Ok(Study { tables, figure: Some(figure), ..Study::without_figure("run", what).with_remarks(remarks) })
+    let nothing = if figure.is_some() { "" } else { "; nothing changes, so that there is no picture" };
+    let (seconds, periods) = (short(duration), short(duration / p.period()));
+    let what = format!("a motion over {seconds} s ({periods} drive periods){nothing}");
+    Ok(Study { tables, figure, ..Study::without_figure("run", what).with_remarks(remarks) })
 }
 
 /// Six digits, for words.
@@ -195,27 +195,22 @@ fn account(p: &Parameters, history: &History) -> Vec<String> {
 
 /// The class of the motion as it goes on after the run, from the next whole drive period.
 fn class(simulator: &mut Simulator) -> Result<String> {
-    let period = simulator.parameters().period();
+    let parameters = *simulator.parameters();
+    let period = parameters.period();
     let mut ahead = simulator.clone().without_energy_accounts();
     ahead.advance_to(((simulator.time() / period - 1e-9).ceil() * period).max(simulator.time()))?;
-    let attractor = observe(&mut ahead)?;
-    let spectrum = if attractor.period.is_none() && !attractor.is_free() {
-        Some(dimensionless(&mut ahead, &SpectrumOptions::default())?.spectrum)
-    } else {
-        None
-    };
-    let class = MotionClass::of(&attractor, spectrum.as_ref());
-    let kind = match class {
-        // Without impacts the flow is linear and has one limit, of the drive's period.
-        MotionClass::Aperiodic if attractor.is_free() => MotionClass::Settling.name(),
-        other => other.name(),
-    };
-    let mut words = format!("class: {kind}, as it goes on over {OBSERVED} drive periods after the run");
+    let found = verdict(&trajectories::Start { parameters, state: ahead.state() }, 0)?;
+    let (class, attractor) = (found.class, &found.attractor);
+    let mut words = format!("class: {}, as it goes on after the run", class.name());
     if attractor.period.is_some() {
         words.push_str(if attractor.is_symmetric() { "; its own mirror image" } else { "; not symmetric" });
     }
-    if let Some(s) = spectrum {
-        words.push_str(&format!("; largest exponent {:.4} per unit of τ", s.exponents[0]));
+    if class == MotionClass::NotSettled {
+        words.push_str(&format!(" over {PROLONGED} drive periods or more"));
+    }
+    if let Some(exponent) = found.exponent {
+        let [value, error] = [exponent.value, exponent.error].map(|rate| rate / parameters.box_frequency());
+        words.push_str(&format!("; largest exponent {:.4} ± {error:.4} per unit of τ", value.max(0.0)));
     }
     Ok(words)
 }

@@ -189,7 +189,7 @@ fn region_layers(
 pub fn regions(set: &ParameterSet) -> Result<Study> {
     let regions = Regions::new(set)?;
     let figure = Figure {
-        title: "Stability of the periodic motion (cf. figure 5)".into(),
+        title: "Stability of the periodic motion (cf. the paper's figure 5)".into(),
         caption: vec![
             "Multiple scales to leading order: the limits do not depend on ε. The exact orbit is followed along f̂₁₀.".into(),
             set.caption(),
@@ -269,10 +269,9 @@ pub fn masri(set: &ParameterSet) -> Result<Study> {
     let set_force = set.is_set(find_group("f10")?.into()) && base.f10 > 0.0;
     let own = set_force.then(|| (base.kappa, xi(base.f10)));
     let figure = Figure {
-        title: "Stability region on Masri's plane (cf. figure 6)".into(),
+        title: "Stability region on Masri's plane (cf. the paper's figure 6)".into(),
         caption: vec![
-            "The scale of ξ is ours: the copy of the paper this work was built from lacks the factor [67]."
-                .into(),
+            "The scale of ξ = k₁L/F₁₀ is this program's choice; the paper's may differ by a factor.".into(),
             format!("α̂₂₃, σ̂₃₀ and γ̂₃, which move the exact orbit's limits only: {}", set.origin()),
         ],
         panels: vec![masri_panel(&base, scales, &exact_orbit, own)],
@@ -280,7 +279,7 @@ pub fn masri(set: &ParameterSet) -> Result<Study> {
         panel: (2000, 1300),
         shared_legend: false,
     };
-    let what = "stability region on Masri's plane (κ, ξ = k₁L/F₁₀) as in figure 6; the scale of ξ is ours";
+    let what = "stability region on Masri's plane (κ, ξ = k₁L/F₁₀) as in figure 6; the scale of ξ is this program's choice";
     let remarks = own.map(|(kappa, xi)| format!("this set: kappa = {}, xi = {xi:.5}", short(kappa)));
     Ok(Study::of("stability-6", what, &table, figure)?.with_remarks(remarks.into_iter().collect()))
 }

@@ -221,7 +221,7 @@ fn picture(set: &ParameterSet) -> Result<(String, Option<Figure>)> {
     let of = |t: &Option<SteadyMotion>| t.as_ref().map_or(Vec::new(), |t| t.history(p, PERIODS));
     let (first, second) = (of(&approximate), of(&exact));
     let figure = four_panels(
-        "Steady motion with two symmetric impacts (cf. figure 8)",
+        "Steady motion with two symmetric impacts (cf. the paper's figure 8)",
         set,
         (&first, "multiple scales"),
         (&second, "exact orbit"),

@@ -28,7 +28,7 @@ pub fn strong_case(set: &ParameterSet) -> Result<Study> {
     remarks.insert(0, format!("parameters here: {}", set.caption()));
     let history = theory.history(p, f64::from(SHOWN));
     let mut figure = four_panels(
-        "Strong coupling against simulation (cf. figures 18, 19)",
+        "Strong coupling against simulation (cf. the paper's figures 18, 19)",
         set,
         (&history, "closed form"),
         (&found.samples, "simulation"),

@@ -33,8 +33,8 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
     let (axis, lengths) = (&sweep.axis, Lengths::of(set));
     let (symbol, along) = (lengths.displacement(sweep.of.symbol()), set.symbol(axis.name));
     // The paper shows the block.
-    let (cf, alike) =
-        if sweep.of == Displacement::X2 { (" (cf. figure 14)", " as in figure 14") } else { ("", "") };
+    let as_paper = sweep.of == Displacement::X2 && axis.name.name() == "f10" && !set.is_si();
+    let (cf, alike) = if as_paper { (" (cf. the paper's figure 14)", " as in figure 14") } else { ("", "") };
     let mut panels = vec![maxima_panel(set, sweep, diagram, &hysteresis)];
     if sweep.exponents.is_some() {
         panels.push(exponent_panel(set, axis, &diagram.up));
@@ -105,7 +105,7 @@ fn impact_panel(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -> 
     Panel {
         title: "Impacts per drive period".into(),
         x: super::parameter_axis(set, axis.name, x),
-        y: Axis::new("impacts (–)"),
+        y: Axis::new("impacts per drive period"),
         layers: vec![
             Layer::line("value falling", SKY, Dash::Solid, curve(&diagram.down)).stroke(WIDE),
             Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
@@ -208,8 +208,10 @@ pub fn spectra(
         page.header.push("stable orbit between".into());
     }
     let mut remarks = Vec::new();
-    for value in values {
-        let Some(point) = diagram.nearest(*value) else { continue };
+    // In a coarse sweep several values may have one nearest point, which is told once.
+    let mut points: Vec<_> = values.iter().filter_map(|value| diagram.nearest(*value)).collect();
+    points.dedup_by_key(|point| point.value);
+    for point in points {
         let Some(s) = &point.spectrum else { continue };
         let rounded = |e: f64| (e * 1e4).round() / 1e4 + 0.0;
         let numbers = s.exponents.map(|e| format!("{:.DECIMALS$}", rounded(e)).replace('-', "−"));
@@ -273,7 +275,7 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
     }
     let figure = Figure {
         title: format!(
-            "Force response over the simulated maxima of {} (cf. figure 16)",
+            "Force response over the simulated maxima of {} (cf. the paper's figure 16)",
             lengths.displacement("X₂")
         ),
         caption: vec![method(sweep), set.caption_but(&[axis.name])],
@@ -292,7 +294,7 @@ pub fn periodic_ranges(points: &[Option<SweepPoint>]) -> Vec<(f64, f64)> {
     let mut open = false;
     for point in points.iter().flatten() {
         // What stands between is a bifurcation or a torus, not chaos.
-        let regular = point.class != MotionClass::Chaotic && point.class != MotionClass::Aperiodic;
+        let regular = point.class != MotionClass::Chaotic && point.class != MotionClass::NotSettled;
         match found.last_mut().filter(|_| open && regular) {
             Some(range) => range.1 = point.value,
             None if regular => found.push((point.value, point.value)),

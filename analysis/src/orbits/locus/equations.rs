@@ -26,7 +26,7 @@ fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Bor
 
 /// The singular vectors of the least singular value.
 #[derive(Clone, Debug)]
-pub(super) struct Border<T: ComplexField> {
+pub(in crate::orbits) struct Border<T: ComplexField> {
     left: DVector<T>,
     right: DVector<T>,
 }
@@ -40,7 +40,7 @@ impl<T: ComplexField<RealField = f64>> Border<T> {
 
 /// What holds along a curve.
 #[derive(Clone, Debug)]
-pub(super) enum Condition {
+pub(in crate::orbits) enum Condition {
     /// A multiplier ±1: the factor with which variations close, and the borders.
     Real(f64, Border<f64>),
     /// A pair of multipliers on the unit circle, whose angle is one of the unknowns.
@@ -51,7 +51,7 @@ pub(super) enum Condition {
 
 /// The equations of a curve. A point holds the phases, the angle of the multipliers where it is an unknown, and the two
 /// parameters.
-pub(super) struct Locus<'a> {
+pub(in crate::orbits) struct Locus<'a> {
     pub family: &'a Family,
     pub word: &'a OrbitWord,
     pub condition: Condition,

@@ -79,7 +79,8 @@ fn closed_form_of_the_branch_of_symmetric_orbits() {
 #[test]
 fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points() {
     let family = family(2.0, 3.0);
-    let found = grow(&family, TreeOptions { seeds: 5, depth: 2, settle: 600, ..TreeOptions::default() });
+    let found =
+        grow(&family, TreeOptions { seeds: 5, depth: 2, settle: 600, starts: 0, ..TreeOptions::default() });
     assert!(found.branches.len() > 5, "{}", found.branches.len());
     for branch in &found.branches {
         for pair in branch.points.windows(2) {
@@ -116,7 +117,7 @@ fn special_points(tree: &Tree) -> Vec<(String, u32, &'static str, f64)> {
 
 #[test]
 fn second_method_special_points_by_half_the_step() {
-    let options = TreeOptions { seeds: 5, depth: 1, settle: 600, ..TreeOptions::default() };
+    let options = TreeOptions { seeds: 5, depth: 1, settle: 600, starts: 0, ..TreeOptions::default() };
     let half = TreeOptions { longest_step: 0.5 * options.longest_step, ..options.clone() };
     let family = family(2.0, 3.0);
     let [whole, half] = [options, half].map(|o| grow(&family, o));
@@ -131,7 +132,7 @@ fn second_method_special_points_by_half_the_step() {
 #[test]
 fn invariant_a_tree_does_not_depend_on_the_number_of_threads() {
     let family = family(2.2, 2.6);
-    let options = TreeOptions { seeds: 4, depth: 2, settle: 400, ..TreeOptions::default() };
+    let options = TreeOptions { seeds: 4, depth: 2, settle: 400, starts: 0, ..TreeOptions::default() };
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| grow(&family, options.clone())).branches
@@ -165,7 +166,14 @@ fn invariant_a_doubled_branch_leaves_as_a_parabola() {
     let family = family(2.0, 2.6);
     let found = grow(
         &family,
-        TreeOptions { seeds: 3, depth: 1, settle: 600, longest_step: 0.01, ..TreeOptions::default() },
+        TreeOptions {
+            seeds: 3,
+            depth: 1,
+            settle: 600,
+            starts: 0,
+            longest_step: 0.01,
+            ..TreeOptions::default()
+        },
     );
     let born = |b: &&Branch| b.points[0].label() == Some(Label::PeriodDoubling);
     let doubled = found.branches.iter().find(born).unwrap();

@@ -5,6 +5,7 @@ use crate::maxima::Displacement;
 use crate::orbits::{ConstantLoads, Family, Span, Tree, TreeOptions, tree};
 use crate::parts::Task;
 use crate::plane::ParameterAxis;
+use crate::start::StartRule;
 use crate::{ParameterSet, find_group};
 
 /// Periods of the diagram, after which what is left of a transient is under what counts as a return.
@@ -18,7 +19,14 @@ fn family(from: f64, to: f64) -> Family {
 /// The periodic rows without rest of both directions of a simulated diagram.
 fn rows(from: f64, to: f64, count: usize) -> Vec<SweepPoint> {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), (from, to), count).unwrap();
-    let sweep = Sweep { axis, discard: DISCARD, keep: 0, exponents: None, of: Displacement::X2 };
+    let sweep = Sweep {
+        axis,
+        discard: DISCARD,
+        keep: 0,
+        exponents: None,
+        of: Displacement::X2,
+        start: StartRule::default(),
+    };
     let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap().unwrap();
     let rows = found.up.into_iter().chain(found.down).flatten();
     rows.filter(|row| row.attractor.period.is_some() && !row.attractor.rests).collect()
@@ -33,7 +41,7 @@ fn uncovered(tree: &Tree, family: &Family, rows: &[SweepPoint]) -> Vec<(f64, Opt
 #[test]
 fn second_method_periodic_rows_of_a_diagram_lie_on_stable_branches() {
     let family = family(2.0, 2.8);
-    let options = TreeOptions { seeds: 9, settle: 600, depth: 3, ..TreeOptions::default() };
+    let options = TreeOptions { seeds: 9, settle: 600, starts: 0, depth: 3, ..TreeOptions::default() };
     let found = tree(&family, &options, &|_, _| ()).unwrap();
     // The values lie beside those of the seeds.
     let rows = rows(2.013, 2.79, 25);
@@ -50,6 +58,6 @@ fn second_method_periodic_rows_of_a_diagram_lie_on_stable_branches() {
         assert!(found.covering(&family, row.value, &image).unwrap().is_none());
     }
     // Without its branches the tree covers nothing.
-    let empty = Tree { branches: Vec::new(), failures: 0 };
+    let empty = Tree::default();
     assert_eq!(uncovered(&empty, &family, &rows).len(), rows.len());
 }

@@ -2,7 +2,10 @@
 
 mod branches;
 mod coverage;
+mod free_block;
 mod golden;
+mod islands;
 mod ranges;
+mod rows;
 mod single;
 mod trees;

@@ -11,8 +11,14 @@ const ON_CIRCLE: f64 = 1e-5;
 fn found() -> (Family, Vec<Branch>) {
     let span = Span::new(find_group("f10").unwrap(), 2.2, 2.86).unwrap();
     let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap();
-    let options =
-        TreeOptions { seeds: 12, settle: 400, depth: 3, longest_period: 4, ..TreeOptions::default() };
+    let options = TreeOptions {
+        seeds: 12,
+        settle: 400,
+        starts: 0,
+        depth: 3,
+        longest_period: 4,
+        ..TreeOptions::default()
+    };
     let branches = tree(&family, &options, &|_, _| ()).unwrap().branches;
     (family, branches)
 }

@@ -77,18 +77,24 @@ fn second_method_jacobian_by_differences() {
     /// Central differences with this step are good to its square.
     const STEP: f64 = 1e-5;
     const TOLERANCE: f64 = 1e-8;
-    let system = System::new(&parameters(2.2)).unwrap();
-    for (word, phases) in [
+    let free = Parameters { coupling_stiffness: 0.0, ..parameters(2.2) };
+    let systems = [System::new(&parameters(2.2)).unwrap(), System::new(&free).unwrap()];
+    let words = [
         (word("U", -1, 1), vec![5.6]),
         (word("ULL", 1, 2), vec![0.4, 3.0, 4.6]),
         (word("UUL", -1, 3), vec![0.4, 3.0, 6.6]),
         (word("ULULL", 1, 4), vec![0.4, 3.0, 6.6, 9.9, 11.0]),
-    ] {
-        let cycle = Cycle::new(&system, &word, &phases).unwrap();
+    ];
+    let falling = System::with_loads(&free, ConstantLoads { forces: [0.01, -0.02, 0.003] }).unwrap();
+    let all = words.iter().flat_map(|case| systems.iter().map(move |system| (*system, case)));
+    // With a fall.
+    let more = words[1..2].iter().map(|case| (falling, case));
+    for (system, (word, phases)) in all.chain(more) {
+        let cycle = Cycle::new(&system, word, phases).unwrap();
         for functional in [Functional::Gap, Functional::Rate] {
             let exact = cycle.derivative(functional, 1.0).unwrap();
             let values = |phases: &[f64]| {
-                let cycle = Cycle::new(&system, &word, phases).unwrap();
+                let cycle = Cycle::new(&system, word, phases).unwrap();
                 if functional == Functional::Gap { cycle.residual } else { cycle.rates }
             };
             for k in 0..phases.len() {
@@ -121,13 +127,28 @@ fn unequal() -> Orbit {
 fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
     /// The determinants of a handful of factors of order one, relatively.
     const TOLERANCE: f64 = 1e-11;
-    for orbit in [symmetric(1.5).0, symmetric(3.0).0, unequal(), unequal().unfolded().unwrap()] {
-        let cycle = Cycle::new(orbit.system(), orbit.word(), orbit.phases()).unwrap();
+    let with_spring = [symmetric(1.5).0, symmetric(3.0).0, unequal(), unequal().unfolded().unwrap()];
+    let anchored = with_spring.iter().map(|orbit| (orbit.system().anchored(), orbit.clone()));
+    let free = [(&[0.0][..], -1), (&[0.0, std::f64::consts::PI], 1)].map(|(turns, closing)| {
+        let p = Parameters { coupling_stiffness: 0.0, ..parameters(1.5) };
+        let first = exact_orbit::solve(&p).unwrap().upper.unwrap().drive_phase();
+        let text = if closing < 0 { "U" } else { "UL" };
+        let guess: Vec<f64> = turns.iter().map(|turn| first + turn).collect();
+        let system = System::new(&p).unwrap();
+        (system, Orbit::find(&system, &word(text, closing, turns.len() as u32), &guess).unwrap())
+    });
+    let plain = with_spring.iter().map(|orbit| (*orbit.system(), orbit.clone()));
+    for (system, orbit) in plain.chain(anchored).chain(free) {
+        let cycle = Cycle::new(&system, orbit.word(), orbit.phases()).unwrap();
         let (sigma, speeds) = (f64::from(orbit.word().closing()), cycle.rates.iter().product::<f64>());
         for factor in [1.0, -1.0] {
             let sign = if orbit.word().len() % 2 == 1 { factor } else { -factor };
             let left = (cycle.monodromy() - Matrix6::identity() * factor).determinant() * speeds;
-            let closed = (Matrix6::identity() * (factor * sigma) - cycle.map()).determinant();
+            let closed = if system.is_anchored() {
+                cycle.anchor(factor)
+            } else {
+                (Matrix6::identity() * (factor * sigma) - cycle.map()).determinant()
+            };
             let right = sign * cycle.derivative(Functional::Gap, factor).unwrap().determinant() * closed;
             assert!(
                 (left - right).abs() < TOLERANCE * left.abs().max(1e-3),
@@ -157,7 +178,7 @@ fn invariant_an_unfolded_orbit_is_the_same_orbit() {
 }
 
 /// The simulator's map of one orbit's period from mid-flight, by central differences.
-fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
+pub(super) fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
     const STEP: f64 = 1e-5;
     let p = orbit.system().parameters();
     let start = orbit.state(theta);
@@ -249,11 +270,11 @@ fn closed_form_of_a_gap_off_its_centre() {
 
 #[test]
 fn singular_machines_are_refused_with_the_parameter() {
-    let free = Parameters { coupling_stiffness: 0.0, ..parameters(1.5) };
+    let free = Parameters { box_stiffness: 0.0, ..parameters(1.5) };
     let error = Orbit::find(&System::new(&free).unwrap(), &word("UL", 1, 2), &[5.5, 8.6]).unwrap_err();
-    assert!(error.to_string().contains("coupling.k = 0"), "{error}");
-    let error = System::with_loads(&free, ConstantLoads { forces: [0.0, 0.1, 0.0] }).unwrap_err();
-    assert!(error.to_string().contains("load.block"), "{error}");
+    assert!(error.to_string().contains("box.k = 0"), "{error}");
+    let error = System::with_loads(&free, ConstantLoads { forces: [0.1, 0.0, 0.0] }).unwrap_err();
+    assert!(error.to_string().contains("box.k"), "{error}");
     let error = System::with_loads(&free, ConstantLoads { forces: [f64::NAN, 0.0, 0.0] }).unwrap_err();
     assert!(error.to_string().contains("load.box"), "{error}");
     let error = Orbit::find(&System::new(&parameters(1.5)).unwrap(), &word("UL", 1, 2), &[5.5]).unwrap_err();

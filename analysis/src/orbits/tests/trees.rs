@@ -23,7 +23,7 @@ fn family(from: f64, to: f64) -> Family {
 
 /// A tree of a few dozen branches.
 fn options() -> TreeOptions {
-    TreeOptions { seeds: 5, depth: 2, settle: 600, ..TreeOptions::default() }
+    TreeOptions { seeds: 5, depth: 2, settle: 600, starts: 0, ..TreeOptions::default() }
 }
 
 fn grow(family: &Family, options: &TreeOptions) -> Tree {
@@ -238,7 +238,7 @@ fn invariant_opposite_loads_have_mirrored_branches() {
     let of = |force: f64| {
         let family = loaded(1.4, 2.6, ConstantLoads { forces: [0.0, force, 0.0] });
         // Settled motions, whose transients are no mirror images.
-        grow(&family, &TreeOptions { seeds: 7, depth: 1, settle: 1000, ..TreeOptions::default() })
+        grow(&family, &TreeOptions { seeds: 7, depth: 1, settle: 1000, starts: 0, ..TreeOptions::default() })
     };
     let p = *ParameterSet::basic().parameters();
     let force = 0.05 * p.coupling_stiffness * p.stop_gap;
@@ -290,7 +290,7 @@ fn what_cannot_be_followed_is_refused_before_work_begins() {
     assert!(matches!(branch(&family, &word, &[5.5], 2.5, &path, &[]), Err(Error::Form { .. })));
     for phases in [&[][..], &[5.5, 6.0], &[f64::NAN], &[f64::INFINITY]] {
         assert!(matches!(branch(&family, &word, phases, 1.5, &path, &[]), Err(Error::NoOrbit { .. })));
-        let nothing = Tree { branches: Vec::new(), failures: 0 };
+        let nothing = Tree::default();
         assert_eq!(nothing.passing(&family, &word, phases, 1.5), None);
     }
     // A span with its ends exchanged, past its constructor.

@@ -6,8 +6,7 @@ use crate::component::jets::{Course, Jet, jets};
 use crate::component::settings::Settings;
 use crate::component::values::OutputValues;
 use crate::component::variables::{
-    Access, Bases, Causality, Class, Edition, Get, READERS, Reader, Set, VARIABLES, Variable, WRITERS,
-    Writer, of_edition,
+    Access, Bases, Causality, Get, Numbering, READERS, Reader, Set, Variable, WRITERS, Writer,
 };
 
 /// What loads may be while a closed form is played.
@@ -17,20 +16,13 @@ const INPUT_ORDER: i32 = 3;
 /// Highest order of output derivatives: the displacements' fifth is known, so accelerations have three.
 const OUTPUT_ORDER: i32 = 3;
 
-/// Place in the table of a reference, where references begin with `first`; no place for one below it.
-#[inline]
-fn place(reference: u32, first: u32) -> usize {
-    reference.wrapping_sub(first) as usize
-}
-
 #[cold]
-fn no_such(reference: u32, first: u32, bases: Bases) -> Problem {
-    let found = VARIABLES.get(place(reference, first)).filter(|variable| variable.edition <= bases.edition);
-    let found = match found {
+fn no_such(numbering: Numbering, reference: u32, bases: Bases) -> Problem {
+    let found = match numbering.variable(reference) {
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
         None => {
-            let highest = of_edition(bases.edition).map(|(place, _)| place).max();
-            format!("allowed is {first} to {}", highest.unwrap_or_default() + first)
+            let (first, last) = numbering.range();
+            format!("allowed are those of the model description, from {first} to {last}")
         }
     };
     Problem::Reference { reference, wanted: bases.name, found }
@@ -40,18 +32,18 @@ impl Instance {
     /// The variable of that reference, which must have one of the types.
     #[inline]
     pub(super) fn look_up(&self, reference: u32, bases: Bases) -> Outcome<&'static Variable> {
-        match VARIABLES.get(place(reference, self.first_reference)) {
-            Some(variable) if bases.contains(Class::new(variable.base(), variable.edition)) => Ok(variable),
-            _ => Err(no_such(reference, self.first_reference, bases)),
+        match self.numbering.variable(reference) {
+            Some(variable) if bases.contains(variable.base()) => Ok(variable),
+            _ => Err(no_such(self.numbering, reference, bases)),
         }
     }
 
-    /// The variable of that reference in an edition.
+    /// The variable of that reference.
     ///
     /// # Errors
     /// [`Problem::Reference`] when there is none.
-    pub fn variable(&self, reference: u32, edition: Edition) -> Outcome<&'static Variable> {
-        self.look_up(reference, Bases::ANY.of(edition))
+    pub fn variable(&self, reference: u32) -> Outcome<&'static Variable> {
+        self.look_up(reference, Bases::ANY)
     }
 
     /// Hands value `i` to `write`: those of the variables in their order, of an array in row-major order.
@@ -61,13 +53,13 @@ impl Instance {
     /// possible.
     #[inline]
     pub fn get(&mut self, bases: Bases, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
-        let first = self.first_reference;
+        let numbering = self.numbering;
         let initialized = !matches!(self.engine, Engine::None);
         let mut needs = 0;
         for &reference in references {
-            match READERS.get(place(reference, first)) {
-                Some(reader) if bases.contains(reader.class) => needs |= reader.needs,
-                _ => return Err(no_such(reference, first, bases)),
+            match READERS.get(numbering.place(reference)) {
+                Some(reader) if bases.contains(reader.base) => needs |= reader.needs,
+                _ => return Err(no_such(numbering, reference, bases)),
             }
         }
         let moves = needs & Reader::MOTION != 0 || initialized && needs & Reader::START != 0;
@@ -85,7 +77,7 @@ impl Instance {
         }
         let mut i = 0;
         for &reference in references {
-            let value = match READERS[place(reference, first)].get {
+            let value = match READERS[numbering.place(reference)].get {
                 Get::Output(get) => get(&self.values),
                 Get::Start(_, now) if initialized => now(&self.values),
                 Get::Setting(get) | Get::Start(get, _) => get(&self.settings),
@@ -115,13 +107,13 @@ impl Instance {
     /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has changed then.
     #[inline]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
-        let first = self.first_reference;
+        let numbering = self.numbering;
         let when = self.when();
         let closed = matches!(self.engine, Engine::Closed(_));
         for (i, &reference) in references.iter().enumerate() {
             let value = read(i);
             let plain = |writer: &Writer| writer.takes(bases, when, value) && !(closed && writer.input);
-            if !WRITERS.get(place(reference, first)).is_some_and(plain) {
+            if !WRITERS.get(numbering.place(reference)).is_some_and(plain) {
                 self.check_set(reference, bases, value)?;
             }
         }
@@ -130,7 +122,7 @@ impl Instance {
         let before =
             (self.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
-            self.assign(&WRITERS[place(reference, first)], read(i));
+            self.assign(&WRITERS[numbering.place(reference)], read(i));
         }
         if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
         {
@@ -151,7 +143,7 @@ impl Instance {
     #[cold]
     fn check_set(&self, reference: u32, bases: Bases, value: f64) -> Outcome {
         let variable = self.look_up(reference, bases)?;
-        self.check_settable(&WRITERS[place(reference, self.first_reference)], variable)?;
+        self.check_settable(&WRITERS[self.numbering.place(reference)], variable)?;
         if !variable.accepts(value) {
             return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed() });
         }
@@ -193,6 +185,7 @@ impl Instance {
             self.loads_set = true;
         } else {
             set(settings, value);
+            self.given |= variable.given;
             self.parameters_set = true;
             self.derived_stale = true;
         }
@@ -244,7 +237,7 @@ impl Instance {
             self.check_load(variable, value)?;
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            if let Some(body) = VARIABLES[place(reference, self.first_reference)].body {
+            if let Some(body) = self.look_up(reference, Bases::REAL)?.body {
                 let load = &mut self.settings.loads.derivatives[body];
                 if !self.slopes_set[body] {
                     self.slopes_set[body] = true;

@@ -5,7 +5,7 @@ use crate::component::continuous::Continuous;
 use crate::component::settings::Settings;
 use crate::component::structure::{self, Unknown};
 use crate::component::values::OutputValues;
-use crate::component::variables::{Access, Bases, Causality, DependencyKind, VARIABLES, Variable};
+use crate::component::variables::{Access, Causality, DependencyKind, VARIABLES, Variable};
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{Contact, State};
 
@@ -30,8 +30,8 @@ impl Instance {
     /// # Errors
     /// [`Problem::Reference`](crate::component::Problem::Reference) when there is no such variable.
     pub fn dependencies(&self, reference: u32) -> Outcome<Vec<Dependency>> {
-        let variable = self.variable(reference, self.edition)?;
-        let (first, place) = (self.first_reference, reference - self.first_reference);
+        let variable = self.variable(reference)?;
+        let place = self.numbering.place(reference);
         let initial = matches!(self.engine, Engine::None);
         let declared = if initial {
             structure::initial_unknowns(self.edition)
@@ -40,7 +40,7 @@ impl Instance {
             let further = derivatives.into_iter().chain(structure::event_indicators());
             structure::outputs(self.edition).into_iter().chain(further).collect()
         };
-        let list = match declared.into_iter().find(|unknown| unknown.reference == place) {
+        let list = match declared.into_iter().find(|unknown| unknown.place == place) {
             Some(Unknown { dependencies, .. }) => dependencies,
             None if variable.dimensions.is_empty() => Vec::new(),
             None => structure::declared(variable),
@@ -52,15 +52,16 @@ impl Instance {
         };
         let mut found = Vec::new();
         for (known, kind) in list {
-            let entry = |element| Dependency { element, reference: known + first, kind };
+            let Some(reference) = self.numbering.reference(known) else { continue };
+            let entry = |element| Dependency { element, reference, kind };
             match (variable.access, contact) {
                 (Access::Elements(get), _) => {
                     let contact = contact.unwrap_or_default();
-                    let depends = |i| matters(&|values| get(values, i), &VARIABLES[known as usize], contact);
+                    let depends = |i| matters(&|values| get(values, i), &VARIABLES[known], contact);
                     found.extend((0..variable.size()).filter(|i| depends(*i)).map(|i| entry(i + 1)));
                 }
                 (Access::Output(reading), Some(contact)) => {
-                    let depends = |contact| matters(&reading.value, &VARIABLES[known as usize], contact);
+                    let depends = |contact| matters(&reading.value, &VARIABLES[known], contact);
                     // What has no such dependence in any contact has grown up in time.
                     if depends(contact) || !CONTACTS.into_iter().any(depends) {
                         found.push(entry(0));
@@ -70,11 +71,6 @@ impl Instance {
             }
         }
         Ok(found)
-    }
-
-    /// The Reals of this instance's description.
-    pub(super) fn reals(&self) -> Bases {
-        Bases::REAL.of(self.edition)
     }
 }
 

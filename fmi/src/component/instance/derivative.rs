@@ -38,7 +38,7 @@ impl Instance {
     ) -> Outcome {
         let initial = matches!(self.engine, Engine::None);
         for &reference in unknowns {
-            let variable = self.look_up(reference, self.reals())?;
+            let variable = self.look_up(reference, Bases::REAL)?;
             let derived = initial && variable.causality == Causality::CalculatedParameter;
             if !(variable.causality == Causality::Output || derived || is_derivative(variable)) {
                 return Err(no(variable, "outputs and derivatives of states as unknowns"));
@@ -64,13 +64,13 @@ impl Instance {
         if initial {
             let samples = self.differences(knowns, seed)?;
             for (i, &reference) in unknowns.iter().enumerate() {
-                write(i, difference(self.look_up(reference, self.reals())?, &samples));
+                write(i, difference(self.look_up(reference, Bases::REAL)?, &samples));
             }
         } else {
             let values = self.varied(knowns, seed)?;
             let samples = self.samples_of_form(knowns, seed)?;
             for (i, &reference) in unknowns.iter().enumerate() {
-                let variable = self.look_up(reference, self.reals())?;
+                let variable = self.look_up(reference, Bases::REAL)?;
                 write(i, rate(variable, &values) + difference(variable, &samples));
             }
         }

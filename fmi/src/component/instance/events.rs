@@ -1,7 +1,7 @@
 //! Events of co-simulation as a host sees them that handles them itself: the component pauses before an event, shows both of
 //! its limits, and applies its law when it is told to. A solver's events (Model Exchange) are handled in the same two calls.
 
-use super::step::describe;
+use super::step::{describe, take_back};
 use super::{Engine, EventHandling, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
@@ -44,6 +44,15 @@ impl Changes<'_> {
         }
         Ok(())
     }
+}
+
+/// What an event has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Handled {
+    /// The continuous states.
+    pub states: bool,
+    /// Their nominal values.
+    pub nominals: bool,
 }
 
 /// All impacts of a record.
@@ -183,11 +192,11 @@ impl Instance {
     }
 
     /// The impact law, rest or release where the present point calls for it, with inputs and parameters as set now; returns
-    /// whether states have changed. One call does all that happens at an instant; a further one does nothing.
+    /// what has changed. One call does all that happens at an instant; a further one does nothing.
     ///
     /// # Errors
     /// [`Problem::Sequence`] before initialization; what was set and is not possible. Nothing has changed then.
-    pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<bool> {
+    pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<Handled> {
         self.end_tick()?;
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
@@ -207,7 +216,7 @@ impl Instance {
         }
         self.events.carried_out = true;
         self.invalidate();
-        Ok(changed)
+        Ok(Handled { states: changed, nominals: self.nominals_changed() })
     }
 
     /// The same for the simulator; true where an impact has made the states jump.
@@ -220,9 +229,7 @@ impl Instance {
         let before = simulator.snapshot();
         let contact = simulator.contact();
         if let Err(error) = changes.put(simulator) {
-            // Cannot fail: it is this simulator's own.
-            let _ = simulator.restore(&before);
-            return Err(error.into());
+            return Err(take_back(simulator, &before, error));
         }
         let released = contact != Contact::Flight && simulator.contact() == Contact::Flight;
         let due = simulator.apply_due_event(report.as_deref_mut());

@@ -2,9 +2,10 @@
 
 use super::events::Present;
 use super::initial::forces;
-use super::{Engine, Instance, Outcome, Phase, Problem};
+use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
 use crate::component::continuous::{Continuous, check_states};
 use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
+use vibro_impact::model::Model;
 use vibro_impact::simulator;
 
 impl Instance {
@@ -81,9 +82,28 @@ impl Instance {
         self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
     }
 
-    /// Nominal values of the continuous states, all 1, as `rows::state` declares them.
+    /// Nominal values of the continuous states, by the parameters as they are set: the gap, and the gap times the drive's
+    /// frequency. Each is positive and finite.
     pub fn nominals(&self) -> [f64; 6] {
-        [1.0; 6]
+        let parameters = &self.settings.parameters;
+        let positive = |value: f64| value.clamp(f64::MIN_POSITIVE, f64::MAX);
+        let length = positive(parameters.stop_gap);
+        let frequency = parameters.drive_frequency.abs();
+        // A drive that stands still leaves the system's own rates.
+        let own = || Model::new(parameters).map_or(1.0, |model| model.rate);
+        let speed = positive(length * if frequency > 0.0 { frequency } else { own() });
+        [length, length, length, speed, speed, speed]
+    }
+
+    /// Whether the nominal values differ from those at the last event, which are from now on the present ones. Of interest to a
+    /// host's solver alone.
+    pub(super) fn nominals_changed(&mut self) -> bool {
+        if self.interface != Interface::ModelExchange {
+            return false;
+        }
+        let now = self.nominals();
+        let before = self.nominals_told.replace(now);
+        before.is_some_and(|before| before != now)
     }
 
     fn continuous_mut(&mut self) -> Outcome<&mut Continuous> {

@@ -99,8 +99,7 @@ impl Instance {
     /// For what is not possible; the step has been taken back then.
     pub fn start_pieces(&mut self, pieces: &mut Pieces) -> Outcome<Piece> {
         if let Err(problem) = self.take_over() {
-            self.take_pieces_back(pieces);
-            return Err(problem);
+            return Err(self.take_back_for(pieces, problem));
         }
         let moved =
             matches!(&self.engine, Engine::Simulation(simulator) if simulator.contact() != pieces.contact);
@@ -160,10 +159,7 @@ impl Instance {
         self.invalidate();
         match outcome {
             Ok(due) => Ok(if due { Piece::Event } else { Piece::End }),
-            Err(problem) => {
-                self.take_pieces_back(pieces);
-                Err(problem)
-            }
+            Err(problem) => Err(self.take_back_for(pieces, problem)),
         }
     }
 
@@ -227,8 +223,20 @@ impl Instance {
     }
 
     /// As before [`begin_pieces`](Self::begin_pieces).
-    pub fn take_pieces_back(&mut self, pieces: &Pieces) {
-        // Cannot fail: it is this component's own.
-        let _ = self.restore(&pieces.before);
+    ///
+    /// # Errors
+    /// As [`restore`](Self::restore).
+    pub fn take_pieces_back(&mut self, pieces: &Pieces) -> Outcome {
+        self.restore(&pieces.before)
+    }
+
+    /// Takes a step back that has met a problem; the problem, or that the step could not be taken back.
+    fn take_back_for(&mut self, pieces: &Pieces, problem: Problem) -> Problem {
+        match self.take_pieces_back(pieces) {
+            Ok(()) => problem,
+            Err(refused) => {
+                Problem::NotTakenBack { cause: problem.to_string(), refused: refused.to_string() }
+            }
+        }
     }
 }

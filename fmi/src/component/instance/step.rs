@@ -135,11 +135,12 @@ fn simulate(
     advance().map_err(|error| take_back(simulator, &before, error))
 }
 
-/// Takes back a step that failed, and says why it did.
+/// Takes back a step that failed, and says why it did, or that it could not be taken back.
 #[cold]
 pub(super) fn take_back(simulator: &mut Simulator, before: &Snapshot, error: Error) -> Problem {
-    // Cannot fail: it is this simulator's own.
-    let _ = simulator.restore(before);
+    if let Err(refused) = simulator.restore(before) {
+        return Problem::NotTakenBack { cause: error.to_string(), refused: refused.to_string() };
+    }
     match error {
         Error::WorkLimit { time, events, restitution, path, .. } => {
             Problem::WorkLimit { own: simulator.time(), time, events, restitution, path }

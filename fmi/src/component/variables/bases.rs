@@ -16,8 +16,6 @@ pub enum Base {
 }
 
 impl Base {
-    const COUNT: u16 = Self::Clock as u16 + 1;
-
     /// Its name in messages.
     pub const fn name(self) -> &'static str {
         match self {
@@ -35,70 +33,47 @@ impl Base {
 pub enum Edition {
     /// Every description.
     Every,
-    /// Descriptions that know arrays, and event indicators and derivatives as variables.
+    /// Descriptions that know event indicators and derivatives as variables.
     Extended,
+    /// The same with arrays.
+    Arrays,
     /// The same with a clock.
     Clocked,
 }
 
 impl Edition {
     /// All, in the order of inclusion.
-    pub const ALL: [Self; 3] = [Self::Every, Self::Extended, Self::Clocked];
+    pub const ALL: [Self; 4] = [Self::Every, Self::Extended, Self::Arrays, Self::Clocked];
 }
 
-/// The types that one kind of getter and setter serves, and the edition whose variables it reaches; which these are is the
-/// matter of an interface standard.
+/// The types that one kind of getter and setter serves; which these are is the matter of an interface standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bases {
     /// Their name in messages.
     pub name: &'static str,
-    /// The edition reached.
-    pub edition: Edition,
-    bits: u16,
-}
-
-/// A base type in an edition as one bit, so that both are checked at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Class(u16);
-
-impl Class {
-    /// The bit of a type in an edition.
-    pub(crate) const fn new(base: Base, edition: Edition) -> Self {
-        Self(1 << (base as u16 + Base::COUNT * edition as u16))
-    }
+    bits: u8,
 }
 
 impl Bases {
-    /// The Reals that every description has.
+    /// The Reals.
     pub const REAL: Self = Self::new("Real", &[Base::Real]);
     /// All types.
     pub const ANY: Self =
         Self::new("", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock]);
 
-    /// These types under one name, of the variables that every description has.
+    /// These types under one name.
     pub const fn new(name: &'static str, bases: &[Base]) -> Self {
         let (mut bits, mut i) = (0, 0);
         while i < bases.len() {
-            bits |= Class::new(bases[i], Edition::Every).0;
+            bits |= 1 << bases[i] as u8;
             i += 1;
         }
-        Self { name, edition: Edition::Every, bits }
+        Self { name, bits }
     }
 
-    /// The same types with the variables of an edition.
-    pub const fn of(self, edition: Edition) -> Self {
-        let every = self.bits & ((1 << Base::COUNT) - 1);
-        let (mut bits, mut i) = (every, 1);
-        while i <= edition as u16 {
-            bits |= every << (Base::COUNT * i);
-            i += 1;
-        }
-        Self { name: self.name, edition, bits }
-    }
-
-    /// Whether a type in an edition is one of them.
+    /// Whether a type is one of them.
     #[inline]
-    pub(crate) const fn contains(self, class: Class) -> bool {
-        self.bits & class.0 != 0
+    pub const fn contains(self, base: Base) -> bool {
+        self.bits & (1 << base as u8) != 0
     }
 }

@@ -165,6 +165,8 @@ pub enum Initially {
 /// a name.
 #[derive(Clone, Copy, Debug)]
 pub struct Variable {
+    /// Value reference: given once, in the table, and never to another variable.
+    pub reference: u32,
     /// Structured name: identifiers with dots between them.
     pub name: &'static str,
     /// What it is, with the sign where it has one.

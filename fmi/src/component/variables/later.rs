@@ -4,7 +4,7 @@ use super::bases::Edition;
 use super::columns::{
     Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Reading, Variability, Variable,
 };
-use super::rows::{derivative_of, event_output, reading, real};
+use super::rows::{UNNUMBERED, derivative_of, event_output, reading, real};
 use super::sections::Section;
 use crate::component::units::{self, RealType};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick};
@@ -19,6 +19,7 @@ const fn local(
     dependencies: Dependencies,
 ) -> Variable {
     Variable {
+        reference: UNNUMBERED,
         name,
         description,
         section,
@@ -94,7 +95,7 @@ pub(super) const fn bodies(
 ) -> Variable {
     let access = Access::Elements(get);
     let row = local(Section::Motion, name, description, real(declared), access, Dependencies::On(knowns));
-    Variable { edition: Edition::Extended, dimensions: &[3], ..row }
+    Variable { edition: Edition::Arrays, dimensions: &[3], ..row }
 }
 
 /// A matrix of derivatives over the last step. It is continuous, since discrete variables change at events only.
@@ -106,7 +107,7 @@ pub(super) const fn step_matrix(
 ) -> Variable {
     let (kind, access) = (real(units::SENSITIVITY), Access::Step(get));
     let row = local(Section::Sensitivity, name, description, kind, access, Dependencies::NotUnknown);
-    Variable { edition: Edition::Extended, dimensions, ..row }
+    Variable { edition: Edition::Arrays, dimensions, ..row }
 }
 
 /// The clock of impacts, or what is read while it ticks.

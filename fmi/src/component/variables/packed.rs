@@ -1,10 +1,12 @@
 //! The table of variables as getters and setters need it: packed, made at compile time.
 
-use super::bases::{Bases, Class};
+use super::bases::{Base, Bases};
 use super::columns::{Access, Causality, Initial, Kind, Variability, Variable};
+use super::same;
 use super::table::{COUNT, VARIABLES};
 use crate::component::settings::{Derived, Settings};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick};
+use vibro_impact::parameters::FIELDS;
 
 /// How to read a variable.
 #[derive(Clone, Copy, Debug)]
@@ -41,8 +43,8 @@ pub(crate) enum Set {
 /// What a getter needs of a variable, packed: ten of them fit into a few cache lines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reader {
-    /// Base type and edition.
-    pub(crate) class: Class,
+    /// Base type.
+    pub(crate) base: Base,
     /// What must be up to date to read it: one of the bits below, or none.
     pub(crate) needs: u8,
     /// How to read it.
@@ -72,11 +74,11 @@ impl Reader {
             Access::Elements(get) => (Self::MOTION, Get::Elements(variable.size(), get)),
             Access::Step(get) => (Self::STEP, Get::Step(variable.size(), get)),
         };
-        Self { class: Class::new(variable.base(), variable.edition), needs, get }
+        Self { base: variable.base(), needs, get }
     }
 }
 
-/// The readers of all variables, by value reference.
+/// The readers of all variables, by place.
 pub(crate) static READERS: [Reader; COUNT] = {
     let mut readers = [Reader::of(&VARIABLES[0]); COUNT];
     let mut i = 0;
@@ -90,8 +92,8 @@ pub(crate) static READERS: [Reader; COUNT] = {
 /// What a setter needs of a variable, packed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Writer {
-    /// Base type and edition.
-    class: Class,
+    /// Base type.
+    base: Base,
     /// When it may be set: the bits below.
     when: u8,
     /// Whether it is an input.
@@ -100,6 +102,8 @@ pub(crate) struct Writer {
     range: (f64, f64),
     /// How to write it.
     pub(crate) set: Set,
+    /// Of a physical parameter, its bit in the order of `FIELDS`; else 0.
+    pub(crate) given: u16,
 }
 
 impl Writer {
@@ -143,7 +147,14 @@ impl Writer {
             Access::Start { set, .. } => Set::Start(set),
             _ => Set::Never,
         };
-        Self { class: Class::new(variable.base(), variable.edition), when, input, range, set }
+        let (mut given, mut i) = (0, 0);
+        while i < FIELDS.len() {
+            if same(FIELDS[i].name, variable.name) {
+                given = 1 << i;
+            }
+            i += 1;
+        }
+        Self { base: variable.base(), when, input, range, set, given }
     }
 
     /// Whether it may be set now, by the bit.
@@ -154,11 +165,11 @@ impl Writer {
     /// Whether a value may be set now without a closer look.
     #[inline]
     pub(crate) fn takes(&self, bases: Bases, when: u8, value: f64) -> bool {
-        bases.contains(self.class) && self.settable(when) && self.range.0 <= value && value <= self.range.1
+        bases.contains(self.base) && self.settable(when) && self.range.0 <= value && value <= self.range.1
     }
 }
 
-/// The writers of all variables, by value reference.
+/// The writers of all variables, by place.
 pub(crate) static WRITERS: [Writer; COUNT] = {
     let mut writers = [Writer::of(&VARIABLES[0]); COUNT];
     let mut i = 0;

@@ -46,8 +46,12 @@ const fn state(declared: RealType, derivative_of: Option<&'static str>, reinit: 
     Kind::Real { declared, range: Range::FINITE, nominal: Some(1.0), derivative_of, reinit }
 }
 
+/// The reference of a row before the table numbers it.
+pub(super) const UNNUMBERED: u32 = u32::MAX;
+
 /// Time.
 pub(super) const TIME: Variable = Variable {
+    reference: UNNUMBERED,
     name: "time",
     description: "Time",
     section: Section::Time,
@@ -93,6 +97,7 @@ pub(super) const fn option(
     set: fn(&mut Settings, f64),
 ) -> Variable {
     Variable {
+        reference: UNNUMBERED,
         name,
         description,
         section: Section::Solution,
@@ -114,6 +119,7 @@ pub(super) const fn option(
 /// An external force on a body.
 pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'static str) -> Variable {
     Variable {
+        reference: UNNUMBERED,
         name,
         description,
         section: Section::Loads,
@@ -199,6 +205,7 @@ pub(super) const fn output(
     knowns: Knowns,
 ) -> Variable {
     Variable {
+        reference: UNNUMBERED,
         name,
         description,
         section,
@@ -240,6 +247,7 @@ const fn derived(
     knowns: Knowns,
 ) -> Variable {
     Variable {
+        reference: UNNUMBERED,
         name,
         description,
         section,
@@ -296,16 +304,6 @@ pub(super) const fn flag(
     get: fn(&Derived) -> f64,
 ) -> Variable {
     derived(Section::Steady, name, description, Kind::Boolean, get, DECIDING)
-}
-
-/// A number of the slow invariant manifold, which at most the restitution coefficient decides.
-pub(super) const fn manifold(
-    name: &'static str,
-    description: &'static str,
-    get: fn(&Derived) -> f64,
-    knowns: Knowns,
-) -> Variable {
-    derived(Section::Steady, name, description, real(units::NUMBER), get, knowns)
 }
 
 /// A row with further knowns.

@@ -1,15 +1,36 @@
 use super::*;
 
-/// Value references of released versions, in order: they never change.
-const RELEASED: &str = include_str!("../../../tests/data/value_references.txt");
+/// Every value reference that was ever given, with its variable: a line stays when the variable is taken out.
+const GIVEN: &str = include_str!("../../../tests/data/value_references.txt");
+/// How many of the lines have been released, and their FNV-1a hash: what is released is never given to another variable.
+const RELEASED: (usize, u128) = (72, 0xd153_5c9b_94dc_33ad_f3b1_3b6d_e235_9bec);
 
+/// A reference belongs to one name for ever: the list counts without a gap, what was released of it stays as it is, and the
+/// table has each of its variables under the list's reference.
 #[test]
 fn golden_file_of_the_value_references() {
-    let names = VARIABLES.iter().map(|variable| variable.name);
-    for (i, (now, released)) in names.zip(RELEASED.lines()).enumerate() {
-        assert_eq!(now, released, "value reference {i}: append new variables at the end of the table");
+    let given: Vec<(u32, &str)> = GIVEN
+        .lines()
+        .map(|line| line.split_once(' ').and_then(|(r, name)| Some((r.parse().ok()?, name))).expect(line))
+        .collect();
+    for (i, (reference, name)) in (0..).zip(&given) {
+        assert_eq!(*reference, i, "{name}: references count from 0 without a gap");
     }
-    assert!(COUNT >= RELEASED.lines().count(), "a released variable is missing");
+    for variable in &VARIABLES {
+        let Variable { reference, name, .. } = *variable;
+        let listed = given.get(reference as usize).map(|(_, name)| *name);
+        assert_eq!(
+            listed,
+            Some(name),
+            "value reference {reference}: a new variable takes the next of the list"
+        );
+    }
+    let released: String = GIVEN.split_inclusive('\n').take(RELEASED.0).collect();
+    assert_eq!(
+        crate::component::identity::fnv1a(released.as_bytes()),
+        RELEASED.1,
+        "released lines never change"
+    );
 }
 
 /// Names, attributes and units are checked on the model description as written, by `fmu-build`.
@@ -27,7 +48,7 @@ fn invariant_start_values_are_allowed_and_what_is_not_finite_never() {
 #[test]
 fn second_method_units_of_parameters() {
     for field in vibro_impact::parameters::FIELDS {
-        assert_eq!(find(field.name).unwrap().1.unit(), Some(field.unit));
+        assert_eq!(find(field.name).unwrap().unit(), Some(field.unit));
     }
 }
 
@@ -68,29 +89,25 @@ fn invariant_arrays_have_dimensions_and_scalars_have_none() {
     }
 }
 
-/// Some hosts take value references for places in an extended description, so there must be no gap: what the clock needs
-/// stands last. The description with the fewest variables may have gaps: a row that it has may stand behind rows it has not.
+/// Some hosts take value references for places: a description that counts its variables has no gap, wherever in the table the
+/// variables of others stand. References and places lead to each other in every numbering.
 #[test]
-fn invariant_extended_descriptions_have_no_gap() {
-    for edition in [Edition::Extended, Edition::Clocked] {
-        let places: Vec<u32> = of_edition(edition).map(|(place, _)| place).collect();
-        assert!(places.iter().zip(0..).all(|(place, i)| *place == i), "{edition:?}");
+fn invariant_numberings_are_one_to_one_and_the_counted_ones_have_no_gap() {
+    for edition in Edition::ALL {
+        let counted = Numbering::counted(edition);
+        let names: Vec<_> = of_edition(edition).map(|(_, variable)| variable.name).collect();
+        let numbered: Vec<_> =
+            (1..).map_while(|r| counted.variable(r)).map(|variable| variable.name).collect();
+        assert_eq!(numbered, names, "{edition:?}");
+        assert_eq!(counted.range(), (1, names.len() as u32), "{edition:?}");
     }
-}
-
-/// A getter reaches the variables of its edition and those before it, of its types.
-#[test]
-fn second_method_of_the_bits_of_classes() {
-    let types = [Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock];
-    for (reached, wanted) in Edition::ALL.into_iter().flat_map(|e| types.map(|t| (e, t))) {
-        let bases = Bases::new("some", &[wanted]).of(reached);
-        for (edition, base) in Edition::ALL.into_iter().flat_map(|e| types.map(|t| (e, t))) {
-            let expected = edition <= reached && base == wanted;
-            assert_eq!(
-                bases.contains(Class::new(base, edition)),
-                expected,
-                "{reached:?} {edition:?} {base:?}"
-            );
+    for numbering in [Numbering::ALL, Numbering::EVERY, Numbering::counted(Edition::Clocked)] {
+        for (reference, variable) in numbering.variables() {
+            assert_eq!(numbering.variable(reference).map(|v| v.name), Some(variable.name));
+            assert_eq!(numbering.reference(place(variable.name)), Some(reference));
         }
+        assert!(numbering.variable(u32::MAX).is_none());
     }
+    let own = Numbering::EVERY.variables().all(|(reference, variable)| reference == variable.reference);
+    assert!(own && Numbering::EVERY.variables().count() == of_edition(Edition::Every).count());
 }

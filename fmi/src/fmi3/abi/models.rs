@@ -15,18 +15,18 @@ export! {
     fmi3EnterEventMode, EnterEventMode() |instance, _| instance.enter_event_mode();
     /// Never allowed, since getters in Event Mode show what comes after the event.
     fmi3EvaluateDiscreteStates, EvaluateDiscreteStates() |_, _| Outcome::Ok(());
-    /// One call does all that happens at an instant; nominal values stay, and nothing ends the simulation.
+    /// One call does all that happens at an instant, and nothing ends the simulation.
     fmi3UpdateDiscreteStates, UpdateDiscreteStates(out discreteStatesNeedUpdate: FmiBoolean[1],
         out terminateSimulation: FmiBoolean[1], out nominalsOfContinuousStatesChanged: FmiBoolean[1],
         out valuesOfContinuousStatesChanged: FmiBoolean[1], out nextEventTimeDefined: FmiBoolean[1],
         out nextEventTime: f64[1])
         |instance, host| {
-            let DiscreteStates { values_of_continuous_states_changed: changed, next_event_time: next } =
-                instance.update_discrete_states(host)?;
-            for never in [discreteStatesNeedUpdate, terminateSimulation, nominalsOfContinuousStatesChanged] {
+            let DiscreteStates { changed, next_event_time: next } = instance.update_discrete_states(host)?;
+            for never in [discreteStatesNeedUpdate, terminateSimulation] {
                 never.put(0, 0);
             }
-            valuesOfContinuousStatesChanged.put(0, changed.into());
+            nominalsOfContinuousStatesChanged.put(0, changed.nominals.into());
+            valuesOfContinuousStatesChanged.put(0, changed.states.into());
             nextEventTimeDefined.put(0, next.is_some().into());
             nextEventTime.put(0, next.unwrap_or(0.0));
             Outcome::Ok(())

@@ -1,6 +1,5 @@
 use super::*;
 use crate::component::Interface;
-use crate::component::variables::reference;
 use crate::fmi3::description;
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
@@ -32,7 +31,7 @@ struct Box3 {
 }
 
 fn vr(name: &str) -> u32 {
-    reference(name) + 1
+    description::value_reference(description::MAIN, name).unwrap()
 }
 
 fn token() -> CString {

@@ -9,7 +9,7 @@
 
 use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, weighted_sum};
-use crate::model::{Augmented, BOX, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::simd::{product, value, weigh};
 use crate::simulator::Simulator;
 use crate::simulator::batch::queue::Maximum;
@@ -39,15 +39,17 @@ impl MaximumFinder {
         &mut self,
         simd: S,
         simulator: &Simulator,
-        (mode, z): (SmoothMode, &Augmented),
+        (mode, z, forces): (SmoothMode, &Augmented, Option<&Forces>),
         (time, span): (f64, f64),
         found: &mut dyn FnMut(Maximum),
     ) {
         match mode {
-            SmoothMode::Flight => self.search_flight(simd, simulator, z, (time, span), found),
-            SmoothMode::Rest => {
+            SmoothMode::Flight if forces.is_none() => {
+                self.search_flight(simd, simulator, z, (time, span), found);
+            }
+            SmoothMode::Flight | SmoothMode::Rest => {
                 let mut begin = time;
-                expand_rest(&simulator.model, z, span, |series, radius| {
+                expand_along(&simulator.model, (mode, z, forces), span, |series, radius| {
                     self.search_series(series, (0.0, 1.0), (begin, radius), found);
                     begin += radius;
                 });
@@ -196,16 +198,26 @@ fn rate_table(model: &Model, weights: &[f64; 3], substep: f64) -> RateTable {
 const PIECE: usize = 20;
 const PIECE_TIMES_RATE: f64 = 1.2;
 
-/// The flow in rest over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
-/// [0, 1].
-fn expand_rest(model: &Model, start: &Augmented, span: f64, mut visit: impl FnMut(&Series<PIECE>, f64)) {
+/// The flow under forces that do not change over `span` s as consecutive series: `visit` gets each with its length in s, its
+/// variable running over [0, 1].
+fn expand_along(
+    model: &Model,
+    (mode, start, forces): (SmoothMode, &Augmented, Option<&Forces>),
+    span: f64,
+    mut visit: impl FnMut(&Series<PIECE>, f64),
+) {
+    if span <= 0.0 {
+        return; // only the law of an impact
+    }
     let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
     let radius = span / count;
     let mut z = *start;
     for _ in 0..count as u64 {
-        let series = Series::<PIECE>::expand(model, SmoothMode::Rest, &z, None, radius);
+        let series = Series::<PIECE>::expand(model, mode, &z, forces, radius);
         visit(&series, radius);
         z = series.at(1.0);
-        (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
+        if mode == SmoothMode::Rest {
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
+        }
     }
 }

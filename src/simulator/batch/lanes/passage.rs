@@ -17,10 +17,10 @@ const FACTORIALS: [f64; CENTRED] = {
     }
     r
 };
-/// How far from its centre a series serves, in half intervals. A sixth of an interval beyond the end its truncation is
-/// still under 3e-17 of the largest coordinate, and a gap that is only just short of the stop at the end can be followed into
-/// the next interval.
-pub(super) const REACH: f64 = 4.0 / 3.0;
+/// How far from its centre a series serves, in half intervals. A tenth of an interval beyond the end its remainder,
+/// 0.09¹⁰/9!, is still under the rounding of a double (docs/numerics.md, section 1), and a gap that is only just short of the stop
+/// at the end can be followed into the next interval.
+pub(super) const REACH: f64 = 6.0 / 5.0;
 /// REACH^k.
 const POWERS: [f64; CENTRED] = {
     let mut r = [1.0; CENTRED];
@@ -216,8 +216,8 @@ impl<S: Simd> Excess<S> {
         let (bend, twist) = (c[2] * scale, c[3] * scale);
         let inner = (bend + bend).mul_add(bend, -twist);
         let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
-        // A Newton step leaves an error of at most `squares` times the square of the one before it; the error before the first
-        // step is at most twice that step.
+        // With K = `squares` the error before a step m is at most m + K m², and after it at most K times the square of that:
+        // 4 K m² for K m ≤ 1. A first step so long that K m > 1 makes `last` larger than 128, and nothing is found.
         let step = polynomial(c, start) / polynomial(d, start);
         let error = splat(4.0) * squares * step * step;
         let once = start - step;

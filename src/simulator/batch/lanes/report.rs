@@ -5,8 +5,8 @@ use super::passage::CentredFlights;
 use super::substep::Progress;
 use super::{LaneSet, Rounds, lanes_of};
 use crate::error::{Error, Result};
-use crate::flow::{CENTRED, INTERVALS, Series, Table};
-use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::flow::{CENTRED, INTERVALS, Series, Table, WHOLE};
+use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::queue::{MotionQueue, Reports};
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
@@ -29,12 +29,15 @@ pub(super) struct Piece {
     pub(super) mode: SmoothMode,
     pub(super) z: Augmented,
     pub(super) time: DoubleDouble,
+    /// The loads, if any act, which do not change.
+    pub(super) forces: Option<Forces>,
 }
 
 impl Piece {
     #[inline(always)]
     pub(super) fn from(simulator: &Simulator, advance: &AdvanceState) -> Self {
-        Self { mode: simulator.mode(), z: advance.z, time: simulator.hybrid.time }
+        let forces = simulator.model.constant_forces();
+        Self { mode: simulator.mode(), z: advance.z, time: simulator.hybrid.time, forces }
     }
 }
 
@@ -42,12 +45,12 @@ impl Reporter {
     /// For a motion that is about to begin; it keeps no energy accounts from now on.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] under loads, and for samples without a time between them or more than can be numbered.
+    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, and for samples without a time between them or more than can be numbered.
     pub(super) fn new(simulator: &mut Simulator, reports: Reports, end: f64) -> Result<Self> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
-        for (name, derivatives) in NAMES.iter().zip(simulator.loads().derivatives) {
+        for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {
             if let Some(&value) = derivatives.iter().find(|d| **d != 0.0) {
-                let allowed = "0 with all its derivatives where samples, events or maxima are asked for";
+                let allowed = "0 with all its derivatives where samples, events or maxima are asked for; loads that do not change are parameters";
                 return Err(Error::OutOfRange { name, value, allowed });
             }
         }
@@ -129,7 +132,7 @@ impl Reporter {
             finder.search(
                 pulp::Scalar,
                 simulator,
-                (from.mode, &from.z),
+                (from.mode, &from.z, from.forces.as_ref()),
                 (from.time.value(), span),
                 &mut found,
             );
@@ -152,6 +155,16 @@ impl Reporter {
 impl Simulator {
     /// The state `dt` s after the start of a sub-step, from the tables and the series about an interval's centre.
     fn state_after(&self, from: &Piece, dt: f64) -> Augmented {
+        if from.forces.is_some() {
+            // One series over the whole sub-step, whose remainder is under round-off (docs/numerics.md).
+            let h = self.substep;
+            let series = Series::<WHOLE>::expand(&self.model, from.mode, &from.z, from.forces.as_ref(), h);
+            let mut z = series.at(dt / h);
+            if from.mode == SmoothMode::Rest {
+                (z[RELATIVE], z[RELATIVE_RATE]) = (from.z[RELATIVE], 0.0);
+            }
+            return z;
+        }
         let tables = match from.mode {
             SmoothMode::Flight => &self.flight,
             SmoothMode::Rest => &self.rest,
@@ -227,7 +240,8 @@ impl Rounds<'_> {
         let queue = &mut *self.work.queue;
         let mut found = |maximum| queue.maximum(lane, &maximum);
         let way = (begin.value(), now.minus(begin).value());
-        finder.search(simd, simulator, (SmoothMode::Flight, &self.starts.state(lane)), way, &mut found);
+        let from = (SmoothMode::Flight, &self.starts.state(lane), None);
+        finder.search(simd, simulator, from, way, &mut found);
         if through {
             finder.pass_impact(&self.states.state(lane), now.value(), &mut found);
         }

@@ -166,6 +166,7 @@ pub(super) struct LaneStates {
     pub(super) last_speed: Row,
     pub(super) last_impulse: Row,
     pub(super) total_impulse: Row,
+    pub(super) box_impulse: Row,
     /// As in `WorkCounters`, since the motion came into the lane.
     pub(super) substeps: Row,
     pub(super) expansions: Row,
@@ -239,6 +240,7 @@ impl LaneStates {
             last_speed: row,
             last_impulse: row,
             total_impulse: row,
+            box_impulse: row,
             substeps: row,
             expansions: row,
             iterations: row,
@@ -264,6 +266,7 @@ impl LaneStates {
         self.last_speed.0[lane] = hybrid.record.last_speed;
         self.last_impulse.0[lane] = hybrid.record.last_impulse;
         self.total_impulse.0[lane] = hybrid.record.total_impulse;
+        self.box_impulse.0[lane] = hybrid.record.box_impulse;
         let counts = [
             &mut self.upper,
             &mut self.lower,
@@ -294,6 +297,7 @@ impl LaneStates {
         hybrid.record.last_speed = self.last_speed.0[lane];
         hybrid.record.last_impulse = self.last_impulse.0[lane];
         hybrid.record.total_impulse = self.total_impulse.0[lane];
+        hybrid.record.box_impulse = self.box_impulse.0[lane];
         let (upper, lower) = (self.upper.0[lane] as u64, self.lower.0[lane] as u64);
         hybrid.record.upper += upper;
         hybrid.record.lower += lower;

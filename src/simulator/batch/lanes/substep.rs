@@ -356,6 +356,7 @@ fn record_impact<S: Simd>(
     through.select(approach, load(&states.last_speed)).store(&mut states.last_speed, v);
     through.select(impulse, load(&states.last_impulse)).store(&mut states.last_impulse, v);
     add(simd, &mut states.total_impulse, v, through.select(impulse, zero));
+    add(simd, &mut states.box_impulse, v, through.select(side * impulse, zero));
     let upper = zero.less_than(side);
     add(simd, &mut states.upper, v, (through & upper).select(one, zero));
     add(simd, &mut states.lower, v, (through & !upper).select(one, zero));

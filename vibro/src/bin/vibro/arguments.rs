@@ -4,13 +4,14 @@ use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share};
 use crate::run::Run;
 use crate::sweep_arguments::Sweep;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use vibro::load_file::LoadArgument;
 use vibro::manifest::Invocation;
 use vibro_analysis::basin::InitialValueRange;
-use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::Method;
+use vibro_analysis::start::StartRule;
 
 /// The folder of results unless another one is named.
 pub const DEFAULT_OUT: &str = "vibro-out";
@@ -23,10 +24,14 @@ PARAMETERS
   Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
   SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
            stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
+  Loads:   load.box load.block load.secondary, constant forces in N, none unless set: gravity, a gap off its centre
   Symbols are names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
-  Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg;
-  without one they are in SI, an angular frequency in rad/s.
-  What is not set is BASIC: a reconstruction, not the paper's own data set.
+  Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg.
+  One rule for a number without a unit, in --set and on every axis (--vary, --range, --over, --values, --at, --mark, columns of
+  --design): it is in the unit in which the file or an earlier --set wrote that parameter, and the program says so; else in SI, an
+  angular frequency in rad/s. Screen and pictures show that unit; a table keeps its columns in SI and has one more for each, at its
+  end, as `drive.frequency [Hz]`.
+  What is not set has the value of the default set: a reconstruction, not the paper's own data.
   A parameter file is TOML with a table [si], a table [groups], or both ([groups] is applied last);
   --set comes after the file. `vibro template` writes a file with every parameter.
 
@@ -45,9 +50,24 @@ EXAMPLES
   vibro orbits --tree --vary f10=0.5:5
   vibro bifurcation --orbits --vary f10=2:3:101
   vibro orbit --word UUL --set f10=2.7
-  vibro locus --from vibro-out/special-points.csv:3 --vary f10=0.5:3 --vary kappa=0.5:0.9
+  vibro locus --from vibro-out/special-points.csv:PD@2.373 --vary f10=0.5:3 --vary kappa=0.5:0.9
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
+
+/// What the model has not.
+const LIMITS: &str = "\
+LIMITS
+  Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
+  No friction; springs and dampers are linear.";
+
+/// The command line as clap has it. What the model has not is said in the help of every command.
+pub fn command() -> clap::Command {
+    let with_limits = |command: clap::Command| {
+        let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
+        command.after_help(format!("{own}{LIMITS}"))
+    };
+    with_limits(Arguments::command()).mut_subcommands(with_limits)
+}
 
 /// The command line.
 #[derive(Debug, Parser)]
@@ -130,7 +150,8 @@ pub enum Command {
     ///
     /// Without --tree one branch: of the settled motion, or of the orbits with a word. `special-points.csv` lists what lies on the
     /// branches: LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, EP end of the range, CH chatter, MX not
-    /// followed on.
+    /// followed on; `vibro locus` follows the first five and CH over two parameters. With --tree `orbits-search.csv` tells at which
+    /// values, and from how many starts, orbits were sought.
     Orbits(Box<Orbits>),
     /// One periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),
@@ -142,6 +163,16 @@ pub enum Command {
     Template(Template),
     /// All figures of the paper and a report that sets its statements beside what is found
     Reproduce(Reproduce),
+}
+
+/// Loads that do not change.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ConstantLoads {
+    /// Constant force on box, block or secondary, in N or with a unit: gravity on a vertical machine, --load block=-5.9N for 0.6 kg.
+    /// May be repeated; forces on one body add. A gap off its centre by d is the pair block=-k23*d, secondary=k23*d. As an axis it
+    /// is the parameter load.block. Files are for `vibro run`
+    #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
+    pub load: Vec<LoadArgument>,
 }
 
 /// Arguments of `bifurcation`.
@@ -159,6 +190,10 @@ pub struct Bifurcation {
     /// Displacement whose local maxima are drawn: x1, x2, x3 or w
     #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
     pub of: Displacement,
+    /// Where the motion at the first value of either direction starts: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s
+    /// secondary.s box.v block.v secondary.v in SI, each also with a unit (block.s=5mm), what is not named zero; or "orbit"
+    #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
+    pub start: StartRule,
     /// Draws the exact branches of periodic orbits over the points too, stable and unstable, with their bifurcations, and tells
     /// which rows of the diagram lie on them. `vibro orbits --tree` follows them alone, with more options
     #[arg(long)]
@@ -166,6 +201,9 @@ pub struct Bifurcation {
     /// Drive periods kept at each value
     #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep: u32,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
     /// For many machines.
     #[command(flatten)]
     pub share: Share,
@@ -192,7 +230,8 @@ pub struct Lyapunov {
 /// Arguments of `basin`.
 #[derive(Args, Debug)]
 pub struct Basin {
-    /// Initial value on the horizontal axis (x1 x2 x3 in L, v1 v2 v3 in L omega10)
+    /// Initial value on the horizontal axis: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v
+    /// secondary.v in SI, each also with a unit (block.s=-20mm:20mm)
     #[arg(long, value_name = "NAME=FROM:TO", default_value = "x1=-1:1", allow_hyphen_values = true)]
     pub x: InitialValueRange,
     /// Initial value on the vertical axis
@@ -201,9 +240,15 @@ pub struct Basin {
     /// Cells on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=5_000))]
     pub resolution: u16,
-    /// Drive periods discarded
+    /// The initial values that are on no axis: as on the axes, what is not named zero (block.s=5mm,v1=1)
+    #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
+    pub start: Option<StartRule>,
+    /// Drive periods discarded; a motion of which nothing is decided then is followed for up to 8192 more
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
     /// For many machines.
     #[command(flatten)]
     pub share: Share,
@@ -218,17 +263,20 @@ pub struct Isoperiodic {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=3_000))]
     pub resolution: u16,
-    /// Where every motion starts (x1 x2 x3 in L, v1 v2 v3 in L omega10, what is not named zero), or "orbit": on the exact
-    /// orbit where it is stable
+    /// Where every motion starts: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v secondary.v in SI,
+    /// each also with a unit (block.s=5mm), what is not named zero; or "orbit": on the exact orbit where it is stable
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
     /// Drive periods discarded; a motion that has settled on a period before is not simulated further
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
-    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed: it ends when
-    /// the class is decided; 0: not at all
-    #[arg(long, value_name = "N", default_value_t = 400)]
+    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed at a time: it ends
+    /// when the class is decided; 0: not at all
+    #[arg(long, value_name = "N", default_value_t = 4000)]
     pub periods: u32,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
     /// For many machines.
     #[command(flatten)]
     pub share: Share,
@@ -342,7 +390,7 @@ pub enum MethodName {
     MultipleScales,
     /// Paper section 5
     StrongCoupling,
-    /// Past the paper: no small parameter
+    /// Exact, without a small parameter
     ExactOrbit,
 }
 

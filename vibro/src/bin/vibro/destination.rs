@@ -13,6 +13,7 @@ use vibro::figures::canvas;
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::{Occupancy, PartFolder, write_whole};
 use vibro::studies::Study;
+use vibro::table::in_written_units;
 use vibro::{Error, Result};
 use vibro_analysis::ParameterSet;
 
@@ -115,7 +116,8 @@ impl<'a> Destination<'a> {
         for study in studies {
             write_manifest(out, &self.manifest(study))?;
             // The disk takes long tables while the processor draws.
-            let (tables, pictures) = rayon::join(|| write_tables(study, out), || write_pictures(study, out));
+            let (tables, pictures) =
+                rayon::join(|| self.write_tables(study, out), || write_pictures(study, out));
             tables.and(pictures)?;
         }
         Ok(())
@@ -132,13 +134,18 @@ impl<'a> Destination<'a> {
         Ok(path)
     }
 
+    /// Tables are in SI; a parameter that was written in another unit has a column in that unit too.
+    fn write_tables(&self, study: &Study, out: &Path) -> Result<()> {
+        let set = study.set.as_deref().unwrap_or(self.set);
+        let write = |(name, csv): &(String, Vec<u8>)| {
+            write_whole(&out.join(format!("{name}.csv")), &in_written_units(set, csv)?)
+        };
+        study.tables.iter().try_for_each(write)
+    }
+
     fn manifest(&self, study: &Study) -> Manifest {
         Manifest::of_result(&study.name, self.invocation, study.set.as_deref().unwrap_or(self.set))
     }
-}
-
-fn write_tables(study: &Study, out: &Path) -> Result<()> {
-    study.tables.iter().try_for_each(|(name, csv)| write_whole(&out.join(format!("{name}.csv")), csv))
 }
 
 fn write_pictures(study: &Study, out: &Path) -> Result<()> {

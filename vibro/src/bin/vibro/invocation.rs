@@ -6,10 +6,10 @@ use crate::run::Duration;
 use clap::{ArgMatches, CommandFactory};
 use std::fmt::Display;
 use std::str::FromStr;
-use vibro::load_file::LoadFile;
+use vibro::load_file::LoadArgument;
 use vibro::manifest::Invocation;
-use vibro::run_start::Start;
 use vibro_analysis::basin::InitialValueRange;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, number};
 
 /// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results are made, and
@@ -53,9 +53,9 @@ fn canonical(id: &str, text: &str, at: Option<Name>) -> String {
         "values" => read::<ParameterValues>(text),
         "pair" => read::<ParameterPair>(text),
         "x" | "y" => read::<InitialValueRange>(text),
-        "start" => read::<Start>(text),
+        "start" => read::<StartRule>(text),
         "duration" => read::<Duration>(text),
-        "load" => text.parse().ok().and_then(|file: LoadFile| file.contents_in_words()),
+        "load" => text.parse().ok().and_then(|load: LoadArgument| load.in_words()),
         "at" => at.and_then(|name| number(name, text).ok()).map(|value| value.to_string()),
         _ => read::<f64>(text),
     };

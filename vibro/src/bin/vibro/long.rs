@@ -10,7 +10,7 @@ use vibro::long_study::{LongStudy, StudyKind};
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::PartFolder;
 use vibro::{Error, Result, report, studies};
-use vibro_analysis::basin;
+use vibro_analysis::basin::{self, InitialValueRange};
 use vibro_analysis::bifurcation::Sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::lyapunov::SpectrumOptions;
@@ -33,7 +33,7 @@ fn axis(set: &ParameterSet, a: &Bifurcation) -> Result<ParameterAxis> {
 }
 
 fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>, at: Vec<f64>) -> StudyKind {
-    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of };
+    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of, start: a.start };
     StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) }
 }
 
@@ -41,7 +41,9 @@ fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>
 fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
     if !given.is_empty() {
         let texts: Vec<&str> = given.iter().map(String::as_str).collect();
-        return Ok(numbers(axis.name, &texts)?);
+        let (values, _) = numbers(axis.name, &texts)?;
+        values.iter().try_for_each(|value| axis.name.check(*value))?;
+        return Ok(values);
     }
     let own = axis.name.value(set);
     Ok(if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
@@ -86,8 +88,10 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
 }
 
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
-    let (x, y) = (a.x.cells(a.resolution.into()), a.y.cells(a.resolution.into()));
-    let kind = StudyKind::Basin(basin::Request { x, y, discard: a.discard });
+    let p = set.parameters();
+    let cells = |range: InitialValueRange| Ok::<_, Error>(range.scaled(p)?.cells(a.resolution.into()));
+    let start = a.start.unwrap_or_else(basin::in_the_middle);
+    let kind = StudyKind::Basin(basin::Request { x: cells(a.x)?, y: cells(a.y)?, discard: a.discard, start });
     perform(&LongStudy::new("basin", kind, set), common, a.share.shard)
 }
 

@@ -4,6 +4,7 @@ mod arguments;
 mod destination;
 mod interruption;
 mod invocation;
+mod loads;
 mod long;
 mod orbits;
 mod orbits_arguments;
@@ -14,22 +15,23 @@ mod run;
 mod short;
 mod sweep;
 mod sweep_arguments;
+mod written_units;
 
 use arguments::{Arguments, Command, Common};
-use clap::{CommandFactory, FromArgMatches};
+use clap::FromArgMatches;
 use destination::Destination;
 use std::process::ExitCode;
-use vibro::{Error, Result, parameter_file, studies};
-use vibro_analysis::ParameterSet;
+use vibro::{Error, Result, load_file, parameter_file, studies};
+use vibro_analysis::{Name, ParameterSet, number, typed_unit};
 
 /// Exit code for input that is refused, as clap has it.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let matches = Arguments::command().get_matches();
+    let matches = arguments::command().get_matches();
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
-    match run(&arguments) {
+    match run(&mut arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -38,8 +40,8 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<()> {
-    let common = &arguments.common;
+fn run(arguments: &mut Arguments) -> Result<()> {
+    let common = &mut arguments.common;
     if let Some(threads) = common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().map_err(Error::output("threads"))?;
@@ -52,7 +54,8 @@ fn run(arguments: &Arguments) -> Result<()> {
     {
         return output::say(sweep::list().trim_end());
     }
-    let set = configured(ParameterSet::basic(), common)?;
+    let mut set = configured(ParameterSet::basic(), common)?;
+    said(&units_taken(common)?);
     if !set.not_given().is_empty() {
         eprintln!(
             "warning: the machine is given in SI, but not {}; these are the default machine's values. `vibro template` \
@@ -60,7 +63,14 @@ fn run(arguments: &Arguments) -> Result<()> {
             set.not_given_values()
         );
     }
-    let mut set = set;
+    let words = written_units::read_in(&mut arguments.command, &set)?;
+    said(&words.iter().filter_map(|w| w.remark.clone()).collect::<Vec<_>>());
+    for option in words {
+        common.invocation.options.insert(option.name.into(), option.words);
+    }
+    load_file::apply_constant(&mut set, &loads::of(&arguments.command)?)?;
+    let common = &arguments.common;
+    loads::check_theory(&set, &arguments.command)?;
     short::units(&arguments.command).into_iter().for_each(|(name, unit)| set.show_in(name, unit));
     // Refused before work begins.
     let destination = Destination::new(common, &common.invocation, &set);
@@ -110,4 +120,31 @@ fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     }
     set.apply(&common.set)?;
     Ok(set)
+}
+
+/// The values of `--set` without a unit that were read in the unit in which the file, or a value before them, wrote their
+/// parameter.
+fn units_taken(common: &Common) -> Result<Vec<String>> {
+    let mut set = ParameterSet::basic();
+    if let Some(path) = &common.config {
+        parameter_file::read(&mut set, path)?;
+    }
+    let mut told = Vec::new();
+    for text in &common.set {
+        let parts =
+            text.split_once('=').and_then(|(name, value)| Some((Name::find(name.trim()).ok()?, value)));
+        let Some((name, value)) = parts else { continue };
+        match (typed_unit(name, value), set.unit(name)) {
+            (None, Some(own)) if !own.is_si() && number(name, value).is_ok_and(|v| v != 0.0) => {
+                told.push(ranges::read_in(text, own))
+            }
+            (typed, _) => set.show_in(name, typed),
+        }
+    }
+    Ok(told)
+}
+
+/// Tells what was understood in a way that a reader may not expect.
+fn said(words: &[String]) {
+    words.iter().for_each(|words| eprintln!("note: {words}"));
 }

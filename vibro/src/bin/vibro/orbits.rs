@@ -2,15 +2,15 @@
 
 use crate::arguments::Common;
 use crate::long::perform_as;
-use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which, constant_loads};
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
 use crate::ranges::{ParameterRange, shown};
-use std::path::PathBuf;
 use vibro::long_study::{LongStudy, StudyKind};
-use vibro::studies::{self, Study};
+use vibro::special_points::SpecialPoint;
+use vibro::studies::{self, Curve, Study};
 use vibro::{Error, Result};
 use vibro_analysis::orbits::{
-    Branch, Family, Label, LocusStart, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch,
-    locus, orbit_of, search, settle,
+    Branch, ConstantLoads, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus,
+    orbit_of, search, settle,
 };
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Name, ParameterSet, find_group, numbers};
@@ -21,7 +21,8 @@ const TRIES: u32 = 400;
 const SETTLE: u32 = 2000;
 
 impl Which {
-    /// The orbits of the word, those nearest to stability first; or the one of the settled motion.
+    /// The orbits of the word, those that no shorter word has first, and of these those nearest to stability; or the one of the
+    /// settled motion.
     fn orbits(&self, system: &System) -> Result<Vec<Orbit>> {
         let Some(text) = &self.word else {
             let state = settle(system, &moving_block(system.parameters()), SETTLE)?;
@@ -37,6 +38,7 @@ impl Which {
         }
         let mut found = search(system, &word, TRIES)?;
         found.sort_by(|a, b| a.spectral_radius().total_cmp(&b.spectral_radius()));
+        found.sort_by_key(|orbit| !orbit.is_shortest());
         Ok(found)
     }
 }
@@ -57,13 +59,14 @@ fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
     if !PathOptions::STEPS.contains(&a.step) {
         return Err(Error::form(format!("--step {}", a.step), "a length from 1e-5 to 0.2"));
     }
-    Ok(Family::new(set, a.which.loads(), span(&range)?)?)
+    Ok(Family::new(set, ConstantLoads::NONE, span(&range)?)?)
 }
 
 /// The values that are marked.
 fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
     let texts: Vec<&str> = a.mark.iter().map(String::as_str).collect();
-    let marks = numbers(along.name, &texts)?;
+    let (marks, _) = numbers(along.name, &texts)?;
+    marks.iter().try_for_each(|mark| along.name.check(*mark))?;
     match marks.iter().find(|mark| !(along.from..=along.to).contains(*mark)) {
         None => Ok(marks),
         Some(mark) => {
@@ -80,6 +83,7 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
     let span = *family.span();
     let options = TreeOptions {
         seeds: a.seeds as usize,
+        starts: a.starts as usize,
         depth: a.depth,
         most_letters: a.letters as usize,
         longest_step: a.step,
@@ -87,7 +91,7 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
         marks: marks(a, &span)?,
         ..TreeOptions::default()
     };
-    let kind = StudyKind::Orbits { span, loads: a.which.loads(), options };
+    let kind = StudyKind::Orbits { span, loads: ConstantLoads::NONE, options };
     perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
 }
 
@@ -116,13 +120,12 @@ pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<
             branches.push(found);
         }
     }
-    studies::orbits(set, &family, &branches).map(Some)
+    studies::orbits(set, &family, &branches, None).map(Some)
 }
 
 pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {
-    let system = System::with_loads(set.parameters(), a.which.loads())?;
-    let found = a.which.orbits(&system)?;
-    studies::orbit(set, &found[0], found.len() - 1)
+    let system = System::new(set.parameters())?;
+    studies::orbit(set, &a.which.orbits(&system)?)
 }
 
 pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
@@ -132,63 +135,37 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
             "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",
         ));
     };
-    let family = Family::over_two(set, constant_loads(&a.load), span(&first)?, span(&second)?)?;
+    let family = Family::over_two(set, ConstantLoads::NONE, span(&first)?, span(&second)?)?;
     let held = second.name.value(set);
-    let mut curves = Vec::new();
-    for from in &a.from {
-        let start = start(from, first.name, held)?;
-        if a.label.as_ref().is_some_and(|label| label != start.label.name()) {
-            continue;
+    let (mut curves, mut problems) = (Vec::new(), Vec::new());
+    for selection in &a.from {
+        let points = selection.points(first.name, held)?;
+        for SpecialPoint { row, start, .. } in points {
+            if a.label.as_ref().is_some_and(|label| label != start.label.name()) {
+                continue;
+            }
+            let from = format!("{}:{row}", selection.path.display());
+            let what = format!("{from} ({} of {} at {})", start.label, start.word, start.values[0]);
+            let known = |curve: &&Curve| curve.start.is_same(&start, &family).unwrap_or(false);
+            if let Some(same) = curves.iter_mut().find(|c: &&mut Curve| known(&&**c)) {
+                same.also.push(row);
+                continue;
+            }
+            let found = start.shortest(&family).and_then(|start| Ok((locus(&family, &start)?, start)));
+            match found {
+                Ok((points, start)) => curves.push(Curve { from, row, start, points, also: Vec::new() }),
+                Err(error) => problems.push(format!("{what}: {error}")),
+            }
         }
-        let points = locus(&family, &start)?;
-        curves.push((start, points));
     }
     if curves.is_empty() {
-        let what = format!("--label {}", a.label.as_deref().unwrap_or_default());
-        return Err(Error::Refused { what, problem: "none of the points has this label".into() });
+        return Err(match (problems.is_empty(), &a.label) {
+            (false, _) => Error::Refused { what: "--from".into(), problem: problems.join("; ") },
+            (true, label) => {
+                let what = format!("--label {}", label.as_deref().unwrap_or_default());
+                Error::Refused { what, problem: "none of the points has this label".into() }
+            }
+        });
     }
-    studies::loci(set, &family, &curves)
-}
-
-/// A special point of a table, as `special-points.csv:12`.
-fn start(text: &str, along: Name, held: f64) -> Result<LocusStart> {
-    let form = || Error::form(text, "file:row with a table of special points and a row counted from 1");
-    let (path, row) = text.rsplit_once(':').ok_or_else(form)?;
-    let (path, row) = (PathBuf::from(path), row.parse::<usize>().ok().filter(|r| *r > 0).ok_or_else(form)?);
-    let wrong = |problem: String| Error::Config { path: path.clone(), problem };
-    let mut reader = csv::Reader::from_path(&path).map_err(|e| wrong(e.to_string()))?;
-    let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
-    let record = reader.records().nth(row - 1).ok_or_else(|| wrong(format!("has no row {row}")))?;
-    let record = record.map_err(|e| wrong(e.to_string()))?;
-    let cell = |name: &str| -> Result<&str> {
-        let index = header.iter().position(|h| h == name);
-        index
-            .and_then(|i| record.get(i))
-            .ok_or_else(|| wrong(format!("has no column `{name}`: is it special-points.csv?")))
-    };
-    if Name::find(cell("parameter")?)? != along {
-        let problem =
-            format!("has points over {}, but the first --vary is of {}", cell("parameter")?, along.name());
-        return Err(wrong(problem));
-    }
-    let label =
-        [Label::Fold, Label::BranchPoint, Label::PeriodDoubling, Label::NeimarkSacker, Label::Grazing];
-    let name = cell("label")?;
-    let no_curve = || wrong(format!("row {row} is {name}; curves start from LP, BP, PD, NS and GR"));
-    let label = label.into_iter().find(|l| l.name() == name).ok_or_else(no_curve)?;
-    let number =
-        |text: &str| text.parse::<f64>().map_err(|_| wrong(format!("row {row}: `{text}` is no number")));
-    let phases = cell("phases")?.split_whitespace().map(number).collect::<Result<Vec<_>>>()?;
-    let closing: i8 = if cell("closing")? == "-" { -1 } else { 1 };
-    let period: u32 = cell("period")?.parse().map_err(|_| wrong(format!("row {row}: no period")))?;
-    let half = if closing < 0 { period } else { 2 * period };
-    let text = cell("word")?;
-    if label == Label::Grazing && text != cell("longer_word")? {
-        return Err(wrong(format!(
-            "row {row} is a touch seen from the word without it; take the row of the branch {}",
-            cell("longer_word")?
-        )));
-    }
-    let word = OrbitWord::new(text, closing, half)?;
-    Ok(LocusStart { label, word, phases, values: [number(cell("value")?)?, held] })
+    studies::loci(set, &family, &curves, &problems)
 }

@@ -1,38 +1,9 @@
 //! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`.
 
+use crate::arguments::ConstantLoads;
 use crate::ranges::ParameterRange;
 use clap::Args;
-use std::str::FromStr;
-use vibro::{Error, Result};
-use vibro_analysis::orbits::ConstantLoads;
-
-/// A constant load, as `block=0.02`.
-#[derive(Clone, Copy, Debug)]
-pub struct LoadArgument {
-    body: usize,
-    force: f64,
-}
-
-impl FromStr for LoadArgument {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let form =
-            || Error::form(text, "body=force in N with a body of box, block, secondary, e.g. block=-0.02");
-        let (body, force) = text.split_once('=').ok_or_else(form)?;
-        let body =
-            ["box", "block", "secondary"].iter().position(|name| *name == body.trim()).ok_or_else(form)?;
-        let force = force.trim().parse::<f64>().ok().filter(|f| f.is_finite()).ok_or_else(form)?;
-        Ok(Self { body, force })
-    }
-}
-
-/// The loads together, those on one body added up.
-pub fn constant_loads(arguments: &[LoadArgument]) -> ConstantLoads {
-    let mut loads = ConstantLoads::NONE;
-    arguments.iter().for_each(|load| loads.forces[load.body] += load.force);
-    loads
-}
+use vibro::special_points::Selection;
 
 /// Which orbit.
 #[derive(Args, Debug)]
@@ -44,17 +15,9 @@ pub struct Which {
     /// Its period in drive periods, for --word
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
     pub period: u32,
-    /// A constant load in N on box, block or secondary; may be repeated. A gap off its centre by d is the pair
-    /// block=-k23*d, secondary=k23*d
-    #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
-    pub load: Vec<LoadArgument>,
-}
-
-impl Which {
-    /// The loads on the bodies.
-    pub fn loads(&self) -> ConstantLoads {
-        constant_loads(&self.load)
-    }
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
 }
 
 /// Arguments of `orbit`.
@@ -74,7 +37,8 @@ pub struct Orbits {
     /// The orbit with which a single branch begins, at the value that was set.
     #[command(flatten)]
     pub which: Which,
-    /// All branches: from settled motions over the whole range, rising and falling, and from every special point
+    /// All branches: from settled motions over the whole range, rising and falling, from orbits near which other motions pass, and
+    /// from every special point
     #[arg(long, conflicts_with_all = ["word", "period"])]
     pub tree: bool,
     /// Switches of branches that are followed one after another
@@ -83,6 +47,10 @@ pub struct Orbits {
     /// Values of the parameter at which motions are settled, in each direction
     #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub seeds: u32,
+    /// Motions from starts spread over the states that are visited, and over the range, half again where motions did not settle on a
+    /// stable orbit: stable branches near whose orbits they pass are followed too
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub starts: u32,
     /// Most impacts in a word
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=128))]
     pub letters: u32,
@@ -100,11 +68,12 @@ pub struct Orbits {
 /// Arguments of `locus`.
 #[derive(Args, Debug)]
 pub struct Loci {
-    /// A special point from which a curve is followed: a file written by `vibro orbits` and a row, counted from 1. May be
-    /// repeated
-    #[arg(long, required = true, value_name = "FILE:ROW")]
-    pub from: Vec<String>,
-    /// Curves of this kind only: LP, BP, PD, NS or GR
+    /// Special points from which curves are followed, of a table written by `vibro orbits`: FILE:12 is its row 12, counted from 1;
+    /// FILE:LP its folds; FILE:LP@2.3041 its folds at this value, as far as it is written; FILE all. May be repeated. A point
+    /// from which no curve can be followed is told and does not stop the others
+    #[arg(long, required = true, value_name = "FILE[:ROW|:LABEL@VALUE]")]
+    pub from: Vec<Selection>,
+    /// Curves of this kind only: LP, BP, PD, NS, GR or CH
     #[arg(long, value_name = "LABEL")]
     pub label: Option<String>,
     /// The two parameters and their ranges, horizontal first; the first is that of the special points
@@ -116,7 +85,7 @@ pub struct Loci {
         allow_hyphen_values = true
     )]
     pub vary: Vec<ParameterRange>,
-    /// A constant load in N on box, block or secondary; may be repeated
-    #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
-    pub load: Vec<LoadArgument>,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
 }

@@ -1,13 +1,14 @@
 //! Ranges, lists and pairs of parameters, and shares of a study, as arguments: `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
 
 use clap::Args;
+use std::cmp::Ordering;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 use vibro::{Error, Result};
 use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::ParameterAxis;
-use vibro_analysis::{Name, ParameterSet, Unit, numbers, typed_unit};
+use vibro_analysis::{Name, ParameterSet, Unit, numbers};
 
 /// A share of a long study.
 #[derive(Args, Debug)]
@@ -22,7 +23,8 @@ pub struct Share {
 pub struct ParameterRange {
     /// The parameter.
     pub name: Name,
-    /// Its ends in its SI unit, the lower one first; both are allowed values.
+    /// Its ends in its SI unit, the lower one first; both are allowed values. Ends without a unit are as typed until
+    /// [`read_in_written_unit`](InWrittenUnit::read_in_written_unit).
     pub ends: (f64, f64),
     /// The number of values, if it was given.
     pub count: Option<usize>,
@@ -35,7 +37,7 @@ pub struct ParameterRange {
 pub struct ParameterValues {
     /// The parameter.
     pub name: Name,
-    /// The values in its SI unit, as given; all are allowed.
+    /// The values in its SI unit, as given; all are allowed. Those without a unit are as typed, as in a range.
     pub values: Vec<f64>,
     /// The unit in which they were written.
     pub unit: Option<&'static Unit>,
@@ -63,9 +65,13 @@ impl FromStr for ParameterRange {
             [from, to, count] => (from, to, Some(count.trim().parse().map_err(|_| form())?)),
             _ => return Err(form()),
         };
-        let (ends, unit) = (numbers(name, &[from, to])?, typed_unit(name, from));
+        let (ends, unit) = numbers(name, &[from, to])?;
         let ends = (ends[0], ends[1]);
-        if ends.0 < ends.1 { Ok(Self { name, ends, count, unit }) } else { Err(form()) }
+        if ends.0.partial_cmp(&ends.1) != Some(Ordering::Less) {
+            return Err(form());
+        }
+        check_if_certain(name, unit, &[ends.0, ends.1])?;
+        Ok(Self { name, ends, count, unit })
     }
 }
 
@@ -76,8 +82,9 @@ impl FromStr for ParameterValues {
         let form = || Error::form(text, "name=value,value,…, e.g. f10=0.6,1.2,1.5");
         let (name, list) = text.split_once('=').ok_or_else(form)?;
         let name = Name::find(name.trim())?;
-        let texts: Vec<&str> = list.split(',').collect();
-        Ok(Self { name, values: numbers(name, &texts)?, unit: typed_unit(name, texts[0]) })
+        let (values, unit) = numbers(name, &list.split(',').collect::<Vec<_>>())?;
+        check_if_certain(name, unit, &values)?;
+        Ok(Self { name, values, unit })
     }
 }
 
@@ -117,6 +124,77 @@ impl fmt::Display for ParameterPair {
 pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRange {
     let own = if set.is_set(name) { name.value(set) } else { default.0 };
     ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None, unit: None }
+}
+
+/// Values of a parameter on an axis. A number without a unit is in the unit in which that parameter was written, by the machine's
+/// file or `--set`, which is known only once these are read.
+pub trait InWrittenUnit: fmt::Display {
+    /// The parameter.
+    fn name(&self) -> Name;
+
+    /// The unit in which the values were typed.
+    fn unit(&mut self) -> &mut Option<&'static Unit>;
+
+    /// The values.
+    fn values(&mut self) -> Vec<&mut f64>;
+
+    /// Takes the values for numbers in the unit in which the parameter was written, if they have none of their own; returns words
+    /// that say so where it makes a difference.
+    ///
+    /// # Errors
+    /// The range of a value.
+    fn read_in_written_unit(&mut self, set: &ParameterSet) -> Result<Option<String>> {
+        let (name, typed) = (self.name(), self.to_string());
+        let written = set.unit(name).filter(|unit| self.unit().is_none() && !unit.is_si());
+        if let Some(unit) = written {
+            *self.unit() = Some(unit);
+            self.values().into_iter().for_each(|value| *value = unit.si(*value));
+        }
+        for value in self.values() {
+            name.check(*value).map_err(vibro_analysis::Error::from)?;
+        }
+        Ok(written.map(|unit| read_in(&typed, unit)))
+    }
+}
+
+/// Words that say in which unit a number without one was read.
+pub fn read_in(typed: &str, unit: &Unit) -> String {
+    format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
+}
+
+impl InWrittenUnit for ParameterRange {
+    fn name(&self) -> Name {
+        self.name
+    }
+
+    fn unit(&mut self) -> &mut Option<&'static Unit> {
+        &mut self.unit
+    }
+
+    fn values(&mut self) -> Vec<&mut f64> {
+        vec![&mut self.ends.0, &mut self.ends.1]
+    }
+}
+
+impl InWrittenUnit for ParameterValues {
+    fn name(&self) -> Name {
+        self.name
+    }
+
+    fn unit(&mut self) -> &mut Option<&'static Unit> {
+        &mut self.unit
+    }
+
+    fn values(&mut self) -> Vec<&mut f64> {
+        self.values.iter_mut().collect()
+    }
+}
+
+/// Checks values whose unit cannot change any more: those with a unit, and groups, which have none.
+fn check_if_certain(name: Name, unit: Option<&Unit>, values: &[f64]) -> Result<()> {
+    let certain = unit.is_some() || matches!(name, Name::Group(_));
+    let check = |value: &f64| name.check(*value).map_err(|e| vibro_analysis::Error::from(e).into());
+    if certain { values.iter().try_for_each(check) } else { Ok(()) }
 }
 
 impl ParameterRange {

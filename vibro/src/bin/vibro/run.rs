@@ -3,10 +3,10 @@
 use clap::{Args, ValueEnum};
 use std::fmt;
 use std::str::FromStr;
-use vibro::load_file::LoadFile;
-use vibro::run_start::Start;
+use vibro::load_file::{LoadArgument, files};
 use vibro::studies::{self, RunLength, RunRequest, Study};
 use vibro::{Error, Result};
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, quantity_in};
 use vibro_impact::load::Interpolation;
 
@@ -19,17 +19,18 @@ pub struct Run {
     /// Time recorded: in s, with a unit (2s, 500 ms), or in drive periods ("200 periods")
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub duration: Option<Duration>,
-    /// Drive periods discarded before the record begins, without loads; 400 unless given, 0 with --start or --load
+    /// Drive periods discarded before the record begins, without loads from files; 400 unless given, 0 with --start or a file as
+    /// --load
     #[arg(long, value_name = "N")]
     pub discard: Option<u32>,
     /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v secondary.v in SI, each also
     /// with a unit (block.s=5mm), what is not named zero; or "orbit": on the exact orbit where that is stable. v2=1 unless given
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
-    pub start: Option<Start>,
-    /// Load on box, block or secondary from a CSV file of time (s) and force (N); time 0 is the beginning of the record. May
-    /// be repeated; loads on one body add
-    #[arg(long, value_name = "BODY=FILE")]
-    pub load: Vec<LoadFile>,
+    pub start: Option<StartRule>,
+    /// Load on box, block or secondary: a constant force (block=-3.4N), which acts from the start on, or a CSV file of time (s) and
+    /// force (N), whose time 0 is the beginning of the record. May be repeated; loads on one body add
+    #[arg(long, value_name = "BODY=FORCE|FILE", allow_hyphen_values = true)]
+    pub load: Vec<LoadArgument>,
     /// What the force is between two samples
     #[arg(long, value_enum, default_value_t = InterpolationName::Linear)]
     pub interpolation: InterpolationName,
@@ -84,6 +85,7 @@ pub enum InterpolationName {
     Cubic,
 }
 
+/// Constant loads are among the parameters of the set.
 pub fn run(set: &ParameterSet, a: &Run) -> Result<Study> {
     let length = match (a.periods, a.duration) {
         (Some(n), _) => RunLength::Periods(n.into()),
@@ -95,7 +97,7 @@ pub fn run(set: &ParameterSet, a: &Run) -> Result<Study> {
         InterpolationName::Linear => Interpolation::Linear,
         InterpolationName::Cubic => Interpolation::Cubic,
     };
-    let loads = a.load.iter().map(|file| file.read(interpolation)).collect::<Result<Vec<_>>>()?;
+    let loads = files(&a.load).map(|file| file.read(interpolation)).collect::<Result<Vec<_>>>()?;
     let request = RunRequest { length, discard: a.discard, start: a.start, samples: a.samples.into(), loads };
     studies::run(set, &request)
 }

@@ -157,8 +157,10 @@ fn along(set: &ParameterSet, range: &ParameterRange, a: &Response) -> Result<Stu
     let (name, values) = match &a.values[..] {
         // The set itself is the only member.
         [] => {
-            let other = if range.name.is_same_quantity(Name::find("f10")?) { "kappa" } else { "f10" };
-            let name = Name::find(other)?;
+            let [force, restitution] =
+                if set.is_si() { ["drive.amplitude", "stop.restitution"] } else { ["f10", "kappa"] };
+            let along_force = range.name.is_same_quantity(Name::find("f10")?);
+            let name = Name::find(if along_force { restitution } else { force })?;
             (name, vec![name.value(set)])
         }
         [one] if !one.name.is_same_quantity(range.name) => (one.name, members(set, one.name, [one], &[])),

@@ -8,14 +8,14 @@ use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::design_sweep::{Designs, Request, spread_starts};
-use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::measures::Measure;
 use vibro_analysis::sobol::DIMENSIONS;
+use vibro_analysis::start::StartRule;
 
 /// The designs that were asked for.
-fn designs(a: &Sweep) -> Result<Designs> {
+fn designs(set: &ParameterSet, a: &Sweep) -> Result<Designs> {
     if let Some(path) = &a.design {
-        return design_file::read(path);
+        return design_file::read(path, set);
     }
     match a.sobol {
         None => {
@@ -35,7 +35,7 @@ fn designs(a: &Sweep) -> Result<Designs> {
     }
 }
 
-fn request(a: &Sweep) -> Result<Request> {
+fn request(set: &ParameterSet, a: &Sweep) -> Result<Request> {
     let over = a.over.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?;
     let mut starts = if a.start.is_empty() { vec![StartRule::default()] } else { a.start.clone() };
     starts.extend(spread_starts(a.starts));
@@ -46,13 +46,13 @@ fn request(a: &Sweep) -> Result<Request> {
         }
     }
     let request =
-        Request { designs: designs(a)?, over, starts, discard: a.discard, periods: a.periods, measures };
+        Request { designs: designs(set, a)?, over, starts, discard: a.discard, periods: a.periods, measures };
     request.check()?;
     Ok(request)
 }
 
 pub fn sweep(set: &ParameterSet, common: &Common, a: &Sweep) -> Result<()> {
-    let request = request(a)?;
+    let request = request(set, a)?;
     let mut invocation = common.invocation.clone();
     let words = |axes: &[AxisArgument]| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
     for (option, axes) in [("vary", &a.vary), ("over", &a.over)] {

@@ -1,14 +1,15 @@
 //! Arguments of `vibro sweep`.
 
-use crate::ranges::{ParameterRange, ParameterValues, Share};
+use crate::arguments::ConstantLoads;
+use crate::ranges::{InWrittenUnit, ParameterRange, ParameterValues, Share};
 use clap::Args;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::{Error, Result};
 use vibro_analysis::design_sweep::{ParameterInterval, SampledAxis};
-use vibro_analysis::isoperiodic::StartRule;
 use vibro_analysis::measures::Measure;
+use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, Unit};
 
 /// What is measured unless told otherwise.
@@ -28,7 +29,7 @@ EXAMPLES
   vibro sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)
 
 THE TABLE (sweep.csv, sweep.parquet) is in SI, a row for each design: the parameters, the outputs, the reason why values are
-missing. Of one motion an output has its name; of several it has NAME.min, NAME.mean, NAME.max, and where the largest is:
+missing, and at the end each parameter that was written in another unit, in that unit, as `drive.frequency [Hz]`. Of one motion an output has its name; of several it has NAME.min, NAME.mean, NAME.max, and where the largest is:
 NAME.max.drive.frequency, NAME.max.start.";
 
 /// Arguments of `sweep`.
@@ -52,8 +53,9 @@ pub struct Sweep {
     /// What is measured: names with commas between, from `vibro sweep --list`. May be repeated
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = DEFAULT)]
     pub output: Vec<Measure>,
-    /// Where motions start (x1 x2 x3 in L, v1 v2 v3 in L omega10, what is not named zero), or "orbit": on the exact orbit
-    /// where it is stable. May be repeated: every design is tried from each; v2=1 unless given
+    /// Where motions start: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v secondary.v in SI, each
+    /// also with a unit (block.s=5mm), what is not named zero; or "orbit": on the exact orbit where it is stable. May be repeated:
+    /// every design is tried from each; v2=1 unless given
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Vec<StartRule>,
     /// So many more starts, spread evenly over displacements up to 2 L and velocities up to 2 L omega10
@@ -68,6 +70,9 @@ pub struct Sweep {
     /// Tells the names of all outputs, with unit and meaning
     #[arg(long)]
     pub list: bool,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
     /// For many machines.
     #[command(flatten)]
     pub share: Share,
@@ -101,6 +106,26 @@ impl fmt::Display for AxisArgument {
                 let values: Vec<String> = list.values.iter().map(f64::to_string).collect();
                 write!(f, "{}={}", list.name.name(), values.join(","))
             }
+        }
+    }
+}
+
+impl InWrittenUnit for AxisArgument {
+    fn name(&self) -> Name {
+        self.name()
+    }
+
+    fn unit(&mut self) -> &mut Option<&'static Unit> {
+        match self {
+            Self::Range(range) => range.unit(),
+            Self::List(list) => list.unit(),
+        }
+    }
+
+    fn values(&mut self) -> Vec<&mut f64> {
+        match self {
+            Self::Range(range) => range.values(),
+            Self::List(list) => list.values(),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! What is kept of a sweep's rows while they pass: values for the picture, and what is worth saying.
 
-use vibro_analysis::design_sweep::{Request, Row};
+use vibro_analysis::design_sweep::{Request, Row, rows};
 use vibro_analysis::measures::Measure;
-use vibro_analysis::{Name, significant};
+use vibro_analysis::{Name, ParameterSet, significant};
 
 /// Most designs of a picture.
 const MOST_DRAWN: usize = 100_000;
@@ -17,12 +17,28 @@ pub(super) struct MeasureRecord {
     index: usize,
     /// For the picture, design by design.
     pub reaches: Vec<Reach>,
-    /// The designs of the least and of the largest value: the value with the parameters.
-    ends: Option<[(f64, Vec<f64>); 2]>,
+    /// The designs of the least values, from the least up, and that of the largest.
+    least: Vec<Found>,
+    largest: Option<Found>,
 }
+
+/// A value with its spread, and the parameters of its design.
+#[derive(Clone)]
+struct Found {
+    value: f64,
+    spread: f64,
+    design: Vec<f64>,
+}
+
+/// Designs that are measured again before one of them is called the best.
+const BEST: usize = 5;
+/// What is this part of a value and less is rounding, and no spread.
+const REGULAR: f64 = 1e-6;
 
 /// What is kept of a sweep.
 pub(super) struct Collected {
+    /// For the units in which parameters are told.
+    set: ParameterSet,
     names: Vec<Name>,
     motions: usize,
     /// Values of the parameters, design by design, for the picture.
@@ -36,15 +52,17 @@ pub(super) struct Collected {
 }
 
 impl Collected {
-    pub fn new(request: &Request) -> Self {
+    pub fn new(set: &ParameterSet, request: &Request) -> Self {
         let numbers = request.measures.iter().enumerate().filter(|(_, m)| **m != Measure::Class);
         let record = |(index, measure): (usize, &Measure)| MeasureRecord {
             measure: *measure,
             index,
             reaches: Vec::new(),
-            ends: None,
+            least: Vec::new(),
+            largest: None,
         };
         Self {
+            set: set.clone(),
             names: request.designs.names(),
             motions: request.motions(),
             values: Vec::new(),
@@ -67,18 +85,22 @@ impl Collected {
         if let Some(reason) = &row.reason {
             self.bad += 1;
             if self.reason.is_none() {
-                self.reason = Some(format!("{}: {reason}", design_in_words(&self.names, &row.values)));
+                self.reason =
+                    Some(format!("{}: {reason}", design_in_words(&self.set, &self.names, &row.values)));
             }
         }
         for record in &mut self.records {
             let output = row.outputs.get(record.index).copied().flatten();
             if let Some(found) = output {
-                let here = || (found.largest, row.values.clone());
-                match &mut record.ends {
-                    None => record.ends = Some([here(), here()]),
-                    Some([least, _]) if found.largest < least.0 => *least = here(),
-                    Some([_, largest]) if found.largest > largest.0 => *largest = here(),
-                    _ => {}
+                let here =
+                    || Found { value: found.largest, spread: found.spread, design: row.values.clone() };
+                let place = record.least.partition_point(|other| other.value <= found.largest);
+                if place < BEST {
+                    record.least.insert(place, here());
+                    record.least.truncate(BEST);
+                }
+                if record.largest.as_ref().is_none_or(|other| found.largest > other.value) {
+                    record.largest = Some(here());
                 }
             }
             if self.draws {
@@ -98,22 +120,23 @@ impl Collected {
             lines.push(format!("{} of {} designs lack values; the first: {which}", self.bad, self.count));
         }
         for record in &self.records {
-            let Some([least, largest]) = &record.ends else { continue };
-            let unit = match record.measure.unit() {
-                "1" => String::new(),
-                unit => format!(" {}", unit.replace('.', "·")),
-            };
-            let told = |(value, design): &(f64, Vec<f64>)| {
-                let at = if self.count > 1 { design_in_words(&self.names, design) } else { String::new() };
+            let (Some(least), Some(largest)) = (record.least.first(), &record.largest) else { continue };
+            let unit = unit_of(record.measure);
+            let told = |found: &Found| {
+                let at = if self.count > 1 {
+                    design_in_words(&self.set, &self.names, &found.design)
+                } else {
+                    String::new()
+                };
                 let at = if at.is_empty() { at } else { format!(" at {at}") };
-                format!("{}{unit}{at}", significant(*value))
+                format!("{}{unit}{at}", with_spread(found.value, found.spread))
             };
             let what = match self.motions {
                 1 => record.measure.name(),
                 n => format!("{}, largest of {n} motions", record.measure),
             };
             // The same but for rounding.
-            if significant(least.0) == significant(largest.0) {
+            if significant(least.value) == significant(largest.value) {
                 lines.push(format!("{what}: {}", told(least)));
             } else {
                 lines.push(format!("{what}: least {}; largest {}", told(least), told(largest)));
@@ -126,13 +149,95 @@ impl Collected {
     }
 }
 
+impl Collected {
+    /// The best few designs by the first measure, measured again for longer and from more starts, and what to say of them. Nothing where
+    /// there is nothing to choose from, or where the measure does not depend on the motion.
+    pub fn measured_again(&self, set: &ParameterSet, request: &Request) -> Vec<String> {
+        let Some(record) = self.records.first() else { return Vec::new() };
+        let least: Vec<&Found> = record.least.iter().collect();
+        if least.len() < 2 || record.measure == Measure::AmplitudeWithoutBlock {
+            return Vec::new();
+        }
+        let again = request.again(least.iter().map(|found| found.design.clone()).collect(), record.measure);
+        let mut found: Vec<Found> = rows(set, &again)
+            .into_iter()
+            .filter_map(|row| {
+                let output = row.outputs.first().copied().flatten()?;
+                Some(Found { value: output.largest, spread: output.spread, design: row.values })
+            })
+            .collect();
+        found.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let unit = unit_of(record.measure);
+        let mut lines = vec![format!(
+            "the {} least by {} again, over {} drive periods from {} starts:",
+            found.len(),
+            record.measure,
+            again.periods,
+            again.starts.len()
+        )];
+        let told = |one: &Found| {
+            let value = with_spread(one.value, one.spread);
+            format!("  {value}{unit} at {}", design_in_words(&self.set, &self.names, &one.design))
+        };
+        lines.extend(found.iter().map(told));
+        if let [first, second, ..] = &found[..]
+            && second.value - first.value < 2.0 * first.spread.hypot(second.spread)
+        {
+            lines.push(
+                "  of these the first two are not told apart: they differ by less than twice their spread"
+                    .into(),
+            );
+        }
+        lines
+    }
+}
+
+/// The unit of a measure, with a space before it.
+fn unit_of(measure: Measure) -> String {
+    match measure.unit() {
+        "1" => String::new(),
+        unit => format!(" {}", unit.replace('.', "·")),
+    }
+}
+
+/// A number to the digits that its spread leaves: `0.0248 ± 0.0003`.
+fn with_spread(value: f64, spread: f64) -> String {
+    if spread <= REGULAR * value.abs() {
+        return significant(value);
+    }
+    // One digit of the spread, two where it begins with 1.
+    let power = spread.log10().floor();
+    let digits = if spread / 10f64.powf(power) < 2.0 { 1 } else { 0 };
+    let decimals = (digits - power as i32).max(0) as usize;
+    format!("{value:.decimals$} ± {spread:.decimals$}").replace('-', "−")
+}
+
 /// A reason without the empty name of the one design there is.
 fn design_or_none(reason: &str) -> &str {
     reason.strip_prefix(": ").unwrap_or(reason)
 }
 
-/// A design in words: `block.m = 1.2 kg, stop.gap = 0.01 m`.
-fn design_in_words(names: &[Name], values: &[f64]) -> String {
-    let told = |(name, value): (&Name, &f64)| format!("{} = {}", name.name(), name.with_unit(*value));
+/// A design in words, in the units in which the machine was written: `block.m = 1.2 kg, stop.gap = 10 mm`.
+fn design_in_words(set: &ParameterSet, names: &[Name], values: &[f64]) -> String {
+    let told = |(name, value): (&Name, &f64)| format!("{} = {}", name.name(), set.with_unit(*name, *value));
     names.iter().zip(values).map(told).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_spread;
+
+    #[test]
+    fn closed_form_of_digits_by_their_spread() {
+        for (value, spread, words) in [
+            (0.024_795_81, 0.000_31, "0.0248 ± 0.0003"),
+            (0.024_795_81, 0.000_131, "0.02480 ± 0.00013"),
+            (1.234_567, 0.0, "1.234567"),
+            (1.234_567, 1e-9, "1.234567"),
+            (-12.345, 0.5, "−12.3 ± 0.5"),
+            (1234.5, 31.0, "1234 ± 31"),
+        ] {
+            assert_eq!(with_spread(value, spread), words);
+        }
+    }
 }

@@ -3,6 +3,7 @@
 
 use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{limits, map};
+use super::words::{Unit, words};
 use super::{method, varied};
 use crate::figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
 use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
@@ -13,6 +14,8 @@ use vibro_analysis::{Name, ParameterSet};
 
 /// Most panels of a picture.
 const PANELS: usize = 6;
+/// Values that differ by less than this part are the same.
+const SAME: f64 = 1e-9;
 
 /// The picture; `None` for a single design and for too many.
 pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -> Option<Figure> {
@@ -20,22 +23,26 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
         return None;
     }
     let names = request.designs.names();
+    let (records, left_out) = changing(set, found);
+    if records.is_empty() {
+        return None;
+    }
     let (panels, columns, panel) = match &request.designs {
         Designs::Grid(axes) => {
             let long: Vec<&SampledAxis> = axes.iter().filter(|a| a.values.len() > 1).collect();
             match &long[..] {
                 [] => return None,
-                [axis] => (lines(set, axis, request, found), 1, (2400, 900)),
-                [x, y] => (maps(set, [x, y], request, found), 2, (1500, 1250)),
-                all => (projections(set, all, request, found), 3.min(all.len()), (1300, 1150)),
+                [axis] => (lines(set, axis, request, &records), 1, (2400, 900)),
+                [x, y] => (maps(set, [x, y], request, &records), 2, (1500, 1250)),
+                all => (projections(set, all, request, records[0]), 3.min(all.len()), (1300, 1150)),
             }
         }
         _ if request.designs.count() < 2 => return None,
-        _ => (clouds(set, &names, request, found), 2.min(names.len()), (1500, 1000)),
+        _ => (clouds(set, &names, request, (found, records[0])), 2.min(names.len()), (1500, 1000)),
     };
     // Projections have one scale.
     let is_projection = matches!(&request.designs, Designs::Grid(axes) if axes.iter().filter(|a| a.values.len() > 1).count() > 2);
-    let symbols: Vec<_> = names.iter().map(|n| n.symbol()).collect();
+    let symbols: Vec<_> = names.iter().map(|n| set.symbol(*n)).collect();
     let several = panels.len() > 1;
     let lettered = |(letter, panel): (char, Panel)| match several {
         true => Panel { title: format!("({letter}) {}", panel.title), ..panel },
@@ -43,7 +50,10 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
     };
     Some(Figure {
         title: format!("Designs over {}", symbols.join(", ")),
-        caption: vec![method(set, request), format!("Elsewhere {}", set.caption_but(&varied(request)))],
+        caption: std::iter::once(method(set, request))
+            .chain(left_out)
+            .chain([format!("Elsewhere {}", set.caption_but(&varied(request)))])
+            .collect(),
         columns: columns.min(panels.len()),
         panels: ('a'..).zip(panels).map(lettered).collect(),
         panel,
@@ -51,20 +61,30 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
     })
 }
 
-/// A unit for labels and legends, with a space before it.
-fn unit(measure: Measure) -> String {
-    match measure.unit() {
-        "1" => String::new(),
-        unit => format!(" {}", unit.replace('.', "·")),
-    }
-}
-
 /// What a panel shows of a measure.
 fn title(measure: Measure, request: &Request) -> String {
     match request.motions() {
-        1 => measure.name(),
-        motions => format!("{measure}, largest of {motions} motions"),
+        1 => words(measure),
+        motions => format!("{}, largest of {motions} motions", words(measure)),
     }
+}
+
+/// Whether a measure is the same at all designs, and what it is. Where a design has no value, it is not.
+fn constant(record: &MeasureRecord) -> Option<f64> {
+    let all: Option<Vec<(f64, f64)>> = record.reaches.iter().copied().collect();
+    let ends = all?.into_iter().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+    (ends.1 - ends.0 <= SAME * ends.0.abs().max(ends.1.abs())).then_some(ends.1)
+}
+
+/// The measures whose value changes from design to design, and the others in a sentence.
+fn changing<'a>(set: &ParameterSet, found: &'a Collected) -> (Vec<&'a MeasureRecord>, Option<String>) {
+    let (same, changing): (Vec<_>, Vec<_>) = found.records.iter().partition(|r| constant(r).is_some());
+    let told = same.iter().filter_map(|record| {
+        let value = Unit::of(set, record.measure).told(constant(record)?);
+        Some(format!("{} is {value}", words(record.measure)))
+    });
+    let told = told.collect::<Vec<_>>().join("; ");
+    (changing, (!told.is_empty()).then(|| format!("Not drawn, since it is the same at all designs: {told}.")))
 }
 
 /// The kind of a measure: measures of one kind and unit share a panel.
@@ -102,11 +122,16 @@ fn unbounded_axis(set: &ParameterSet, name: Name) -> Axis {
 
 /// Over one parameter: a panel for each kind of measure. Of several motions the largest value is drawn over the pale area down
 /// to the least.
-fn lines(set: &ParameterSet, axis: &SampledAxis, request: &Request, found: &Collected) -> Vec<Panel> {
+fn lines(
+    set: &ParameterSet,
+    axis: &SampledAxis,
+    request: &Request,
+    records: &[&MeasureRecord],
+) -> Vec<Panel> {
     let mut order: Vec<usize> = (0..axis.values.len()).collect();
     order.sort_by(|a, b| axis.values[*a].total_cmp(&axis.values[*b]));
     let mut groups: Vec<Vec<&MeasureRecord>> = Vec::new();
-    for record in &found.records {
+    for &record in records {
         match groups.iter_mut().find(|g| kind(g[0].measure) == kind(record.measure)) {
             Some(group) => group.push(record),
             None => groups.push(vec![record]),
@@ -127,26 +152,19 @@ fn lines(set: &ParameterSet, axis: &SampledAxis, request: &Request, found: &Coll
             layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad).stroke(MARK));
         }
         let label = match &group[..] {
-            [one] => one.measure.name(),
+            [one] => words(one.measure),
             several => kind(several[0].measure).0,
         };
-        let unit = unit(group[0].measure);
-        let label =
-            if unit.is_empty() { format!("{label} (–)") } else { format!("{label} ({})", unit.trim()) };
         let largest = if request.motions() > 1 {
             format!("largest of {} motions, and down to the least", request.motions())
         } else {
             String::new()
         };
-        Panel { title: largest, x: unbounded_axis(set, axis.name), y: Axis::new(label), layers }
+        let title = if largest.is_empty() { label.clone() } else { largest };
+        let y = Unit::of(set, group[0].measure).axis(&label);
+        Panel { title, x: unbounded_axis(set, axis.name), y, layers }
     };
-    let mut panels: Vec<Panel> = groups.into_iter().map(panel).collect();
-    for panel in &mut panels {
-        if panel.title.is_empty() {
-            panel.title = panel.y.label.rsplit_once(" (").map_or(String::new(), |parts| parts.0.into());
-        }
-    }
-    panels
+    groups.into_iter().map(panel).collect()
 }
 
 /// The layers of one measure over one parameter.
@@ -163,7 +181,7 @@ fn curve(axis: &SampledAxis, order: &[usize], record: &MeasureRecord, several: b
         }
     }
     pieces.retain(|piece| !piece.is_empty());
-    let (name, colour) = (record.measure.name(), colour(record.measure));
+    let (name, colour) = (words(record.measure), colour(record.measure));
     let dash = if record.measure == Measure::AmplitudeWithoutBlock { Dash::Dashed } else { Dash::Solid };
     // A design between two without values would not show as a line.
     let lonely: Path = pieces.iter().filter(|p| p.len() == 1).flatten().copied().collect();
@@ -183,12 +201,19 @@ fn largest(reach: &Reach) -> Option<f64> {
 }
 
 /// Over two parameters: a map of each measure.
-fn maps(set: &ParameterSet, axes: [&SampledAxis; 2], request: &Request, found: &Collected) -> Vec<Panel> {
-    let panel = |record: &MeasureRecord| {
-        let values: Vec<Option<f64>> = record.reaches.iter().map(largest).collect();
-        map(set, title(record.measure, request), &unit(record.measure), axes, &values, &limits(&values))
+fn maps(
+    set: &ParameterSet,
+    axes: [&SampledAxis; 2],
+    request: &Request,
+    records: &[&MeasureRecord],
+) -> Vec<Panel> {
+    let panel = |record: &&MeasureRecord| {
+        let unit = Unit::of(set, record.measure);
+        let shown = |reach: &Reach| largest(reach).map(|value| unit.number(value));
+        let values: Vec<Option<f64>> = record.reaches.iter().map(shown).collect();
+        map(set, title(record.measure, request), &unit.spaced(), axes, &values, &limits(&values))
     };
-    found.records.iter().take(PANELS).map(panel).collect()
+    records.iter().take(PANELS).map(panel).collect()
 }
 
 /// Over more parameters: for each pair the least of the first measure over the others, all on one scale.
@@ -196,18 +221,20 @@ fn projections(
     set: &ParameterSet,
     axes: &[&SampledAxis],
     request: &Request,
-    found: &Collected,
+    record: &MeasureRecord,
 ) -> Vec<Panel> {
-    let record = &found.records[0];
+    let unit = Unit::of(set, record.measure);
+    let reaches: Vec<Reach> =
+        record.reaches.iter().map(|r| r.map(|(a, b)| (unit.number(a), unit.number(b)))).collect();
     let pairs = (0..axes.len()).flat_map(|i| (i + 1..axes.len()).map(move |j| [i, j]));
     let best: Vec<_> =
-        pairs.take(PANELS).map(|pair| (pair, best_over_others(axes, pair, &record.reaches))).collect();
+        pairs.take(PANELS).map(|pair| (pair, best_over_others(axes, pair, &reaches))).collect();
     let limits = limits(best.iter().flat_map(|(_, values)| values));
     let panel = |(pair, values): ([usize; 2], Vec<Option<f64>>)| {
         let others = (0..axes.len()).filter(|k| !pair.contains(k));
         let others: Vec<_> = others.map(|k| axes[k].name.symbol()).collect();
-        let words = format!("least over {} of {}", others.join(", "), title(record.measure, request));
-        map(set, words, &unit(record.measure), pair.map(|k| axes[k]), &values, &limits)
+        let words = format!("{}; least over {}", title(record.measure, request), others.join(", "));
+        map(set, words, &unit.spaced(), pair.map(|k| axes[k]), &values, &limits)
     };
     best.into_iter().map(panel).collect()
 }
@@ -231,8 +258,12 @@ fn best_over_others(axes: &[&SampledAxis], [i, j]: [usize; 2], reaches: &[Reach]
 }
 
 /// The first measure over each parameter.
-fn clouds(set: &ParameterSet, names: &[Name], request: &Request, found: &Collected) -> Vec<Panel> {
-    let record = &found.records[0];
+fn clouds(
+    set: &ParameterSet,
+    names: &[Name],
+    request: &Request,
+    (found, record): (&Collected, &MeasureRecord),
+) -> Vec<Panel> {
     let panel = |(index, name): (usize, &Name)| {
         let (mut points, mut bad) = (Path::new(), Path::new());
         for (values, reach) in found.values.iter().zip(&record.reaches) {
@@ -241,18 +272,12 @@ fn clouds(set: &ParameterSet, names: &[Name], request: &Request, found: &Collect
                 None => bad.push((values[index], 0.0)),
             }
         }
-        let words = title(record.measure, request);
         let mut layers = vec![Layer::marks("", colour(record.measure), Mark::Disc, points).stroke(MARK / 2)];
         if !bad.is_empty() {
             layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad));
         }
-        let unit = unit(record.measure);
-        let label = if unit.is_empty() {
-            record.measure.name()
-        } else {
-            format!("{} ({})", record.measure, unit.trim())
-        };
-        Panel { title: words, x: unbounded_axis(set, *name), y: Axis::new(label), layers }
+        let y = Unit::of(set, record.measure).axis(&words(record.measure));
+        Panel { title: title(record.measure, request), x: unbounded_axis(set, *name), y, layers }
     };
     names.iter().enumerate().take(PANELS).map(panel).collect()
 }

@@ -1,7 +1,7 @@
 //! The table of a sweep, as CSV and as Parquet, written row by row.
 
 use crate::part_folder::write_whole_by;
-use crate::table::exact;
+use crate::table::{column_in, exact, shown, written_unit};
 use crate::{Error, Result};
 use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
@@ -12,10 +12,10 @@ use parquet::schema::types::Type;
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_analysis::ParameterSet;
 use vibro_analysis::design_sweep::{Request, Row, each_row};
 use vibro_analysis::measures::Measure;
 use vibro_analysis::parts::Task;
+use vibro_analysis::{ParameterSet, Unit};
 
 /// Rows that are kept in memory to be written to Parquet together.
 const ROW_GROUP: usize = 65_536;
@@ -46,7 +46,7 @@ impl Cell {
 
 /// The columns: parameters, outputs, reason. Of several motions an output has its least, mean and largest value and says where
 /// the largest is.
-fn columns(request: &Request) -> Vec<Column> {
+fn columns(set: &ParameterSet, request: &Request) -> Vec<Column> {
     let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
     let text = |name: String| Column { name, unit: None };
     let names = request.designs.names();
@@ -67,11 +67,24 @@ fn columns(request: &Request) -> Vec<Column> {
         }
     }
     all.push(text("reason".into()));
+    for (_, unit, name) in written(set, &all) {
+        all.push(number(name, unit.plain()));
+    }
     all
 }
 
+/// The columns of parameters that were written in another unit than SI, by their places, with that unit and the name of the column
+/// in it.
+fn written(set: &ParameterSet, columns: &[Column]) -> Vec<(usize, &'static Unit, String)> {
+    let unit = |(i, c): (usize, &Column)| {
+        let unit = written_unit(set, &c.name)?;
+        Some((i, unit, column_in(&c.name, unit)))
+    };
+    columns.iter().enumerate().filter_map(unit).collect()
+}
+
 /// The cells of a row, in the order of the [`columns`].
-fn cells(request: &Request, row: Row) -> Vec<Cell> {
+fn cells(request: &Request, written: &[(usize, &'static Unit, String)], row: Row) -> Vec<Cell> {
     let mut all: Vec<Cell> = row.values.iter().map(|v| Cell::number(Some(*v))).collect();
     for (measure, output) in request.measures.iter().zip(&row.outputs) {
         match (measure, request.motions()) {
@@ -94,6 +107,13 @@ fn cells(request: &Request, row: Row) -> Vec<Cell> {
         }
     }
     all.push(Cell::text(row.reason.unwrap_or_default()));
+    for (place, unit, _) in written {
+        let cell = match all[*place] {
+            Cell::Number(value) => Cell::Number(shown(unit, value)),
+            _ => Cell::Empty,
+        };
+        all.push(cell);
+    }
     all
 }
 
@@ -114,14 +134,16 @@ pub fn write_tables(set: &ParameterSet, request: &Request, task: &Task, stem: &P
 fn write_csv(set: &ParameterSet, request: &Request, task: &Task, file: &mut impl Write) -> Result<()> {
     let mut csv = csv::Writer::from_writer(file);
     let problem = Error::output("a table");
-    csv.write_record(columns(request).iter().map(|c| &c.name)).map_err(&problem)?;
+    let columns = columns(set, request);
+    let written = written(set, &columns);
+    csv.write_record(columns.iter().map(|c| &c.name)).map_err(&problem)?;
     each_row(set, request, task, |row| {
         let text = |cell: Cell| match cell {
             Cell::Number(value) => exact(value),
             Cell::Text(words) => words,
             Cell::Empty => String::new(),
         };
-        csv.write_record(cells(request, row).into_iter().map(text)).map_err(&problem)
+        csv.write_record(cells(request, &written, row).into_iter().map(text)).map_err(&problem)
     })?;
     csv.flush().map_err(Error::output("a table"))
 }
@@ -197,7 +219,8 @@ fn write_parquet(
     file: &mut (impl Write + Send),
 ) -> Result<()> {
     let problem = Error::output("a Parquet file");
-    let columns = columns(request);
+    let columns = columns(set, request);
+    let written = written(set, &columns);
     let units = columns.iter().filter_map(|c| Some((format!("unit.{}", c.name), c.unit.clone()?)));
     let units = units.map(|(key, unit)| KeyValue { key, value: Some(unit) }).collect();
     let properties = WriterProperties::builder().set_key_value_metadata(Some(units)).build();
@@ -205,7 +228,7 @@ fn write_parquet(
     let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).map_err(&problem)?;
     let mut waiting = Waiting::new(columns.len());
     each_row(set, request, task, |row| {
-        waiting.push(cells(request, row));
+        waiting.push(cells(request, &written, row));
         if waiting.len() < ROW_GROUP {
             return Ok(());
         }

@@ -52,9 +52,10 @@ impl Drawn {
         let found: Vec<(Vec<Curve>, Vec<Place>)> = shown
             .par_iter()
             .map(|branch| {
-                // Of an orbit without symmetry the mirror image is another one, of which the maxima are minima of this one.
+                // Of an orbit without symmetry the mirror image is another one, of which the maxima are minima of this one. Under
+                // constant loads there is none.
                 let mut sides = vec![scaled(branch, weights)];
-                if branch.word.closing() > 0 {
+                if branch.word.closing() > 0 && family.is_symmetric() {
                     sides.push(scaled(branch, weights.map(|w| -w)));
                 }
                 let all = sides.iter().flat_map(|maxima| curves(branch, maxima));

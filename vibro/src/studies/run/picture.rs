@@ -1,209 +1,373 @@
-//! The picture of a run: histories with impacts marked, the phase portrait between the stops, impact speeds, loads.
+//! The picture of a run: histories with impacts marked, the phase portrait between the stops, impact speeds, loads. Of a run of
+//! many drive periods the whole is drawn by envelopes and its end in detail. What does not change is told in the caption.
 
+use super::envelope::{Extremes, constant, envelope, thinned};
 use super::history::{History, RunImpact, RunInstant};
 use super::short;
 use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, RELATIVE, SECONDARY};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 use crate::studies::PANEL;
 use crate::studies::lengths::LengthUnit;
 use vibro_analysis::ParameterSet;
 use vibro_impact::load::Load;
+use vibro_impact::simulator::Contact;
 
-/// Drive periods shown of a run without loads; of one with loads all is shown.
-const SHOWN: f64 = 20.0;
-/// Most columns into which a curve is thinned; a panel has fewer pixels.
-const COLUMNS: usize = 1500;
+/// Drive periods up to which a run is drawn as a whole; more would run into one black bar.
+const DRAWN: f64 = 40.0;
+/// Drive periods at the end of a longer run that are drawn in detail, and those of its phase portrait.
+const DETAIL: f64 = 10.0;
+const PORTRAIT: f64 = 60.0;
 /// Most instants of a portrait.
-const PORTRAIT: usize = 12_000;
-/// Most marks of a panel.
-const MARKS: usize = 4000;
+const INSTANTS: usize = 12_000;
+/// Most marks of a panel: more impacts are drawn by their least and largest speeds. Many are drawn small.
+const MARKS: usize = 1500;
+const MANY: usize = 200;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
-const COLOURS: [Colour; 3] = [BOX, BLOCK, SECONDARY];
+/// How strong the area of an envelope is.
+const AREA: f64 = 0.3;
+
+/// The bodies: symbol, name, colour.
+const BODIES: [(&str, &str, Colour); 3] =
+    [("x₁", "box", BOX), ("x₂", "block", BLOCK), ("x₃", "secondary", SECONDARY)];
 
 /// What is shown of a run.
 struct Shown<'a> {
     history: &'a History,
+    set: &'a ParameterSet,
     unit: LengthUnit,
+    /// The unit of length of rates.
+    rate: LengthUnit,
     gap: f64,
-    from: f64,
+    period: f64,
+    /// Indices of the bodies that move.
+    moving: Vec<usize>,
+    /// What is not drawn since it does not change, in words.
+    left_out: Vec<String>,
 }
 
-/// A curve with, in each of many columns, its first, lowest, highest and last point only: it looks the same.
-fn thinned(path: Path) -> Path {
-    let (Some(first), Some(last)) = (path.first(), path.last()) else { return path };
-    if path.len() <= 4 * COLUMNS {
-        return path;
+/// The title of a figure's panel, without its letter, and the panel.
+type Titled = (String, Panel);
+
+fn titled(title: impl Into<String>, x: Axis, y: Axis, layers: Vec<Layer>) -> Titled {
+    (title.into(), Panel { title: String::new(), x, y, layers })
+}
+
+/// An envelope as its area and both edges; the edges carry the name.
+fn enveloped(name: &str, colour: Colour, pieces: Vec<Vec<Extremes>>) -> Vec<Layer> {
+    let edge = |pick: fn(&Extremes) -> (f64, f64)| pieces.iter().map(move |p| p.iter().map(pick).collect());
+    let edges: Vec<Path> = edge(|p| (p.0, p.2)).chain(edge(|p| (p.0, p.1))).collect();
+    let areas = pieces.iter().map(|p| Layer::band("", colour, AREA, p.clone()));
+    areas.chain([Layer::lines("", colour, Dash::Solid, edges).stroke(THIN).labelled(name)]).collect()
+}
+
+impl<'a> Shown<'a> {
+    fn new(set: &'a ParameterSet, history: &'a History) -> Self {
+        let p = set.parameters();
+        let unit = LengthUnit::of(set);
+        let fastest = history.instants().map(|i| i.v[3].abs()).fold(0.0, f64::max);
+        let (rate, gap) = (unit.of_rates(fastest), p.stop_gap);
+        let largest = history.instants().flat_map(|i| i.x).map(f64::abs).fold(0.0, f64::max);
+        let still = |i: usize| constant(history.instants().map(|instant| instant.x[i]), largest);
+        let moving = (0..3).filter(|i| still(*i).is_none()).collect();
+        let mut shown =
+            Self { history, set, unit, rate, gap, period: p.period(), moving, left_out: Vec::new() };
+        let told: Vec<String> = (0..3).filter_map(|i| Some(shown.told_still(i, still(i)?))).collect();
+        shown.left_out.extend(told);
+        shown
     }
-    let (from, width) = (first.0, (last.0 - first.0) / COLUMNS as f64);
-    let column = |p: &(f64, f64)| ((p.0 - from) / width) as usize;
-    let mut found = Path::new();
-    for points in path.chunk_by(|a, b| column(a) == column(b)) {
-        let by = |extreme: fn(f64, f64) -> bool| {
-            (1..points.len()).fold(0, |best, i| if extreme(points[i].1, points[best].1) { i } else { best })
+
+    /// A length with its unit, to four digits.
+    fn length(&self, metres: f64) -> String {
+        format!("{} {}", short4(self.unit.per_metre * metres), self.unit.symbol)
+    }
+
+    fn speed(&self, speed: f64) -> String {
+        format!("{} {}/s", short4(self.rate.per_metre * speed), self.rate.symbol)
+    }
+
+    /// A body that does not move, in words.
+    fn told_still(&self, body: usize, place: f64) -> String {
+        let (symbol, name, _) = BODIES[body];
+        let why = if body == 2 && self.set.parameters().coupling_stiffness == 0.0 {
+            ", to which nothing couples the block"
+        } else {
+            ""
         };
-        let mut kept = [0, by(|a, b| a < b), by(|a, b| a > b), points.len() - 1];
-        kept.sort_unstable();
-        found.extend(kept.map(|i| points[i]));
+        format!("{symbol}, the {name}{why}, stays at {}", self.length(place))
     }
-    found.dedup();
-    found
-}
 
-impl Shown<'_> {
     fn end(&self) -> f64 {
         self.history.duration
     }
 
-    fn instants(&self) -> impl Iterator<Item = &RunInstant> {
-        self.history.instants().filter(|i| i.time >= self.from)
+    /// Whether the run is too long to be drawn as a whole.
+    fn is_long(&self) -> bool {
+        self.end() > DRAWN * self.period * (1.0 + 1e-9)
     }
 
-    fn time(&self) -> Axis {
-        Axis::over("time (s)", self.from, self.end())
+    /// The time from which so many drive periods remain; 0 for a run that is drawn as a whole.
+    fn last(&self, periods: f64) -> f64 {
+        if self.is_long() { self.end() - periods * self.period } else { 0.0 }
     }
 
-    /// Curve of a displacement over time.
-    fn curve(&self, index: usize) -> Path {
-        thinned(self.instants().map(|i| (i.time, self.unit.per_metre * i.x[index])).collect())
+    fn instants(&self, from: f64) -> impl Iterator<Item = &RunInstant> {
+        self.history.instants().filter(move |i| i.time >= from)
     }
 
-    /// The last impacts as points.
-    fn impacts(&self, y: impl Fn(&RunImpact) -> Option<f64>) -> Path {
-        let shown = self.history.impacts.iter().rev().filter(|i| i.time >= self.from);
-        shown.filter_map(|i| Some((i.time, y(i)?))).take(MARKS).collect()
+    fn time(&self, from: f64) -> Axis {
+        Axis::over("time (s)", from, self.end())
     }
 
-    fn displacements(&self) -> Panel {
-        let curve =
-            |(i, name)| Layer::line("", COLOURS[i], Dash::Solid, self.curve(i)).stroke(THIN).labelled(name);
-        Panel {
-            title: "(a) Box, block and secondary oscillator".into(),
-            x: self.time(),
-            y: Axis::new(format!("displacement ({})", self.unit.symbol)),
-            layers: ["x₁, box", "x₂, block", "x₃, secondary"].into_iter().enumerate().map(curve).collect(),
+    fn lengths(&self, name: &str) -> String {
+        format!("{name} ({})", self.unit.symbol)
+    }
+
+    /// The bodies that move, in words.
+    fn names(&self) -> String {
+        let names: Vec<&str> = self.moving.iter().map(|i| BODIES[*i].1).collect();
+        let words = match &names[..] {
+            [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
+            names => names.join(""),
+        };
+        let mut letters = words.chars();
+        letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+    }
+
+    /// The displacements of the bodies that move, by envelopes over the whole run.
+    fn whole(&self) -> Option<Titled> {
+        let size = |i: &usize| self.history.extent(*i).amplitude;
+        let mut bodies = self.moving.clone();
+        // The largest lies below the others.
+        bodies.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        let body = |i: usize| {
+            let (symbol, name, colour) = BODIES[i];
+            let points = self.instants(0.0).map(move |k| (k.time, self.unit.per_metre * k.x[i]));
+            enveloped(&format!("{symbol}, {name}"), colour, envelope(points, self.period, self.end()))
+        };
+        let layers: Vec<Layer> = bodies.into_iter().flat_map(body).collect();
+        let title = format!("{}, the whole run: least and largest", self.names());
+        (!layers.is_empty())
+            .then(|| titled(title, self.time(0.0), Axis::new(self.lengths("displacement")), layers))
+    }
+
+    /// The displacements of the bodies that move, as curves.
+    fn displacements(&self, from: f64) -> Option<Titled> {
+        let curve = |i: &usize| {
+            let (symbol, name, colour) = BODIES[*i];
+            let path = self.instants(from).map(|k| (k.time, self.unit.per_metre * k.x[*i])).collect();
+            Layer::line("", colour, Dash::Solid, thinned(path))
+                .stroke(THIN)
+                .labelled(format!("{symbol}, {name}"))
+        };
+        let layers: Vec<Layer> = self.moving.iter().map(curve).collect();
+        let title = self.names() + &self.of_the_last(DETAIL);
+        (!layers.is_empty())
+            .then(|| titled(title, self.time(from), Axis::new(self.lengths("displacement")), layers))
+    }
+
+    /// What is added to a title where only the end of the run is shown.
+    fn of_the_last(&self, periods: f64) -> String {
+        if self.is_long() { format!(", the last {periods} drive periods") } else { String::new() }
+    }
+
+    /// Block in the box; nothing where it does not move there, which is told.
+    fn relative(&mut self) -> Vec<Titled> {
+        if let Some(w) = constant(self.instants(0.0).map(|i| i.x[3]), self.gap) {
+            let rests = self.instants(0.0).all(|i| i.contact != Contact::Flight);
+            let why = if rests { ": the block rests at a stop" } else { "" };
+            self.left_out.push(format!("w = x₂ − x₁ stays at {}{why}", self.length(w)));
+            return Vec::new();
         }
+        vec![self.gap_history(), self.portrait()]
     }
 
-    fn relative(&self) -> Panel {
-        let stop = self.unit.per_metre * self.gap;
-        let line = |y: f64| vec![(self.from, y), (self.end(), y)];
-        let marks = self.impacts(|i| Some(f64::from(i.side) * stop));
-        Panel {
-            title: "(b) Block in the box, w = x₂ − x₁, with its impacts; dashed: stops".into(),
-            x: self.time(),
-            y: Axis::over(format!("w ({})", self.unit.symbol), -1.15 * stop, 1.15 * stop),
-            layers: vec![
-                Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
-                Layer::line("w", RELATIVE, Dash::Solid, self.curve(3)).stroke(THIN),
-                Layer::marks("impact", BLACK, Mark::Disc, marks).stroke(SMALL),
-            ],
+    fn gap_history(&self) -> Titled {
+        let (from, stop) = (self.last(DETAIL), self.unit.per_metre * self.gap);
+        let line = |y: f64| vec![(from, y), (self.end(), y)];
+        let hits = self.history.impacts.iter().filter(|i| i.time >= from);
+        let marks: Path = hits.rev().take(MARKS).map(|i| (i.time, f64::from(i.side) * stop)).collect();
+        let path = self.instants(from).map(|i| (i.time, self.unit.per_metre * i.x[3])).collect();
+        let mut layers = vec![
+            Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
+            Layer::line("w", RELATIVE, Dash::Solid, thinned(path)).stroke(THIN),
+        ];
+        if !marks.is_empty() {
+            layers.push(Layer::marks("impact", BLACK, Mark::Disc, marks).stroke(SMALL));
         }
+        let title = format!("Block in the box, w = x₂ − x₁{}; dashed: stops", self.of_the_last(DETAIL));
+        let y = Axis::over(self.lengths("w"), -1.15 * stop, 1.15 * stop);
+        titled(title, self.time(from), y, layers)
     }
 
-    fn portrait(&self) -> Panel {
-        let (stop, scale) = (self.unit.per_metre * self.gap, self.unit.per_metre);
+    fn portrait(&self) -> Titled {
+        let (stop, from) = (self.unit.per_metre * self.gap, self.last(PORTRAIT));
         let mut count = 0;
         let mut pieces: Vec<Path> = Vec::new();
         for piece in self.history.pieces.iter().rev() {
-            let path: Path = piece
-                .iter()
-                .filter(|i| i.time >= self.from)
-                .map(|i| (scale * i.x[3], scale * i.v[3]))
-                .collect();
+            let shown = piece.iter().filter(|i| i.time >= from);
+            let path: Path =
+                shown.map(|i| (self.unit.per_metre * i.x[3], self.rate.per_metre * i.v[3])).collect();
+            // A motion without events is one piece.
+            let skip = path.len().saturating_sub(INSTANTS);
             count += path.len();
-            pieces.push(path);
-            if count > PORTRAIT {
+            pieces.push(path[skip..].to_vec());
+            if count > INSTANTS {
                 break;
             }
         }
         let top = pieces.iter().flatten().map(|p| p.1.abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
         let line = |x: f64| vec![(x, -1.1 * top), (x, 1.1 * top)];
-        Panel {
-            title: "(c) Phase portrait between the stops (dashed)".into(),
-            x: Axis::over(format!("w ({})", self.unit.symbol), -1.15 * stop, 1.15 * stop),
-            y: Axis::over(format!("dw/dt ({}/s)", self.unit.symbol), -1.1 * top, 1.1 * top),
-            layers: vec![
-                Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
-                Layer::lines("", RELATIVE, Dash::Solid, pieces).stroke(2).labelled("w"),
-            ],
-        }
+        let title = format!("Phase portrait between the stops (dashed){}", self.of_the_last(PORTRAIT));
+        let x = Axis::over(self.lengths("w"), -1.15 * stop, 1.15 * stop);
+        let y = Axis::over(format!("dw/dt ({}/s)", self.rate.symbol), -1.1 * top, 1.1 * top);
+        let layers = vec![
+            Layer::lines("", GREY, Dash::Dashed, vec![line(stop), line(-stop)]).stroke(THIN),
+            Layer::lines("", RELATIVE, Dash::Solid, pieces).stroke(2).labelled("w"),
+        ];
+        titled(title, x, y, layers)
     }
 
-    fn speeds(&self) -> Panel {
-        let of = |side: i8| self.impacts(move |i| (i.side == side).then_some(self.unit.per_metre * i.speed));
-        let (upper, lower) = (of(1), of(-1));
-        let top = upper.iter().chain(&lower).map(|p| p.1).fold(0.0, f64::max);
-        let top = if top > 0.0 { 1.1 * top } else { 1.0 };
-        Panel {
-            title: if self.history.impacts.is_empty() { "(d) No impacts" } else { "(d) Impact speeds" }
-                .into(),
-            x: self.time(),
-            y: Axis::over(format!("speed ({}/s)", self.unit.symbol), 0.0, top),
-            layers: vec![
-                Layer::marks("upper stop", BLACK, Mark::Triangle, upper),
-                Layer::marks("lower stop", GREY, Mark::Ring, lower),
-            ],
-        }
+    /// The speeds at a stop over time.
+    fn speeds_at(&self, side: i8) -> Path {
+        let at = |i: &&RunImpact| i.side == side;
+        let point = |i: &RunImpact| (i.time, self.rate.per_metre * i.speed);
+        self.history.impacts.iter().filter(at).map(point).collect()
     }
 
-    fn loads(&self, loads: &[Load]) -> Panel {
-        let curve = |load: &Load| {
-            let points = self.history.instants().map(|i| (i.time, load.force(i.time))).collect();
-            let name = format!("on {}", load.body().name());
-            Layer::line("", COLOURS[load.body() as usize], Dash::Solid, thinned(points))
-                .stroke(THIN)
-                .labelled(name)
+    /// The speeds of the impacts; nothing where those at each stop are all the same, which is told.
+    fn speeds(&mut self) -> Option<Titled> {
+        let sides = [1, -1].map(|side| self.speeds_at(side));
+        let top = sides.iter().flatten().map(|p| p.1).fold(0.0, f64::max);
+        if sides.iter().all(Vec::is_empty) {
+            self.left_out.push("there are no impacts".into());
+            return None;
+        }
+        let same = sides.each_ref().map(|path| constant(path.iter().map(|p| p.1), top));
+        if same.iter().zip(&sides).all(|(same, path)| same.is_some() || path.is_empty()) {
+            let told = self.told_speeds(same, &sides);
+            self.left_out.push(told);
+            return None;
+        }
+        let [upper, lower] = sides;
+        let stops = [("upper stop", BLACK, Mark::Triangle, upper), ("lower stop", GREY, Mark::Ring, lower)];
+        let count = stops.iter().map(|stop| stop.3.len()).sum::<usize>();
+        let (many, size) = (count > MARKS, if count > MANY { SMALL } else { MARK });
+        let layer = |(name, colour, mark, path): (&str, Colour, Mark, Path)| {
+            if many {
+                enveloped(name, colour, envelope(path.into_iter(), self.period, self.end()))
+            } else {
+                vec![Layer::marks(name, colour, mark, path).stroke(size)]
+            }
         };
-        Panel {
-            title: "(e) Loads".into(),
-            x: self.time(),
-            y: Axis::new("force (N)"),
-            layers: loads.iter().map(curve).collect(),
+        let layers = stops.into_iter().flat_map(layer).collect();
+        let y = Axis::over(format!("speed ({}/s)", self.rate.symbol), 0.0, 1.1 * top);
+        let title = if many { "Impact speeds: least and largest" } else { "Impact speeds" };
+        Some(titled(title, self.time(0.0), y, layers))
+    }
+
+    /// Equal speeds in words.
+    fn told_speeds(&self, same: [Option<f64>; 2], sides: &[Path; 2]) -> String {
+        let speeds = same.map(|speed| speed.map(|s| self.speed(s / self.rate.per_metre)));
+        let number = |path: &Path| path.len();
+        match speeds {
+            [Some(upper), Some(lower)] if upper == lower => {
+                format!("all {} impacts have a speed of {upper}", number(&sides[0]) + number(&sides[1]))
+            }
+            [upper, lower] => {
+                let stops = [("upper", upper, &sides[0]), ("lower", lower, &sides[1])];
+                let told = stops.into_iter().filter_map(|(stop, speed, path)| {
+                    Some(format!(
+                        "all {} impacts at the {stop} stop have a speed of {}",
+                        number(path),
+                        speed?
+                    ))
+                });
+                told.collect::<Vec<_>>().join(", ")
+            }
         }
+    }
+
+    /// The loads that change.
+    fn loads(&mut self, loads: &[Load]) -> Option<Titled> {
+        let mut layers = Vec::new();
+        for load in loads {
+            let points = || self.history.instants().map(|i| (i.time, load.force(i.time)));
+            let (name, colour) = (load.body().name(), BODIES[load.body() as usize].2);
+            let largest = points().map(|p| p.1.abs()).fold(0.0, f64::max);
+            if let Some(force) = constant(points().map(|p| p.1), largest) {
+                self.left_out.push(format!("the load on the {name} stays at {} N", short4(force)));
+            } else if self.is_long() {
+                layers.extend(enveloped(
+                    &format!("on {name}"),
+                    colour,
+                    envelope(points(), self.period, self.end()),
+                ));
+            } else {
+                let curve = Layer::line("", colour, Dash::Solid, thinned(points().collect())).stroke(THIN);
+                layers.push(curve.labelled(format!("on {name}")));
+            }
+        }
+        let title = if self.is_long() { "Loads: least and largest" } else { "Loads" };
+        (!layers.is_empty()).then(|| titled(title, self.time(0.0), Axis::new("force (N)"), layers))
+    }
+
+    /// What is not drawn, as a sentence.
+    fn told_left_out(&self) -> Option<String> {
+        let words = self.left_out.join("; ");
+        (!words.is_empty()).then(|| format!("Not drawn, since it does not change: {words}."))
+    }
+
+    /// How long windows of envelopes are, as a sentence.
+    fn told_windows(&self) -> Option<String> {
+        self.is_long().then(|| {
+            format!(
+                "{} drive periods. Areas: from the least to the largest value {}.",
+                short(self.end() / self.period),
+                super::envelope::in_words(self.period, self.end())
+            )
+        })
     }
 }
 
-/// The figure of a run.
-pub(super) fn figure(set: &ParameterSet, history: &History, loads: &[Load], beginning: String) -> Figure {
-    let p = set.parameters();
-    let all = !loads.is_empty() || history.duration <= SHOWN * p.period();
-    let from = if all { 0.0 } else { history.duration - SHOWN * p.period() };
-    let shown = Shown { history, unit: LengthUnit::of(set), gap: p.stop_gap, from };
-    let mut panels = vec![shown.displacements(), shown.relative(), shown.portrait(), shown.speeds()];
-    if !loads.is_empty() {
-        panels.push(shown.loads(loads));
+/// Four digits, for captions.
+fn short4(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    short(rounded + 0.0).replace('-', "−")
+}
+
+/// The figure of a run; `None` where nothing changes.
+pub(super) fn figure(
+    set: &ParameterSet,
+    history: &History,
+    loads: &[Load],
+    beginning: String,
+) -> Option<Figure> {
+    let mut shown = Shown::new(set, history);
+    let mut found = Vec::new();
+    if shown.is_long() {
+        found.extend(shown.whole());
     }
+    found.extend(shown.displacements(shown.last(DETAIL)));
+    found.extend(shown.relative());
+    found.extend(shown.speeds());
+    found.extend(shown.loads(loads));
+    let several = found.len() > 1;
+    let lettered = |(letter, (title, panel)): (char, Titled)| {
+        let title = if several { format!("({letter}) {title}") } else { title };
+        Panel { title, ..panel }
+    };
+    let panels: Vec<Panel> = ('a'..).zip(found).map(lettered).collect();
     let mut caption = vec![format!("Run: {beginning}.")];
-    if !all {
-        caption.push(format!(
-            "The last {SHOWN} drive periods of {} are shown.",
-            short(history.duration / p.period())
-        ));
-    }
+    caption.extend(shown.told_windows());
+    caption.extend(shown.told_left_out());
     caption.push(set.caption());
-    Figure {
+    (!panels.is_empty()).then(|| Figure {
         title: "A motion of the machine".into(),
         caption,
+        columns: panels.len().min(2),
         panels,
-        columns: 2,
         panel: PANEL,
         shared_legend: false,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn invariant_a_thinned_curve_keeps_its_ends_and_extremes() {
-        let path: Path = (0..100_000).map(|i| (f64::from(i), (f64::from(i) * 0.37).sin())).collect();
-        let thin = thinned(path.clone());
-        assert!(thin.len() <= 4 * COLUMNS + 4 && thin.is_sorted_by(|a, b| a.0 < b.0));
-        let extremes = |p: &Path| p.iter().fold((1.0f64, -1.0f64), |(a, b), x| (a.min(x.1), b.max(x.1)));
-        assert_eq!((extremes(&thin), thin[0]), (extremes(&path), path[0]));
-        assert_eq!(thin.last(), path.last());
-        assert_eq!(thinned(path[..50].to_vec()), path[..50]);
-    }
+    })
 }

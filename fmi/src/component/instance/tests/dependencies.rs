@@ -100,7 +100,7 @@ fn starts() -> Vec<Start> {
     ]
 }
 
-/// Every initial unknown, by its reference; `None` where the start is not possible.
+/// Every initial unknown, by its place; `None` where the start is not possible.
 fn initial(interface: Interface, values: &[(&str, f64)]) -> Option<Vec<f64>> {
     let mut fmu = Instance::new(interface);
     let mut time = 0.0;
@@ -114,14 +114,14 @@ fn initial(interface: Interface, values: &[(&str, f64)]) -> Option<Vec<f64>> {
     fmu.enter_initialization();
     let unknowns = structure::initial_unknowns(Edition::Clocked);
     let mut read = vec![0.0; VARIABLES.len()];
-    for Unknown { reference, .. } in &unknowns {
-        fmu.get(ANY, &[*reference], |_, value| read[*reference as usize] = value).ok()?;
+    for Unknown { place, .. } in &unknowns {
+        fmu.get(ANY, &[VARIABLES[*place].reference], |_, value| read[*place] = value).ok()?;
     }
     // What initialization shows is what the motion starts with.
     fmu.exit_initialization(&mut Messages::default()).ok()?;
     for unknown in unknowns {
-        let name = VARIABLES[unknown.reference as usize].name;
-        let shown = read[unknown.reference as usize];
+        let name = VARIABLES[unknown.place].name;
+        let shown = read[unknown.place];
         assert!(!moved(get(&mut fmu, name), shown), "{name} on leaving initialization");
     }
     Some(read)
@@ -149,26 +149,27 @@ fn others(name: &str, value: f64) -> Vec<f64> {
     }
 }
 
-fn knowns_of_initialization() -> impl Iterator<Item = (u32, &'static str, f64)> {
+fn knowns_of_initialization() -> impl Iterator<Item = (usize, &'static str, f64)> {
     let known = |v: &Variable| {
         v.initial == Some(Initial::Exact) || matches!(v.causality, Causality::Input | Causality::Independent)
     };
-    (0..).zip(&VARIABLES).filter(move |(_, v)| known(v)).map(|(i, v)| (i, v.name, v.start().unwrap_or(0.0)))
+    let knowns = VARIABLES.iter().enumerate().filter(move |(_, v)| known(v));
+    knowns.map(|(i, v)| (i, v.name, v.start().unwrap_or(0.0)))
 }
 
 /// `moves[unknown][known]` must be what the lists say.
 fn check(
     unknowns: &[Unknown],
-    listed: impl Fn(&Unknown, u32) -> bool,
-    moves: impl Fn(u32, u32) -> bool,
-    knowns: &[u32],
+    listed: impl Fn(&Unknown, usize) -> bool,
+    moves: impl Fn(usize, usize) -> bool,
+    knowns: &[usize],
 ) {
     let mut wrong = Vec::new();
     for unknown in unknowns {
         for &known in knowns {
-            let (says, moves) = (listed(unknown, known), moves(unknown.reference, known));
+            let (says, moves) = (listed(unknown, known), moves(unknown.place, known));
             if says != moves {
-                let [unknown, known] = [unknown.reference, known].map(|i| VARIABLES[i as usize].name);
+                let [unknown, known] = [unknown.place, known].map(|i| VARIABLES[i].name);
                 let what = if says { "is listed and never moves" } else { "moves and is not listed" };
                 wrong.push(format!("{unknown} by {known} {what}"));
             }
@@ -189,14 +190,14 @@ fn second_method_initial_unknowns_move_with_what_they_list_alone() {
                 values.push((name, other));
                 let Some(read) = initial(interface, &values) else { continue };
                 for (unknown, moves) in moves.iter_mut().enumerate() {
-                    moves[known as usize] |= moved(base[unknown], read[unknown]);
+                    moves[known] |= moved(base[unknown], read[unknown]);
                 }
             }
         }
     }
     let knowns: Vec<_> = knowns_of_initialization().map(|(known, ..)| known).collect();
     let listed = |unknown: &Unknown, known| unknown.dependencies.iter().any(|(i, _)| *i == known);
-    let moves = |unknown: u32, known: u32| moves[unknown as usize][known as usize];
+    let moves = |unknown: usize, known: usize| moves[unknown][known];
     check(&structure::initial_unknowns(Edition::Clocked), listed, moves, &knowns);
 }
 
@@ -264,8 +265,8 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
         for contact in [Contact::Flight, Contact::RestUpper, Contact::RestLower] {
             pairs.extend(held(&standard, contact).into_iter().zip(held(&other, contact)));
         }
-        for (unknown, variable) in (0..).zip(&VARIABLES) {
-            let seen = &mut moves[unknown as usize][reference(field.name) as usize];
+        for (unknown, variable) in VARIABLES.iter().enumerate() {
+            let seen = &mut moves[unknown][place(field.name)];
             *seen = pairs.iter().any(|(a, b)| moved(value(variable, a), value(variable, b)));
             // With another gap there is no event; what was counted before stays then.
             let counted = variable.name != "stop.state" && field.name == "stop.gap";
@@ -284,14 +285,14 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     let values = closed(&standard).unwrap();
     let square = standard.drive_frequency * standard.drive_frequency;
     assert!((values.acceleration[2] + square * values.x[2]).abs() < ROUNDING);
-    moves[reference("secondary.a") as usize][reference("drive.frequency") as usize] = true;
+    moves[place("secondary.a")][place("drive.frequency")] = true;
     for name in ["box.a", "block.a", "secondary.a", "motion.a"] {
-        moves[reference(name) as usize][reference("mode") as usize] = true; // as seen: another law in another mode
+        moves[place(name)][place("mode")] = true; // as seen: another law in another mode
     }
     let parameters = VARIABLES.iter().filter(|v| v.causality == Causality::Parameter);
-    let knowns: Vec<_> = parameters.map(|v| reference(v.name)).collect();
+    let knowns: Vec<_> = parameters.map(|v| place(v.name)).collect();
     let listed = |unknown: &Unknown, known| unknown.dependencies.iter().any(|(i, _)| *i == known);
-    let moves = |unknown: u32, known: u32| moves[unknown as usize][known as usize];
+    let moves = |unknown: usize, known: usize| moves[unknown][known];
     check(&structure::outputs(Edition::Clocked), listed, moves, &knowns);
     check(&structure::derivatives(Edition::Clocked), listed, moves, &knowns);
     check(&structure::event_indicators(), listed, moves, &knowns);

@@ -6,7 +6,8 @@ use vibro_impact::parameters::FIELDS;
 
 /// Reads every variable by itself; one that cannot be had is refused and not written.
 fn assert_finite(fmu: &mut Instance, when: &str) {
-    for (reference, variable) in (0..).zip(&VARIABLES) {
+    for variable in &VARIABLES {
+        let reference = variable.reference;
         let mut value = 0.0;
         let _ = fmu.get(ANY, &[reference], |_, v| value = v);
         assert!(value.is_finite(), "{} = {value} {when}", variable.name);
@@ -98,25 +99,22 @@ proptest! {
 /// Where there is no steady state its numbers are 0, the flags say so, and what needs no steady state is still there.
 #[test]
 fn without_a_steady_state_its_numbers_are_zero_and_the_flags_say_so() {
-    const NUMBERS: [&str; 8] = ["B", "C", "A3", "phase", "A1", "A2", "impulse", "spectralRadius"];
+    const NUMBERS: [&str; 6] = ["A3", "phase", "A1", "A2", "impulse", "spectralRadius"];
     for (name, value) in [("drive.amplitude", 0.01), ("box.k", 0.0), ("drive.frequency", 0.0)] {
         let mut fmu = instance();
         set(&mut fmu, name, value).unwrap();
-        for flag in ["exists", "geometric", "fixedPointStable", "motionStable", "stable"] {
+        for flag in ["exists", "stable"] {
             assert_eq!(get(&mut fmu, &format!("steady.{flag}")), 0.0, "{flag} with {name} = {value}");
         }
         let numbers = NUMBERS.map(|number| get(&mut fmu, &format!("steady.{number}")));
         // Without its spring the box still has an exact orbit.
-        let none = if name == "box.k" { 6 } else { 8 };
+        let none = if name == "box.k" { 4 } else { 6 };
         assert!(numbers[..none].iter().all(|number| *number == 0.0), "{name} = {value}: {numbers:?}");
-        assert!((get(&mut fmu, "steady.rho") - 0.090946).abs() < 1e-6);
         assert_eq!(get(&mut fmu, "groups.epsilon"), 0.1);
-        assert_eq!(get(&mut fmu, "groups.kappa"), 0.75);
-        assert_eq!(get(&mut fmu, "groups.mu13"), 10.0);
     }
     let mut fmu = instance();
     set(&mut fmu, "box.k", 0.0).unwrap();
-    for group in ["f10", "sigma1", "gamma1", "alpha23", "beta2", "sigma30", "gamma3"] {
+    for group in ["f10", "sigma1"] {
         assert_eq!(get(&mut fmu, &format!("groups.{group}")), 0.0, "{group}");
     }
     set(&mut fmu, "box.k", 5e-324).unwrap();

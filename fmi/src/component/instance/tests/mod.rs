@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::component::structure;
-use crate::component::variables::{Base, Bases, Causality, Edition, VARIABLES, Variability, find, reference};
+use crate::component::variables::{
+    Base, Bases, Causality, Edition, VARIABLES, Variability, place, reference,
+};
 
 mod closed;
 mod dependencies;
@@ -10,15 +12,15 @@ mod derivative;
 mod exchange;
 mod finite;
 mod memory;
+mod momentum;
 mod prediction;
 mod sensitivity;
 mod step;
 mod values;
 
-/// Every type and edition.
+/// Every type.
 const ANY: Bases =
-    Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock])
-        .of(Edition::Clocked);
+    Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock]);
 
 /// Keeps what is logged.
 #[derive(Default)]

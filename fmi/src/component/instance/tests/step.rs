@@ -145,3 +145,27 @@ fn a_master_gets_from_impact_to_impact() {
         assert!((a - b).abs() < 1e-10, "{name}: {a} {b}");
     }
 }
+
+/// A step is taken back by restoring the state before it. Where that state is refused the failure is reported with its cause.
+#[test]
+fn a_step_that_cannot_be_taken_back_is_reported() {
+    use crate::component::instance::step::take_back;
+    use vibro_impact::Error;
+    use vibro_impact::parameters::Parameters;
+    use vibro_impact::simulator::{Simulator, Snapshot};
+    let mut simulator = Simulator::new(&Parameters::default(), &vibro_impact::State::default(), 0.0).unwrap();
+    let before = simulator.snapshot();
+    let cause = || Error::Step { time: 1.0, end: 0.5 };
+    let problem = take_back(&mut simulator, &before, cause());
+    assert!(matches!(problem, Problem::Model(Error::Step { .. })), "{problem}");
+    // A snapshot that no simulator has made: behind its parameters and its time stand x1 and w, which is past the stop here.
+    let mut bytes = postcard::to_stdvec(&before).unwrap();
+    let w = size_of::<Parameters>() + 24;
+    bytes[w..w + 8].copy_from_slice(&1.5f64.to_le_bytes());
+    let foreign: Snapshot = postcard::from_bytes(&bytes).unwrap();
+    let problem = take_back(&mut simulator, &foreign, cause());
+    let said = problem.to_string();
+    assert!(matches!(problem, Problem::NotTakenBack { .. }), "{said}");
+    assert!(said.contains(&cause().to_string()) && said.contains("could not be taken back"), "{said}");
+    assert_eq!(simulator.snapshot(), before);
+}

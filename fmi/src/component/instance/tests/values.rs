@@ -1,6 +1,7 @@
 //! Start values, sets, gets, input and output derivatives.
 
 use super::*;
+use crate::component::variables::Numbering;
 
 #[test]
 fn start_values_come_back_bit_exactly_in_initialization_mode() {
@@ -67,30 +68,27 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
         assert_eq!(set(&mut fmu, name, value).unwrap_err().to_string(), text);
     }
     let (integers, strings) = (Bases::new("Integer", &[Base::Integer]), Bases::new("String", &[]));
-    // The variables of later editions are not there.
-    let beyond = reference("der(box.s)");
     for (bases, reference, text) in [
-        (
-            Bases::REAL,
-            beyond,
-            &*format!("value reference {beyond} is no Real variable: allowed is 0 to {}", beyond - 1),
-        ),
-        (
-            Bases::REAL,
-            reference("motion.s"),
-            &*format!(
-                "value reference {} is no Real variable: allowed is 0 to {}",
-                reference("motion.s"),
-                beyond - 1
-            ),
-        ),
         (integers, reference("mode"), "value reference 14 is no Integer variable: mode is Enumeration"),
         (strings, 0, "value reference 0 is no String variable: time is Real"),
     ] {
         assert_eq!(fmu.set(bases, &[reference], |_| 0.0).unwrap_err().to_string(), text);
         assert_eq!(fmu.get(bases, &[reference], |_, _| ()).unwrap_err().to_string(), text);
     }
-    for name in ["time", "box.a", "groups.kappa", "steady.exists"] {
+    // A description has its own references alone.
+    let protocol = Protocol { numbering: Numbering::EVERY, ..Protocol::default() };
+    let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
+    for name in ["der(box.s)", "motion.s"] {
+        let beyond = reference(name);
+        let start = format!("value reference {beyond} is no Real variable: allowed are those of the model");
+        for error in [
+            fmu.set(Bases::REAL, &[beyond], |_| 0.0).unwrap_err(),
+            fmu.get(Bases::REAL, &[beyond], |_, _| ()).unwrap_err(),
+        ] {
+            assert!(error.to_string().starts_with(&start), "{error}");
+        }
+    }
+    for name in ["time", "box.a", "groups.epsilon", "steady.exists"] {
         assert!(matches!(set(&mut fmu, name, 0.0), Err(Problem::NotSettable { .. })), "{name}");
     }
 }
@@ -98,11 +96,11 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
 #[test]
 fn between_steps_only_inputs_and_tunable_parameters_are_set() {
     let mut fmu = initialized();
-    for (i, variable) in VARIABLES.iter().enumerate() {
+    for variable in &VARIABLES {
         let may = variable.causality == Causality::Input
             || (variable.causality == Causality::Parameter && variable.variability == Variability::Tunable);
         let start = variable.start().unwrap_or(0.0);
-        let outcome = fmu.set(ANY, &[i as u32], |_| start);
+        let outcome = fmu.set(ANY, &[variable.reference], |_| start);
         assert_eq!(outcome.is_ok(), may, "{} {outcome:?}", variable.name);
     }
 }
@@ -150,7 +148,7 @@ fn output_derivatives_are_those_of_the_motion() {
     let mut fmu = initialized();
     step(&mut fmu, 0.0, 0.7).unwrap();
     let names = ["box.s", "box.s", "box.v", "stop.s", "coupling.f", "secondary.a"];
-    let references = names.map(|name| find(name).unwrap().0);
+    let references = names.map(reference);
     let mut values = [0.0; 6];
     fmu.output_derivatives(&references, &[1, 2, 1, 1, 1, 1], |i, v| values[i] = v).unwrap();
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-14, "{a} {b}");
@@ -166,8 +164,7 @@ fn output_derivatives_are_those_of_the_motion() {
     fmu.restore(&before).unwrap();
     assert!((values[5] - (after - get(&mut fmu, "secondary.a")) / h).abs() < 1e-4);
     for (name, order) in [("impacts.lastTime", 1), ("box.s", 0), ("box.s", 4), ("box.m", 1)] {
-        let reference = [find(name).unwrap().0];
-        assert!(fmu.output_derivatives(&reference, &[order], |_, _| panic!()).is_err(), "{name}");
+        assert!(fmu.output_derivatives(&[reference(name)], &[order], |_, _| panic!()).is_err(), "{name}");
     }
 }
 
@@ -234,4 +231,47 @@ fn invariant_the_contact_force_is_plus_zero_in_flight_and_never_negative() {
         }
     }
     assert!(rested > 10, "{rested}");
+}
+
+/// A host that sets the mass of its machine and leaves the rest has half a machine: it is told what belongs to another one. A
+/// machine that is given whole, and one that keeps its scales, are not spoken of.
+#[test]
+fn half_a_machine_is_told_in_the_log() {
+    let warnings = |set_by_host: &[(&str, f64)]| {
+        let mut fmu = instance();
+        for (name, value) in set_by_host {
+            set(&mut fmu, name, *value).unwrap();
+        }
+        fmu.set_experiment(None, 0.0, None).unwrap();
+        fmu.enter_initialization();
+        let mut messages = Messages::default();
+        fmu.exit_initialization(&mut messages).unwrap();
+        messages.0
+    };
+    let told = warnings(&[("box.m", 12.0), ("box.k", 48e3)]);
+    let [(Category::Warnings, text)] = &told[..] else { panic!("{told:?}") };
+    for part in ["stop.gap = 1 m", "drive.amplitude = 0.15 N", "block.m = 0.1 kg", "coupling.k = 0.006 N/m"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(
+        !text.contains("box.m") && !text.contains("restitution") && !text.contains("drive.phase"),
+        "{text}"
+    );
+    let uncoupled = warnings(&[("stop.gap", 0.015), ("coupling.k", 0.0)]);
+    assert!(
+        uncoupled[0].1.contains("box.m = 1 kg") && !uncoupled[0].1.contains("secondary"),
+        "{uncoupled:?}"
+    );
+    let whole = [
+        ("box.m", 12.0),
+        ("box.k", 48e3),
+        ("box.c", 30.0),
+        ("block.m", 1.1),
+        ("stop.gap", 1.0), // set, though it is the start value
+        ("coupling.k", 0.0),
+        ("drive.amplitude", 75.0),
+        ("drive.frequency", 62.8),
+    ];
+    assert_eq!(warnings(&whole), []);
+    assert_eq!(warnings(&[("drive.amplitude", 0.25), ("stop.restitution", 0.5), ("block.v", 0.3)]), []);
 }

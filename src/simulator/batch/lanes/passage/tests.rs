@@ -160,3 +160,30 @@ fn second_method_flights_are_the_series() {
         }
     }
 }
+
+/// What a series leaves out at [`REACH`] is under the rounding of the motion's size, even of a box that the drive excites at its
+/// resonance: r bounds the box alone, and the drive adds up from order to order.
+#[test]
+fn closed_form_remainder_at_the_reach_of_a_series() {
+    let p = Parameters {
+        box_damping: 0.0,
+        secondary_damping: 0.0,
+        secondary_stiffness: 0.0,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 1.0,
+        drive_frequency: 1.0,
+        stop_gap: 1e-6,
+        ..Parameters::default()
+    };
+    let (model, simulator) = (Model::new(&p).unwrap(), Simulator::new(&p, &State::default(), 0.0).unwrap());
+    let radius = REACH * 0.5 * simulator.interval();
+    for (cos, sin) in [(0.0, 1.0), (1.0, 0.0), (0.5f64.sqrt(), 0.5f64.sqrt())] {
+        let z = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, cos, sin];
+        let series = Series::<30>::expand(&model, SmoothMode::Flight, &z, None, radius);
+        let size = p.stop_gap + 1.0; // of the drive's acceleration over r²
+        for coordinate in [BOX, BOX_RATE, RELATIVE, RELATIVE_RATE] {
+            let rest: f64 = series.lanes[CENTRED..].iter().map(|lane| lane[coordinate]).sum();
+            assert!(rest.abs() < 0.5 * f64::EPSILON * size, "{coordinate}: {rest:e}");
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! What a motion is, followed until that is decided or a stated limit is reached.
+//!
+//! A motion with a period is decided at once. One whose largest exponent is positive, or zero, for certain is chaotic or quasi-periodic
+//! for as long as it was followed; whoever asks says when its window is long enough. All others are prolonged, twice as far each time: a
+//! transient has an end, and so has a slow approach. What is undecided at the limit is *not settled*, and no attractor.
+//! docs/studies.md, "When a verdict is decided", has the reasons.
+
+use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord, is_damped};
+use super::error::Result;
+use super::free_motion::{self, keeps_clear};
+use super::largest_exponent::LargestExponent;
+use super::statistics::{Blocks, Likeness};
+use super::trajectories::{Outcome, Program, Start, Workspace};
+use vibro_impact::simulator::{Simulator, Way};
+
+/// Most drive periods for which a motion is followed after the discarded ones, but for the last of the growing steps.
+pub const PROLONGED: u32 = 8192;
+/// Most drive periods over which the largest exponent is computed at a time.
+pub const EXPONENT_PERIODS: u32 = 4000;
+/// Drive periods for which chaos must last to be called so where nothing else is asked of it.
+pub(crate) const LASTS: u32 = 4 * OBSERVED;
+
+/// The shortest window whose means may become those of an attractor, in drive periods: eight blocks of it hold 128 each.
+const WINDOW: u32 = 1024;
+
+/// States that return to this (units of L and L ω10) have arrived: with a thousandth of the way taken a period, what is left is a
+/// thousand times as much and under what tells two attractors apart.
+const ARRIVED: f64 = 1e-7;
+/// Drive periods after which a damped motion without impacts has come to its limit.
+const FAR: u32 = 1 << 22;
+
+/// How motions are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Following {
+    /// Drive periods discarded first.
+    pub(crate) discard: u32,
+    /// Most drive periods over which the largest exponent is computed, if it is.
+    pub(crate) exponent: Option<u32>,
+    /// Most drive periods after the discarded ones; 0 for what is observed once and not prolonged.
+    pub(crate) limit: u32,
+}
+
+impl Default for Following {
+    fn default() -> Self {
+        Self { discard: 0, exponent: Some(EXPONENT_PERIODS), limit: PROLONGED }
+    }
+}
+
+/// A motion as far as it has been followed.
+#[derive(Clone, Debug)]
+pub struct Followed {
+    /// Its class.
+    pub class: MotionClass,
+    /// What it is, with the means of the whole window where it has no period.
+    pub attractor: Attractor,
+    /// The largest exponent beside the drive phase's zero, where there are impacts and no period.
+    pub exponent: Option<LargestExponent>,
+    /// Drive periods for which it has been followed since it is what it is.
+    pub periods: u32,
+    /// Whether its window is long enough, since its means last changed, for others to be compared with them.
+    pub stationary: bool,
+}
+
+impl Followed {
+    /// Whether it stays in motion without a period: chaotic or on a torus.
+    pub(crate) fn wanders(&self) -> bool {
+        matches!(self.class, MotionClass::Chaotic | MotionClass::QuasiPeriodic)
+    }
+}
+
+/// A motion whose verdict is open.
+struct Open {
+    number: usize,
+    start: Start,
+    found: Followed,
+    /// The window of a motion without a period, since it is what it is, with its impacts.
+    blocks: Blocks,
+    impacts: [f64; 2],
+    rests: bool,
+    arrived: bool,
+    /// Drive periods for which it has been followed in all.
+    followed: u32,
+}
+
+/// Follows motions on this thread until all are decided. `judge` is shown each motion that has a period, that wanders, whose window has
+/// doubled since, or that has come to the limit, with its number in the order of the starts; it says whether that is enough. The last
+/// time (`true`) its answer counts for nothing. What it is shown comes in one order, whatever else the thread has done.
+pub(crate) fn follow(
+    workspace: &mut Workspace,
+    starts: &[Start],
+    following: &Following,
+    judge: &mut dyn FnMut(usize, Result<&Followed>, bool) -> bool,
+) {
+    let program = Program {
+        discard: following.discard,
+        until_settled: true,
+        observed: true,
+        exponent: following.exponent,
+        maxima: None,
+    };
+    let mut open: Vec<Open> = Vec::new();
+    for (number, outcome) in outcomes(workspace, starts, &program).into_iter().enumerate() {
+        match outcome {
+            Ok(seen) => {
+                let start = Start { state: seen.state, ..starts[number] };
+                let mut motion = Open::new(number, start, seen);
+                if !motion.is_decided(following, judge) {
+                    open.push(motion);
+                }
+            }
+            Err(refused) => {
+                judge(number, Err(refused), true);
+            }
+        }
+    }
+    while !open.is_empty() {
+        for mut motions in alike(std::mem::take(&mut open)) {
+            let wanders = motions[0].found.wanders();
+            let length = motions[0].followed.max(OBSERVED);
+            let program = if wanders {
+                Program { observed: true, ..Program::default() }
+            } else {
+                Program { discard: length, ..program }
+            };
+            let starts: Vec<Start> = motions.iter().map(|motion| motion.start).collect();
+            for (motion, outcome) in motions.iter_mut().zip(outcomes(workspace, &starts, &program)) {
+                match outcome {
+                    Ok(seen) => motion.take(seen, program.discard),
+                    Err(refused) => {
+                        judge(motion.number, Err(refused), true);
+                        motion.followed = u32::MAX;
+                    }
+                }
+            }
+            open.extend(motions);
+        }
+        open.retain(|motion| motion.followed < u32::MAX);
+        open.sort_by_key(|motion| motion.number);
+        open.retain_mut(|motion| !motion.is_decided(following, judge));
+    }
+}
+
+/// Motions that are prolonged in the same way, together: those that wander, and the others by how long they have been followed.
+fn alike(motions: Vec<Open>) -> Vec<Vec<Open>> {
+    let kind = |m: &Open| (m.found.wanders(), if m.found.wanders() { 0 } else { m.followed });
+    let mut groups: Vec<Vec<Open>> = Vec::new();
+    for motion in motions {
+        match groups.iter_mut().find(|group| kind(&group[0]) == kind(&motion)) {
+            Some(group) => group.push(motion),
+            None => groups.push(vec![motion]),
+        }
+    }
+    groups
+}
+
+/// What a run of a program has shown of a motion.
+struct Seen {
+    state: vibro_impact::State,
+    attractor: Attractor,
+    exponent: Option<LargestExponent>,
+    /// Whether a motion with a period returns so exactly that a slow approach has no way left to go.
+    arrived: bool,
+    blocks: Blocks,
+}
+
+/// The outcomes in the order of the starts.
+fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> Vec<Result<Seen>> {
+    let mut found: Vec<Option<Result<Seen>>> = starts.iter().map(|_| None).collect();
+    workspace.run(&mut starts.iter().copied(), program, &mut |number, outcome| {
+        found[number] = Some(outcome.map(|Outcome { state, attractor, exponent, record, .. }| {
+            let mut blocks = Blocks::default();
+            // Every motion of such a program is observed.
+            let p = &starts[number].parameters;
+            let mut attractor = attractor.unwrap_or_else(|| record.attractor(p));
+            if attractor.period.is_none() && attractor.is_free() && keeps_clear(p, &state) {
+                // No impact will come, and the linear motion has one limit.
+                let mut far = StroboscopicRecord::default();
+                if free_motion::observe(p, &state, FAR, &mut far).is_some() {
+                    attractor = far.attractor(p);
+                }
+            }
+            let arrived = attractor.period.is_some_and(|n| record.return_distance(n) < ARRIVED);
+            if attractor.period.is_none() {
+                record.add_to(&mut blocks);
+            }
+            Seen { state, attractor, exponent, arrived, blocks }
+        }));
+    });
+    // Each motion has an outcome.
+    found.into_iter().flatten().collect()
+}
+
+impl Open {
+    fn new(number: usize, start: Start, seen: Seen) -> Self {
+        let class = MotionClass::by_largest(&seen.attractor, seen.exponent.as_ref(), &start.parameters);
+        let (impacts, rests) = (seen.attractor.impacts, seen.attractor.rests);
+        let periods = seen.blocks.periods();
+        let found = Followed {
+            class,
+            attractor: seen.attractor,
+            exponent: seen.exponent,
+            periods,
+            stationary: false,
+        };
+        let arrived = seen.arrived || found.attractor.is_free();
+        let mut motion =
+            Self { number, start, found, impacts, rests, blocks: seen.blocks, arrived, followed: OBSERVED };
+        motion.impacts = motion.impacts.map(|rate| rate * f64::from(periods));
+        motion
+    }
+
+    /// Takes up what was seen of the motion after so many more discarded drive periods.
+    fn take(&mut self, seen: Seen, discarded: u32) {
+        let followed = self.followed.saturating_add(discarded).saturating_add(OBSERVED);
+        self.start.state = seen.state;
+        let ended = seen.attractor.is_free() && is_damped(&self.start.parameters);
+        if !self.found.wanders() || seen.attractor.period.is_some() || ended {
+            // What it was so far was a transient.
+            *self = Self { followed, ..Self::new(self.number, self.start, seen) };
+            return;
+        }
+        let periods = f64::from(seen.blocks.periods());
+        for (sum, rate) in self.impacts.iter_mut().zip(seen.attractor.impacts) {
+            *sum += rate * periods;
+        }
+        self.rests |= seen.attractor.rests;
+        self.blocks.append(seen.blocks);
+        self.found.periods = self.blocks.periods();
+        self.found.attractor = seen.attractor;
+        self.followed = followed;
+    }
+
+    /// Shows the motion to the judge where there is something new to say of it; whether it is done with.
+    fn is_decided(
+        &mut self,
+        following: &Following,
+        judge: &mut dyn FnMut(usize, Result<&Followed>, bool) -> bool,
+    ) -> bool {
+        let last = self.followed >= following.limit;
+        let has_period = self.found.attractor.period.is_some();
+        let periodic = has_period && self.arrived;
+        // Windows are compared each time that they have doubled.
+        let due = self.found.wanders() && (self.followed / OBSERVED).is_power_of_two();
+        if !(last || periodic || due) {
+            return false;
+        }
+        if !has_period {
+            let [first, second] = self.blocks.halves();
+            if first.likeness(&second) == Likeness::Different {
+                // The earlier half was a transient.
+                self.blocks.forget_half();
+                // Of its impacts the last periods tell.
+                let periods = f64::from(self.blocks.periods());
+                self.impacts = self.found.attractor.impacts.map(|rate| rate * periods);
+            }
+            self.found.periods = self.blocks.periods();
+            let statistics = self.blocks.statistics();
+            let count = f64::from(self.blocks.periods().max(1));
+            let enough = if last {
+                statistics.likeness(&statistics) == Likeness::Same
+            } else {
+                statistics.is_precise()
+            };
+            self.found.stationary = enough && self.found.periods >= WINDOW;
+            let attractor = &mut self.found.attractor;
+            attractor.impacts = self.impacts.map(|sum| sum / count);
+            attractor.rests = self.rests;
+            attractor.sizes = statistics.sizes();
+            attractor.statistics = Some(statistics);
+        }
+        judge(self.number, Ok(&self.found), last || periodic) || last || periodic
+    }
+}
+
+/// What one motion is, followed from its start; chaos and quasi-periodic motion are called so when they have lasted for 512 drive periods.
+///
+/// # Errors
+/// What the simulator refuses.
+pub fn verdict(start: &Start, discard: u32) -> Result<Followed> {
+    let mut workspace = Workspace::default();
+    workspace.way = Way::OneByOne;
+    let following = Following { discard, ..Following::default() };
+    let mut found = None;
+    follow(&mut workspace, std::slice::from_ref(start), &following, &mut |_, motion, _| {
+        let enough = motion.as_ref().is_ok_and(|motion| motion.periods >= LASTS);
+        found = Some(motion.cloned());
+        enough
+    });
+    match found {
+        Some(found) => found,
+        // A single start has an outcome; it is refused where the simulator refuses it.
+        None => Err(match Simulator::new(&start.parameters, &start.state, 0.0) {
+            Err(refused) => refused.into(),
+            Ok(_) => super::error::Error::Form { text: "a motion".into(), expected: "an outcome" },
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,110 @@
+use super::*;
+use crate::ParameterSet;
+use crate::attractor::Relation;
+use crate::basin::{Basin, InitialValueRange, Request, basin};
+use crate::parts::Task;
+use crate::stroboscopic::{dimensional, moving_block};
+
+fn set(assignments: &[&str]) -> ParameterSet {
+    let mut set = ParameterSet::basic();
+    set.apply(&assignments.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
+    set
+}
+
+/// A box of 12 kg with a heavy block that nothing but the stops couples to it: flights over tens of drive periods.
+fn damper() -> ParameterSet {
+    let parts =
+        ["box.m=12kg", "box.k=48kN/m", "box.c=30", "block.m=0.6kg", "stop.gap=50mm", "stop.restitution=0.6"];
+    let rest = [
+        "drive.amplitude=75N",
+        "drive.frequency=10.65Hz",
+        "coupling.k=0",
+        "secondary.m=1kg",
+        "secondary.k=1kN/m",
+        "secondary.c=1",
+    ];
+    set(&[&parts[..], &rest[..]].concat())
+}
+
+fn found(set: &ParameterSet, side: usize, discard: u32) -> Basin {
+    let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(side);
+    let request =
+        Request { x: axis("x1=-1:1"), y: axis("v2=-2:2"), discard, start: crate::basin::in_the_middle() };
+    basin(set.parameters(), &request, &Task::ALL).unwrap().unwrap()
+}
+
+/// Long flights cut a short window into what looks like many attractors. It is one, whatever is discarded.
+#[test]
+fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded() {
+    let one = |basin: &Basin, most_open: f64| {
+        assert_eq!(basin.attractors.len(), 1, "{:?}", basin.attractors);
+        assert_eq!(basin.attractors[0].class, MotionClass::Chaotic);
+        let share: f64 = basin.shares(0).iter().sum();
+        assert!(share >= 1.0 - most_open, "{share}");
+    };
+    // 64 starts each, none of them with the block at rest; one of them may be left open.
+    for discard in [30, 300, 2000] {
+        one(&found(&damper(), 8, discard), 0.03);
+    }
+    one(&found(&set(&["f10=3.6"]), 8, 300), 0.0);
+}
+
+/// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one at the other; its mirror image is another.
+#[test]
+fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
+    let p = *set(&["f10=2.9"]).parameters();
+    // One motion and its mirror image -x(t + T/2): with the same drive, from the reversed state half a period on.
+    let state = dimensional(&p, &[0.1, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let mut ahead = Simulator::new(&p, &state, 0.0).unwrap();
+    ahead.advance_to(0.5 * p.period()).unwrap();
+    let half = ahead.state();
+    let reversed = vibro_impact::State { x: half.x.map(|x| -x), v: half.v.map(|v| -v) };
+    let mut motions: Vec<Followed> = Vec::new();
+    let starts = [state, reversed].map(|state| Start { parameters: p, state });
+    let following = Following { discard: 2000, ..Following::default() };
+    for start in starts {
+        let mut workspace = Workspace::default();
+        follow(&mut workspace, &[start], &following, &mut |_, motion, last| {
+            let motion = motion.unwrap();
+            if motion.stationary || last {
+                motions.push(motion.clone());
+            }
+            motion.stationary
+        });
+    }
+    assert!(motions.iter().all(|m| m.class == MotionClass::Chaotic), "{motions:?}");
+    let [a, b] = [&motions[0].attractor, &motions[1].attractor];
+    assert!(!a.is_symmetric() && (a.impacts[0] - a.impacts[1]).abs() > 0.5, "{:?}", a.impacts);
+    let (own, of) = (a.statistics.unwrap(), b.statistics.unwrap());
+    assert_eq!(own.likeness(&own.mirrored()), Likeness::Different);
+    assert_eq!(own.likeness(&own), Likeness::Same);
+    // Whichever of the two the motions end on, they are one or mirror images, and never something else.
+    let relation = a.relation(b);
+    assert!([Relation::Same, Relation::Mirror].contains(&relation), "{relation:?}");
+    assert_eq!(relation == Relation::Same, (a.impacts[0] > a.impacts[1]) == (b.impacts[0] > b.impacts[1]));
+    assert_eq!(own.likeness(&of) == Likeness::Same, relation == Relation::Same);
+}
+
+#[test]
+fn closed_form_a_motion_without_impacts_comes_to_its_one_limit() {
+    // The slow swing of block and secondary oscillator loses about a thousandth a period: it nearly returns long before it is gone.
+    for f10 in ["f10=0.1", "f10=0.3"] {
+        let basin = found(&set(&[f10]), 5, 100);
+        let free: Vec<_> = basin.attractors.iter().filter(|a| a.attractor.is_free()).collect();
+        assert!(free.len() == 1 && free[0].class == MotionClass::Periodic(1), "{f10}: {free:?}");
+    }
+}
+
+#[test]
+fn second_method_verdicts_of_single_motions() {
+    for (f10, class) in [("f10=1.5", MotionClass::Periodic(1)), ("f10=3.6", MotionClass::Chaotic)] {
+        let p = *set(&[f10]).parameters();
+        let found = verdict(&Start { parameters: p, state: moving_block(&p) }, 300).unwrap();
+        assert_eq!(found.class, class, "{f10}");
+        assert_eq!(found.exponent.is_some(), class == MotionClass::Chaotic);
+    }
+    // What is refused is said.
+    let p = *set(&[]).parameters();
+    let outside = vibro_impact::State { x: [0.0, 2.0 * p.stop_gap, 0.0], v: [0.0; 3] };
+    assert!(verdict(&Start { parameters: p, state: outside }, 0).is_err());
+}

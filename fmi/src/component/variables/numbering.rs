@@ -1,0 +1,109 @@
+//! Value references of a description: which variable each stands for.
+//!
+//! A variable's own reference is a column of the table, [`Variable::reference`]: it is given once and never to another variable,
+//! also when the first has been taken out. A description either has these, or counts its variables in their order, for
+//! importers that take a reference for a place; then it may change with every build, as places do.
+
+use super::bases::Edition;
+use super::columns::Variable;
+use super::table::{COUNT, VARIABLES};
+
+/// The largest reference of the table.
+const LARGEST: u32 = {
+    let (mut largest, mut i) = (0, 0);
+    while i < COUNT {
+        if VARIABLES[i].reference > largest {
+            largest = VARIABLES[i].reference;
+        }
+        i += 1;
+    }
+    largest
+};
+
+/// One more than any reference of any numbering.
+const LENGTH: usize = if LARGEST as usize > COUNT { LARGEST as usize + 1 } else { COUNT + 1 };
+
+/// No variable.
+const NONE: u16 = u16::MAX;
+
+/// The value references of one description.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numbering {
+    /// Places in the table by reference.
+    places: &'static [u16; LENGTH],
+}
+
+impl Numbering {
+    /// Every variable by the table's own reference.
+    pub const ALL: Self = Self { places: &const { own(Edition::Clocked) } };
+    /// Those of an edition by the table's own references.
+    pub const EVERY: Self = Self { places: &const { own(Edition::Every) } };
+
+    /// Those of an edition counted from 1 in the order of the table, without a gap.
+    pub const fn counted(edition: Edition) -> Self {
+        Self {
+            places: match edition {
+                Edition::Every => &const { counted(Edition::Every) },
+                Edition::Extended => &const { counted(Edition::Extended) },
+                Edition::Arrays => &const { counted(Edition::Arrays) },
+                Edition::Clocked => &const { counted(Edition::Clocked) },
+            },
+        }
+    }
+
+    /// Place of the variable that a reference stands for; [`COUNT`] or more where it stands for none.
+    #[inline]
+    pub(crate) fn place(self, reference: u32) -> usize {
+        match self.places.get(reference as usize) {
+            Some(place) => usize::from(*place),
+            None => usize::from(NONE),
+        }
+    }
+
+    /// The variable that a reference stands for.
+    pub fn variable(self, reference: u32) -> Option<&'static Variable> {
+        VARIABLES.get(self.place(reference))
+    }
+
+    /// The reference of the variable at a place; none where it is left out.
+    pub fn reference(self, place: usize) -> Option<u32> {
+        (0..).zip(self.places).find(|(_, p)| usize::from(**p) == place).map(|(reference, _)| reference)
+    }
+
+    /// The references of all its variables with these, in the order of the table.
+    pub fn variables(self) -> impl Iterator<Item = (u32, &'static Variable)> {
+        let with = move |(place, variable)| Some((self.reference(place)?, variable));
+        VARIABLES.iter().enumerate().filter_map(with)
+    }
+
+    /// The smallest and the largest reference.
+    pub(crate) fn range(self) -> (u32, u32) {
+        let used = || (0..).zip(self.places).filter(|(_, place)| **place != NONE).map(|(r, _)| r);
+        (used().next().unwrap_or_default(), used().last().unwrap_or_default())
+    }
+}
+
+const fn own(edition: Edition) -> [u16; LENGTH] {
+    let (mut places, mut i) = ([NONE; LENGTH], 0);
+    while i < COUNT {
+        let Variable { reference, edition: of, .. } = VARIABLES[i];
+        if of as u8 <= edition as u8 {
+            assert!(places[reference as usize] == NONE, "two variables have one reference");
+            places[reference as usize] = i as u16;
+        }
+        i += 1;
+    }
+    places
+}
+
+const fn counted(edition: Edition) -> [u16; LENGTH] {
+    let (mut places, mut i, mut next) = ([NONE; LENGTH], 0, 1);
+    while i < COUNT {
+        if VARIABLES[i].edition as u8 <= edition as u8 {
+            places[next] = i as u16;
+            next += 1;
+        }
+        i += 1;
+    }
+    places
+}

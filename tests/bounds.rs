@@ -1,0 +1,218 @@
+//! The constants of docs/numerics.md, sections 1 and 2, at machines and states that are chosen to break them.
+
+use vibro_impact::Parameters;
+use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, Table, WHOLE, substep};
+use vibro_impact::model::{
+    Augmented, BOX, BOX_RATE, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
+    SmoothMode,
+};
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// Sums of positive terms and their bounds are rounded by less than this, relatively.
+const ROUNDING: f64 = 1e-12;
+
+/// Numbers in [0, 1), always the same ones.
+fn random(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// The undamped box at resonance, alone: k1 = ω = F/m = 1, so that r = 1.
+fn resonant_box() -> Model {
+    let p = Parameters {
+        box_damping: 0.0,
+        secondary_damping: 0.0,
+        secondary_stiffness: 0.0,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 1.0,
+        drive_frequency: 1.0,
+        ..Parameters::default()
+    };
+    Model::new(&p).unwrap()
+}
+
+/// Machines of springs, masses and dampers that are equal, or differ by orders of magnitude, or are zero, mostly driven at their
+/// fastest rate: where one of them alone makes the fastest rate the bounds are nearly reached.
+fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
+    let mut one_of = |values: [f64; 4]| values[(4.0 * next()) as usize % 4];
+    let mut p = Parameters::default();
+    for stiffness in [&mut p.box_stiffness, &mut p.secondary_stiffness, &mut p.coupling_stiffness] {
+        *stiffness = one_of([0.0, 1.0, 1.0, 1e-3]);
+    }
+    for damping in [&mut p.box_damping, &mut p.secondary_damping] {
+        *damping = one_of([0.0, 0.0, 0.1, 1.0]);
+    }
+    for mass in [&mut p.block_mass, &mut p.secondary_mass] {
+        *mass = one_of([1.0, 1.0, 0.1, 1e-4]);
+    }
+    p.stop_gap = one_of([1.0, 1.0, 1e-2, 1e-6]);
+    let still = Parameters { drive_frequency: 0.0, ..p };
+    let rate = Model::new(&still).unwrap().rate;
+    p.drive_frequency = rate * one_of([1.0, 1.0, 0.5, 1e-3]);
+    Model::new(&p).unwrap()
+}
+
+/// A state and loads in a corner of the box of size one, in the units of [`size`], some of them zero.
+fn any_start(model: &Model, next: &mut impl FnMut() -> f64) -> (Model, Augmented, Forces) {
+    let mut corner = || -> f64 { [-1.0, 0.0, 1.0, 1.0, -1.0][(5.0 * next()) as usize % 5] };
+    // With loads, without, and mostly one of the parts of the size alone.
+    let (bodies, drive, loads) = (corner().abs(), corner().abs(), corner().min(0.0).abs());
+    let r = model.rate;
+    let gap = model.gap;
+    let rates = [r, r, r].map(|r| bodies * r * corner());
+    let angle = [0.0, 0.25, 0.5, 1.0][((corner() + 1.0) as usize) % 4] * std::f64::consts::PI;
+    let mut model = *model;
+    model.drive = r * r * drive;
+    let z = [
+        bodies * corner(),
+        gap * corner(),
+        bodies * corner(),
+        rates[0],
+        rates[1],
+        rates[2],
+        angle.cos(),
+        angle.sin(),
+    ];
+    let mut forces = [[0.0; 4]; 3];
+    for (f, inverse_mass) in forces.iter_mut().zip(model.inverse_mass) {
+        let mut unit = r * r / inverse_mass;
+        for f in f.iter_mut() {
+            *f = loads * unit * corner();
+            unit *= r;
+        }
+    }
+    (model, z, forces)
+}
+
+/// The size S of a motion: the gap, the largest of the other coordinates, drive and loads, all as lengths.
+fn size(model: &Model, z: &Augmented, forces: &Forces) -> f64 {
+    let r = model.rate;
+    let rates = z[BOX_RATE].abs().max(z[RELATIVE_RATE].abs()).max(z[SECONDARY_RATE].abs()) / r;
+    let mut sum = model.gap + z[BOX].abs().max(z[SECONDARY].abs()).max(rates) + model.drive / (r * r);
+    for (f, inverse_mass) in forces.iter().zip(model.inverse_mass) {
+        for (k, f) in f.iter().enumerate() {
+            sum += f.abs() * inverse_mass / r.powi(k as i32 + 2);
+        }
+    }
+    sum
+}
+
+/// The largest coordinate of a coefficient, rates over r.
+fn largest(model: &Model, lane: &Augmented) -> f64 {
+    let displacements = lane[..3].iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    lane[3..6].iter().fold(displacements, |most, v| most.max(v.abs() / model.rate))
+}
+
+/// x^(k) = ±(1 + k/2) for even k: the drive adds up in resonance, and r bounds the bodies alone.
+#[test]
+fn closed_form_coefficients_of_a_box_in_resonance() {
+    let model = resonant_box();
+    assert_eq!(model.rate, 1.0);
+    let z = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let series = Series::<CENTRED>::expand(&model, SmoothMode::Flight, &z, None, 1.0);
+    let mut factorial = 1.0;
+    for (k, lane) in series.lanes.iter().enumerate().skip(1) {
+        factorial *= k as f64;
+        if k % 2 == 0 {
+            assert!((lane[BOX].abs() * factorial - (1.0 + 0.5 * k as f64)).abs() < ROUNDING, "{k}: {lane:?}");
+        }
+    }
+}
+
+/// The coefficients of order k from seven on are at most (rT)ᵏ/(k-1)! S, those of the acceleration in rest (3k+1) (rT)ᵏ/k! r² S.
+#[test]
+fn invariant_coefficients_stay_under_their_bound() {
+    let mut next = random(1);
+    let mut most = [0.0f64; 2];
+    for _ in 0..20_000 {
+        let (model, z, forces) = any_start(&any_machine(&mut next), &mut next);
+        let size = size(&model, &z, &forces);
+        let radius = 1.0 / model.rate;
+        let flight = Series::<WHOLE>::expand(&model, SmoothMode::Flight, &z, Some(&forces), radius);
+        let mut held = z;
+        (held[RELATIVE], held[RELATIVE_RATE]) = (model.gap, 0.0);
+        let rest = Series::<WHOLE>::expand(&model, SmoothMode::Rest, &held, Some(&forces), radius);
+        let mut factorial = 720.0; // (k-1)!
+        for k in 7..WHOLE {
+            let bound = size / factorial;
+            for series in [&flight, &rest] {
+                most[0] = most[0].max(largest(&model, &series.lanes[k]) / bound);
+            }
+            factorial *= k as f64;
+            let bound = (3 * k + 1) as f64 * size * model.rate * model.rate / factorial;
+            most[1] = most[1].max(rest.free[k].abs() / bound);
+        }
+    }
+    // Coefficients reach more than half of their bound: without the drive's part, (rT)ᵏ/k! S, it would not hold.
+    assert!(most[0] > 0.5, "{most:?}");
+    assert!(most.iter().all(|part| *part <= 1.0 + ROUNDING), "{most:?}");
+}
+
+/// The sizes of a sample's terms are at most 20 S in all, and 7 S are reached; its rounding is at most 800 ε S.
+#[test]
+fn second_method_rounding_of_samples() {
+    const TERMS: f64 = 20.0;
+    const ERROR: f64 = 800.0 * f64::EPSILON;
+    let mut next = random(2);
+    let (mut terms, mut error) = (0.0f64, 0.0f64);
+    for n in 0..400 {
+        let machine = if n == 0 { resonant_box() } else { any_machine(&mut next) };
+        let h = substep(&machine);
+        for _ in 0..4 {
+            let (model, z, _) = any_start(&machine, &mut next);
+            let mut table = Table::<CORE>::zero();
+            table.fill(pulp::Scalar, &model, SmoothMode::Flight, h);
+            let size = size(&model, &z, &[[0.0; 4]; 3]);
+            let mut g = [0.0; INTERVALS];
+            table.samples(&z, &mut g);
+            let exact = exact_samples(&model, &z, h);
+            for (i, exact) in exact.iter().enumerate() {
+                let sum: f64 = (0..CORE).map(|j| (table.sample[j][i] * z[j]).abs()).sum();
+                terms = terms.max(sum / size);
+                error = error.max(exact.plus(-g[i]).value().abs() / size);
+            }
+        }
+    }
+    println!("Σ |T| |z| up to {terms} S, rounding up to {} ε S", error / f64::EPSILON);
+    assert!(terms > 7.0 && terms <= TERMS, "{terms}");
+    assert!(error <= ERROR, "{}", error / f64::EPSILON);
+}
+
+/// w at the interval ends to 30 digits: the series of docs/theory.md (8) in double-doubles.
+fn exact_samples(model: &Model, z: &Augmented, h: f64) -> [DoubleDouble; INTERVALS] {
+    let wide = DoubleDouble::new;
+    let times = |a: f64, b: DoubleDouble| wide(a).times(b);
+    let mut order: [DoubleDouble; LANES] = z.map(wide);
+    let mut sums = [wide(z[RELATIVE]); INTERVALS];
+    for k in 1..60 {
+        let [x1, w, x3, v1, vw, v3, cos, sin] = order;
+        let stretch = x1.minus(x3) + w;
+        let a1 = times(model.drive, sin).minus(times(model.k1, x1)).minus(times(model.c1, v1));
+        let a2 = times(-model.k2, stretch);
+        let a3 = times(model.k32, stretch).minus(times(model.k3, x3)).minus(times(model.c3, v3));
+        let next = [v1, vw, v3, a1, a2.minus(a1), a3, times(-model.omega, sin), times(model.omega, cos)];
+        // Coefficients for u = 1 at the first interval's end: the ends are powers of i.
+        let unit = wide(h / INTERVALS as f64);
+        order = next.map(|x| {
+            let y = x.times(unit);
+            divided(y, f64::from(k))
+        });
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let mut power = order[RELATIVE];
+            for _ in 0..k {
+                power = times(i as f64 + 1.0, power);
+            }
+            *sum = *sum + power;
+        }
+    }
+    sums
+}
+
+/// x/n in extended precision.
+fn divided(x: DoubleDouble, n: f64) -> DoubleDouble {
+    let first = x.value() / n;
+    let rest = x.minus(DoubleDouble::new(first).times(DoubleDouble::new(n))).value();
+    DoubleDouble::new(first).plus(rest / n)
+}

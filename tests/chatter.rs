@@ -1,0 +1,128 @@
+//! Chatter under loads that change: a run is closed only where it does come to rest, and soon.
+
+use vibro_impact::simulator::{Event, Loads};
+use vibro_impact::{Parameters, Simulator, State};
+
+/// Half a unit in the last place: e_c of docs/theory.md (18).
+const CLOSED: f64 = 0.5 * f64::EPSILON;
+
+/// A box without spring and damper, and a block that knows nothing but its load: the relative acceleration is the load over the
+/// block's mass. The secondary oscillator beside them sets the fastest rate, which limits how fast loads may change.
+fn machine(kappa: f64, rate: f64) -> Parameters {
+    Parameters {
+        box_stiffness: 0.0,
+        box_damping: 0.0,
+        block_mass: 1.0,
+        secondary_mass: 1.0,
+        secondary_stiffness: rate * rate,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 0.0,
+        stop_restitution: kappa,
+        ..Parameters::default()
+    }
+}
+
+/// The block at the upper stop with a first rebound speed `u` and the load `derivatives`, advanced by `span`: the simulator and
+/// its events.
+fn bounce((kappa, rate): (f64, f64), u: f64, derivatives: [f64; 4], span: f64) -> (Simulator, Vec<Event>) {
+    let at_stop = State { x: [0.0, 1.0, 0.0], v: [0.0, u / kappa, 0.0] };
+    let mut simulator = Simulator::new(&machine(kappa, rate), &at_stop, 0.0).unwrap();
+    simulator.set_loads(&Loads { derivatives: [[0.0; 4], derivatives, [0.0; 4]] }).unwrap();
+    let mut events = Vec::new();
+    simulator.advance_observed(span, &mut |event| events.push(*event)).unwrap();
+    (simulator, events)
+}
+
+/// With the load a0 - c t², whose jerk is zero at first, the acceleration turns before the block is back: it never comes back.
+#[test]
+fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
+    /// Of a sum of two speeds, relatively.
+    const ROUNDING: f64 = 1e-12;
+    let (kappa, a0) = (0.5, 1e-3);
+    for part in [0.3, 0.6, 0.99] {
+        let u = part * (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
+        // The path -u + a0 t/2 - c t³/12 stays below zero for c > 2 a0³/(9 u²).
+        for excess in [1.1, 3.0] {
+            let c = excess * 2.0 * a0 * a0 * a0 / (9.0 * u * u);
+            let t = 20.0 * u / a0;
+            let (simulator, events) = bounce((kappa, 1.0), u, [a0, 0.0, -2.0 * c, 0.0], t);
+            assert!(matches!(events[..], [Event::Impact { .. }]), "{events:?}");
+            let exact = t * (a0 - c * t * t / 3.0) - u;
+            let rate = simulator.relative_motion().1;
+            assert!((rate - exact).abs() <= ROUNDING * exact.abs(), "{rate:e} {exact:e}");
+        }
+    }
+}
+
+/// ∫ (τ - t) a(t0 + t) dt over 0..τ divided by τ, and the same with t: the speeds of departure and return of a flight of length τ,
+/// of which the first is to be u. In the time unit of the run, with a(t) = 1 + b t + c t² + d t³.
+fn speeds(a: &[f64; 4], t0: f64, tau: f64) -> (f64, f64) {
+    let [one, b, c, d] = *a;
+    let shifted =
+        [one + t0 * (b + t0 * (c + t0 * d)), b + t0 * (2.0 * c + 3.0 * t0 * d), c + 3.0 * t0 * d, d];
+    let (mut leaving, mut returning, mut power) = (0.0, 0.0, tau);
+    for (k, coefficient) in shifted.iter().enumerate() {
+        let k = k as f64;
+        leaving += coefficient * power / ((k + 1.0) * (k + 2.0));
+        returning += coefficient * power / (k + 2.0);
+        power *= tau;
+    }
+    (leaving, returning)
+}
+
+/// The length of a run that begins with the speed 1 under a(t), bounce by bounce, in units of 2/(1 - κ); infinite where the block
+/// does not come back.
+fn run_length(kappa: f64, a: &[f64; 4]) -> f64 {
+    let (mut t, mut u) = (0.0, 1.0);
+    while u > 1e-9 {
+        let (mut low, mut high) = (0.0, 2.0 * u);
+        while speeds(a, t, high).0 < u {
+            (low, high) = (high, 1.1 * high);
+            if high > 1e3 {
+                return f64::INFINITY;
+            }
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if speeds(a, t, middle).0 < u { low = middle } else { high = middle }
+        }
+        u = kappa * speeds(a, t, high).1;
+        t += high;
+    }
+    0.5 * t * (1.0 - kappa)
+}
+
+/// Loads of any shape, from steady to wild: where the simulator closes a run, the bounces computed one by one end within twice the
+/// length of the run at constant acceleration.
+#[test]
+fn second_method_closed_runs_end_within_twice_their_length() {
+    let mut state = 1u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (mut closed, mut open, mut longest) = (0, 0, 0.0f64);
+    for n in 0..6000 {
+        let kappa = [0.1, 0.5, 0.9][n % 3];
+        let a0 = 1e-2;
+        let u = 0.95 * (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
+        // In the run's time unit u/a0 the coefficients of a(t)/a0; the run lasts 2/(1 - κ) of it.
+        let length = 2.0 / (1.0 - kappa);
+        let mut a = [1.0, 0.0, 0.0, 0.0];
+        let size = 10f64.powf(3.0 * next() - 3.0);
+        for (k, a) in a.iter_mut().enumerate().skip(1) {
+            *a = (2.0 * next() - 1.0) * size / length.powi(k as i32);
+        }
+        let rate = a0 / u;
+        let load = [a0, a0 * a[1] * rate, 2.0 * a0 * a[2] * rate * rate, 6.0 * a0 * a[3] * rate.powi(3)];
+        let (_, events) = bounce((kappa, 1e3), u, load, 1e-3 * u / a0);
+        if events.iter().any(|event| matches!(event, Event::Rest { .. })) {
+            closed += 1;
+            longest = longest.max(run_length(kappa, &a));
+        } else {
+            open += 1;
+        }
+    }
+    assert!(closed > 500 && open > 500, "{closed} closed, {open} not");
+    assert!(longest <= 2.0, "{longest}");
+}

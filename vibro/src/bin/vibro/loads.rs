@@ -1,0 +1,49 @@
+//! Constant loads of a command, and the commands that take none.
+
+use crate::arguments::{Command, ConstantLoads};
+use vibro::load_file::{LoadArgument, files};
+use vibro::{Error, Result};
+use vibro_analysis::{Name, ParameterSet};
+
+/// The loads given to a command by `--load`; those from files are for `vibro run`, which reads them.
+///
+/// # Errors
+/// For a load from a file.
+pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
+    let ConstantLoads { load } = match command {
+        Command::Run(a) => return Ok(a.load.clone()),
+        Command::Bifurcation(a) => &a.loads,
+        Command::Lyapunov(a) => &a.sweep.loads,
+        Command::Basin(a) => &a.loads,
+        Command::Isoperiodic(a) => &a.loads,
+        Command::Sweep(a) => &a.loads,
+        Command::Orbits(a) => &a.which.loads,
+        Command::Orbit(a) => &a.which.loads,
+        Command::Locus(a) => &a.loads,
+        _ => return Ok(Vec::new()),
+    };
+    match files(load).next() {
+        None => Ok(load.clone()),
+        Some(file) => Err(Error::form(
+            format!("--load {}={}", file.body.name(), file.path.display()),
+            "a constant force here, e.g. block=-3.4N: loads from files are for `vibro run`",
+        )),
+    }
+}
+
+/// Refuses constant loads for the commands of the theories, which are those of the symmetric machine.
+///
+/// # Errors
+/// The load by its name.
+pub fn check_theory(set: &ParameterSet, command: &Command) -> Result<()> {
+    let varied: Vec<Name> = match command {
+        Command::Response(a) => {
+            a.range.iter().map(|r| r.name).chain(a.values.iter().map(|v| v.name)).collect()
+        }
+        Command::Manifold(a) => a.values.iter().map(|v| v.name).collect(),
+        Command::Plane(a) => a.planes.pair.iter().flat_map(|pair| [pair.x, pair.y]).collect(),
+        Command::Steady | Command::Stability(_) | Command::Compare(_) | Command::Reproduce(_) => Vec::new(),
+        _ => return Ok(()),
+    };
+    Ok(set.check_symmetric(varied)?)
+}

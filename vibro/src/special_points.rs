@@ -1,0 +1,236 @@
+//! Tables of special points, as `vibro orbits` writes them, and the choice of rows from which curves in two parameters start.
+//!
+//! ```text
+//! special-points.csv          every row that starts a curve
+//! special-points.csv:12       row 12, counted from 1
+//! special-points.csv:LP       every fold
+//! special-points.csv:LP@2.3   the folds at the value that is written as 2.3 with one digit after the point
+//! special-points.csv:@2.3     what is at that value
+//! ```
+
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use vibro_analysis::orbits::{Label, LocusStart, OrbitWord};
+use vibro_analysis::{Name, number};
+
+/// Labels of points from which a curve starts.
+const STARTS: [Label; 6] = [
+    Label::Fold,
+    Label::BranchPoint,
+    Label::PeriodDoubling,
+    Label::NeimarkSacker,
+    Label::Grazing,
+    Label::Chatter,
+];
+
+/// Half of the last digit of a value and a little more, for a tie.
+const LAST_DIGIT: f64 = 0.51;
+
+/// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// The table.
+    pub path: PathBuf,
+    /// Which rows.
+    rows: Rows,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Rows {
+    All,
+    Row(usize),
+    Kind { label: Option<Label>, value: Option<String> },
+}
+
+/// A special point with its row, counted from 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecialPoint {
+    /// The row.
+    pub row: usize,
+    /// The parameter along whose branch it lies.
+    pub along: Name,
+    /// Where a curve starts. The second parameter is not in the table: it is the machine's.
+    pub start: LocusStart,
+}
+
+impl FromStr for Selection {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let all = || Self { path: text.into(), rows: Rows::All };
+        let Some((path, choice)) = text.rsplit_once(':') else { return Ok(all()) };
+        let form =
+            || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
+        let rows = if let Ok(row) = choice.parse::<usize>() {
+            if row == 0 {
+                return Err(form());
+            }
+            Rows::Row(row)
+        } else {
+            let (label, value) = choice.split_once('@').map_or((choice, None), |(l, v)| (l, Some(v)));
+            let label = label.trim();
+            let known = STARTS.into_iter().find(|l| l.name().eq_ignore_ascii_case(label));
+            // A colon may belong to the path.
+            if known.is_none() && !(label.is_empty() && value.is_some()) {
+                return if Path::new(text).exists() { Ok(all()) } else { Err(form()) };
+            }
+            Rows::Kind { label: known, value: value.map(|v| v.trim().to_owned()) }
+        };
+        Ok(Self { path: path.into(), rows })
+    }
+}
+
+impl Selection {
+    /// The points of the table that are chosen, over the machine's value `held` of the second parameter.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for a file that is no such table, a row that it does not have or that starts no curve, and a choice that no
+    /// row meets, with the nearest one.
+    pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
+        let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
+        let mut reader = csv::Reader::from_path(&self.path).map_err(|e| wrong(e.to_string()))?;
+        let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
+        let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
+        let records = records.map_err(|e| wrong(e.to_string()))?;
+        let rows: Vec<Row> = records
+            .iter()
+            .zip(1..)
+            .map(|(record, number)| Row { number, record, header: &header, path: &self.path })
+            .collect();
+        if let Some(other) = rows.first().map(|row| row.along()).transpose()?.filter(|own| *own != along) {
+            let problem =
+                format!("has points over {}, but the first --vary is of {}", other.name(), along.name());
+            return Err(wrong(problem));
+        }
+        match &self.rows {
+            Rows::Row(number) => {
+                let row = rows
+                    .get(number - 1)
+                    .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
+                let point = row.point(along, held)?;
+                let label = row.cell("label")?;
+                Ok(vec![point.ok_or_else(|| {
+                    wrong(format!("row {number} is {label}; curves start from LP, BP, PD, NS, GR and CH"))
+                })?])
+            }
+            Rows::All => self.chosen(&rows, along, held, None, None),
+            Rows::Kind { label, value } => self.chosen(&rows, along, held, *label, value.as_deref()),
+        }
+    }
+
+    fn chosen(
+        &self,
+        rows: &[Row],
+        along: Name,
+        held: f64,
+        label: Option<Label>,
+        value: Option<&str>,
+    ) -> Result<Vec<SpecialPoint>> {
+        let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
+        let all = rows.iter().map(|row| row.point(along, held)).collect::<Result<Vec<_>>>()?;
+        let mut found: Vec<SpecialPoint> =
+            all.into_iter().flatten().filter(|p| label.is_none_or(|label| p.start.label == label)).collect();
+        let what = label.map_or("point from which a curve starts", Label::name);
+        if found.is_empty() {
+            return Err(wrong(format!("has no {what}")));
+        }
+        if let Some(text) = value {
+            let (wanted, room) = (number(along, text)?, last_digit(along, text)?);
+            let distance = |p: &SpecialPoint| (p.start.values[0] - wanted).abs();
+            let nearest = found
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .map(|p| (p.row, p.start.values[0]));
+            found.retain(|p| distance(p) <= room);
+            if let (true, Some((row, value))) = (found.is_empty(), nearest) {
+                return Err(wrong(format!("has no {what} at {text}; the nearest is row {row} at {value}")));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// How far a value may be from a text that stands for it: half of the text's last digit, in SI.
+fn last_digit(along: Name, text: &str) -> Result<f64> {
+    let mantissa = text.trim().trim_start_matches(['+', '-']);
+    let plain: String = mantissa.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
+    let digits = plain.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    let written: f64 = plain.parse().unwrap_or(0.0);
+    let unit = if written == 0.0 { 1.0 } else { (number(along, text)? / written).abs() };
+    Ok(LAST_DIGIT * unit / 10f64.powi(i32::try_from(digits).unwrap_or(i32::MAX)))
+}
+
+/// A row of a table.
+struct Row<'a> {
+    number: usize,
+    record: &'a csv::StringRecord,
+    header: &'a csv::StringRecord,
+    path: &'a Path,
+}
+
+impl Row<'_> {
+    fn wrong(&self, problem: String) -> Error {
+        Error::Config { path: self.path.into(), problem }
+    }
+
+    fn cell(&self, name: &str) -> Result<&str> {
+        let index = self.header.iter().position(|h| h == name);
+        let missing = || self.wrong(format!("has no column `{name}`: is it special-points.csv?"));
+        index.and_then(|i| self.record.get(i)).ok_or_else(missing)
+    }
+
+    fn number(&self, text: &str) -> Result<f64> {
+        let finite = text.parse::<f64>().ok().filter(|x| x.is_finite());
+        finite.ok_or_else(|| self.wrong(format!("row {}: `{text}` is no number", self.number)))
+    }
+
+    fn along(&self) -> Result<Name> {
+        Ok(Name::find(self.cell("parameter")?)?)
+    }
+
+    /// The point; `None` for a row from which no curve starts: an end of the range, a path not followed on, a value asked for.
+    fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
+        let name = self.cell("label")?;
+        let Some(label) = STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };
+        let phases =
+            self.cell("phases")?.split_whitespace().map(|x| self.number(x)).collect::<Result<Vec<_>>>()?;
+        let closing: i8 = if self.cell("closing")? == "-" { -1 } else { 1 };
+        let period: Option<u32> = self.cell("period")?.parse().ok();
+        let half = period.and_then(|period| if closing < 0 { Some(period) } else { period.checked_mul(2) });
+        let half = half.ok_or_else(|| self.wrong(format!("row {}: no period", self.number)))?;
+        let text = self.cell("word")?;
+        // The empty word is written as a dash.
+        let word = OrbitWord::new(if text == "-" { "" } else { text }, closing, half)?;
+        let values = [self.number(self.cell("value")?)?, held];
+        Ok(Some(SpecialPoint { row: self.number, along, start: LocusStart { label, word, phases, values } }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn selections_are_read_as_they_are_written() {
+        let rows = |text: &str| text.parse::<Selection>().unwrap().rows;
+        let kind = |label, value: Option<&str>| Rows::Kind { label, value: value.map(str::to_owned) };
+        assert_eq!(rows("a.csv"), Rows::All);
+        assert_eq!(rows("a.csv:3"), Rows::Row(3));
+        assert_eq!(rows("C:/b/a.csv:lp"), kind(Some(Label::Fold), None));
+        assert_eq!(rows("a.csv:PD@2.3041"), kind(Some(Label::PeriodDoubling), Some("2.3041")));
+        assert_eq!(rows("a.csv:@10.65 Hz"), kind(None, Some("10.65 Hz")));
+        for text in ["a.csv:0", "a.csv:XX", "a.csv:XX@2", "a.csv:"] {
+            assert!(text.parse::<Selection>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn closed_form_room_of_a_value_as_it_is_written() {
+        let [f10, frequency] = ["f10", "drive.frequency"].map(|name| Name::find(name).unwrap());
+        assert_eq!(last_digit(f10, "2.30").unwrap(), LAST_DIGIT / 100.0);
+        assert_eq!(last_digit(f10, "-2").unwrap(), LAST_DIGIT);
+        let hertz = last_digit(frequency, "10.6Hz").unwrap();
+        assert!((hertz - LAST_DIGIT * 0.1 * std::f64::consts::TAU).abs() < 1e-12, "{hertz}");
+    }
+}
