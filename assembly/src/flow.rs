@@ -5,7 +5,7 @@ use crate::mode::{Linear, Watch};
 use crate::system::Row;
 use nalgebra::{DMatrix, DVector};
 
-/// Taylor coefficients of a functional over a sub-step. With rate times length at most [`RADIUS`] the first one left out
+/// Taylor coefficients of a functional over a sub-step. With rate times length at most 2 the first one left out
 /// is under 2²⁶/26! < 2e-19 of the largest coordinate.
 pub const ORDERS: usize = 26;
 /// Rate times the length of a sub-step.

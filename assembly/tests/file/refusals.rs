@@ -158,7 +158,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[\"0.4 m\", \"20 N\"]]", "m.toml:37: load.shaker.steps[0][0] = \"0.4 m\": allowed is a finite number, in s, ms, us, min, h"),
     ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = 0.4", "m.toml:37: load.shaker.steps = 0.4: allowed is a list of [time, height], such as [[0.4, 20.0]]"),
     ("table = \"record.csv\"", "table = \"recrd.csv\"", "m.toml:38: load.shaker.table = \"recrd.csv\": cannot be read: there is no such file"),
-    ("table = \"record.csv\"", "table = \"../record.csv\"", "m.toml:38: load.shaker.table = \"../record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),
+    ("table = \"record.csv\"", "table = \"..\u{2f}record.csv\"", "m.toml:38: load.shaker.table = \"..\u{2f}record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),
     ("table = \"record.csv\"", "table = \"/etc/record.csv\"", "m.toml:38: load.shaker.table = \"/etc/record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),
     ("table = \"record.csv\"", "table = \"C:\\\\record.csv\"", "m.toml:38: load.shaker.table = \"C:\\\\record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),
     ("table = \"record.csv\"", "table = \"falling.csv\"", "m.toml:38: load.shaker.table = \"falling.csv\": falling.csv:3: 0.5,1: allowed is a time after that of the line before"),
