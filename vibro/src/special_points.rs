@@ -14,16 +14,6 @@ use std::str::FromStr;
 use vibro_analysis::orbits::{Label, LocusStart, OrbitWord};
 use vibro_analysis::{Name, number};
 
-/// Labels of points from which a curve starts.
-const STARTS: [Label; 6] = [
-    Label::Fold,
-    Label::BranchPoint,
-    Label::PeriodDoubling,
-    Label::NeimarkSacker,
-    Label::Grazing,
-    Label::Chatter,
-];
-
 /// Half of the last digit of a value and a little more, for a tie.
 const LAST_DIGIT: f64 = 0.51;
 
@@ -70,7 +60,7 @@ impl FromStr for Selection {
         } else {
             let (label, value) = choice.split_once('@').map_or((choice, None), |(l, v)| (l, Some(v)));
             let label = label.trim();
-            let known = STARTS.into_iter().find(|l| l.name().eq_ignore_ascii_case(label));
+            let known = Label::STARTS.into_iter().find(|l| l.name().eq_ignore_ascii_case(label));
             // A colon may belong to the path.
             if known.is_none() && !(label.is_empty() && value.is_some()) {
                 return if Path::new(text).exists() { Ok(all()) } else { Err(form()) };
@@ -192,7 +182,7 @@ impl Row<'_> {
     /// The point; `None` for a row from which no curve starts: an end of the range, a path not followed on, a value asked for.
     fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
         let name = self.cell("label")?;
-        let Some(label) = STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };
+        let Some(label) = Label::STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };
         let phases =
             self.cell("phases")?.split_whitespace().map(|x| self.number(x)).collect::<Result<Vec<_>>>()?;
         let closing: i8 = if self.cell("closing")? == "-" { -1 } else { 1 };

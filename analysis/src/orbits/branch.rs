@@ -32,6 +32,16 @@ pub enum Label {
 }
 
 impl Label {
+    /// Labels of points from which a curve in two parameters starts.
+    pub const STARTS: [Self; 6] = [
+        Self::Fold,
+        Self::BranchPoint,
+        Self::PeriodDoubling,
+        Self::NeimarkSacker,
+        Self::Grazing,
+        Self::Chatter,
+    ];
+
     /// Its two letters.
     pub fn name(self) -> &'static str {
         match self {

@@ -15,15 +15,7 @@ fn span(name: &str, from: f64, to: f64) -> Span {
 /// The rows of a tree from which curves start.
 fn starts(tree: &Tree, held: f64) -> Vec<LocusStart> {
     let row = |b: &Branch, p: &Point| {
-        let starts = [
-            Label::Fold,
-            Label::BranchPoint,
-            Label::PeriodDoubling,
-            Label::NeimarkSacker,
-            Label::Grazing,
-            Label::Chatter,
-        ];
-        let label = p.label().filter(|label| starts.contains(label))?;
+        let label = p.label().filter(|label| Label::STARTS.contains(label))?;
         Some(LocusStart { label, word: b.word.clone(), phases: p.phases.clone(), values: [p.value, held] })
     };
     tree.branches.iter().flat_map(|b| b.points.iter().filter_map(move |p| row(b, p))).collect()
