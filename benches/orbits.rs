@@ -4,13 +4,13 @@
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
-use vibro_analysis::orbits::{
-    ConstantLoads, Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree,
-};
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::{Simulator, State};
+use vibro_orbits::{
+    ConstantLoads, Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree,
+};
 
 /// Rounds of which the least time counts.
 const ROUNDS: u32 = 5;

@@ -86,7 +86,7 @@ struct SettledStart {
 
 /// A state of a machine with one gap for a machine with another: where the gap changes, displacements and velocities change
 /// in proportion, so that the block stays between the stops.
-pub(crate) fn within_gap(state: State, from: f64, to: f64) -> State {
+pub fn within_gap(state: State, from: f64, to: f64) -> State {
     if from == to {
         return state;
     }

@@ -26,7 +26,6 @@
 //! | [`measures`] | amplitudes, mean squares, impacts, powers, class of a settled motion | the exact orbit; dense samples; the balance of powers |
 //! | [`design_sweep`] | measures over any number of parameters: grids, listed designs, Sobol sequences | single motions; closed forms |
 //! | [`sobol`] | the Sobol sequence | SciPy's |
-//! | [`orbits`] | periodic orbits with any impact word, followed with their bifurcations | the exact orbit, the simulator from mid-flight, points in thirty digits |
 //! | [`plane`] | existence and stability of the two-impact motion over two parameters | single solutions (tests of `vibro`) |
 //! | [`response`](mod@response) | steady states along one parameter | located limits of stability (tests of `vibro`) |
 //!
@@ -63,7 +62,6 @@ pub mod lyapunov;
 pub mod maxima;
 pub mod measures;
 pub mod motion;
-pub mod orbits;
 mod parameter_set;
 pub mod parts;
 pub mod plane;

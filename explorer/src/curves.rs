@@ -3,11 +3,11 @@
 use crate::set::Set;
 use vibro_analysis::Name;
 use vibro_analysis::maxima::Displacement;
-use vibro_analysis::orbits::{ConstantLoads, Family, Span, TreeOptions, tree};
 use vibro_analysis::plane::Method;
 use vibro_analysis::response;
 use vibro_impact::parameters::Groups;
 use vibro_impact::steady::multiple_scales::MultipleScales;
+use vibro_orbits::{ConstantLoads, Family, Span, TreeOptions, tree};
 use wasm_bindgen::prelude::*;
 
 /// Between two curves.

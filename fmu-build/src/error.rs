@@ -95,7 +95,7 @@ pub enum Error {
     },
     /// A picture could not be drawn.
     #[error(transparent)]
-    Picture(#[from] vibro::Error),
+    Picture(#[from] vibro_figures::Error),
     /// A release cannot be made of what is there.
     #[error("no release:\n  {}", .0.join("\n  "))]
     Release(Vec<String>),

@@ -1,7 +1,7 @@
 //! The icon `model.png`: the box on its spring, the block between the stops, the secondary oscillator.
 
-use vibro::figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY};
-use vibro::figures::canvas::{Canvas, Drawing, Pen, Place};
+use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY};
+use vibro_figures::canvas::{Canvas, Drawing, Pen, Place};
 
 const PEN: f64 = 22.0;
 

@@ -10,9 +10,7 @@ use fmu_build::version::Version;
 use fmu_build::{archive, compile, explorer, package, platforms, reference, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use vibro::figures::canvas;
-use vibro::studies;
-use vibro_analysis::ParameterSet;
+use vibro_figures::canvas;
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both beside the native library and draws what
@@ -193,10 +191,6 @@ fn refresh() -> fmu_build::Result<()> {
     let folder = "modelDescription/documentation";
     files.insert(format!("{folder}/run.svg"), canvas::svg(&picture(&run))?.into_bytes());
     files.insert(format!("{folder}/run.png"), canvas::png(&picture(&run))?);
-    let response = studies::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None)?;
-    if let Some(figure) = &response.figure {
-        files.insert(format!("{folder}/response.svg"), canvas::svg(figure)?.into_bytes());
-    }
     write(files)
 }
 

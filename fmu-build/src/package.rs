@@ -8,7 +8,7 @@ use crate::sketch::Sketch;
 use crate::version::{MODEL_DESCRIPTION, Version};
 use crate::{date, explorer, icon, licences, page, reference, terminals};
 use std::path::{Path, PathBuf};
-use vibro::figures::canvas;
+use vibro_figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
 /// Where the archive goes when nobody says otherwise.

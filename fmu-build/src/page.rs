@@ -3,7 +3,7 @@
 use crate::describe::{causality, variability};
 use crate::recipes::recipes;
 use std::fmt::Write;
-use vibro::html::escape;
+use vibro_figures::html::escape;
 use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
 use vibro_fmi::component::variables::{Edition, Kind, SECTIONS, VARIABLES, Variable};
 use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};

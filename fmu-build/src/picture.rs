@@ -1,8 +1,8 @@
 //! The picture of a run: time histories and phase portraits.
 
 use crate::run::{Run, STEPS_PER_PERIOD};
-use vibro::figures::canvas::palette::{BLACK, BLOCK, BOX, RELATIVE, SECONDARY};
-use vibro::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path};
+use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, RELATIVE, SECONDARY};
+use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path};
 use vibro_impact::State;
 
 /// Periods of the first time history: the transient.

@@ -24,7 +24,9 @@ pub fn recipes() -> String {
                 let Some((level, words)) = heading.take() else { continue };
                 hidden = level == HeadingLevel::H3 && words != SHOWN;
                 if level == HeadingLevel::H2 {
-                    shown.push(Event::Html(format!("<h3>{}</h3>\n", vibro::html::escape(&words)).into()));
+                    shown.push(Event::Html(
+                        format!("<h3>{}</h3>\n", vibro_figures::html::escape(&words)).into(),
+                    ));
                 }
             }
             Event::Text(words) | Event::Code(words) if heading.is_some() => {

@@ -5,9 +5,9 @@
 use crate::archive::Content;
 use crate::error::Result;
 use std::fmt::Write;
-use vibro::html::escape;
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};
+use vibro_figures::html::escape;
 use vibro_fmi::component::identity::{Experiment, default_experiment};
 use vibro_fmi::component::log::{Category, Log};
 use vibro_fmi::component::variables::{Bases, reference};

@@ -1,8 +1,8 @@
 //! The sketch of the model with its symbols, for the documentation page.
 
 use crate::icon::spring;
-use vibro::figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY, WHITE};
-use vibro::figures::canvas::{Across, Along, Canvas, Colour, Drawing, Pen, Place, Writing};
+use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY, WHITE};
+use vibro_figures::canvas::{Across, Along, Canvas, Colour, Drawing, Pen, Place, Writing};
 
 const PEN: f64 = 7.0;
 const LABEL: f64 = 52.0;

@@ -5,8 +5,8 @@ use crate::archive::Content;
 use crate::error::Result;
 use crate::icon::Icon;
 use std::fmt::Write;
-use vibro::figures::canvas::palette::{BLOCK, BOX, SECONDARY};
-use vibro::figures::canvas::{self, Canvas, Drawing};
+use vibro_figures::canvas::palette::{BLOCK, BOX, SECONDARY};
+use vibro_figures::canvas::{self, Canvas, Drawing};
 use vibro_fmi::component::variables::{Causality, VARIABLES, Variable};
 
 /// Names of the terminals: the bodies, whose variables begin with them. The places are on the lower edge of the icon.

@@ -4,9 +4,8 @@ mod common;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{Orbit, OrbitWord, System};
+use vibro_orbits::{Orbit, OrbitWord, System};
 
 /// A folder with what `vibro orbit --word U- --set f10=2.3` writes: the symmetric motion past its loss of stability.
 fn orbit() -> PathBuf {
@@ -25,11 +24,10 @@ fn orbit() -> PathBuf {
 }
 
 #[test]
-#[ignore = "installs the Python package, dask, pyarrow, matplotlib and mypy: cargo test --test examples -- --ignored"]
+#[ignore = "builds and installs the wheel, dask, pyarrow, matplotlib and mypy: cargo test --test examples -- --ignored"]
 fn the_scripts_do_what_they_say() {
-    let mut pytest = Command::new(common::python::install_wheel(&["tests/examples/requirements.txt"]));
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/examples"]);
-    pytest.current_dir(common::python::root()).env("PYTHONDONTWRITEBYTECODE", "1");
+    let python = common::python::install_wheel(&["tests/examples/requirements.txt"]);
+    let mut pytest = common::python::pytest(python, "tests/examples");
     pytest.env("VIBRO_IMPACT_FMU", common::python::fmu()).env("VIBRO_ORBIT", orbit());
     println!("{}", common::python::run("pytest tests/examples", &mut pytest));
 }

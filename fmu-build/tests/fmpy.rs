@@ -5,7 +5,6 @@ mod common;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use vibro_impact::steady::{exact_orbit, multiple_scales};
 use vibro_impact::{Groups, Parameters, Simulator, State};
 
@@ -76,11 +75,7 @@ fn fmpy_drives_the_packaged_fmu() {
     }
     native_trajectory(&folder.join("libcosim.csv"), LIBCOSIM.0, LIBCOSIM.1);
     closed_forms(&folder);
-    let mut pytest = Command::new(python);
-    pytest
-        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fmpy"])
-        .current_dir(common::python::root());
+    let mut pytest = common::python::pytest(python, "tests/fmpy");
     pytest.env("VIBRO_IMPACT_FMU", fmu).env("VIBRO_IMPACT_NATIVE", folder);
-    pytest.env("PYTHONDONTWRITEBYTECODE", "1");
     println!("{}", common::python::run("pytest tests/fmpy", &mut pytest));
 }

@@ -94,14 +94,7 @@ fn nor_do_two_hundred_with_a_panic() {
     in_its_own_process(&panicking(), true);
 }
 
-/// Compiles `tests/panicking/`, quickly: it is the panic that counts.
+/// The library of `tests/panicking/`, which cargo compiled for this test and which lies beside it.
 fn panicking() -> PathBuf {
-    let target = compile::target().join("panicking");
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args(["build", "--quiet", "--locked", "--package", "panicking", "--target-dir"]).arg(&target);
-    cargo.current_dir(compile::workspace()).env("CARGO_INCREMENTAL", "0");
-    cargo.envs([("CARGO_PROFILE_DEV_DEBUG", "0"), ("CARGO_PROFILE_DEV_OPT_LEVEL", "0")]);
-    let output = cargo.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    target.join("debug").join("libpanicking.so")
+    std::env::current_exe().unwrap().with_file_name("libpanicking.so")
 }

@@ -10,7 +10,7 @@ use std::process::Command;
 
 /// Shell commands of the README and what runs them.
 const COVERED: [(&str, &str); 15] = [
-    ("pip install ./python", "fmu-build/tests/wheel.rs does the same by way of a wheel"),
+    ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
     ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     ("cargo test --workspace", "is running now"),
     (TARGETS, "the test below compares it with the platforms"),
@@ -74,7 +74,7 @@ fn every_code_block_works() {
             "python" => {
                 let of_package = text.contains("vibro_impact");
                 let program =
-                    if of_package { common::python::python_with_wheel() } else { common::python::python() };
+                    if of_package { common::python::python_with_package() } else { common::python::python() };
                 let mut python = Command::new(program);
                 let printed = common::python::run(
                     "a Python block of README.md",

@@ -2,13 +2,8 @@
 
 mod common;
 
-use std::process::Command;
-
 #[test]
 fn second_method_the_equations_of_the_theory_page() {
-    let python = common::python::python_with(&["tests/theory/requirements.txt"]);
-    let mut pytest = Command::new(python);
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/theory"]);
-    pytest.current_dir(common::python::root()).env("PYTHONDONTWRITEBYTECODE", "1");
+    let mut pytest = common::python::pytest(common::python::python(), "tests/theory");
     println!("{}", common::python::run("pytest tests/theory", &mut pytest));
 }

@@ -8,21 +8,21 @@ use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{self, ConstantLoads, Family, OrbitWord, PathOptions, Span};
+use vibro_orbits::{ConstantLoads, Family, OrbitWord, PathOptions, Span};
 
 /// A certified periodic orbit.
 #[pyclass(frozen, module = "vibro_impact._native")]
 #[derive(Clone, Debug)]
 pub struct Orbit {
     set: ParameterSet,
-    orbit: orbits::Orbit,
+    orbit: vibro_orbits::Orbit,
     /// How often the word that was asked for passes it.
     passages: u32,
 }
 
 impl Orbit {
     /// An orbit that was found, in its shortest word.
-    fn shortest(set: &ParameterSet, found: &orbits::Orbit) -> Self {
+    fn shortest(set: &ParameterSet, found: &vibro_orbits::Orbit) -> Self {
         let (orbit, passages) = found.shortest();
         Self { set: set.clone(), orbit, passages }
     }
@@ -40,8 +40,8 @@ impl Orbit {
         phases: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Self> {
         let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
-        let machine = orbits::System::new(system.parameters()).map_err(Failure::from)?;
-        let orbit = orbits::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
+        let machine = vibro_orbits::System::new(system.parameters()).map_err(Failure::from)?;
+        let orbit = vibro_orbits::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
         Ok(Self { set: system.set().map_err(Failure::from)?.clone(), orbit, passages: 1 })
     }
 
@@ -141,7 +141,7 @@ pub fn orbit(
     let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |_| {
-        let found = orbits::search(&orbits::System::new(set.parameters())?, &word, tries)?;
+        let found = vibro_orbits::search(&vibro_orbits::System::new(set.parameters())?, &word, tries)?;
         Ok(found.iter().map(|orbit| Orbit::shortest(&set, orbit)).collect())
     })
 }
@@ -158,10 +158,10 @@ pub fn settled_orbit(
 ) -> PyResult<Orbit> {
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |control| {
-        let machine = orbits::System::new(set.parameters())?;
-        let settled = orbits::settle(&machine, &state(&start), discard)?;
+        let machine = vibro_orbits::System::new(set.parameters())?;
+        let settled = vibro_orbits::settle(&machine, &state(&start), discard)?;
         control.check()?;
-        Ok(Orbit { orbit: orbits::orbit_of(&machine, &settled)?, set, passages: 1 })
+        Ok(Orbit { orbit: vibro_orbits::orbit_of(&machine, &settled)?, set, passages: 1 })
     })
 }
 
@@ -197,7 +197,7 @@ pub fn follow<'py>(
     let value = name.value(&set);
     let (branch, maxima) = compute(py, progress, move |_| {
         let family = Family::new(&set, ConstantLoads::NONE, span)?;
-        let found = orbits::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
+        let found = vibro_orbits::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
         let mut maxima = found.maxima(&family, weights);
         for (maxima, point) in maxima.iter_mut().zip(&found.points) {
             let gap = family.parameter_set(&[point.value])?.parameters().stop_gap;

@@ -1,6 +1,6 @@
 """Whatever is asked: an answer without NaN, or an exception of the kinds that are told; the interpreter goes on.
 
-`--minutes=10` tries as long as that (cargo test -p fmu-build --test wheel -- --ignored).
+`--minutes=10` tries as long as that (cargo test -p fmu-build --test python_package -- --ignored).
 """
 
 import contextlib

@@ -35,7 +35,10 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// A picture or table could not be made.
+    /// A picture could not be made.
+    #[error(transparent)]
+    Picture(#[from] vibro_figures::Error),
+    /// A table could not be made.
     #[error("making {what}: {problem}")]
     Output {
         /// What was being made.
@@ -61,6 +64,7 @@ impl Error {
             self,
             Self::File { doing: "writing" | "making folder", .. }
                 | Self::Output { .. }
+                | Self::Picture(_)
                 | Self::Analysis(vibro_analysis::Error::Store(_))
         )
     }
@@ -76,7 +80,7 @@ impl Error {
         move |source| Self::File { doing, path, source }
     }
 
-    /// For `map_err` on the libraries that make pictures and tables.
+    /// For `map_err` on the libraries that make tables.
     pub fn output<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> Self {
         move |e| Self::Output { what, problem: e.to_string() }
     }

@@ -5,7 +5,6 @@
 //! |---|---|
 //! | [`studies`] | from a parameter set to tables and a figure, one function a study |
 //! | [`long_study`] | long studies as plain data, computed in parts |
-//! | [`figures`] | what a figure consists of, and its drawing as SVG and PNG |
 //! | [`table`] | tables as CSV |
 //! | [`manifest`] | what a result or a folder of parts was computed from |
 //! | [`report`] | all studies at once, and the paper's statements beside what is found |
@@ -13,12 +12,9 @@
 //! | [`design_file`] | designs of a sweep from a CSV file |
 //! | [`special_points`] | special points of branches from their table |
 //! | [`part_folder`] | finished parts of long studies on disk |
-//! | [`html`] | text in HTML |
 
 pub mod design_file;
 mod error;
-pub mod figures;
-pub mod html;
 pub mod load_file;
 pub mod long_study;
 pub mod manifest;

@@ -10,8 +10,8 @@ use vibro_analysis::basin;
 use vibro_analysis::bifurcation::{self, Sweep};
 use vibro_analysis::design_sweep;
 use vibro_analysis::isoperiodic;
-use vibro_analysis::orbits::{ConstantLoads, Family, Span, TreeOptions, tree_in_parts};
 use vibro_analysis::parts::Task;
+use vibro_orbits::{ConstantLoads, Family, Span, TreeOptions, tree_in_parts};
 
 /// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
 /// parts of another form are never put together. Before it was written down it was 1.

@@ -17,11 +17,11 @@ use vibro_analysis::basin::{self, InitialValueRange};
 use vibro_analysis::bifurcation::{Diagram, Sweep};
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::maxima::Displacement;
-use vibro_analysis::orbits::TreeOptions;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet, find_group};
+use vibro_orbits::TreeOptions;
 
 /// Values of table 2: of each window and band that the diagrams show.
 const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];

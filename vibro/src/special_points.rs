@@ -11,8 +11,8 @@
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use vibro_analysis::orbits::{Label, LocusStart, OrbitWord};
 use vibro_analysis::{Name, number};
+use vibro_orbits::{Label, LocusStart, OrbitWord};
 
 /// Half of the last digit of a value and a little more, for a tie.
 const LAST_DIGIT: f64 = 0.51;

@@ -41,10 +41,10 @@ pub use strong::strong_case;
 pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 
 use crate::Result;
-use crate::figures::canvas::palette::{HERE, WHITE};
-use crate::figures::chart::{Axis, Figure, Layer, MARK, Mark};
 use crate::table::Table;
 use vibro_analysis::{Name, ParameterSet};
+use vibro_figures::canvas::palette::{HERE, WHITE};
+use vibro_figures::chart::{Axis, Figure, Layer, MARK, Mark};
 
 /// The outcome of a study.
 #[derive(Clone, Debug)]

@@ -2,12 +2,6 @@
 //! are small, bodies have their colours, and colours differ in lightness.
 
 use std::collections::BTreeMap;
-use vibro::figures::canvas;
-use vibro::figures::canvas::palette::{
-    BLACK, BLOCK, BODIES, BOX, CENTRE, FAMILY, HERE, RELATIVE, SECONDARY, WHITE,
-};
-use vibro::figures::canvas::{Colour, Drawing};
-use vibro::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape};
 use vibro::studies::{self, Study};
 use vibro_analysis::bifurcation::{Sweep, diagram};
 use vibro_analysis::lyapunov::SpectrumOptions;
@@ -16,6 +10,12 @@ use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet};
+use vibro_figures::canvas;
+use vibro_figures::canvas::palette::{
+    BLACK, BLOCK, BODIES, BOX, CENTRE, FAMILY, HERE, RELATIVE, SECONDARY, WHITE,
+};
+use vibro_figures::canvas::{Colour, Drawing};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape};
 
 /// Numbers of values: few, as in a quick look, and many more than a panel has pixels.
 const COUNTS: [usize; 3] = [50, 500, 5000];
@@ -304,4 +304,18 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
         compared += 1;
     }
     assert!(compared > 20, "{compared}");
+}
+
+/// The picture in the FMU's page is that of today's program: the same words, since curves may differ in last digits.
+#[test]
+fn golden_the_response_in_the_page_of_the_fmu() {
+    let study = studies::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None).unwrap();
+    let drawing = study.figure.unwrap();
+    let committed = concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription/documentation/response.svg");
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(committed, canvas::svg(&drawing).unwrap()).expect("modelDescription can be written");
+    }
+    let told = std::fs::read_to_string(committed).expect("the picture is committed");
+    let told = told.split("<text").skip(1).filter_map(|t| t.split_once('>')?.1.split('<').next());
+    assert_eq!(texts(&drawing), told.collect::<Vec<_>>(), "UPDATE=1 draws it anew; look at it");
 }

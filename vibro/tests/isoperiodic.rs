@@ -1,7 +1,6 @@
 //! Planes by simulation: against single runs, the exact orbit, and their own table and picture.
 
 use std::collections::HashMap;
-use vibro::figures::chart::Shape;
 use vibro::studies;
 use vibro_analysis::attractor::{MotionClass, observe};
 use vibro_analysis::isoperiodic::{Isoperiodic, Request, StartRule, isoperiodic};
@@ -9,6 +8,7 @@ use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{self, Method, ParameterAxis, SteadyStateClass};
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};
+use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 

@@ -8,7 +8,6 @@ use command::{command, drawn, pixels};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use vibro::figures::chart::Shape;
 use vibro::studies;
 use vibro_analysis::attractor::{MotionClass, Relation, observe};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis, InitialValueRange};
@@ -18,6 +17,7 @@ use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group, lyapunov};
+use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 

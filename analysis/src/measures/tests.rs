@@ -189,3 +189,30 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
     );
     assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
 }
+
+/// Chaos, whose windows scatter by as much as one of them says of itself: an extreme by (N4), a mean square by (N5).
+#[test]
+fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
+    const WINDOWS: usize = 60;
+    const PERIODS: u32 = 60;
+    /// Sixty windows know their scatter to a tenth; the limit law of extremes is one for infinitely long parts, and a motion in a
+    /// bounded space has shorter tails, so that (N4) tells too much rather than too little.
+    const LEAST: f64 = 0.8;
+    const MOST: f64 = 2.5;
+    let names = ["amplitude.x1", "amplitude.x2", "impact.speed.max", "rms.x1"];
+    for f10 in [2.85, 3.6] {
+        let p = at(f10, 0.75);
+        let mut simulator = settled_simulator(&p, &moving_block(&p), 300.0).unwrap();
+        let measures: Vec<Measure> = names.iter().map(|n| n.parse().unwrap()).collect();
+        let found: Vec<_> =
+            (0..WINDOWS).map(|_| measure(&mut simulator, &measures, PERIODS).unwrap()).collect();
+        for (i, name) in names.iter().enumerate() {
+            let numbers: Vec<f64> = found.iter().map(|m| m.numbers[i].unwrap()).collect();
+            let mean = numbers.iter().sum::<f64>() / WINDOWS as f64;
+            let scatter = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (WINDOWS - 1) as f64;
+            let told = found.iter().map(|m| m.spreads[i].powi(2)).sum::<f64>() / WINDOWS as f64;
+            let ratio = (told / scatter).sqrt();
+            assert!((LEAST..MOST).contains(&ratio), "f10 = {f10}, {name}: {ratio}");
+        }
+    }
+}

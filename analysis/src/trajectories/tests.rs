@@ -262,23 +262,3 @@ fn invariant_mirrored_loads_mirror_what_motions_settle_on() {
         assert!((a + b).abs() < 1e-7, "{:?} {:?}", own.states, other.states);
     }
 }
-
-#[test]
-fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit() {
-    /// What is left of the transient in a mean over the periods counted, and in the orbit's phases, 1/s.
-    const SETTLED: f64 = 1e-5;
-    let p = loaded(0.75);
-    let system = crate::orbits::System::new(&p).unwrap();
-    assert_eq!(system.loads().forces, p.constant_loads);
-    let settled = crate::orbits::settle(&system, &crate::stroboscopic::moving_block(&p), 1000).unwrap();
-    let orbit = crate::orbits::orbit_of(&system, &settled).unwrap();
-    let periods = 0.5 * f64::from(orbit.word().half_periods());
-    let largest = orbit.multipliers()[0].norm().ln() / (periods * p.period());
-    let mut simulator = Simulator::new(&p, &settled, 0.0).unwrap().without_energy_accounts();
-    let options = crate::lyapunov::SpectrumOptions { align: 100, periods: 4000, ..Default::default() };
-    let found = crate::lyapunov::spectrum(&mut simulator, &options).unwrap();
-    assert!(!orbit.word().is_empty() && found.impacts > 0);
-    // One exponent is the drive phase's zero.
-    assert!(found.exponents[0].abs() < SETTLED, "{:?}", found.exponents);
-    assert!((found.exponents[1] - largest).abs() < 1e-3 * largest.abs(), "{:?} {largest}", found.exponents);
-}

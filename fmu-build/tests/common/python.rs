@@ -29,27 +29,70 @@ pub fn fmu() -> PathBuf {
     path
 }
 
-/// Python of the virtual environment with the pinned requirements; made on first use, then reused.
+/// Python of the virtual environment of the default tests; made on first use, then reused. One serves all: what fmpy, the package and
+/// the theory page need is installed once.
 pub fn python() -> PathBuf {
-    python_with(&["tests/fmpy/requirements.txt"])
+    python_with(&DEFAULT)
 }
 
-/// Python of a virtual environment in which the package `vibro_impact` is installed from a wheel, with the packaged FMUs inside and
-/// what its tests need beside. The wheel is built without the optimisations of a release, on which no bit depends, and once in a
-/// process: no test's package is replaced while it runs.
-pub fn python_with_wheel() -> PathBuf {
+/// What the default tests need of Python.
+const DEFAULT: [&str; 3] =
+    ["tests/fmpy/requirements.txt", "tests/python/requirements.txt", "tests/theory/requirements.txt"];
+
+/// The same Python with the package `vibro_impact` of this tree beside it: its modules, the native part that cargo compiled for this
+/// test, and the packaged FMUs. What `pip` does with the wheel is tried by `install_wheel`. Once in a process: no test's package
+/// is replaced while it runs.
+pub fn python_with_package() -> PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| install_wheel(&[])).clone()
+    PYTHON.get_or_init(|| {
+        let python = python();
+        let ask = "import sysconfig; print(sysconfig.get_path('platlib'))";
+        let libraries = run("asking for site-packages", Command::new(&python).args(["-c", ask]));
+        let installed = Path::new(libraries.trim()).join("vibro_impact");
+        let lock = File::create(installed.with_extension("lock")).expect("target can be written");
+        lock.lock().expect("files under target can be locked");
+        copy_package(&installed);
+        python
+    });
+    PYTHON.get().expect("it was made above").clone()
 }
 
-/// The same with further requirements, in an environment of its own.
+/// The compiled native part of the package. It lies beside this test, because the packager's tests depend on its crate.
+fn native_part() -> PathBuf {
+    let tests = std::env::current_exe().expect("a test is a file");
+    let name = format!("{}_native{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    tests.parent().expect("a file is in a folder").join(name)
+}
+
+fn copy_package(installed: &Path) {
+    let sources = root().join("python/package/vibro_impact");
+    let ending = if cfg!(windows) { "pyd" } else { "abi3.so" };
+    let modules = fs::read_dir(sources)
+        .expect("it is part of the repository")
+        .map(|entry| entry.expect("an entry").path());
+    let mut files: Vec<(PathBuf, PathBuf)> = modules
+        .filter(|path| path.is_file())
+        .map(|path| (installed.join(path.file_name().expect("a file has a name")), path))
+        .collect();
+    files.push((installed.join(format!("_native.{ending}")), native_part()));
+    for version in Version::USUAL {
+        let archive = version.beside(&fmu());
+        files.push((installed.join("fmu").join(archive.file_name().expect("a file has a name")), archive));
+    }
+    fs::create_dir_all(installed.join("fmu")).expect("target can be written");
+    for (to, from) in files {
+        // A library that is in use is not overwritten but replaced.
+        let _ = fs::remove_file(&to);
+        fs::copy(&from, &to).unwrap_or_else(|error| panic!("copying {}: {error}", from.display()));
+    }
+}
+
+/// Python of an environment with these requirements in which the package was installed by pip from a wheel, built without the
+/// optimisations of a release, on which no bit depends.
 pub fn install_wheel(also: &[&str]) -> PathBuf {
-    let usual = ["tests/fmpy/requirements.txt", "tests/python/requirements.txt"];
-    let python = python_with(&[&usual[..], also].concat());
+    let python = python_with(&[&DEFAULT[..], also].concat());
     let programs = python.parent().expect("a program is in a folder");
     let folder = programs.parent().expect("an environment is a folder");
-    let lock = File::create(folder.with_extension("wheel-lock")).expect("target can be written");
-    lock.lock().expect("files under target can be locked");
     // maturin is called by its name.
     let usual = std::env::var_os("PATH").unwrap_or_default();
     let paths: Vec<PathBuf> =
@@ -69,17 +112,26 @@ pub fn install_wheel(also: &[&str]) -> PathBuf {
     run("building the wheel", &mut pip(&[&build[..], &[wheels.as_os_str()]].concat()));
     let made = fs::read_dir(&wheels).expect("a folder").map(|entry| entry.expect("an entry").path());
     let wheel = made.max().expect("a wheel");
-    let stamp = format!("{:016x}", fnv1a(&fs::read(&wheel).expect("it was made")));
-    let installed = folder.join("wheel");
-    if !fs::read_to_string(&installed).is_ok_and(|text| text == stamp) {
-        let install = ["install", "--no-deps", "--force-reinstall"].map(OsStr::new);
-        run("installing the wheel", &mut pip(&[&install[..], &[wheel.as_os_str()]].concat()));
-        fs::write(installed, stamp).expect("target can be written");
-    }
+    let install = ["install", "--no-deps", "--force-reinstall"].map(OsStr::new);
+    run("installing the wheel", &mut pip(&[&install[..], &[wheel.as_os_str()]].concat()));
     python
 }
 
-/// The same for other requirements.
+/// A command for pytest over a folder of tests. Compiled modules go under `target/`, so that the work tree stays clean.
+pub fn pytest(python: PathBuf, folder: &str) -> Command {
+    let mut pytest = command(python);
+    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", folder]);
+    pytest
+}
+
+/// A command for Python in the work tree. Only the modules that are imported are compiled, once, under `target/`.
+pub fn command(python: PathBuf) -> Command {
+    let mut command = Command::new(python);
+    command.current_dir(root()).env("PYTHONPYCACHEPREFIX", fmu_build::compile::target().join("pycache"));
+    command
+}
+
+/// Python of a virtual environment with what these files list.
 pub fn python_with(requirements: &[&str]) -> PathBuf {
     let read = |path: &&str| fs::read_to_string(root().join(path)).expect("it is part of the repository");
     let wanted: String = requirements.iter().map(read).collect();
@@ -108,7 +160,8 @@ pub fn python_with(requirements: &[&str]) -> PathBuf {
         Command::new(&system).args([OsStr::new("-m"), OsStr::new("venv"), folder.as_os_str()]),
     );
     let mut pip = Command::new(&python);
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    // Most of what is installed is never imported: what is, is compiled at first use.
+    pip.args(["-m", "pip", "install", "--no-compile", "--quiet", "--disable-pip-version-check"]);
     pip.args(requirements.iter().flat_map(|path| ["--requirement", path])).current_dir(root());
     run(&format!("installing {}", requirements.join(" and ")), &mut pip);
     fs::write(complete, stamp).expect("target can be written");

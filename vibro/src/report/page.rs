@@ -2,14 +2,14 @@
 
 use super::statement::{Statement, Verdict};
 use crate::Result;
-use crate::figures::canvas;
-use crate::html::escape;
 use crate::studies::Study;
 use crate::table::Table;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 use vibro_analysis::{ParameterSet, short};
+use vibro_figures::canvas;
+use vibro_figures::html::escape;
 
 const STYLE: &str = ":root{color-scheme:light dark;--text:#222;--paper:#fff;--line:#ccc;--head:#f3f3f3;--yes:#e2f2e6;\
 --partly:#fdf3d8;--no:#f9dedc;--note:#eef3fa;--small:#555}\
@@ -31,7 +31,7 @@ pub(super) fn page(
     studies: &[Study],
 ) -> Result<String> {
     let pictures = studies.par_iter().map(|s| s.figure.as_ref().map(canvas::png).transpose());
-    let pictures = pictures.collect::<Result<Vec<_>>>()?;
+    let pictures = pictures.collect::<std::result::Result<Vec<_>, _>>()?;
     let figures = studies.iter().zip(pictures).map(|(study, picture)| figure(study, picture));
     let body = [introduction(set, quick), comparison(statements), exponents(spectra)].concat()
         + "<h2>Figures</h2>\n"

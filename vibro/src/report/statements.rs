@@ -9,8 +9,8 @@ use crate::Result;
 use crate::studies::{doublings_in_words, end_in_words, periodic_ranges};
 use vibro_analysis::attractor::{MotionClass, ZERO_EXPONENT};
 use vibro_analysis::bifurcation::{Diagram, SweepPoint};
-use vibro_analysis::orbits::{Doubling, Label, doubling_sequences};
 use vibro_analysis::short;
+use vibro_orbits::{Doubling, Label, doubling_sequences};
 
 /// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;

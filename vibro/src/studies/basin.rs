@@ -3,8 +3,6 @@
 use super::Study;
 use super::lengths::Lengths;
 use crate::Result;
-use crate::figures::canvas::palette::GREY;
-use crate::figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use crate::table::{Table, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::Attractor;
@@ -12,6 +10,8 @@ use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
 use vibro_analysis::plane::check_cells;
 use vibro_analysis::stroboscopic::COORDINATES;
 use vibro_analysis::verdict::PROLONGED;
+use vibro_figures::canvas::palette::GREY;
+use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 
 /// Colours of the first attractors and of their mirror images. Each has a lightness of its own, as have those below.
 pub const PAIRS: [[Colour; 2]; 8] = [

@@ -6,8 +6,6 @@ use super::steady_motion::{MotionSample, SteadyMotion, simulated};
 use super::sweep::{maxima_table, overlay};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLOCK, BOX, CENTRE, SECONDARY};
-use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, observe};
@@ -18,6 +16,8 @@ use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group, short};
+use vibro_figures::canvas::palette::{BLOCK, BOX, CENTRE, SECONDARY};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape, THIN};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 

@@ -1,10 +1,10 @@
 //! A bifurcation diagram's panel of maxima, and how it was made in words; shared by diagrams with exponents and those with orbits.
 
 use super::lengths::Lengths;
-use crate::figures::canvas::palette::{BLACK, HERE, SKY};
-use crate::figures::chart::{Colour, Dash, Layer, Panel, Shape, THIN};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
+use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
+use vibro_figures::chart::{Colour, Dash, Layer, Panel, Shape, THIN};
 
 /// Rows of cells in a diagram, and most columns: neighbouring values share one where there are more.
 const ROWS: usize = 380;

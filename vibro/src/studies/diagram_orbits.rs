@@ -7,19 +7,19 @@ use super::diagram::{DIRECTIONS, method};
 use super::lengths::Lengths;
 use super::orbits::{search_in_words, special_table};
 use crate::Result;
-use crate::figures::chart::Figure;
 use crate::table::{CsvRows, exact};
 use drawn::{Drawn, NEVER_STABLE, UNSTABLE};
 use rayon::prelude::*;
 use vibro_analysis::attractor::{MotionClass, observe};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
-use vibro_analysis::orbits::{
+use vibro_analysis::stroboscopic::dimensional;
+use vibro_analysis::{Name, ParameterSet};
+use vibro_figures::chart::Figure;
+use vibro_impact::simulator::Simulator;
+use vibro_orbits::{
     Branch, ConstantLoads, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange,
     Tree, TreeOptions, branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
 };
-use vibro_analysis::stroboscopic::dimensional;
-use vibro_analysis::{Name, ParameterSet};
-use vibro_impact::simulator::Simulator;
 
 /// Most values of a diagram at all of which motions are settled for the branches, in each direction.
 const MOST_SEEDS: usize = 1001;

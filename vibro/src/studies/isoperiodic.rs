@@ -2,14 +2,14 @@
 
 use super::Study;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY, VERMILLION};
-use crate::figures::chart::{Colour, Dash, Figure, LINE, Layer, Panel, Path, Shape, THIN};
 use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, PlanePoint, Request, SettledMotion};
 use vibro_analysis::plane::{SteadyStateClass, check_cells};
+use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, HERE, ORANGE, PURPLE, SKY, VERMILLION};
+use vibro_figures::chart::{Colour, Dash, Figure, LINE, Layer, Panel, Path, Shape, THIN};
 
 const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);

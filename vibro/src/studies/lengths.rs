@@ -1,7 +1,7 @@
 //! The unit in which pictures show lengths and speeds: units of L, or SI where the machine was given in SI.
 
-use crate::figures::chart::Axis;
 use vibro_analysis::{Name, ParameterSet};
+use vibro_figures::chart::Axis;
 
 /// Below this gap, in m, lengths are shown in mm unless the gap was written in another unit.
 const SMALL_GAP: f64 = 0.1;

@@ -3,11 +3,11 @@
 use super::orbits::said;
 use super::{Study, parameter_axis};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, FAMILY};
-use crate::figures::chart::{Dash, Figure, Layer, Mark, Panel, Path};
 use crate::table::{CsvRows, exact};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{Family, LocusEnd, LocusPoint, LocusStart, Span};
+use vibro_figures::canvas::palette::{BLACK, FAMILY};
+use vibro_figures::chart::{Dash, Figure, Layer, Mark, Panel, Path};
+use vibro_orbits::{Family, LocusEnd, LocusPoint, LocusStart, Span};
 
 /// A curve with where it was started.
 #[derive(Clone, Debug)]

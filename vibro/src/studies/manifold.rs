@@ -3,11 +3,11 @@
 use super::Study;
 use super::lengths::Lengths;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, FAMILY, GREY, HERE};
-use crate::figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
 use crate::table::{Table, exact};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::{Name, ParameterSet, short};
+use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY, HERE};
+use vibro_figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path};
 use vibro_impact::steady::Roots;
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales, sawtooth};
 
@@ -31,7 +31,7 @@ fn both(roots: Option<Roots<FixedPoint>>) -> Vec<(&'static str, FixedPoint)> {
 }
 
 /// The fixed points as marks: filled where all tests hold.
-fn points(points: &[(&'static str, FixedPoint)], colour: crate::figures::chart::Colour) -> Vec<Layer> {
+fn points(points: &[(&'static str, FixedPoint)], colour: vibro_figures::chart::Colour) -> Vec<Layer> {
     let of = |all: bool| {
         points
             .iter()

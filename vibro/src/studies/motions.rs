@@ -4,8 +4,6 @@ use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLOCK, BOX, FAMILY, RELATIVE, SECONDARY};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::bifurcation::{Diagram, SweepPoint};
@@ -13,6 +11,8 @@ use vibro_analysis::lyapunov::{Convergence, SpectrumOptions, dimensionless};
 use vibro_analysis::motion::{Flight, record_flights, settled_simulator};
 use vibro_analysis::stroboscopic::{StroboscopicState, dimensional, moving_block};
 use vibro_analysis::{Name, ParameterSet, short};
+use vibro_figures::canvas::palette::{BLOCK, BOX, FAMILY, RELATIVE, SECONDARY};
+use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 

@@ -3,14 +3,14 @@
 use super::Study;
 use super::lengths::Lengths;
 use super::orbits::said;
-use crate::figures::canvas::palette::{BLACK, GREY, RELATIVE, VERMILLION};
-use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use crate::table::{CsvRows, exact};
 use crate::{Error, Result};
 use std::f64::consts::TAU;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{Orbit, OrbitWord};
+use vibro_figures::canvas::palette::{BLACK, GREY, RELATIVE, VERMILLION};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use vibro_impact::parameters::FIELDS;
+use vibro_orbits::{Orbit, OrbitWord};
 
 /// Points of a curve in a drive period.
 const SAMPLES: u32 = 400;

@@ -3,13 +3,13 @@
 use super::lengths::Lengths;
 use super::{Study, parameter_axis};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, FAMILY, GREY};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::orbits::{Branch, ConstantLoads, Family, Label, Searched, Span};
+use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
+use vibro_figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
+use vibro_orbits::{Branch, ConstantLoads, Family, Label, Searched, Span};
 
 /// Weights of X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];

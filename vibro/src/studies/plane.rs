@@ -2,12 +2,12 @@
 
 use super::Study;
 use crate::Result;
-use crate::figures::canvas::palette::{BLUE, GREY, ORANGE};
-use crate::figures::chart::{Colour, Figure, Layer, Panel, Shape};
 use crate::table::{csv_in_groups, exact};
 use rayon::prelude::*;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::plane::{Method, ParameterAxis, Plane, SteadyStateClass, check_cells, plane};
+use vibro_figures::canvas::palette::{BLUE, GREY, ORANGE};
+use vibro_figures::chart::{Colour, Figure, Layer, Panel, Shape};
 
 const LIGHT: Colour = Colour(205, 205, 205);
 const PANEL: (u32, u32) = (1350, 1150);

@@ -3,14 +3,14 @@
 use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{FAMILY, GREY, HERE};
-use crate::figures::chart::{Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::{Response, ResponsePoint, response};
 use vibro_analysis::{Name, ParameterSet};
+use vibro_figures::canvas::palette::{FAMILY, GREY, HERE};
+use vibro_figures::chart::{Dash, Figure, Layer, Panel, Path, THIN};
 
 /// Nodes per sheet and interval of solutions.
 const NODES: usize = 400;

@@ -3,13 +3,13 @@
 use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, FAMILY, HERE, SKY};
-use crate::figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use crate::table::{Table, exact};
 use rayon::prelude::*;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::response;
 use vibro_analysis::{ParameterSet, find_group, short};
+use vibro_figures::canvas::palette::{BLACK, FAMILY, HERE, SKY};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_impact::parameters::Groups;
 use vibro_impact::steady::continuation;
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales};

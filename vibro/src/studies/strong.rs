@@ -6,10 +6,10 @@ use super::lengths::Lengths;
 use super::steady::four_panels;
 use super::steady_motion::SteadyMotion;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, CENTRE, FAMILY, SECONDARY};
-use crate::figures::chart::{Axis, Dash, Layer, Mark, Panel, Path};
 use std::f64::consts::PI;
 use vibro_analysis::{ParameterSet, short};
+use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, CENTRE, FAMILY, SECONDARY};
+use vibro_figures::chart::{Axis, Dash, Layer, Mark, Panel, Path};
 use vibro_impact::steady::strong_coupling::modified_sawtooth;
 
 /// Figures 18 and 19: Z*, and section 5's closed form against the simulation.

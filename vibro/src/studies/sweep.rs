@@ -5,8 +5,6 @@ use super::diagram::{DIRECTIONS, maxima_panel, method};
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, BLOCK, FAMILY, GREY, SKY};
-use crate::figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use crate::table::{CsvRows, Table, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
@@ -14,6 +12,8 @@ use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::{Method, ParameterAxis};
 use vibro_analysis::response::{ResponsePoint, response};
 use vibro_analysis::{ParameterSet, short};
+use vibro_figures::canvas::palette::{BLACK, BLOCK, FAMILY, GREY, SKY};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 
 /// Stroke of the curves of multiple scales and of the falling direction, over which others are drawn.
 const WIDE: u32 = 14;

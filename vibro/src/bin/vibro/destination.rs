@@ -9,13 +9,13 @@
 use crate::arguments::{Common, DEFAULT_OUT};
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use vibro::figures::canvas;
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::{Occupancy, PartFolder, write_whole};
 use vibro::studies::Study;
 use vibro::table::in_written_units;
 use vibro::{Error, Result};
 use vibro_analysis::ParameterSet;
+use vibro_figures::canvas;
 
 /// Endings of the files of a result that have its name.
 const ENDINGS: [&str; 5] = ["csv", "parquet", "svg", "png", "html"];

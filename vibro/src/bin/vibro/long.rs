@@ -15,10 +15,10 @@ use vibro_analysis::bifurcation::Sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::maxima::Displacement;
-use vibro_analysis::orbits::TreeOptions;
 use vibro_analysis::parts::{PartStore, Shard, Task};
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group, numbers};
+use vibro_orbits::TreeOptions;
 
 /// Forces f10 whose spectra are listed unless told otherwise.
 const SPECTRA: [f64; 4] = [0.6, 1.5, 2.45, 3.6];

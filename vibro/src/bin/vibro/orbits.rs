@@ -8,12 +8,12 @@ use vibro::long_study::{LongStudy, StudyKind};
 use vibro::special_points::SpecialPoint;
 use vibro::studies::{self, Curve, Study};
 use vibro::{Error, Result};
-use vibro_analysis::orbits::{
+use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::{Name, ParameterSet, find_group, numbers};
+use vibro_orbits::{
     Branch, ConstantLoads, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus,
     orbit_of, search, settle,
 };
-use vibro_analysis::stroboscopic::moving_block;
-use vibro_analysis::{Name, ParameterSet, find_group, numbers};
 
 /// Guesses of the phases from which the orbits of a word are sought.
 const TRIES: u32 = 400;

@@ -1,10 +1,10 @@
 //! Maps of a measure over two parameters, in steps of colour.
 
-use crate::figures::canvas::palette::{BLACK, VERMILLION};
-use crate::figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
 use crate::studies::parameter_axis;
 use vibro_analysis::design_sweep::SampledAxis;
 use vibro_analysis::{ParameterSet, significant};
+use vibro_figures::canvas::palette::{BLACK, VERMILLION};
+use vibro_figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
 
 /// Colours from the least to the largest value: darker and darker, so that they are told apart in grey too (viridis).
 const SCALE: [Colour; 8] = [

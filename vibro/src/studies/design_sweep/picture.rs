@@ -5,12 +5,12 @@ use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{limits, map};
 use super::words::{Unit, words};
 use super::{method, varied};
-use crate::figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 use crate::studies::parameter_axis;
 use vibro_analysis::design_sweep::{Designs, Request, SampledAxis};
 use vibro_analysis::measures::{Coordinate, Measure};
 use vibro_analysis::{Name, ParameterSet};
+use vibro_figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
+use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 
 /// Most panels of a picture.
 const PANELS: usize = 6;

@@ -1,9 +1,9 @@
 //! Measures as pictures name them, and the units in which they show them.
 
-use crate::figures::chart::Axis;
 use crate::studies::lengths::LengthUnit;
 use vibro_analysis::measures::Measure;
 use vibro_analysis::{ParameterSet, significant};
+use vibro_figures::chart::Axis;
 
 /// A measure in words; tables and commands have its name.
 pub(super) fn words(measure: Measure) -> String {

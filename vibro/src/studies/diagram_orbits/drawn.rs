@@ -1,8 +1,6 @@
 //! How branches look over a diagram: curves of their local maxima, stable and unstable, and marks where stability changes.
 
 use crate::Result;
-use crate::figures::canvas::palette::{BLACK, WHITE};
-use crate::figures::chart::{Colour, Dash, LINE, Layer, Mark, Panel, Path, Shape, THIN};
 use crate::studies::diagram::maxima_panel;
 use crate::studies::lengths::Lengths;
 use crate::studies::orbits::{COLOURED, MARKS, colour};
@@ -11,7 +9,9 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::{Diagram, Sweep};
-use vibro_analysis::orbits::{Branch, Family};
+use vibro_figures::canvas::palette::{BLACK, WHITE};
+use vibro_figures::chart::{Colour, Dash, LINE, Layer, Mark, Panel, Path, Shape, THIN};
+use vibro_orbits::{Branch, Family};
 
 /// Part of white in the points under the branches, so that the branches stand out.
 const PALE: f64 = 0.55;

@@ -1,6 +1,6 @@
 //! What a panel keeps of a long record: envelopes, thinned curves, and whether a quantity changes at all.
 
-use crate::figures::chart::Path;
+use vibro_figures::chart::Path;
 
 /// Most windows of an envelope; a panel has about as many pixels.
 const WINDOWS: f64 = 400.0;

@@ -4,11 +4,11 @@
 use super::envelope::{Extremes, constant, envelope, thinned};
 use super::history::{History, RunImpact, RunInstant};
 use super::short;
-use crate::figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, RELATIVE, SECONDARY};
-use crate::figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 use crate::studies::PANEL;
 use crate::studies::lengths::LengthUnit;
 use vibro_analysis::ParameterSet;
+use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, RELATIVE, SECONDARY};
+use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 use vibro_impact::load::Load;
 use vibro_impact::simulator::Contact;
 

@@ -1,0 +1,258 @@
+//! What all pictures share: the palette, the embedded font, and a list of marks that is written as SVG and painted as PNG, so
+//! that both are the same picture on any machine.
+
+mod bitmap;
+mod letters;
+pub mod palette;
+mod vector;
+
+pub use letters::{FONT, FONT_DATA, text_width};
+
+use crate::{Error, Result};
+
+/// Units of a drawing per pixel of its SVG.
+pub const SVG_SHRINK: u32 = 3;
+/// Units of a drawing per pixel of its PNG.
+pub const PNG_SHRINK: u32 = 2;
+
+/// A colour: red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Colour(pub u8, pub u8, pub u8);
+
+impl Colour {
+    /// The colour of which a part, from 0 to 1, is replaced by another.
+    #[must_use]
+    pub fn towards(self, other: Self, part: f64) -> Self {
+        let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
+        Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
+    }
+
+    /// The relative luminance of WCAG 2.2, from 0, black, to 1, white: how light the colour is to the eye, and in grey.
+    ///
+    /// ```
+    /// use vibro_figures::canvas::Colour;
+    ///
+    /// assert_eq!((Colour(0, 0, 0).luminance(), Colour(255, 255, 255).luminance()), (0.0, 1.0));
+    /// ```
+    #[must_use]
+    pub fn luminance(self) -> f64 {
+        let linear = |part: u8| match f64::from(part) / 255.0 {
+            v if v <= 0.04045 => v / 12.92,
+            v => ((v + 0.055) / 1.055).powf(2.4),
+        };
+        0.2126 * linear(self.0) + 0.7152 * linear(self.1) + 0.0722 * linear(self.2)
+    }
+}
+
+/// A place in units of the drawing, from the upper left corner.
+pub type Place = (f64, f64);
+
+/// A line's colour, width in units of the drawing, and lengths of dashes and gaps (none: solid).
+#[derive(Clone, Copy, Debug)]
+pub struct Pen {
+    /// Its colour.
+    pub colour: Colour,
+    /// Its width.
+    pub width: f64,
+    /// Lengths of dash and gap.
+    pub dash: Option<(f64, f64)>,
+}
+
+impl Pen {
+    /// A solid line.
+    pub fn solid(colour: Colour, width: f64) -> Self {
+        Self { colour, width, dash: None }
+    }
+}
+
+/// Where a text's place lies along its line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// At its beginning.
+    Start,
+    /// At its middle.
+    Middle,
+    /// At its end.
+    End,
+}
+
+/// Where a text's place lies across its line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// At the upper edge of the line.
+    Top,
+    /// At half the height of a capital.
+    Centre,
+    /// At the lower edge of the line.
+    Bottom,
+}
+
+/// How a text is written.
+#[derive(Clone, Copy, Debug)]
+pub struct Writing {
+    /// Size of the font (its em) in units of the drawing.
+    pub size: f64,
+    /// Its colour.
+    pub colour: Colour,
+    /// Where the place lies along it.
+    pub along: Along,
+    /// Where the place lies across it.
+    pub across: Across,
+    /// Whether it runs upwards.
+    pub upwards: bool,
+}
+
+/// One thing on a canvas. Marks lie on each other in the order in which they were drawn.
+#[derive(Clone, Debug)]
+enum Mark {
+    /// Polylines drawn by one pen.
+    Lines { pieces: Vec<Vec<Place>>, pen: Pen },
+    /// A filled polygon.
+    Polygon { corners: Vec<Place>, colour: Colour, opacity: f64 },
+    /// Filled rectangles, each an upper left corner and a size, with edges that are not smoothed.
+    Rectangles { rectangles: Vec<[Place; 2]>, colour: Colour },
+    /// Discs, or circles of a pen's width on white.
+    Circles { centres: Vec<Place>, radius: f64, colour: Colour, edge: Option<f64> },
+    /// A line of text whose place lies on its baseline.
+    Text { place: Place, words: String, size: f64, colour: Colour, along: Along, upwards: bool },
+    /// Marks that are moved together.
+    Moved { by: Place, marks: Vec<Mark> },
+    /// Marks cut at the edges of a rectangle, an upper left corner and a size.
+    Clipped { rectangle: [Place; 2], marks: Vec<Mark> },
+}
+
+/// A picture that is being drawn.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    marks: Vec<Mark>,
+    /// Whether a coordinate was not finite.
+    broken: bool,
+}
+
+impl Canvas {
+    /// The number, which is noted where it is not finite.
+    fn number(&mut self, value: f64) -> f64 {
+        self.broken |= !value.is_finite();
+        value
+    }
+
+    fn place(&mut self, (x, y): Place) -> Place {
+        (self.number(x), self.number(y))
+    }
+
+    fn places(&mut self, places: &[Place]) -> Vec<Place> {
+        places.iter().map(|&place| self.place(place)).collect()
+    }
+
+    /// Upper left corner and size of a rectangle of two opposite corners.
+    fn rectangle(&mut self, [a, b]: [Place; 2]) -> [Place; 2] {
+        [self.place((a.0.min(b.0), a.1.min(b.1))), self.place(((b.0 - a.0).abs(), (b.1 - a.1).abs()))]
+    }
+
+    /// Polylines drawn by one pen, with round joins.
+    pub fn lines(&mut self, pieces: &[Vec<Place>], pen: Pen) {
+        let pieces: Vec<_> =
+            pieces.iter().map(|piece| self.places(piece)).filter(|p| !p.is_empty()).collect();
+        if !pieces.is_empty() {
+            let width = self.number(pen.width);
+            let dash = pen.dash.map(|lengths| self.place(lengths));
+            self.marks.push(Mark::Lines { pieces, pen: Pen { width, dash, ..pen } });
+        }
+    }
+
+    /// A filled polygon.
+    pub fn polygon(&mut self, corners: &[Place], colour: Colour, opacity: f64) {
+        let corners = self.places(corners);
+        self.marks.push(Mark::Polygon { corners, colour, opacity });
+    }
+
+    /// Filled rectangles of one colour, given by two opposite corners. Their edges are not smoothed: neighbours would show
+    /// seams where they share a pixel.
+    pub fn rectangles(&mut self, corners: &[[Place; 2]], colour: Colour) {
+        let rectangles: Vec<_> = corners.iter().map(|&corners| self.rectangle(corners)).collect();
+        if !rectangles.is_empty() {
+            self.marks.push(Mark::Rectangles { rectangles, colour });
+        }
+    }
+
+    /// Discs of one colour, or circles of that pen on white.
+    pub fn circles(&mut self, centres: &[Place], radius: f64, colour: Colour, edge: Option<f64>) {
+        let radius = self.number(radius - 0.5 * edge.unwrap_or(0.0));
+        let centres = self.places(centres);
+        let edge = edge.map(|edge| self.number(edge));
+        if !centres.is_empty() {
+            self.marks.push(Mark::Circles { centres, radius, colour, edge });
+        }
+    }
+
+    /// A line of text.
+    pub fn text(&mut self, (x, y): Place, words: &str, writing: &Writing) {
+        let drop = writing.size * letters::drop(writing.across);
+        let place = self.place(if writing.upwards { (x + drop, y) } else { (x, y + drop) });
+        let Writing { colour, along, upwards, .. } = *writing;
+        let size = self.number(writing.size);
+        self.marks.push(Mark::Text { place, words: words.into(), size, colour, along, upwards });
+    }
+
+    /// What `draw` draws, as marks of their own.
+    fn apart(&mut self, draw: impl FnOnce(&mut Self)) -> Vec<Mark> {
+        let before = std::mem::take(&mut self.marks);
+        draw(self);
+        std::mem::replace(&mut self.marks, before)
+    }
+
+    /// What `draw` draws, moved by `by`.
+    pub fn moved(&mut self, by: Place, draw: impl FnOnce(&mut Self)) {
+        let (by, marks) = (self.place(by), self.apart(draw));
+        self.marks.push(Mark::Moved { by, marks });
+    }
+
+    /// What `draw` draws, cut at the edges of a rectangle, which has two opposite corners.
+    pub fn clipped(&mut self, corners: [Place; 2], draw: impl FnOnce(&mut Self)) {
+        let (rectangle, marks) = (self.rectangle(corners), self.apart(draw));
+        self.marks.push(Mark::Clipped { rectangle, marks });
+    }
+}
+
+/// Something that can be drawn.
+pub trait Drawing {
+    /// Its size in units, [`SVG_SHRINK`] times the size of its SVG in pixels.
+    fn size(&self) -> (u32, u32);
+    /// Draws it on a white canvas of that size.
+    fn draw(&self, canvas: &mut Canvas);
+}
+
+/// What a drawing consists of.
+fn marks(drawing: &impl Drawing) -> Result<Vec<Mark>> {
+    let mut canvas = Canvas::default();
+    drawing.draw(&mut canvas);
+    if canvas.broken {
+        return Err(Error::making("a picture")("a coordinate is not finite"));
+    }
+    Ok(canvas.marks)
+}
+
+/// As SVG text.
+///
+/// # Errors
+/// [`Error`] where a coordinate is not finite.
+pub fn svg(drawing: &impl Drawing) -> Result<String> {
+    Ok(vector::document(&marks(drawing)?, drawing.size()))
+}
+
+/// As a PNG file.
+///
+/// # Errors
+/// [`Error`] where a coordinate is not finite, or the pixels find no memory.
+pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
+    bitmap::file(&marks(drawing)?, drawing.size())
+}
+
+/// As SVG text and as a PNG file, drawn once.
+///
+/// # Errors
+/// As [`svg()`] and [`png()`].
+pub fn svg_and_png(drawing: &impl Drawing) -> Result<(String, Vec<u8>)> {
+    let marks = marks(drawing)?;
+    Ok((vector::document(&marks, drawing.size()), bitmap::file(&marks, drawing.size())?))
+}

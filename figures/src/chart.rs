@@ -1,0 +1,256 @@
+//! What a figure consists of, as plain data: panels with axes and layers. How it looks is decided in `draw`.
+
+pub use crate::canvas::Colour;
+use crate::canvas::palette::WHITE;
+
+/// A figure: a title, panels in a grid, a caption.
+#[derive(Clone, Debug, Default)]
+pub struct Figure {
+    /// The title.
+    pub title: String,
+    /// Lines under the panels: parameters and their origin.
+    pub caption: Vec<String>,
+    /// Panels by rows.
+    pub panels: Vec<Panel>,
+    /// Panels in a row.
+    pub columns: usize,
+    /// Width and height of a panel in units of the drawing.
+    pub panel: (u32, u32),
+    /// One legend under all panels, in place of one under each.
+    pub shared_legend: bool,
+}
+
+/// One diagram.
+#[derive(Clone, Debug, Default)]
+pub struct Panel {
+    /// What it shows, with its letter.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn, first at the bottom.
+    pub layers: Vec<Layer>,
+}
+
+/// One axis.
+#[derive(Clone, Debug, Default)]
+pub struct Axis {
+    /// Symbol and unit.
+    pub label: String,
+    /// Its range; where `None`, the range of the data with some room around it.
+    pub range: Option<(f64, f64)>,
+    /// Whether it is logarithmic.
+    pub log: bool,
+    /// How many units of the label one unit of the data is; 1 where `None`. The numbers at the ticks are in the label's unit.
+    pub factor: Option<f64>,
+    /// Names at 1, 2, … in place of numbers.
+    pub names: Vec<String>,
+}
+
+/// One curve, set of marks or area.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Its name in the legend; `None` where it has no entry there.
+    pub name: Option<String>,
+    /// A short name to be written beside the curve in its colour; where there is no room for it, it is an entry of the
+    /// legend.
+    pub label: Option<String>,
+    /// Its colour.
+    pub colour: Colour,
+    /// Whether it is drawn in a pale tint of its colour, as a ground for another curve of that colour.
+    pub pale: bool,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// A polyline.
+pub type Path = Vec<(f64, f64)>;
+
+/// What a layer draws.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Curves.
+    Lines {
+        /// The connected pieces.
+        pieces: Vec<Path>,
+        /// Stroke in units of the drawing.
+        width: u32,
+        /// Its dashes.
+        dash: Dash,
+    },
+    /// Points.
+    Marks {
+        /// Where.
+        points: Path,
+        /// Half their size in units of the drawing.
+        radius: u32,
+        /// Their form.
+        mark: Mark,
+    },
+    /// The area between two curves over x; without points it is only an entry of the legend.
+    Band {
+        /// x, lower and upper y.
+        points: Vec<(f64, f64, f64)>,
+        /// From 0, invisible, to 1.
+        opacity: f64,
+    },
+    /// Cells of equal size in their own colours, rows from below.
+    Cells {
+        /// Range of x covered.
+        x: (f64, f64),
+        /// Range of y covered.
+        y: (f64, f64),
+        /// Cells in a row.
+        columns: usize,
+        /// Index into `colours` of each cell.
+        cells: Vec<u8>,
+        /// The colours; a cell with `None` is not drawn.
+        colours: Vec<Option<Colour>>,
+    },
+    /// Text centred at a point.
+    Text {
+        /// Where.
+        at: (f64, f64),
+        /// What.
+        text: String,
+    },
+}
+
+/// Dashes of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dash {
+    /// None.
+    Solid,
+    /// Long.
+    Dashed,
+    /// Short.
+    Dotted,
+}
+
+/// Form of a mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Filled circle.
+    Disc,
+    /// Empty circle.
+    Ring,
+    /// Filled square.
+    Square,
+    /// Filled triangle.
+    Triangle,
+    /// Oblique cross.
+    Cross,
+    /// Upright cross.
+    Plus,
+    /// Filled square on its corner.
+    Diamond,
+}
+
+/// Stroke of curves in units of the drawing.
+pub const LINE: u32 = 6;
+/// Stroke of auxiliary curves.
+pub const THIN: u32 = 4;
+/// The part of white in a pale tint.
+const PALE: f64 = 0.55;
+/// Size of marks.
+pub const MARK: u32 = 13;
+
+impl Axis {
+    /// An axis over its data.
+    pub fn new(label: impl Into<String>) -> Self {
+        Self { label: label.into(), ..Self::default() }
+    }
+
+    /// An axis over a range.
+    pub fn over(label: impl Into<String>, from: f64, to: f64) -> Self {
+        Self { label: label.into(), range: Some((from, to)), ..Self::default() }
+    }
+
+    /// The axis with numbers in the label's unit, of which one unit of the data has so many.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self { factor: Some(factor), ..self }
+    }
+
+    /// A logarithmic axis over its data.
+    pub fn log(label: impl Into<String>) -> Self {
+        Self { label: label.into(), log: true, ..Self::default() }
+    }
+}
+
+impl Layer {
+    /// A curve of one piece.
+    pub fn line(name: &str, colour: Colour, dash: Dash, points: Path) -> Self {
+        Self::lines(name, colour, dash, vec![points])
+    }
+
+    /// A curve in pieces; with an empty name it has no entry in the legend.
+    pub fn lines(name: &str, colour: Colour, dash: Dash, pieces: Vec<Path>) -> Self {
+        Self::new(name, colour, Shape::Lines { pieces, width: LINE, dash })
+    }
+
+    /// Points.
+    pub fn marks(name: &str, colour: Colour, mark: Mark, points: Path) -> Self {
+        Self::new(name, colour, Shape::Marks { points, radius: MARK, mark })
+    }
+
+    /// An area.
+    pub fn band(name: &str, colour: Colour, opacity: f64, points: Vec<(f64, f64, f64)>) -> Self {
+        Self::new(name, colour, Shape::Band { points, opacity })
+    }
+
+    /// Text.
+    pub fn text(at: (f64, f64), text: impl Into<String>, colour: Colour) -> Self {
+        Self::new("", colour, Shape::Text { at, text: text.into() })
+    }
+
+    /// Any shape; with an empty name it has no entry in the legend.
+    pub fn new(name: &str, colour: Colour, shape: Shape) -> Self {
+        Self { name: (!name.is_empty()).then(|| name.into()), label: None, colour, pale: false, shape }
+    }
+
+    /// The layer with a short name to be written beside its curve.
+    #[must_use]
+    pub fn labelled(self, label: impl Into<String>) -> Self {
+        Self { label: Some(label.into()), ..self }
+    }
+
+    /// The layer in a pale tint of its colour.
+    #[must_use]
+    pub fn pale(self) -> Self {
+        Self { pale: true, ..self }
+    }
+
+    /// The colour that it is drawn in.
+    pub fn tint(&self) -> Colour {
+        if self.pale { self.colour.towards(WHITE, PALE) } else { self.colour }
+    }
+
+    /// What its entry in a legend says.
+    pub(super) fn entry(&self) -> Option<&str> {
+        self.label.as_deref().or(self.name.as_deref())
+    }
+
+    /// The layer with another stroke of its curves or size of its marks.
+    #[must_use]
+    pub fn stroke(mut self, stroke: u32) -> Self {
+        match &mut self.shape {
+            Shape::Lines { width, .. } => *width = stroke,
+            Shape::Marks { radius, .. } => *radius = stroke,
+            _ => {}
+        }
+        self
+    }
+
+    /// The points that an axis has to cover.
+    pub fn extent(&self) -> Vec<(f64, f64)> {
+        match &self.shape {
+            Shape::Lines { pieces, .. } => pieces.concat(),
+            Shape::Marks { points, .. } => points.clone(),
+            Shape::Band { points, .. } => points.iter().flat_map(|&(x, a, b)| [(x, a), (x, b)]).collect(),
+            Shape::Cells { x, y, .. } => vec![(x.0, y.0), (x.1, y.1)],
+            Shape::Text { .. } => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Pictures: what they consist of, and how they are drawn as SVG and PNG. Knows nothing of machines.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`chart`] | figures of panels with axes, curves, cells and legends |
+//! | [`canvas`] | lines, areas and letters, from which SVG and PNG are made |
+//! | [`html`] | text in HTML |
+
+pub mod canvas;
+pub mod chart;
+mod draw;
+pub mod html;
+mod labels;
+mod panel;
+mod scale;
+mod symbols;
+
+/// A picture that cannot be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("making {what}: {problem}")]
+pub struct Error {
+    /// What was being made.
+    what: &'static str,
+    /// Why it cannot be.
+    problem: String,
+}
+
+/// Result with this error.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// For `map_err` on the libraries that make pictures.
+    fn making<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> Self {
+        move |e| Self { what, problem: e.to_string() }
+    }
+}

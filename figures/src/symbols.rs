@@ -1,0 +1,127 @@
+//! Strokes, marks and their samples in legends.
+
+use crate::canvas::palette::BLACK;
+use crate::canvas::{Across, Along, Canvas, Pen, Place, Writing, text_width};
+use crate::chart::{Colour, Dash, Layer, Mark, Shape};
+
+/// Size of the text of ticks, legends and labels beside curves.
+pub(super) const SMALL: f64 = 31.0;
+/// Height of a line of a legend.
+pub(super) const ENTRY: f64 = 54.0;
+/// Width of a legend's sample, and of the room between it and its name.
+const SAMPLE: f64 = 90.0;
+const SPACE: f64 = 20.0;
+/// Greatest distance of a simplified path from the original, in units of the drawing.
+const TOLERANCE: f64 = 0.6;
+/// Stroke of crosses, rings and the samples of areas.
+const FINE: f64 = 4.0;
+
+/// Simplifies a path by the method of Ramer, Douglas and Peucker: places that cannot be told from
+/// a straight line are left out of the file.
+fn simplified(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut kept = vec![false; path.len()];
+    let mut open = vec![(0, path.len().saturating_sub(1))];
+    while let Some((from, to)) = open.pop() {
+        for end in [from, to] {
+            kept.get_mut(end).into_iter().for_each(|k| *k = true);
+        }
+        let (mut worst, mut at) = (TOLERANCE, None);
+        for i in from + 1..to {
+            let off = distance(path[i], path[from], path[to]);
+            if off > worst {
+                (worst, at) = (off, Some(i));
+            }
+        }
+        open.extend(at.into_iter().flat_map(|i| [(from, i), (i, to)]));
+    }
+    path.iter().zip(kept).filter(|p| p.1).map(|p| *p.0).collect()
+}
+
+/// Distance of a point from a segment.
+fn distance(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
+    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let square = dx * dx + dy * dy;
+    let part = if square > 0.0 { ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / square } else { 0.0 };
+    let t = part.clamp(0.0, 1.0);
+    (p.0 - a.0 - t * dx).hypot(p.1 - a.1 - t * dy)
+}
+
+/// The pen of a curve.
+pub(super) fn pen(layer: &Layer, width: u32, dash: Dash) -> Pen {
+    let width = f64::from(width);
+    let dash = match dash {
+        Dash::Solid => None,
+        Dash::Dashed => Some((4.5 * width, 3.0 * width)),
+        Dash::Dotted => Some((1.2 * width, 1.8 * width)),
+    };
+    Pen { colour: layer.tint(), width, dash }
+}
+
+/// Draws polylines by one pen.
+pub(super) fn stroke(canvas: &mut Canvas, pieces: &[Vec<Place>], pen: Pen) {
+    let pieces: Vec<_> = pieces.iter().map(|piece| simplified(piece)).collect();
+    canvas.lines(&pieces, pen);
+}
+
+/// Draws marks at some places.
+pub(super) fn marks(canvas: &mut Canvas, places: &[Place], colour: Colour, radius: u32, mark: Mark) {
+    let r = f64::from(radius);
+    match mark {
+        Mark::Disc => canvas.circles(places, r, colour, None),
+        Mark::Ring => canvas.circles(places, r, colour, Some(FINE)),
+        Mark::Square => {
+            places.iter().for_each(|&p| {
+                canvas.polygon(&around(p, &[(-r, -r), (r, -r), (r, r), (-r, r)]), colour, 1.0)
+            });
+        }
+        Mark::Triangle => {
+            let corners = [(0.0, -1.25 * r), (r, 0.75 * r), (-r, 0.75 * r)];
+            places.iter().for_each(|&p| canvas.polygon(&around(p, &corners), colour, 1.0));
+        }
+        Mark::Diamond => {
+            let corners = [(0.0, -1.3 * r), (1.3 * r, 0.0), (0.0, 1.3 * r), (-1.3 * r, 0.0)];
+            places.iter().for_each(|&p| canvas.polygon(&around(p, &corners), colour, 1.0));
+        }
+        Mark::Cross => strokes(canvas, places, [[(-r, -r), (r, r)], [(-r, r), (r, -r)]], colour),
+        Mark::Plus => strokes(canvas, places, [[(-r, 0.0), (r, 0.0)], [(0.0, -r), (0.0, r)]], colour),
+    }
+}
+
+/// A mark of two strokes.
+fn strokes(canvas: &mut Canvas, places: &[Place], two: [[Place; 2]; 2], colour: Colour) {
+    let pieces: Vec<_> = places.iter().flat_map(|&p| two.iter().map(move |s| around(p, s))).collect();
+    canvas.lines(&pieces, Pen::solid(colour, FINE));
+}
+
+fn around(at: Place, offsets: &[Place]) -> Vec<Place> {
+    offsets.iter().map(|o| (at.0 + o.0, at.1 + o.1)).collect()
+}
+
+/// One entry of a legend with its upper left corner at `at`.
+pub(super) fn entry(canvas: &mut Canvas, layer: &Layer, at: Place) {
+    let (left, right, y) = (at.0, at.0 + SAMPLE, at.1 + 0.5 * ENTRY);
+    match &layer.shape {
+        Shape::Lines { width, dash, .. } => {
+            stroke(canvas, &[vec![(left, y), (right, y)]], pen(layer, *width, *dash));
+        }
+        Shape::Marks { radius, mark: form, .. } => {
+            marks(canvas, &[(0.5 * (left + right), y)], layer.tint(), (*radius).max(5), *form);
+        }
+        Shape::Band { opacity, .. } => {
+            let (top, bottom) = (y - 17.0, y + 17.0);
+            let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom)];
+            canvas.polygon(&corners, layer.colour, *opacity);
+            let closed = [corners.clone(), vec![corners[0]]].concat();
+            canvas.lines(&[closed], Pen::solid(BLACK, 3.0));
+        }
+        Shape::Cells { .. } | Shape::Text { .. } => {}
+    }
+    let writing =
+        Writing { size: SMALL, colour: BLACK, along: Along::Start, across: Across::Centre, upwards: false };
+    canvas.text((right + SPACE, y), layer.entry().unwrap_or_default(), &writing);
+}
+
+/// Width of an entry of a legend.
+pub(super) fn entry_width(layer: &Layer) -> f64 {
+    SAMPLE + SPACE + text_width(layer.entry().unwrap_or_default(), SMALL)
+}

@@ -1,0 +1,163 @@
+//! The Python package: puts it into a virtual environment, writes what the library finds to compare with, runs `tests/python/`.
+
+mod common;
+
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use vibro_analysis::basin::{self, InitialValueAxis};
+use vibro_analysis::bifurcation::{Sweep, SweepPoint, diagram};
+use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
+use vibro_analysis::maxima::Displacement;
+use vibro_analysis::motion::settled_simulator;
+use vibro_analysis::parts::Task;
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::start::StartRule;
+use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::trajectories::{Start, propagate};
+use vibro_analysis::{ParameterSet, find_group};
+use vibro_impact::load::{Body, Interpolation, Load};
+use vibro_impact::simulator::{Event, Pause};
+use vibro_impact::{Parameters, Simulator, State};
+
+fn numbers(state: &State) -> Vec<f64> {
+    state.x.iter().chain(&state.v).copied().collect()
+}
+
+fn set(values: &[(&str, f64)]) -> ParameterSet {
+    let mut set = ParameterSet::basic();
+    let named: Vec<_> = values.iter().map(|(n, v)| (find_group(n).expect("a group").into(), *v)).collect();
+    set.assign(&named).expect("in their ranges");
+    set
+}
+
+/// A motion at `per_period` instants a period, with its events and energy accounts.
+fn motion(p: &Parameters, loads: &[Load], periods: u32, per_period: u32) -> Value {
+    let mut simulator = Simulator::new(p, &moving_block(p), 0.0).expect("valid");
+    let (mut t, mut states, mut energy) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut impacts, mut rests, mut releases) = (Vec::new(), Vec::new(), Vec::new());
+    for i in 0..=periods * per_period {
+        let end = p.period() * f64::from(i) / f64::from(per_period);
+        let mut observer = |event: &Event| match *event {
+            Event::Impact { time, side, speed, impulse } => impacts.push(json!([time, side, speed, impulse])),
+            Event::Rest { time, side } => rests.push(json!([time, side])),
+            Event::Release { time, side } => releases.push(json!([time, side])),
+        };
+        if loads.is_empty() {
+            simulator.advance_observed(end, &mut observer).expect("it runs");
+        } else {
+            simulator.advance_under(loads, end, Pause::Never, Some(&mut observer)).expect("it runs");
+        }
+        let e = simulator.energy_accounts();
+        t.push(end);
+        states.push(numbers(&simulator.state()));
+        energy.push([e.mechanical, e.input, e.damped, e.impact]);
+    }
+    json!({"t": t, "states": states, "energy": energy, "impacts": impacts, "rests": rests, "releases": releases})
+}
+
+/// Loads on box and block that overlap, one of each interpolation.
+fn loads() -> [Load; 2] {
+    let push = [(1.0, 0.0), (2.0, 0.5), (4.5, -0.25), (9.0, 0.0)];
+    let pull = [(3.0, 0.1), (5.0, -0.2), (6.0, 0.05)];
+    [(Body::Box, &push[..], Interpolation::Linear), (Body::Block, &pull[..], Interpolation::Cubic)]
+        .map(|(body, samples, how)| Load::new(body, samples, how).expect("valid"))
+}
+
+fn many() -> Value {
+    let values: Vec<f64> = (0..100).map(|i| 0.5 + 0.035 * f64::from(i)).collect();
+    let start = |f10: &f64| {
+        let parameters = *set(&[("f10", *f10)]).parameters();
+        Start { parameters, state: moving_block(&parameters) }
+    };
+    let starts: Vec<Start> = values.iter().map(start).collect();
+    let ends = propagate(&starts, 100, &|| ());
+    let ends: Vec<_> = ends.into_iter().map(|end| numbers(&end.expect("it runs"))).collect();
+    json!({"f10": values, "ends": ends})
+}
+
+fn bifurcation() -> Value {
+    let axis = ParameterAxis::new(find_group("f10").expect("a group"), (0.5, 4.0), 41).expect("a range");
+    let exponents = Some(SpectrumOptions { periods: 100, ..SpectrumOptions::default() });
+    let sweep =
+        Sweep { axis, discard: 60, keep: 40, exponents, of: Displacement::X1, start: StartRule::default() };
+    let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).expect("valid").expect("all parts");
+    let direction = |points: &[Option<SweepPoint>]| -> Vec<Value> {
+        let point = |p: &SweepPoint| {
+            let exponents = p.spectrum.as_ref().expect("asked for").exponents;
+            json!({"value": p.value, "kind": p.class.name(), "maxima": p.maxima, "impacts": p.attractor.impacts,
+                   "exponents": exponents})
+        };
+        points.iter().map(|p| point(p.as_ref().expect("it runs"))).collect()
+    };
+    json!({"up": direction(&found.up), "down": direction(&found.down), "hysteresis": found.hysteresis()})
+}
+
+fn basins() -> Value {
+    let p = *set(&[("f10", 2.5)]).parameters();
+    let axis = |coordinate, count| InitialValueAxis { coordinate, from: -1.5, to: 1.25, count };
+    let request =
+        basin::Request { x: axis(4, 8), y: axis(1, 6), discard: 200, start: basin::in_the_middle() };
+    let found = basin::basin(&p, &request, &Task::ALL).expect("valid").expect("all parts");
+    let cells: Vec<_> = found.cells.iter().map(|cell| format!("{cell:?}")).collect();
+    json!({"cells": cells, "periods": found.attractors.iter().map(|a| a.attractor.period).collect::<Vec<_>>()})
+}
+
+fn exponents() -> Value {
+    let p = *set(&[("f10", 3.6)]).parameters();
+    let mut simulator = settled_simulator(&p, &moving_block(&p), 50.0).expect("it runs");
+    let options = SpectrumOptions { periods: 120, ..SpectrumOptions::default() };
+    json!(spectrum(&mut simulator, &options).expect("it runs").exponents)
+}
+
+/// What the library finds, for the tests in Python to compare with bit for bit.
+fn native() -> Value {
+    let standard = set(&[("f10", 1.5), ("kappa", 0.75)]);
+    let resting = set(&[("kappa", 0.1), ("f10", 4.5)]);
+    let loads = loads();
+    json!({
+        "standard": motion(standard.parameters(), &[], 50, 20),
+        "resting": motion(resting.parameters(), &[], 30, 7),
+        "loaded": motion(standard.parameters(), &loads, 3, 40),
+        "many": many(),
+        "bifurcation": bifurcation(),
+        "basins": basins(),
+        "exponents": exponents(),
+    })
+}
+
+fn python(what: &str, arguments: &[&str]) {
+    let mut command = common::python::command(common::python::python_with_package());
+    command.args(arguments);
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("native.json");
+    command.env("VIBRO_IMPACT_NATIVE", &file).env("VIBRO_IMPACT_FMU", common::python::fmu());
+    command.env("VIBRO_IMPACT_PICTURES", Path::new(env!("CARGO_TARGET_TMPDIR")).join("python-pictures"));
+    command.env("MPLBACKEND", "agg");
+    println!("{}", common::python::run(what, &mut command));
+}
+
+#[test]
+fn the_package_finds_what_the_library_and_the_fmu_find() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("native.json");
+    fs::write(file, native().to_string()).expect("target can be written");
+    python("pytest tests/python", &["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/python"]);
+}
+
+#[test]
+fn types_are_strict_and_those_of_the_native_part_true() {
+    let cache = format!("--cache-dir={}", concat!(env!("CARGO_TARGET_TMPDIR"), "/mypy"));
+    let configured = "--config-file=python/pyproject.toml";
+    python("mypy --strict", &["-m", "mypy", &cache, configured, "python/package/vibro_impact"]);
+    python(
+        "stubtest",
+        &["-m", "mypy.stubtest", "--mypy-config-file=python/pyproject.toml", "vibro_impact._native"],
+    );
+}
+
+#[test]
+#[ignore = "ten minutes: cargo test -p fmu-build --test python_package -- --ignored"]
+fn the_interpreter_survives_ten_minutes_of_whatever_is_asked() {
+    let minutes =
+        ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/python/test_any_input.py", "--minutes=10"];
+    python("ten minutes of hypothesis", &minutes);
+}

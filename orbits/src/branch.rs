@@ -1,0 +1,151 @@
+//! Branches as plain data.
+
+use super::family::Family;
+use super::orbit::Orbit;
+use super::word::OrbitWord;
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+use vibro_analysis::Result;
+
+/// What is special at a point of a branch; the names are those of the field's programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Label {
+    /// LP: the branch turns round in the parameter.
+    Fold,
+    /// BP: two branches cross. On a symmetric orbit the symmetry breaks.
+    BranchPoint,
+    /// PD: a branch of twice the period is born.
+    PeriodDoubling,
+    /// NS: a second frequency appears.
+    NeimarkSacker,
+    /// GR: the block touches a stop with speed zero; another word begins.
+    Grazing,
+    /// EP: the end of the parameter's range.
+    EndPoint,
+    /// MX: the path could not be followed on.
+    NoConvergence,
+    /// UZ: a value that was asked for.
+    UserValue,
+    /// CH: an impact with speed zero is pressed into its stop, so that there is chatter beyond.
+    Chatter,
+}
+
+impl Label {
+    /// Labels of points from which a curve in two parameters starts.
+    pub const STARTS: [Self; 6] = [
+        Self::Fold,
+        Self::BranchPoint,
+        Self::PeriodDoubling,
+        Self::NeimarkSacker,
+        Self::Grazing,
+        Self::Chatter,
+    ];
+
+    /// Its two letters.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fold => "LP",
+            Self::BranchPoint => "BP",
+            Self::PeriodDoubling => "PD",
+            Self::NeimarkSacker => "NS",
+            Self::Grazing => "GR",
+            Self::EndPoint => "EP",
+            Self::NoConvergence => "MX",
+            Self::UserValue => "UZ",
+            Self::Chatter => "CH",
+        }
+    }
+}
+
+impl std::fmt::Display for Label {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What is special at a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Special {
+    /// Its kind.
+    pub label: Label,
+    /// At a touch the word that lists it.
+    pub longer: Option<OrbitWord>,
+    /// At a touch whether the orbits with and without the impact exist on the same side of it, so that the family turns round.
+    pub fold: Option<bool>,
+}
+
+impl Special {
+    pub(super) fn of(label: Label) -> Self {
+        Self { label, longer: None, fold: None }
+    }
+}
+
+/// One orbit of a branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// The parameter.
+    pub value: f64,
+    /// Phases of the drive at the impacts, rad.
+    pub phases: Vec<f64>,
+    /// The multipliers, largest first; at a touch those of the orbit without it.
+    #[serde(with = "super::stored::multipliers")]
+    pub multipliers: [Complex<f64>; 6],
+    /// Whether the piece of the branch from here to the next point is stable; at the last point the piece before it.
+    pub stable: bool,
+    /// What is special here.
+    pub special: Option<Special>,
+}
+
+impl Point {
+    /// Its label, if it is special.
+    pub fn label(&self) -> Option<Label> {
+        self.special.as_ref().map(|s| s.label)
+    }
+}
+
+/// A connected family of orbits along the parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Branch {
+    /// Its number in the tree.
+    pub id: usize,
+    /// The branch and the point of it at which this one begins; `None` for one from a settled motion.
+    pub parent: Option<(usize, usize)>,
+    /// Switches of branches since a settled motion.
+    pub depth: u32,
+    /// The word of all its orbits, canonical.
+    pub word: OrbitWord,
+    /// Its points in order.
+    pub points: Vec<Point>,
+    /// Whether it ends where it begins.
+    pub closed: bool,
+}
+
+impl Branch {
+    /// The orbit of one of its points.
+    ///
+    /// # Errors
+    /// What the machine refuses.
+    pub fn orbit(&self, family: &Family, point: &Point) -> Result<Orbit> {
+        let system = family.system(&[point.value])?;
+        Orbit::at(&system, &self.word, &point.phases).map_err(|obstacle| obstacle.error(&system, &self.word))
+    }
+
+    /// The local maxima of a displacement with weights of x1, x2, x3 at each point, units of L, the largest first; none where the
+    /// orbit cannot be computed.
+    pub fn maxima(&self, family: &Family, weights: [f64; 3]) -> Vec<Vec<f64>> {
+        let at = |point: &Point| {
+            let mut found = self.orbit(family, point).map_or(Vec::new(), |orbit| orbit.maxima(weights));
+            found.sort_by(|a, b| b.total_cmp(a));
+            found
+        };
+        self.points.iter().map(at).collect()
+    }
+
+    /// Whether the piece before a point and the one after it are stable; at an end the piece that is there.
+    pub fn stability_around(&self, point: usize) -> (bool, bool) {
+        let after = self.points[point].stable;
+        let before = point.checked_sub(1).map_or(after, |last| self.points[last].stable);
+        (before, after)
+    }
+}

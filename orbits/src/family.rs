@@ -1,0 +1,231 @@
+//! The machines along one parameter or two, and the equations of orbits over them.
+
+use super::curve::{Equations, Linearization};
+use super::cycle::{Cycle, Functional};
+use super::obstacle::Obstacle;
+use super::system::{ConstantLoads, System};
+use super::word::OrbitWord;
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+use vibro_analysis::Error;
+use vibro_analysis::{Name, ParameterSet};
+
+/// Step of the differences with respect to the parameter, in its unit of the curve: it sets the speed of convergence and never the
+/// result.
+const DIFFERENCE: f64 = 1e-5;
+
+/// The unit in which a parameter enters a curve's length: its range over this. Phases enter in rad.
+const UNITS: f64 = 5.0;
+
+/// A parameter with its range.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Span {
+    /// The parameter.
+    pub name: Name,
+    /// Its least value.
+    pub from: f64,
+    /// Its greatest value.
+    pub to: f64,
+}
+
+impl Span {
+    /// A range of a parameter.
+    ///
+    /// # Errors
+    /// [`Error::Form`] for a range that is empty or not finite; the parameter's own range.
+    pub fn new(name: impl Into<Name>, from: f64, to: f64) -> Result<Self, Error> {
+        let name = name.into();
+        if !(from < to && (to - from).is_finite()) {
+            let text = format!("{}={from}:{to}", name.name());
+            return Err(Error::Form { text, expected: "from < to, both finite" });
+        }
+        name.check(from)?;
+        name.check(to)?;
+        Ok(Self { name, from, to })
+    }
+
+    pub(super) fn unit(&self) -> f64 {
+        (self.to - self.from) / UNITS
+    }
+
+    pub(super) fn contains(&self, value: f64) -> bool {
+        (self.from..=self.to).contains(&value)
+    }
+}
+
+/// The machines over a parameter, or over two: all other parameters and the constant loads are held.
+#[derive(Clone, Debug)]
+pub struct Family {
+    set: ParameterSet,
+    loads: ConstantLoads,
+    spans: Vec<Span>,
+    /// Whether the block of one of the machines has no spring: the equations are then the same for all.
+    anchored: bool,
+}
+
+impl Family {
+    /// The machines along one parameter.
+    ///
+    /// # Errors
+    /// What the machines at the ends of the range refuse.
+    pub fn new(set: &ParameterSet, loads: ConstantLoads, span: Span) -> Result<Self, Error> {
+        Self::over(set, loads, vec![span])
+    }
+
+    /// The machines over two parameters.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`Error::Form`] when one parameter is the other by another name.
+    pub fn over_two(
+        set: &ParameterSet,
+        loads: ConstantLoads,
+        first: Span,
+        second: Span,
+    ) -> Result<Self, Error> {
+        if first.name.is_same_quantity(second.name) {
+            let text = format!("{},{}", first.name.name(), second.name.name());
+            return Err(Error::Form { text, expected: "two independent parameters, e.g. f10,kappa" });
+        }
+        Self::over(set, loads, vec![first, second])
+    }
+
+    fn over(set: &ParameterSet, loads: ConstantLoads, spans: Vec<Span>) -> Result<Self, Error> {
+        // A span has public fields, so that it need not come from `Span::new`.
+        spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
+        // The set's own loads are among the family's; a load that varies is added to them by `System::with_loads`.
+        let (set, own) = set.without_loads();
+        let forces = std::array::from_fn(|body| loads.forces[body] + own[body]);
+        let family = Self { set, loads: ConstantLoads { forces }, spans, anchored: false };
+        let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
+        // A range of the coupling begins at 0 at the least.
+        let anchored = family.system(&from)?.has_free_block() || family.system(&to)?.has_free_block();
+        Ok(Self { anchored, ..family })
+    }
+
+    /// The parameters that vary.
+    pub fn spans(&self) -> &[Span] {
+        &self.spans
+    }
+
+    /// The first of them.
+    pub fn span(&self) -> &Span {
+        &self.spans[0]
+    }
+
+    /// The parameters of a machine of the family.
+    ///
+    /// # Errors
+    /// The range that a value violates.
+    pub fn parameter_set(&self, values: &[f64]) -> Result<ParameterSet, Error> {
+        let mut set = self.set.clone();
+        for (span, value) in self.spans.iter().zip(values) {
+            set = set.with(span.name, *value)?;
+        }
+        Ok(set)
+    }
+
+    /// A machine of the family.
+    ///
+    /// # Errors
+    /// As [`System::with_loads`] and the range that a value violates.
+    pub fn system(&self, values: &[f64]) -> Result<System, Error> {
+        let system = System::with_loads(self.parameter_set(values)?.parameters(), self.loads)?;
+        Ok(if self.anchored { system.anchored() } else { system })
+    }
+
+    /// The loads, that of the parameter set with them; without one that varies.
+    pub fn loads(&self) -> ConstantLoads {
+        self.loads
+    }
+
+    /// Whether mirror images of orbits are orbits.
+    pub fn is_symmetric(&self) -> bool {
+        self.loads == ConstantLoads::NONE && !self.spans.iter().any(|span| span.name.is_load())
+    }
+
+    /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.
+    pub(super) fn values(&self, u: &DVector<f64>) -> Vec<f64> {
+        let first = u.len() - self.spans.len();
+        self.spans.iter().enumerate().map(|(i, span)| u[first + i] * span.unit()).collect()
+    }
+
+    /// A point of a curve.
+    pub(super) fn point(&self, phases: &[f64], values: &[f64]) -> DVector<f64> {
+        let scaled = self.spans.iter().zip(values).map(|(span, value)| value / span.unit());
+        DVector::from_iterator(phases.len() + self.spans.len(), phases.iter().copied().chain(scaled))
+    }
+
+    /// The machine at a point of a curve.
+    pub(super) fn system_at(&self, u: &DVector<f64>) -> Result<System, Obstacle> {
+        Ok(self.system(&self.values(u))?)
+    }
+
+    /// The change of a quantity of the cycle with each parameter, by differences: central where both sides are allowed.
+    pub(super) fn by_parameters(
+        &self,
+        u: &DVector<f64>,
+        cycle: &Cycle,
+        quantity: impl Fn(&Cycle) -> Vec<f64>,
+    ) -> Result<Vec<DVector<f64>>, Obstacle> {
+        let first = u.len() - self.spans.len();
+        let at = |k: usize, by: f64| -> Result<Vec<f64>, Obstacle> {
+            let mut moved = u.clone();
+            moved[first + k] += by;
+            let system = self.system_at(&moved)?;
+            Ok(quantity(&cycle.in_system(&system)?))
+        };
+        let column = |k: usize| {
+            let h = DIFFERENCE * u[first + k].abs().max(1.0);
+            let (below, above) = match (at(k, -h), at(k, h)) {
+                (Ok(a), Ok(b)) => return Ok(difference(&a, &b, 2.0 * h)),
+                (below, above) => (below.or_else(|_| at(k, 0.0))?, above.or_else(|_| at(k, 0.0))?),
+            };
+            Ok(difference(&below, &above, h))
+        };
+        (0..self.spans.len()).map(column).collect()
+    }
+}
+
+fn difference(below: &[f64], above: &[f64], step: f64) -> DVector<f64> {
+    DVector::from_iterator(below.len(), below.iter().zip(above).map(|(a, b)| (b - a) / step))
+}
+
+/// The equations of contact of a word over a family: as many as impacts.
+#[derive(Clone, Copy)]
+pub(super) struct Contacts<'a> {
+    pub family: &'a Family,
+    pub word: &'a OrbitWord,
+}
+
+impl Contacts<'_> {
+    /// Value and derivative of the residual. The columns of the parameters are taken from `known` where they are there.
+    pub fn linearize(
+        &self,
+        cycle: &Cycle,
+        u: &DVector<f64>,
+        known: Option<&DMatrix<f64>>,
+    ) -> Result<Linearization, Obstacle> {
+        let n = self.word.len();
+        let by_phases = cycle.derivative(Functional::Gap, 1.0).ok_or(Obstacle::Singular)?;
+        let mut matrix = by_phases.resize_horizontally(u.len(), 0.0);
+        match known {
+            Some(known) => {
+                matrix.columns_mut(n, u.len() - n).copy_from(&known.view((0, n), (n, u.len() - n)))
+            }
+            None => {
+                let columns = self.family.by_parameters(u, cycle, |c| c.residual.clone())?;
+                columns.iter().enumerate().for_each(|(k, column)| matrix.set_column(n + k, column));
+            }
+        }
+        Ok(Linearization { value: cycle.residual_vector(), matrix })
+    }
+}
+
+impl Equations for Contacts<'_> {
+    fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let phases = &u.as_slice()[..self.word.len()];
+        let cycle = Cycle::new(&system, self.word, phases)?;
+        Contacts::linearize(self, &cycle, u, known)
+    }
+}

@@ -1,0 +1,148 @@
+//! The equations of a curve in two parameters: those of contact, and one that says which bifurcation or touch the orbit has.
+
+use crate::curve::{Equations, Linearization, least_vectors};
+use crate::cycle::{Cycle, Functional};
+use crate::family::{Contacts, Family};
+use crate::grazing::Touching;
+use crate::obstacle::Obstacle;
+use crate::orbit::is_clear;
+use crate::word::OrbitWord;
+use nalgebra::{Complex, ComplexField, DMatrix, DVector};
+
+/// Step of the differences of the condition that defines the curve: it sets the speed of convergence and never the result.
+const DIFFERENCE: f64 = 1e-6;
+
+/// A matrix's smallness in one direction, bordered by two vectors: zero where it is singular, and of the size of the least singular
+/// value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, 2000).
+fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Border<T>) -> Option<T> {
+    let n = matrix.nrows();
+    let mut whole = matrix.clone().resize(n + 1, n + 1, T::zero());
+    whole.view_mut((0, n), (n, 1)).copy_from(&border.left);
+    whole.view_mut((n, 0), (1, n)).copy_from(&border.right.adjoint());
+    let mut right = DVector::from_element(n + 1, T::zero());
+    right[n] = T::one();
+    Some(whole.lu().solve(&right)?[n].clone())
+}
+
+/// The singular vectors of the least singular value.
+#[derive(Clone, Debug)]
+pub(crate) struct Border<T: ComplexField> {
+    left: DVector<T>,
+    right: DVector<T>,
+}
+
+impl<T: ComplexField<RealField = f64>> Border<T> {
+    pub fn of(matrix: DMatrix<T>) -> Option<Self> {
+        let (left, right) = least_vectors(matrix)?;
+        Some(Self { left, right })
+    }
+}
+
+/// What holds along a curve.
+#[derive(Clone, Debug)]
+pub(crate) enum Condition {
+    /// A multiplier ±1: the factor with which variations close, and the borders.
+    Real(f64, Border<f64>),
+    /// A pair of multipliers on the unit circle, whose angle is one of the unknowns.
+    Complex(Border<Complex<f64>>),
+    /// An impact without speed.
+    Touch(usize),
+}
+
+/// The equations of a curve. A point holds the phases, the angle of the multipliers where it is an unknown, and the two
+/// parameters.
+pub(crate) struct Locus<'a> {
+    pub family: &'a Family,
+    pub word: &'a OrbitWord,
+    pub condition: Condition,
+}
+
+impl Locus<'_> {
+    pub fn n(&self) -> usize {
+        self.word.len()
+    }
+
+    /// The values of a bifurcation's condition at a point.
+    fn tests(&self, u: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
+        let found = match &self.condition {
+            Condition::Real(factor, border) => {
+                let matrix = cycle.derivative(Functional::Gap, *factor).ok_or(Obstacle::Singular)?;
+                smallness(&matrix, border).map(|g| vec![g])
+            }
+            Condition::Complex(border) => {
+                let matrix = cycle.complex_derivative(Complex::cis(u[self.n()])).ok_or(Obstacle::Singular)?;
+                smallness(&matrix, border).map(|g| vec![g.re, g.im])
+            }
+            Condition::Touch(_) => Some(Vec::new()),
+        };
+        found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
+    }
+
+    /// The borders adapted to a point, where the condition has some.
+    pub fn adapted(&self, u: &DVector<f64>) -> Result<Condition, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
+        let adapted = match &self.condition {
+            Condition::Real(factor, _) => {
+                let matrix = cycle.derivative(Functional::Gap, *factor);
+                matrix.and_then(Border::of).map(|border| Condition::Real(*factor, border))
+            }
+            Condition::Complex(_) => {
+                let matrix = cycle.complex_derivative(Complex::cis(u[self.n()]));
+                matrix.and_then(Border::of).map(Condition::Complex)
+            }
+            Condition::Touch(index) => Some(Condition::Touch(*index)),
+        };
+        adapted.ok_or(Obstacle::NoConvergence)
+    }
+
+    /// Whether a point is an orbit of the machine, but for the touch that defines the curve.
+    pub fn is_orbit(&self, u: &DVector<f64>) -> Result<bool, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
+        let exempt = |i: usize| matches!(self.condition, Condition::Touch(index) if index == i);
+        Ok((0..self.n()).all(|i| exempt(i) || cycle.speed(i) > 0.0) && is_clear(&cycle))
+    }
+}
+
+impl Equations for Locus<'_> {
+    fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
+        let (n, columns) = (self.n(), u.len());
+        if let Condition::Touch(index) = self.condition {
+            let contacts = Contacts { family: self.family, word: self.word };
+            return Touching { contacts, index }.linearize(u, known);
+        }
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..n])?;
+        let mut matrix = DMatrix::zeros(columns - 1, columns);
+        let mut value = DVector::zeros(columns - 1);
+        value.rows_mut(0, n).copy_from(&cycle.residual_vector());
+        let by_phases = cycle.derivative(Functional::Gap, 1.0).ok_or(Obstacle::Singular)?;
+        matrix.view_mut((0, 0), (n, n)).copy_from(&by_phases);
+        let by_parameters = self.family.by_parameters(u, &cycle, |c| c.residual.clone())?;
+        for (k, column) in by_parameters.iter().enumerate() {
+            matrix.view_mut((0, columns - 2 + k), (n, 1)).copy_from(column);
+        }
+        let tests = self.tests(u)?;
+        tests.iter().enumerate().for_each(|(i, test)| value[n + i] = *test);
+        if let Some(known) = known {
+            let rows = columns - 1 - n;
+            matrix.rows_mut(n, rows).copy_from(&known.rows(n, rows));
+            return Ok(Linearization { value, matrix });
+        }
+        for k in 0..columns {
+            let at = |by: f64| {
+                let mut moved = u.clone();
+                moved[k] += by;
+                self.tests(&moved)
+            };
+            let (below, above) = (at(-DIFFERENCE)?, at(DIFFERENCE)?);
+            for (i, (a, b)) in below.iter().zip(&above).enumerate() {
+                matrix[(n + i, k)] = (b - a) / (2.0 * DIFFERENCE);
+            }
+        }
+        Ok(Linearization { value, matrix })
+    }
+}

@@ -1,0 +1,238 @@
+//! Where a curve in two parameters begins: the special point in the shortest word of its orbit, on the curve itself.
+
+use super::equations::{Border, Condition, Locus};
+use crate::branch::Label;
+use crate::curve::{axis, meet};
+use crate::cycle::{Cycle, Functional};
+use crate::family::Family;
+use crate::flights;
+use crate::free;
+use crate::grazing::Touch;
+use crate::obstacle::Obstacle;
+use crate::orbit::{canonical, eigenvalues, newton, same_phases};
+use crate::settled::REPETITION;
+use crate::switching::Contact;
+use crate::word::OrbitWord;
+use nalgebra::{Complex, DVector};
+use vibro_analysis::{Error, Result as Outcome};
+
+/// Approach speeds under this, units of ω1 L, are those of a touch. At a touch that was located they are zero but for rounding.
+const NO_SPEED: f64 = 1e-6;
+/// An extremum so near to its stop, units of L, touches it.
+const NO_DISTANCE: f64 = 1e-6;
+/// Two starts with phases (rad) and parameters (relative to their ranges) so near are one.
+const SAME: f64 = 1e-6;
+/// Largest change of a phase, rad, from a start to its point of the curve.
+const NEAR: f64 = 0.2;
+/// Largest miss of contact, units of L, of a point that is of the machine.
+const MISS: f64 = 0.05;
+
+/// A point from which a curve in two parameters is followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusStart {
+    /// What holds along the curve: LP, BP, PD, NS, GR or CH.
+    pub label: Label,
+    /// The word of the orbit, or one that passes the orbit several times, as that of a branch at its birth. At a touch the word with
+    /// or without it.
+    pub word: OrbitWord,
+    /// Phases of the impacts near the point.
+    pub phases: Vec<f64>,
+    /// The two parameters.
+    pub values: [f64; 2],
+}
+
+impl LocusStart {
+    /// The same special point in the shortest word of its orbit, in which its curve is followed; at a touch the shortest that lists it.
+    ///
+    /// # Errors
+    /// As [`locus`](super::locus).
+    pub fn shortest(&self, family: &Family) -> Outcome<Self> {
+        let Normal { word, phases, values, kind } = Normal::of(family, self)?;
+        let label = match kind {
+            Kind::Real(factor) if factor > 0.0 => Label::Fold,
+            Kind::Real(_) if word.closing() < 0 => Label::BranchPoint,
+            Kind::Real(_) => Label::PeriodDoubling,
+            Kind::Pair => Label::NeimarkSacker,
+            Kind::Touch(_) => self.label,
+        };
+        Ok(Self { label, word, phases, values })
+    }
+
+    /// Whether another start is the same special point: of two branches that meet at one, each has it.
+    ///
+    /// # Errors
+    /// As [`locus`](super::locus) for the starts themselves.
+    pub fn is_same(&self, other: &Self, family: &Family) -> Outcome<bool> {
+        let [own, their] = [Normal::of(family, self)?, Normal::of(family, other)?];
+        let mirror = family.is_symmetric();
+        let [a, b] = [&own, &their].map(|n| canonical(&n.word, &n.phases, mirror));
+        let near = own.values.iter().zip(&their.values).zip(family.spans());
+        let near = near.into_iter().all(|((a, b), span)| (a - b).abs() < SAME * span.unit());
+        Ok(own.kind == their.kind && near && a.0 == b.0 && same_phases(&a.0, &a.1, &b.1, mirror, SAME))
+    }
+}
+
+/// What holds along a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    /// A multiplier ±1.
+    Real(f64),
+    /// A pair of multipliers on the unit circle.
+    Pair,
+    /// An impact of the word without speed.
+    Touch(usize),
+}
+
+/// A start in the shortest word of its orbit, at a touch in that which lists it once.
+///
+/// A branch that is born by a doubling begins with a word passed twice: there its own multiplier is 1 and not -1. At a touch the
+/// words of several branches meet, of which one alone, the shortest with the touch, has regular equations whatever the symmetry of
+/// the orbit is.
+#[derive(Debug)]
+pub(crate) struct Normal {
+    pub word: OrbitWord,
+    pub phases: Vec<f64>,
+    pub values: [f64; 2],
+    pub kind: Kind,
+}
+
+impl Normal {
+    /// The normal form of a start.
+    ///
+    /// # Errors
+    /// [`Error::Form`] for a label that defines no curve of the word; [`Error::NoOrbit`] where the phases are not those of an orbit
+    /// of the machine.
+    pub fn of(family: &Family, start: &LocusStart) -> Outcome<Self> {
+        let LocusStart { label, word, phases, values } = start;
+        let form = || {
+            let text = format!("{label} of the word {word}");
+            Error::Form {
+                text,
+                expected: "one of LP, BP, PD, NS, GR, CH, with as many phases as the word has letters",
+            }
+        };
+        let touches = matches!(label, Label::Grazing | Label::Chatter);
+        if phases.len() != word.len() || (word.is_empty() && !touches) {
+            return Err(form());
+        }
+        let system = family.system(values)?;
+        if touches {
+            return Self::touching(family, start).map_err(|obstacle| obstacle.error(&system, word));
+        }
+        let (word, phases) = word.reduced(phases, family.is_symmetric(), REPETITION);
+        let kind = match label {
+            Label::Fold => Kind::Real(1.0),
+            Label::BranchPoint if word.closing() < 0 => Kind::Real(-1.0),
+            Label::PeriodDoubling if word.closing() > 0 => Kind::Real(-1.0),
+            Label::NeimarkSacker => Kind::Pair,
+            _ => return Err(form()),
+        };
+        Ok(Self { word, phases, values: *values, kind })
+    }
+
+    fn touching(family: &Family, start: &LocusStart) -> Result<Self, Obstacle> {
+        let LocusStart { word, phases, values, .. } = start;
+        let contact = if word.is_empty() {
+            free::contact(family, values)?
+        } else {
+            Contact::of(family, &touch(family, word, phases, values)?)
+        };
+        let touch = contact.longer(family, 1).into_iter().next().ok_or(Obstacle::Order)?;
+        let phases = touch.u.as_slice()[..touch.longer.len()].to_vec();
+        Ok(Self { word: touch.longer, phases, values: *values, kind: Kind::Touch(touch.index) })
+    }
+}
+
+/// The touch of an orbit: impacts of its word without speed, or the extremum at a stop that its word does not list.
+fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> Result<Touch, Obstacle> {
+    let system = family.system(values)?;
+    let cycle = Cycle::new(&system, word, phases)?;
+    let u = family.point(phases, values);
+    let speed = |i: &usize| cycle.speed(*i).abs();
+    let slowest = (0..word.len()).min_by(|a, b| speed(a).total_cmp(&speed(b))).ok_or(Obstacle::Order)?;
+    let listed = || {
+        let also = (0..word.len()).filter(|i| *i != slowest && speed(i) < NO_SPEED).collect();
+        Touch { longer: word.clone(), index: slowest, u: u.clone(), also, from_longer: true }
+    };
+    if speed(&slowest) < NO_SPEED {
+        return Ok(listed());
+    }
+    let extrema = (0..word.len()).flat_map(|flight| {
+        let (z, phase) = (cycle.departure(flight), phases[flight]);
+        let span = cycle.arrival(flight) - phase;
+        [1i8, -1].into_iter().flat_map(move |side| {
+            let s = f64::from(side);
+            let maxima = flights::maxima(cycle.system, z, phase, span, [-s, s, 0.0]);
+            maxima.into_iter().map(move |(phase, value)| ((value - 1.0).abs(), flight + 1, side, phase))
+        })
+    });
+    let nearest = extrema.collect::<Vec<_>>().into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(match nearest.filter(|n| n.0 < NO_DISTANCE) {
+        Some((_, index, side, phase)) => {
+            let (longer, u) = (word.inserted(index, side), u.insert_row(index, phase));
+            Touch { longer, index, u, also: Vec::new(), from_longer: false }
+        }
+        // A guess: the slowest impact is meant.
+        None => listed(),
+    })
+}
+
+/// The point of the curve next to a start: the second parameter is held.
+///
+/// A special point that was located is its own guess. At a fold there is no orbit beyond it, so that Newton's method at the value of
+/// the parameter, which is off by its last digit, has nowhere to go; the equations of the curve itself are regular there. A guess that is
+/// farther off is first taken to the orbit at its parameters.
+pub(crate) fn first_point<'a>(
+    family: &'a Family,
+    normal: &'a Normal,
+) -> Result<(Locus<'a>, DVector<f64>), Obstacle> {
+    let own = near(family, normal, &normal.phases).and_then(|(locus, u)| {
+        // What is found far off is another point, from phases that are none of the machine.
+        let moved = normal.phases.iter().zip(u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if moved < NEAR { Ok((locus, u)) } else { Err(Obstacle::NoConvergence) }
+    });
+    own.or_else(|first| {
+        let system = family.system(&normal.values)?;
+        let missed = Cycle::new(&system, &normal.word, &normal.phases)?;
+        if missed.residual.iter().any(|r| r.abs() > MISS) {
+            return Err(Obstacle::OtherMachine);
+        }
+        let phases = newton(&system, &normal.word, &normal.phases).map_err(|_| first)?;
+        near(family, normal, &phases)
+    })
+}
+
+/// The same by phases that are near the curve's.
+fn near<'a>(
+    family: &'a Family,
+    normal: &'a Normal,
+    phases: &[f64],
+) -> Result<(Locus<'a>, DVector<f64>), Obstacle> {
+    let word = &normal.word;
+    let system = family.system(&normal.values)?;
+    let cycle = Cycle::new(&system, word, phases)?;
+    let mut u = family.point(phases, &normal.values);
+    let condition = match normal.kind {
+        Kind::Touch(index) => Condition::Touch(index),
+        Kind::Pair => {
+            let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
+            let pairs = multipliers.into_iter().filter(|m| m.im > 0.0);
+            let nearest = pairs.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()));
+            let angle = nearest.ok_or(Obstacle::NoConvergence)?.arg();
+            u = u.insert_row(word.len(), angle);
+            let matrix = cycle.complex_derivative(Complex::cis(angle)).ok_or(Obstacle::Singular)?;
+            Condition::Complex(Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
+        }
+        Kind::Real(factor) => {
+            let matrix = cycle.derivative(Functional::Gap, factor).ok_or(Obstacle::Singular)?;
+            Condition::Real(factor, Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
+        }
+    };
+    let mut locus = Locus { family, word, condition };
+    let last = u.len() - 1;
+    let held = u[last];
+    let hold = |u: &DVector<f64>| Ok((u[last] - held, axis(u.len(), last)));
+    let u = meet(&locus, &u, hold)?;
+    locus.condition = locus.adapted(&u)?;
+    Ok((locus, u))
+}

@@ -1,0 +1,69 @@
+//! Why a step of an iteration failed.
+
+use super::system::System;
+use super::word::OrbitWord;
+use vibro_analysis::Error;
+
+/// What stands in the way of an orbit at some phases and some value of the parameter.
+#[derive(Debug)]
+pub(super) enum Obstacle {
+    /// The impacts are not in the order of the word.
+    Order,
+    /// The motion without impacts has a neutral direction: σI - M is singular.
+    Singular,
+    /// The impulses of the word cannot balance the load on a block without a spring.
+    Unbalanced,
+    /// A symmetric orbit is asked of a machine that is not symmetric.
+    Asymmetric,
+    /// Newton's method did not converge.
+    NoConvergence,
+    /// The phases of a special point are far from those of an orbit of the machine.
+    OtherMachine,
+    /// The parameters make no machine.
+    Refused(Error),
+}
+
+impl From<Error> for Obstacle {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl Obstacle {
+    /// The error that it means for a search of an orbit.
+    pub fn error(self, system: &System, word: &OrbitWord) -> Error {
+        let no_orbit = |reason: &str| Error::NoOrbit {
+            word: word.to_string(),
+            closing: if word.closing() > 0 { '+' } else { '-' },
+            period: word.period(),
+            reason: reason.into(),
+        };
+        match self {
+            Self::Order => no_orbit("the impacts lose their order; another guess of their phases may help"),
+            Self::NoConvergence => {
+                no_orbit("Newton's method does not converge; a nearer guess of the phases may help")
+            }
+            Self::OtherMachine => no_orbit(
+                "the phases are not those of an orbit of this machine: is it the one in which the point was found, with the same \
+                 parameters and loads?",
+            ),
+            Self::Asymmetric => no_orbit(
+                "a word that closes with - is half of a symmetric orbit, which a machine under constant loads does not have; give the \
+                 whole word, closing with +",
+            ),
+            Self::Unbalanced => no_orbit(if system.pull() == 0.0 {
+                "nothing but its impacts moves a block without a spring (coupling.k = 0), so that it must meet both stops"
+            } else if system.pull() < 0.0 {
+                "only the lower stop can hold a block without a spring (coupling.k = 0) against load.block < 0, so that the word needs an L"
+            } else {
+                "only the upper stop can hold a block without a spring (coupling.k = 0) against load.block > 0, so that the word needs a U"
+            }),
+            Self::Singular => {
+                let (name, value, allowed) = system.neutral_parameter();
+                let needed_by = "impact phases of a periodic orbit as unknowns";
+                vibro_impact::Error::Undefined { name, value, needed_by, allowed }.into()
+            }
+            Self::Refused(error) => error,
+        }
+    }
+}

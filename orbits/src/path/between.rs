@@ -1,0 +1,149 @@
+//! The special points between two points of a branch.
+
+use super::{Follower, Position};
+use crate::branch::{Label, Point, Special};
+use crate::curve::{CurvePoint, correct};
+use crate::cycle::Cycle;
+use crate::obstacle::Obstacle;
+use crate::orbit::newton;
+use crate::special;
+use crate::test_functions::{DOUBLING, PAIR, SignedLog, TESTS, UNIT, test};
+use nalgebra::Complex;
+
+/// Accuracy of a special point in the arc: rounding of the points themselves is of this size.
+const LOCATION: f64 = 1e-14;
+/// Accuracy, in parts of a step, with which a change of sign is located that may be none of interest, and the distance from the unit
+/// circle of a pair of multipliers that may cross it so near.
+const ROUGHLY: f64 = 1e-4;
+const NEAR_CIRCLE: f64 = 0.1;
+
+/// A special point within a step.
+struct Found {
+    arc: f64,
+    at: CurvePoint,
+    label: Label,
+}
+
+/// The number of multipliers outside the unit circle.
+fn outside(multipliers: &[Complex<f64>; 6]) -> usize {
+    multipliers.iter().filter(|m| m.norm() > 1.0).count()
+}
+
+impl Follower<'_> {
+    /// The special points between two points, in order, with the stability of the pieces that follow them.
+    pub(super) fn between(&self, last: &Position, next: &Position) -> Result<Vec<Point>, Obstacle> {
+        let changes = |index: usize| {
+            let pair = last.tests[index].zip(next.tests[index]);
+            pair.filter(|(a, b)| a.sign * b.sign < 0.0).map(|(a, _)| a)
+        };
+        let mut found = Vec::new();
+        for index in 0..TESTS {
+            if let Some(unit) = changes(index) {
+                found.extend(self.zero(last, next, index, unit)?);
+            }
+        }
+        found.extend(self.marks.iter().filter_map(|mark| self.mark(last, next, *mark)));
+        found.sort_by(|a, b| a.arc.total_cmp(&b.arc));
+        let length = last.tangent.dot(&(&next.u - &last.u));
+        let ends: Vec<f64> = found.iter().skip(1).map(|f| f.arc).chain([length]).collect();
+        let mut points = Vec::new();
+        for (Found { arc, at, label }, end) in found.into_iter().zip(ends) {
+            let middle = self.at_arc(last, next, 0.5 * (arc + end))?;
+            let stable = self.look_certified(middle)?.stable;
+            let position = self.look_certified(at)?;
+            points.push(Point { stable, ..self.point(&position, Some(Special::of(label))) });
+        }
+        Ok(points)
+    }
+
+    /// The branch's point in the plane across the last tangent at a distance from the last point.
+    fn at_arc(&self, last: &Position, next: &Position, arc: f64) -> Result<CurvePoint, Obstacle> {
+        let way = &next.u - &last.u;
+        let length = last.tangent.dot(&way);
+        let part = arc / length;
+        // The parabola through both points that leaves along the tangent.
+        let predicted = &last.u + &last.tangent * arc + (way - &last.tangent * length) * (part * part);
+        correct(&self.contacts(), &predicted, &last.tangent)
+    }
+
+    /// The bifurcation at the zero of a test function between two points, if it is one.
+    fn zero(
+        &self,
+        last: &Position,
+        next: &Position,
+        index: usize,
+        unit: SignedLog,
+    ) -> Result<Option<Found>, Obstacle> {
+        let length = last.tangent.dot(&(&next.u - &last.u));
+        let value = |arc: f64| -> Result<f64, Obstacle> {
+            let at = self.at_arc(last, next, arc)?;
+            let system = self.family.system_at(&at.u)?;
+            let cycle = Cycle::new(&system, self.word, &at.u.as_slice()[..self.word.len()])?;
+            let found = test(&cycle, index).ok_or(Obstacle::NoConvergence)?;
+            Ok(found.relative_to(unit))
+        };
+        let ends = (unit.sign, next.tests[index].map_or(f64::NAN, |b| b.relative_to(unit)));
+        if index == PAIR
+            && !self.may_be_torus(last, next, |tolerance| special::zero(&value, length, ends, tolerance))?
+        {
+            return Ok(None);
+        }
+        let arc = special::zero(&value, length, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
+        let at = self.at_arc(last, next, arc)?;
+        let turns = last.tangent[self.word.len()] * next.tangent[self.word.len()] < 0.0;
+        let label = match index {
+            UNIT if turns => Label::Fold,
+            UNIT => Label::BranchPoint,
+            DOUBLING if self.word.closing() > 0 => Label::PeriodDoubling,
+            DOUBLING => Label::BranchPoint,
+            _ => Label::NeimarkSacker,
+        };
+        if index == PAIR && !special::is_torus(self.family, self.word, &at.u)? {
+            return Ok(None);
+        }
+        Ok(Some(Found { arc, at, label }))
+    }
+
+    /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test changes its sign; `zero` gives the
+    /// place of the change to a tolerance. The test changes at neutral saddles too, and by the rounding of multipliers next to very
+    /// large ones, which would be located with much work for nothing.
+    fn may_be_torus(
+        &self,
+        last: &Position,
+        next: &Position,
+        zero: impl Fn(f64) -> Option<f64>,
+    ) -> Result<bool, Obstacle> {
+        let changes = |index: usize| {
+            let signs = [last, next].map(|p| p.tests[index].map_or(0.0, |t| t.sign));
+            signs[0] * signs[1] < 0.0
+        };
+        // A pair changes the number of multipliers outside the circle by two; a real multiplier may do so in the same step.
+        let [before, after] = [last, next].map(|p| outside(&p.multipliers));
+        if !changes(UNIT) && !changes(DOUBLING) && before.abs_diff(after) < 2 {
+            return Ok(false);
+        }
+        let length = last.tangent.dot(&(&next.u - &last.u));
+        let arc = zero(ROUGHLY * length).ok_or(Obstacle::NoConvergence)?;
+        let there = self.look(self.at_arc(last, next, arc)?)?.0;
+        let near = |m: &Complex<f64>| m.im != 0.0 && (m.norm() - 1.0).abs() < NEAR_CIRCLE;
+        Ok(there.multipliers.iter().any(near))
+    }
+
+    /// The point at a value of the parameter, where the step passes it.
+    fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<Found> {
+        let n = self.word.len();
+        let [from, to] = [&last.u, &next.u].map(|u| self.value(u));
+        // A point that has the value is labelled itself.
+        if (from - mark) * (to - mark) >= 0.0 || self.is_at(from, mark) || self.is_at(to, mark) {
+            return None;
+        }
+        let part = (mark - from) / (to - from);
+        let guess = &last.u + (&next.u - &last.u) * part;
+        let system = self.family.system(&[mark]).ok()?;
+        let phases = newton(&system, self.word, &guess.as_slice()[..n]).ok()?;
+        let u = self.family.point(&phases, &[mark]);
+        let arc = last.tangent.dot(&(&u - &last.u));
+        let at = CurvePoint { u, tangent: last.tangent.clone(), steps: 3 };
+        Some(Found { arc, at, label: Label::UserValue })
+    }
+}

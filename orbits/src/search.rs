@@ -1,0 +1,65 @@
+//! Orbits of a word without a guess of their phases.
+
+use super::obstacle::Obstacle;
+use super::orbit::Orbit;
+use super::system::System;
+use super::word::OrbitWord;
+use vibro_analysis::{Error, Result};
+
+/// Phases (rad) that count as those of one orbit.
+const SAME: f64 = 1e-6;
+
+/// The certified orbits of a word that Newton's method reaches from `tries` guesses, which fill the space of phases evenly
+/// (the additive recurrence of the generalized golden ratio). There may be others. Those that a shorter word has too come last: they
+/// are that one's orbit passed several times, or a symmetric orbit ([`Orbit::shortest`]).
+///
+/// # Errors
+/// [`Error::NoOrbit`] when none is found; what [`Orbit::find`] says of a machine whose orbits phases do not determine.
+pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit>> {
+    let n = word.len();
+    if !system.balances(word) {
+        return Err(Obstacle::Unbalanced.error(system, word));
+    }
+    if n == 0 {
+        let orbit = Orbit::find(system, word, &[])?;
+        return if orbit.is_certified() { Ok(vec![orbit]) } else { Err(none(word, tries)) };
+    }
+    let ratio = golden(n);
+    let mut found: Vec<Orbit> = Vec::new();
+    for k in 1..=tries {
+        let part = |i: usize| (f64::from(k) * ratio.powi(-(i as i32) - 1)).fract();
+        // The first phase anywhere in a drive period, the others after it in order.
+        let mut rest: Vec<f64> = (1..n).map(part).collect();
+        rest.sort_by(f64::total_cmp);
+        let first = std::f64::consts::TAU * part(0);
+        let guess: Vec<f64> =
+            std::iter::once(first).chain(rest.iter().map(|p| first + p * word.span())).collect();
+        match Orbit::find(system, word, &guess) {
+            Ok(orbit) => {
+                if orbit.is_certified() && !found.iter().any(|known| known.is_same(&orbit, SAME)) {
+                    found.push(orbit);
+                }
+            }
+            Err(Error::NoOrbit { .. }) => {}
+            Err(other) => return Err(other),
+        }
+    }
+    found.sort_by_key(|orbit| !orbit.is_shortest());
+    if found.is_empty() { Err(none(word, tries)) } else { Ok(found) }
+}
+
+fn none(word: &OrbitWord, tries: u32) -> Error {
+    Error::NoOrbit {
+        word: word.to_string(),
+        closing: if word.closing() > 0 { '+' } else { '-' },
+        period: word.period(),
+        reason: format!(
+            "none was found from {tries} guesses of its phases; another value of a parameter or period may have one"
+        ),
+    }
+}
+
+/// The root of x^(n+1) = x + 1 above one, by fixed-point iteration.
+fn golden(n: usize) -> f64 {
+    (0..100).fold(1.5_f64, |x, _| (1.0 + x).powf(1.0 / (n as f64 + 1.0)))
+}

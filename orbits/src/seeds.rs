@@ -1,0 +1,328 @@
+//! The orbits from which a tree grows: those on which motions settle with the parameter rising and falling, and those near which
+//! motions pass from starts all over the states that are visited (docs/theory.md, section 14).
+
+use super::family::Family;
+use super::orbit::{Orbit, canonical, newton};
+use super::settled::{self, REPETITION};
+use super::system::System;
+use super::tree::TreeOptions;
+use super::word::OrbitWord;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use vibro_analysis::Error;
+use vibro_analysis::bifurcation::within_gap;
+use vibro_analysis::sobol::coordinate;
+use vibro_analysis::stroboscopic::{StroboscopicState, dimensional, dimensionless, moving_block};
+use vibro_impact::simulator::{Event, Simulator, State};
+
+/// Drive periods over which the states of a settled motion are looked at.
+const VISITED: u32 = 64;
+/// Neighbouring values, in each direction, whose states make up the box of starts of a value, and the box's growth.
+const NEIGHBOURS: usize = 2;
+const WIDER: f64 = 1.5;
+/// Part of the gap within which a block starts.
+const INSIDE: f64 = 0.999;
+/// Drive periods of a motion from such a start.
+pub(super) const PERIODS: u32 = 300;
+/// The longest period, in drive periods, whose near returns are looked at.
+pub(super) const LONGEST: usize = 4;
+/// Largest change of a coordinate (units of L and L ω10) in a near return.
+const RETURN: f64 = 0.04;
+/// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
+const MOVE: f64 = 0.4;
+/// Parts of the range in each of which one unstable orbit of a word is kept: others mostly lie on its branch.
+const PLACES: f64 = 30.0;
+
+/// An orbit's word, phases and parameter.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Place {
+    pub word: OrbitWord,
+    pub phases: Vec<f64>,
+    pub value: f64,
+    pub stable: bool,
+}
+
+/// A value of the parameter at which orbits were sought.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SearchedValue {
+    /// The parameter.
+    pub value: f64,
+    /// The period, in drive periods, of the orbit on which the motion settled with the parameter rising; `None` where it settled on
+    /// none that was found stable.
+    pub rising: Option<u32>,
+    /// The same with the parameter falling.
+    pub falling: Option<u32>,
+    /// Starts between this value and the next.
+    pub starts: u32,
+    /// Orbits near which motions from these starts passed, and which were taken to a branch.
+    pub found: u32,
+}
+
+/// Where orbits were sought.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Searched {
+    /// The values at which motions were settled, in order.
+    pub values: Vec<SearchedValue>,
+    /// Drive periods of each motion from a start.
+    pub periods: u32,
+    /// Branches that were followed from orbits near which such motions passed, and those of them that are stable somewhere.
+    pub followed: usize,
+    /// The latter, which were kept.
+    pub islands: usize,
+}
+
+/// What was found of a family.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Seeds {
+    pub settled: Vec<Place>,
+    pub passed: Vec<Place>,
+    pub searched: Searched,
+}
+
+/// A box of states by its ends.
+type Hull = [(f64, f64); 6];
+
+const NOTHING: Hull = [(f64::INFINITY, f64::NEG_INFINITY); 6];
+
+fn hull(a: Hull, b: &Hull) -> Hull {
+    std::array::from_fn(|i| (a[i].0.min(b[i].0), a[i].1.max(b[i].1)))
+}
+
+/// The orbits of a family from which branches are followed.
+pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Error> {
+    let count = options.seeds;
+    let span = *family.span();
+    let value = |i: usize| {
+        let part = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
+        span.from * (1.0 - part) + span.to * part
+    };
+    let (rising, falling) =
+        rayon::join(|| chain(family, options, &value, true), || chain(family, options, &value, false));
+    let chains = [rising?, falling?];
+    let boxes: Vec<Hull> = (0..count).map(|i| hull(chains[0][i].visited, &chains[1][i].visited)).collect();
+    let period = |links: &[Link], i: usize| -> Option<u32> {
+        links[i].place.as_ref().filter(|place| place.stable).map(|place| place.word.period())
+    };
+    let mut values: Vec<SearchedValue> = (0..count)
+        .map(|i| SearchedValue {
+            value: value(i),
+            rising: period(&chains[0], i),
+            falling: period(&chains[1], i),
+            ..SearchedValue::default()
+        })
+        .collect();
+    let passed = wide(family, options.starts, &boxes, &mut values)?;
+    let settled = chains.into_iter().flatten().filter_map(|link| link.place).collect();
+    let searched = Searched { values, periods: PERIODS, followed: 0, islands: 0 };
+    Ok(Seeds { settled, passed, searched })
+}
+
+/// What a value of a chain has.
+#[derive(Clone)]
+struct Link {
+    place: Option<Place>,
+    visited: Hull,
+}
+
+/// The orbits on which motions settle from value to value, the end of one being the start of the next, in the order of rising values.
+fn chain(
+    family: &Family,
+    options: &TreeOptions,
+    value: &(impl Fn(usize) -> f64 + Sync),
+    rising: bool,
+) -> Result<Vec<Link>, Error> {
+    let count = options.seeds;
+    let mut links = vec![Link { place: None, visited: NOTHING }; count];
+    let mut last = None;
+    for k in 0..count {
+        let i = if rising { k } else { count - 1 - k };
+        let value = value(i);
+        let system = family.system(&[value])?;
+        let p = system.parameters();
+        let start = last.map_or_else(|| moving_block(p), |(state, gap)| within_gap(state, gap, p.stop_gap));
+        // Where the simulator refuses, the next value starts anew.
+        let settled = settled::settle(&system, &start, options.settle).ok();
+        last = settled.map(|state| (state, p.stop_gap));
+        let Some(state) = settled else { continue };
+        if options.starts > 0 {
+            links[i].visited = visited(&system, &state).unwrap_or(NOTHING);
+        }
+        let orbit = settled::orbit_of(&system, &state).ok().filter(|orbit| !orbit.word().is_empty());
+        links[i].place = orbit.map(|orbit| place(&orbit, value));
+    }
+    Ok(links)
+}
+
+fn place(orbit: &Orbit, value: f64) -> Place {
+    Place { word: orbit.word().clone(), phases: orbit.phases().to_vec(), value, stable: orbit.is_stable() }
+}
+
+/// The box of the states of a motion at whole drive periods, without loads with their mirror images.
+fn visited(system: &System, state: &State) -> Result<Hull, Error> {
+    let p = system.parameters();
+    let mut simulator = settled::simulator(system, state)?;
+    let mut found = NOTHING;
+    for period in 1..=VISITED {
+        simulator.advance_to(f64::from(period) * p.period())?;
+        let point = dimensionless(p, &simulator.state()).map(|x| (x, x));
+        found = hull(found, &point);
+        if system.is_symmetric() {
+            found = hull(found, &point.map(|(x, _)| (-x, -x)));
+        }
+    }
+    Ok(found)
+}
+
+/// The starts: half of them over the whole range, half over those parts of it at whose ends a motion did not settle on a stable
+/// orbit, where a diagram has few rows. Each is a value with a state in the box that is visited at neighbouring values, widened.
+fn wide(
+    family: &Family,
+    starts: usize,
+    boxes: &[Hull],
+    values: &mut [SearchedValue],
+) -> Result<Vec<Place>, Error> {
+    let cells = values.len().saturating_sub(1);
+    if starts == 0 || cells == 0 {
+        return Ok(Vec::new());
+    }
+    let settles = |v: &SearchedValue| v.rising.is_some() && v.falling.is_some();
+    let poor: Vec<usize> =
+        (0..cells).filter(|i| !(settles(&values[*i]) && settles(&values[i + 1]))).collect();
+    // The number of the cell and the place in it, of a number in [0, 1).
+    let spread = |part: f64, among: usize| {
+        let at = part * among as f64;
+        (at as usize, at.fract())
+    };
+    let start = |k: usize| -> Option<(usize, f64, State)> {
+        // The origin, of index 0, is left out.
+        let index = u32::try_from(k + 1).ok()?;
+        let at = |dimension: usize| coordinate(index, dimension);
+        let (cell, part) = if k % 2 == 1 && !poor.is_empty() {
+            let (place, part) = spread(at(0), poor.len());
+            (poor[place], part)
+        } else {
+            spread(at(0), cells)
+        };
+        let value = values[cell].value + part * (values[cell + 1].value - values[cell].value);
+        let near = cell.saturating_sub(NEIGHBOURS)..(cell + 2 + NEIGHBOURS).min(boxes.len());
+        let visited = boxes[near].iter().fold(NOTHING, hull);
+        let within = |i: usize, dimension: usize| {
+            let (from, to) = visited[i];
+            0.5 * (from + to) + WIDER * (to - from) * (at(dimension) - 0.5)
+        };
+        let mut state: StroboscopicState = std::array::from_fn(|i| within(i, i + 1));
+        state[1] = state[0] + INSIDE * (2.0 * at(2) - 1.0);
+        let system = family.system(&[value]).ok()?;
+        state.iter().all(|x| x.is_finite()).then(|| (cell, value, dimensional(system.parameters(), &state)))
+    };
+    let all: Vec<(usize, f64, State)> = (0..starts).filter_map(start).collect();
+    let found: Vec<Vec<Place>> =
+        all.par_iter().map(|(_, value, state)| passes(family, *value, state)).collect::<Result<_, _>>()?;
+    let unit = (values[cells].value - values[0].value) / PLACES;
+    let mut kept: Vec<Place> = Vec::new();
+    for ((cell, ..), places) in all.iter().zip(found) {
+        values[*cell].starts += 1;
+        for place in places {
+            let alike = |k: &Place| {
+                k.word == place.word && k.stable == place.stable && (k.value - place.value).abs() < unit
+            };
+            if !kept.iter().any(alike) {
+                values[*cell].found += 1;
+                kept.push(place);
+            }
+        }
+    }
+    Ok(kept)
+}
+
+/// The orbits near which a motion passes, in their shortest canonical words, one of each: those to which Newton's method leads from
+/// near returns on its way, and the one on which it has settled in the end.
+fn passes(family: &Family, value: f64, start: &State) -> Result<Vec<Place>, Error> {
+    let system = family.system(&[value])?;
+    let mirror = system.is_symmetric();
+    let mut found: Vec<Place> = Vec::new();
+    let mut keep = |orbit: Orbit| {
+        let (orbit, _) = orbit.shortest();
+        let (word, phases) = canonical(orbit.word(), orbit.phases(), mirror);
+        if !word.is_empty() && !found.iter().any(|place| place.word == word) {
+            found.push(Place { word, phases, value, stable: orbit.is_stable() });
+        }
+    };
+    let Ok(mut simulator) = settled::simulator(&system, start) else { return Ok(Vec::new()) };
+    let p = *system.parameters();
+    let mut course = Course::default();
+    let mut tried: Vec<(usize, Vec<i8>)> = Vec::new();
+    course.states.push(dimensionless(&p, &simulator.state()));
+    for _ in 0..PERIODS {
+        if course.advance(&mut simulator, &p).is_err() {
+            return Ok(found);
+        }
+        for q in 1..=LONGEST.min(course.ends.len()) {
+            let Some((letters, phases)) = course.near_return(q) else { continue };
+            let key = (q, letters.to_vec());
+            if tried.contains(&key) {
+                continue;
+            }
+            if let Some(orbit) = near(&system, letters, phases, q as u32) {
+                keep(orbit);
+            }
+            tried.push(key);
+        }
+    }
+    let end = settled::orbit_of(&system, &simulator.state());
+    if let Some(orbit) = end.ok().filter(Orbit::is_stable) {
+        keep(orbit);
+    }
+    Ok(found)
+}
+
+/// The course of a motion by its states at whole drive periods and its impacts.
+#[derive(Default)]
+struct Course {
+    states: Vec<StroboscopicState>,
+    letters: Vec<i8>,
+    phases: Vec<f64>,
+    /// Impacts up to the end of each period, and whether the block rested in it.
+    ends: Vec<(usize, bool)>,
+}
+
+impl Course {
+    /// The next drive period.
+    fn advance(&mut self, simulator: &mut Simulator, p: &vibro_impact::Parameters) -> Result<(), Error> {
+        let mut rests = false;
+        let end = (self.ends.len() + 1) as f64 * p.period();
+        simulator.advance_observed(end, &mut |event| match *event {
+            Event::Impact { time, side, .. } => {
+                self.phases.push(p.drive_phase + p.drive_frequency * time);
+                self.letters.push(side);
+            }
+            _ => rests = true,
+        })?;
+        self.ends.push((self.letters.len(), rests));
+        self.states.push(dimensionless(p, &simulator.state()));
+        Ok(())
+    }
+
+    /// The impacts of the last q periods, if the motion has nearly returned in them.
+    fn near_return(&self, q: usize) -> Option<(&[i8], &[f64])> {
+        let n = self.ends.len();
+        let distance =
+            self.states[n].iter().zip(&self.states[n - q]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if distance > RETURN || self.ends[n - q..].iter().any(|end| end.1) {
+            return None;
+        }
+        let first = if n > q { self.ends[n - q - 1].0 } else { 0 };
+        (self.letters.len() > first).then(|| (&self.letters[first..], &self.phases[first..]))
+    }
+}
+
+/// The certified orbit near the impacts of q drive periods.
+fn near(system: &System, letters: &[i8], phases: &[f64], q: u32) -> Option<Orbit> {
+    let word = OrbitWord::of(letters.to_vec(), 1, 2 * q);
+    let found = newton(system, &word, phases).ok()?;
+    if phases.iter().zip(&found).any(|(a, b)| (a - b).abs() > MOVE) {
+        return None;
+    }
+    let (word, phases) = word.reduced(&found, system.is_symmetric(), REPETITION);
+    Orbit::at(system, &word, &phases).ok().filter(Orbit::is_certified)
+}

@@ -1,0 +1,252 @@
+//! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 14).
+
+use super::word::OrbitWord;
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+use vibro_analysis::Result;
+use vibro_impact::State;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::Loads;
+use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
+
+/// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its centre.
+///
+/// They act on impacts through one number, the displacement w_s of the block in the box that they cause without impacts
+/// (docs/theory.md (100)). A gap whose middle lies b above the centre is the machine under the loads (0, -k23 b, k23 b),
+/// docs/theory.md (97). A block without a spring has no displacement under its load: it falls, and the load's acceleration acts on
+/// its flights instead (docs/theory.md (111)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ConstantLoads {
+    /// On the box, the block and the secondary oscillator.
+    pub forces: [f64; 3],
+}
+
+impl ConstantLoads {
+    /// Names of the three, in order.
+    pub const NAMES: [&str; 3] = ["load.box", "load.block", "load.secondary"];
+
+    /// None.
+    pub const NONE: Self = Self { forces: [0.0; 3] };
+
+    /// The same as loads of the simulator.
+    pub fn loads(&self) -> Loads {
+        Loads { derivatives: self.forces.map(|f| [f, 0.0, 0.0, 0.0]) }
+    }
+}
+
+/// A machine with its constant loads, prepared for orbits. Lengths are in L and a prime is a derivative with respect to the
+/// drive's phase, so that its period is 2π.
+#[derive(Clone, Copy, Debug)]
+pub struct System {
+    parameters: Parameters,
+    loads: ConstantLoads,
+    pub(super) flight: Flight,
+    /// H of docs/theory.md (71): without impacts the box swings as Im(H e^{iφ}).
+    response: Complex<f64>,
+    /// Where the loads hold the three bodies; a block without a spring in the middle of the box.
+    rest: [f64; 3],
+    /// The acceleration of a block without a spring under its load, docs/theory.md (111); 0 where a spring holds it.
+    pull: f64,
+    /// Whether the state is found with the first contact in place of the block's return, docs/theory.md (112).
+    anchored: bool,
+    /// Changes of v1 and v2 at an impact per unit of w'⁻, docs/theory.md (27).
+    kick: [f64; 2],
+}
+
+impl System {
+    /// A machine under its drive alone.
+    ///
+    /// # Errors
+    /// As [`Flight::new`], and for an undamped box at resonance.
+    pub fn new(parameters: &Parameters) -> Result<Self> {
+        Self::with_loads(parameters, ConstantLoads::NONE)
+    }
+
+    /// A machine under constant loads, to which those of its parameters add.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); a load on box or secondary oscillator that no spring holds; one that is not finite.
+    pub fn with_loads(parameters: &Parameters, loads: ConstantLoads) -> Result<Self> {
+        let forces = std::array::from_fn(|body| loads.forces[body] + parameters.constant_loads[body]);
+        let loads = ConstantLoads { forces };
+        let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
+        let flight = Flight::new(parameters)?;
+        let response = flight.harmonic(parameters)?;
+        let k = (1.0 + flight.kappa) / (1.0 + flight.epsilon);
+        let rest = rest(parameters, loads)?;
+        let anchored = parameters.coupling_stiffness == 0.0;
+        let scale = parameters.block_mass * parameters.stop_gap * parameters.drive_frequency.powi(2);
+        let pull = if anchored { loads.forces[1] / scale } else { 0.0 };
+        let kick = [k * flight.epsilon, -k];
+        Ok(Self { parameters: *parameters, loads, flight, response, rest, pull, anchored, kick })
+    }
+
+    /// The same machine with its state found by the first contact, as that of a block without a spring must be.
+    #[must_use]
+    pub(super) fn anchored(self) -> Self {
+        Self { anchored: true, ..self }
+    }
+
+    /// Whether the state is found so.
+    pub(super) fn is_anchored(&self) -> bool {
+        self.anchored
+    }
+
+    /// Whether no spring holds the block.
+    pub fn has_free_block(&self) -> bool {
+        self.parameters.coupling_stiffness == 0.0
+    }
+
+    /// The acceleration of a block without a spring under its load, units of ω1² L.
+    pub(super) fn pull(&self) -> f64 {
+        self.pull
+    }
+
+    /// Whether the impulses of a word can balance the load on a block without a spring over a round, docs/theory.md (113): without
+    /// a load they need both stops, with one the stop towards which it pulls.
+    pub(super) fn balances(&self, word: &OrbitWord) -> bool {
+        let has = |side: i8| word.letters().contains(&side);
+        if !self.has_free_block() || word.closing() < 0 {
+            true
+        } else if self.pull == 0.0 {
+            has(1) == has(-1)
+        } else {
+            has(if self.pull > 0.0 { 1 } else { -1 })
+        }
+    }
+
+    /// The machine's parameters, without its [loads](Self::loads).
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Its loads.
+    pub fn loads(&self) -> ConstantLoads {
+        self.loads
+    }
+
+    /// w_s, the displacement of the block in the box that the loads cause without impacts, units of L.
+    pub fn offset(&self) -> f64 {
+        self.rest[1] - self.rest[0]
+    }
+
+    /// Whether the mirror image of a motion is one too: without loads.
+    pub fn is_symmetric(&self) -> bool {
+        self.loads == ConstantLoads::NONE
+    }
+
+    /// |H|, the amplitude of the block in the box without impacts, units of L.
+    pub fn amplitude(&self) -> f64 {
+        self.response.norm()
+    }
+
+    /// Amplitude and angle of the gap's motion without impacts, `offset + amplitude sin(φ + angle)`.
+    pub(super) fn wave(&self) -> (f64, f64) {
+        (self.response.norm(), (-self.response).arg())
+    }
+
+    /// The gap w, its rate w' and w'' of the motion without impacts at a phase.
+    pub(super) fn forced_gap(&self, phase: f64) -> [f64; 3] {
+        let turned = -self.response * Complex::cis(phase);
+        [turned.im + self.offset(), turned.re, -turned.im]
+    }
+
+    /// The motion without impacts at a phase.
+    pub(super) fn forced(&self, phase: f64) -> Vector6 {
+        let turned = self.response * Complex::cis(phase);
+        let [x1, x2, x3] = self.rest;
+        Vector6::new(x1 + turned.im, x2, x3, turned.re, 0.0, 0.0)
+    }
+
+    /// The rest positions under the loads.
+    pub(super) fn rest_positions(&self) -> [f64; 3] {
+        self.rest
+    }
+
+    /// How far the block keeps from the nearer stop without impacts, units of L; `None` where there is no such motion, since a
+    /// block without a spring falls.
+    pub(super) fn clearance(&self) -> Option<f64> {
+        (self.pull == 0.0).then(|| 1.0 - self.amplitude() - self.offset().abs())
+    }
+
+    /// The rate of the free part of a state in flight: A z, and the acceleration of a block that falls.
+    pub(super) fn rate(&self, z: &Vector6) -> Vector6 {
+        let [a1, a2, a3] = self.flight.accelerations(z, 0.0);
+        Vector6::new(z[3], z[4], z[5], a1, a2 + self.pull, a3)
+    }
+
+    /// The free part of a state after a flight of a span with its map.
+    pub(super) fn flown(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
+        let mut after = transition.apply(z);
+        after[1] += 0.5 * self.pull * span * span;
+        after[4] += self.pull * span;
+        after
+    }
+
+    /// The same with the span alone.
+    pub(super) fn fly(&self, span: f64, z: &Vector6) -> Vector6 {
+        self.flown(&self.flight.transition(span), span, z)
+    }
+
+    /// The impact law J of docs/theory.md (27), with the rate `forced` of the gap that is not part of `z`.
+    pub(super) fn strike(&self, z: &Vector6, forced: f64) -> Vector6 {
+        let rate = z[4] - z[3] + forced;
+        let mut after = *z;
+        after[3] += self.kick[0] * rate;
+        after[4] += self.kick[1] * rate;
+        after
+    }
+
+    /// A state in units of L and ω1 L in SI units.
+    pub(super) fn si(&self, y: &Vector6) -> State {
+        let length = self.parameters.stop_gap;
+        let speed = length * self.parameters.drive_frequency;
+        State { x: [0, 1, 2].map(|i| length * y[i]), v: [3, 4, 5].map(|i| speed * y[i]) }
+    }
+
+    /// The parameter that makes the periodic response to impulses singular, with its value: the motion without impacts then has
+    /// a neutral direction.
+    pub(super) fn neutral_parameter(&self) -> (&'static str, f64, &'static str) {
+        let p = &self.parameters;
+        let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
+        if p.box_stiffness == 0.0 {
+            ("box.k", 0.0, "a value > 0, since a box without a spring has no place of its own")
+        } else if p.box_damping == 0.0 {
+            ("box.c", 0.0, damped)
+        } else if p.secondary_damping == 0.0 {
+            ("secondary.c", 0.0, damped)
+        } else {
+            ("drive.frequency", p.drive_frequency, "a value away from the resonance of a hardly damped mode")
+        }
+    }
+}
+
+/// The displacements at which the springs hold the loads, units of L: docs/theory.md (99).
+fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
+    let [f1, f2, f3] = loads.forces;
+    for (name, value) in ConstantLoads::NAMES.into_iter().zip(loads.forces) {
+        if !value.is_finite() {
+            let error = vibro_impact::Error::OutOfRange { name, value, allowed: "a finite number" };
+            return Err(error.into());
+        }
+    }
+    let held = |name, load: f64, stiffness: f64, allowed| {
+        if load == 0.0 {
+            Ok(0.0)
+        } else if stiffness > 0.0 {
+            Ok(load / stiffness)
+        } else {
+            let needed_by = "orbit under a constant load";
+            Err(vibro_impact::Error::Undefined { name, value: stiffness, needed_by, allowed })
+        }
+    };
+    let x1 = held("box.k", f1, p.box_stiffness, "box.k > 0, or load.box = 0")?;
+    let third = |load, allowed| held("secondary.k", load, p.secondary_stiffness, allowed);
+    let x = if p.coupling_stiffness == 0.0 {
+        [x1, x1, third(f3, "secondary.k > 0, or load.secondary = 0")?]
+    } else {
+        let x3 = third(f2 + f3, "secondary.k > 0, or load.block + load.secondary = 0")?;
+        [x1, x3 + f2 / p.coupling_stiffness, x3]
+    };
+    Ok(x.map(|x| x / p.stop_gap))
+}

@@ -1,0 +1,305 @@
+//! Branches and their special points: the closed form, both sides of a point, halved steps, and the simulator.
+
+use crate::{
+    Branch, ConstantLoads, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span,
+    Tree, TreeOptions, branch, locus, orbit_of, settle, tree,
+};
+use vibro_analysis::stroboscopic::moving_block;
+use vibro_analysis::{ParameterSet, find_group};
+use vibro_impact::parameters::{Groups, Parameters, Scales};
+use vibro_impact::steady::Sheet;
+use vibro_impact::steady::continuation::{self, Special};
+use vibro_impact::steady::exact_orbit::OrbitFamily;
+use vibro_impact::{Simulator, State};
+
+/// The same point by two methods: both locate to about 1e-13.
+const LOCATION: f64 = 1e-11;
+
+fn family(from: f64, to: f64) -> Family {
+    let span = Span::new(find_group("f10").unwrap(), from, to).unwrap();
+    Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap()
+}
+
+fn symmetric() -> OrbitWord {
+    OrbitWord::new("U", -1, 1).unwrap()
+}
+
+fn grow(family: &Family, options: TreeOptions) -> Tree {
+    tree(family, &options, &|_, _| ()).unwrap()
+}
+
+fn labelled(branch: &Branch, label: Label) -> impl Iterator<Item = &Point> {
+    branch.points.iter().filter(move |p| p.label() == Some(label))
+}
+
+/// The same orbit by its whole word: its branch goes on where the symmetry breaks.
+#[test]
+fn invariant_a_whole_word_of_a_symmetric_orbit_gives_its_branch() {
+    let family = family(0.5, 3.0);
+    let half = branch(&family, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[]).unwrap();
+    let system = family.system(&[1.5]).unwrap();
+    let orbit = Orbit::find(&system, &OrbitWord::new("UL", 1, 2).unwrap(), &[5.5, 8.6]).unwrap();
+    let whole = branch(&family, orbit.word(), orbit.phases(), 1.5, &PathOptions::default(), &[]).unwrap();
+    assert_eq!(whole.word, half.word);
+    assert!(whole.holds(&family, &orbit, 1.5) && half.holds(&family, &orbit, 1.5));
+    let values =
+        |b: &Branch| b.points.iter().filter(|p| p.label().is_some()).map(|p| p.value).collect::<Vec<_>>();
+    assert_eq!(values(&whole).len(), values(&half).len());
+    for (a, b) in values(&whole).into_iter().zip(values(&half)) {
+        assert!((a - b).abs() < LOCATION, "{a} {b}");
+    }
+}
+
+#[test]
+fn closed_form_of_the_branch_of_symmetric_orbits() {
+    let family = family(0.5, 3.0);
+    let found = branch(&family, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[1.7]).unwrap();
+    let path = |f10| Groups { f10, ..Groups::basic() }.to_parameters(Scales::default());
+    let exact = continuation::exact_orbit(path, (0.5, 3.0), 400).unwrap();
+    for (special, label) in [
+        (Special::Fold, Label::Fold),
+        (Special::Bifurcation(vibro_impact::steady::Bifurcation::NeimarkSacker), Label::NeimarkSacker),
+        (Special::Bifurcation(vibro_impact::steady::Bifurcation::SymmetryBreaking), Label::BranchPoint),
+    ] {
+        let closed: Vec<f64> =
+            exact.specials().filter(|p| p.special == Some(special)).map(|p| p.value).collect();
+        let own: Vec<f64> = labelled(&found, label).map(|p| p.value).collect();
+        assert_eq!(closed.len(), own.len(), "{label}: {closed:?} {own:?}");
+        assert!(
+            closed.iter().zip(&own).all(|(a, b)| (a - b).abs() < LOCATION),
+            "{label}: {closed:?} {own:?}"
+        );
+    }
+    // It comes from the touch of the motion without impacts, where |H| = 1.
+    let touch = labelled(&found, Label::Grazing).next().unwrap();
+    assert!((family.system(&[touch.value]).unwrap().amplitude() - 1.0).abs() < LOCATION);
+    assert_eq!(labelled(&found, Label::UserValue).next().unwrap().value, 1.7);
+}
+
+#[test]
+fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points() {
+    let family = family(2.0, 3.0);
+    let found =
+        grow(&family, TreeOptions { seeds: 5, depth: 2, settle: 600, starts: 0, ..TreeOptions::default() });
+    assert!(found.branches.len() > 5, "{}", found.branches.len());
+    for branch in &found.branches {
+        for pair in branch.points.windows(2) {
+            let stable = |p: &Point| p.multipliers[0].norm() < 1.0;
+            let plain = pair.iter().all(|p| p.special.is_none());
+            assert!(
+                !plain || stable(&pair[0]) == stable(&pair[1]),
+                "branch {} at {}",
+                branch.id,
+                pair[0].value
+            );
+        }
+        for point in branch.points.iter().step_by(7).filter(|p| p.special.is_none()) {
+            let system = family.system(&[point.value]).unwrap();
+            let orbit = Orbit::find(&system, &branch.word, &point.phases).unwrap();
+            assert!(orbit.is_certified(), "{} at {}", branch.word, point.value);
+            assert_eq!(found.passing(&family, &branch.word, &point.phases, point.value), Some(branch.id));
+        }
+    }
+}
+
+/// Special points of a tree that are no ends of its range, by word and label.
+fn special_points(tree: &Tree) -> Vec<(String, u32, &'static str, f64)> {
+    let mut found: Vec<_> = tree
+        .branches
+        .iter()
+        .flat_map(|b| b.points.iter().filter_map(move |p| Some((b, p.label()?, p.value))))
+        .filter(|(_, label, _)| *label != Label::EndPoint)
+        .map(|(b, label, value)| (b.word.to_string(), b.word.half_periods(), label.name(), value))
+        .collect();
+    found.sort_by(|a, b| (&a.0, a.1, a.2).cmp(&(&b.0, b.1, b.2)).then(a.3.total_cmp(&b.3)));
+    found
+}
+
+#[test]
+fn second_method_special_points_by_half_the_step() {
+    let options = TreeOptions { seeds: 5, depth: 1, settle: 600, starts: 0, ..TreeOptions::default() };
+    let half = TreeOptions { longest_step: 0.5 * options.longest_step, ..options.clone() };
+    let family = family(2.0, 3.0);
+    let [whole, half] = [options, half].map(|o| grow(&family, o));
+    let [whole, half] = [&whole, &half].map(special_points);
+    assert_eq!(whole.len(), half.len());
+    for (a, b) in whole.iter().zip(&half) {
+        assert_eq!((&a.0, a.1, a.2), (&b.0, b.1, b.2));
+        assert!((a.3 - b.3).abs() < LOCATION, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn invariant_a_tree_does_not_depend_on_the_number_of_threads() {
+    let family = family(2.2, 2.6);
+    let options = TreeOptions { seeds: 4, depth: 2, settle: 400, starts: 0, ..TreeOptions::default() };
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| grow(&family, options.clone())).branches
+    };
+    assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn second_method_touches_located_from_both_words_agree() {
+    // The touch at which the unequal motion UL gains its third impact, followed from either side.
+    let family = family(2.0, 3.0);
+    let find = |value: f64, state: Option<State>| {
+        let system = family.system(&[value]).unwrap();
+        let start = state.unwrap_or_else(|| moving_block(system.parameters()));
+        orbit_of(&system, &settle(&system, &start, 1500).unwrap()).unwrap()
+    };
+    let three = find(2.7, None);
+    assert_eq!(three.word().canonical().to_string(), "UUL");
+    let longer = branch(&family, three.word(), three.phases(), 2.7, &PathOptions::default(), &[]).unwrap();
+    let two = find(2.2, None);
+    assert_eq!(two.word().canonical().to_string(), "UL");
+    let shorter = branch(&family, two.word(), two.phases(), 2.2, &PathOptions::default(), &[]).unwrap();
+    let [a, b] =
+        [&longer, &shorter].map(|b| labelled(b, Label::Grazing).map(|p| p.value).collect::<Vec<_>>());
+    assert!(a.iter().any(|a| b.iter().any(|b| (a - b).abs() < LOCATION)), "{a:?} {b:?}");
+}
+
+#[test]
+fn invariant_a_doubled_branch_leaves_as_a_parabola() {
+    // λ - λ* over the square of the amplitude settles on a constant.
+    let family = family(2.0, 2.6);
+    let found = grow(
+        &family,
+        TreeOptions {
+            seeds: 3,
+            depth: 1,
+            settle: 600,
+            starts: 0,
+            longest_step: 0.01,
+            ..TreeOptions::default()
+        },
+    );
+    let born = |b: &&Branch| b.points[0].label() == Some(Label::PeriodDoubling);
+    let doubled = found.branches.iter().find(born).unwrap();
+    let h = doubled.word.len() / 2;
+    let ratio = |point: &Point| {
+        let amplitude = (0..h).map(|i| {
+            let half = 0.5 * doubled.word.span();
+            (point.phases[h + i] - point.phases[i] - half).powi(2)
+        });
+        (point.value - doubled.points[0].value) / amplitude.sum::<f64>()
+    };
+    let [near, far] = [&doubled.points[2], &doubled.points[4]].map(ratio);
+    assert!((near / far - 1.0).abs() < 0.02, "{near} {far}");
+}
+
+#[test]
+fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
+    // UL doubles its period at 2.373075: before it a small deviation decays, after it the period is two.
+    let doubling = 2.373_075_370_806;
+    for (value, period) in [(doubling - 2e-3, 1), (doubling + 2e-3, 2)] {
+        let p = Groups { f10: value, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
+        let system = crate::System::new(&p).unwrap();
+        let orbit = orbit_of(&system, &settle(&system, &moving_block(&p), 20_000).unwrap()).unwrap();
+        assert_eq!(orbit.word().period(), period, "{value}");
+        assert!(orbit.is_stable());
+        // It goes on returning after thousands of periods.
+        let start = orbit.start_state();
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        simulator.advance_to(6000.0 * p.period()).unwrap();
+        let apart = simulator.state().x.iter().zip(&start.x).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+        assert!(apart < 1e-11, "{value}: {apart:e}");
+    }
+}
+
+#[test]
+fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
+    let chaos = Groups { f10: 3.6, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
+    let system = crate::System::new(&chaos).unwrap();
+    // Chaos may pass near an unstable orbit, so that either is right; what is found must be certified.
+    match orbit_of(&system, &settle(&system, &moving_block(&chaos), 600).unwrap()) {
+        Ok(orbit) => assert!(orbit.is_certified() && !orbit.is_stable()),
+        Err(error) => assert!(error.to_string().contains("does not return"), "{error}"),
+    }
+    let resting = Parameters { stop_restitution: 0.05, drive_amplitude: 0.45, ..chaos };
+    let system = crate::System::new(&resting).unwrap();
+    let error = orbit_of(&system, &settle(&system, &moving_block(&resting), 600).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("rests at a stop"), "{error}");
+}
+
+/// The curve of a special point of the symmetric branch over force and restitution coefficient.
+fn curve(label: Label) -> Vec<crate::LocusPoint> {
+    let one = family(0.5, 3.0);
+    let found = branch(&one, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[]).unwrap();
+    let point = labelled(&found, label).next().unwrap();
+    let spans = [("f10", 0.4, 3.0), ("kappa", 0.6, 0.9)];
+    let [first, second] =
+        spans.map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
+    let two = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, first, second).unwrap();
+    let start =
+        LocusStart { label, word: symmetric(), phases: point.phases.clone(), values: [point.value, 0.75] };
+    locus(&two, &start).unwrap()
+}
+
+/// The closed form at a point of a curve.
+fn exact(values: [f64; 2]) -> OrbitFamily {
+    let groups = Groups { f10: values[0], kappa: values[1], ..Groups::basic() };
+    OrbitFamily::new(&groups.to_parameters(Scales::default()).unwrap()).unwrap()
+}
+
+#[test]
+fn closed_form_of_curves_in_two_parameters() {
+    /// The discriminant is of order one over the curve.
+    const ROUNDING: f64 = 1e-11;
+    /// A multiplier at a simple crossing.
+    const MULTIPLIER: f64 = 1e-9;
+    for label in [Label::Fold, Label::BranchPoint, Label::NeimarkSacker, Label::Grazing] {
+        let points = curve(label);
+        assert!(points.len() > 10, "{label}: {}", points.len());
+        let reached = |end: f64| points.iter().any(|p| (p.values[1] - end).abs() < 1e-9);
+        assert!(reached(0.6) && reached(0.9), "{label}: {:?}", points.first().zip(points.last()));
+        for point in &points {
+            let exact = exact(point.values);
+            match label {
+                Label::Fold => assert!(exact.discriminant().abs() < ROUNDING, "{:e}", exact.discriminant()),
+                Label::Grazing => {
+                    let groups = Groups { f10: point.values[0], kappa: point.values[1], ..Groups::basic() };
+                    let p = groups.to_parameters(Scales::default()).unwrap();
+                    let amplitude = crate::System::new(&p).unwrap().amplitude();
+                    assert!((amplitude - 1.0).abs() < ROUNDING);
+                }
+                _ => {
+                    let orbit = exact.orbit(Sheet::Upper).unwrap().unwrap();
+                    let crossing = |m: &nalgebra::Complex<f64>| match label {
+                        Label::BranchPoint => (m + 1.0).norm(),
+                        _ => {
+                            if m.im == 0.0 {
+                                1.0
+                            } else {
+                                (m.norm() - 1.0).abs()
+                            }
+                        }
+                    };
+                    let nearest = orbit.multipliers().iter().map(crossing).fold(1.0, f64::min);
+                    assert!(nearest < MULTIPLIER, "{label} at {:?}: {nearest:e}", point.values);
+                }
+            }
+        }
+        assert!(points.iter().all(|p| p.end != Some(LocusEnd::NoConvergence)));
+    }
+}
+
+#[test]
+fn starts_of_curves_that_cannot_be_are_refused() {
+    let one = family(0.5, 3.0);
+    let [first, second] = [("f10", 0.5, 3.0), ("kappa", 0.6, 0.9)]
+        .map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
+    let two = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, first, second).unwrap();
+    let start = |label, values| LocusStart { label, word: symmetric(), phases: vec![5.5], values };
+    for (family, start) in [
+        (&two, start(Label::EndPoint, [1.5, 0.75])),
+        (&two, start(Label::PeriodDoubling, [1.5, 0.75])),
+        (&two, start(Label::Fold, [4.0, 0.75])),
+        (&one, start(Label::Fold, [1.5, 0.75])),
+    ] {
+        assert!(matches!(locus(family, &start), Err(vibro_analysis::Error::Form { .. })), "{start:?}");
+    }
+    assert!(Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, first, first).is_err());
+    assert!(Span::new(find_group("kappa").unwrap(), 0.5, 1.5).is_err());
+}

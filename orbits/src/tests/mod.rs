@@ -1,0 +1,12 @@
+//! Tests of the orbits, by what they are held against.
+
+mod branches;
+mod coverage;
+mod exponents;
+mod free_block;
+mod golden;
+mod islands;
+mod ranges;
+mod rows;
+mod single;
+mod trees;

@@ -1,0 +1,282 @@
+//! One orbit: the closed form, differences, the identity of the determinants, and the simulator.
+
+use crate::cycle::{Cycle, Functional};
+use crate::orbit::unfolded_phases;
+use crate::{ConstantLoads, Orbit, OrbitWord, System};
+use nalgebra::{DMatrix, Matrix6};
+use vibro_impact::parameters::{Groups, Parameters, Scales};
+use vibro_impact::steady::exact_orbit::{self, Vector6};
+use vibro_impact::{Simulator, State};
+
+/// The closed form and Newton's method agree to the rounding of a flight, amplified by the orbit's sensitivity.
+const CLOSED_FORM: f64 = 1e-13;
+
+fn parameters(f10: f64) -> Parameters {
+    Groups { f10, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
+}
+
+fn word(text: &str, closing: i8, half_periods: u32) -> OrbitWord {
+    OrbitWord::new(text, closing, half_periods).unwrap()
+}
+
+/// A symmetric orbit with its closed form.
+fn symmetric(f10: f64) -> (Orbit, exact_orbit::ExactOrbit) {
+    let p = parameters(f10);
+    let exact = exact_orbit::solve(&p).unwrap().upper.unwrap();
+    let guess = [exact.drive_phase() + 0.05];
+    (Orbit::find(&System::new(&p).unwrap(), &word("U", -1, 1), &guess).unwrap(), exact)
+}
+
+/// Largest difference of two states, in units where L = 1 and ω1 is about 1.
+fn apart(a: &State, b: &State) -> f64 {
+    let pairs = a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v));
+    pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+}
+
+#[test]
+fn closed_form_of_the_symmetric_orbit() {
+    for f10 in [1.0, 1.5, 2.0, 3.0, 4.5] {
+        let (orbit, exact) = symmetric(f10);
+        assert!((orbit.phases()[0] - exact.drive_phase()).abs() < CLOSED_FORM, "f10 = {f10}");
+        assert_eq!(
+            (orbit.is_certified(), orbit.is_stable()),
+            (exact.is_clear(), exact.spectral_radius() < 1.0)
+        );
+        for (own, closed) in orbit.multipliers().iter().zip(exact.multipliers()) {
+            assert!((own - closed).norm() < 10.0 * CLOSED_FORM, "{own} {closed}");
+        }
+        for theta in [0.0, 1.0, 2.5, 4.0, 6.0] {
+            assert!(apart(&orbit.state(theta), &exact.state(theta)) < CLOSED_FORM);
+        }
+        let tops = orbit.maxima([0.0, 1.0, 0.0]).into_iter().fold(0.0, f64::max);
+        assert!((tops - exact.amplitudes()[1]).abs() < 10.0 * CLOSED_FORM);
+    }
+}
+
+#[test]
+fn closed_form_of_the_motion_without_impacts() {
+    let system = System::new(&parameters(0.1)).unwrap();
+    let orbit = Orbit::find(&system, &word("", -1, 1), &[]).unwrap();
+    assert!(orbit.is_certified() && orbit.is_stable());
+    // The box swings alone.
+    let p = system.parameters();
+    let w = p.drive_frequency;
+    let amplitude = p.drive_amplitude / (p.box_stiffness - p.box_mass * w * w).hypot(p.box_damping * w);
+    assert!((orbit.maxima([1.0, 0.0, 0.0])[0] - amplitude).abs() < CLOSED_FORM);
+    let mut simulator = Simulator::new(p, &orbit.start_state(), 0.0).unwrap();
+    simulator.advance_to(100.0 * p.period()).unwrap();
+    assert!(apart(&simulator.state(), &orbit.start_state()) < CLOSED_FORM);
+    // The multipliers' product is the determinant of exp(π A): minus the trace of the damping.
+    let product: nalgebra::Complex<f64> = orbit.multipliers().iter().product();
+    let divergence = (p.box_damping / p.box_mass + p.secondary_damping / p.secondary_mass) / w;
+    assert!((product.re - (-std::f64::consts::PI * divergence).exp()).abs() < CLOSED_FORM);
+}
+
+#[test]
+fn second_method_jacobian_by_differences() {
+    /// Central differences with this step are good to its square.
+    const STEP: f64 = 1e-5;
+    const TOLERANCE: f64 = 1e-8;
+    let free = Parameters { coupling_stiffness: 0.0, ..parameters(2.2) };
+    let systems = [System::new(&parameters(2.2)).unwrap(), System::new(&free).unwrap()];
+    let words = [
+        (word("U", -1, 1), vec![5.6]),
+        (word("ULL", 1, 2), vec![0.4, 3.0, 4.6]),
+        (word("UUL", -1, 3), vec![0.4, 3.0, 6.6]),
+        (word("ULULL", 1, 4), vec![0.4, 3.0, 6.6, 9.9, 11.0]),
+    ];
+    let falling = System::with_loads(&free, ConstantLoads { forces: [0.01, -0.02, 0.003] }).unwrap();
+    let all = words.iter().flat_map(|case| systems.iter().map(move |system| (*system, case)));
+    // With a fall.
+    let more = words[1..2].iter().map(|case| (falling, case));
+    for (system, (word, phases)) in all.chain(more) {
+        let cycle = Cycle::new(&system, word, phases).unwrap();
+        for functional in [Functional::Gap, Functional::Rate] {
+            let exact = cycle.derivative(functional, 1.0).unwrap();
+            let values = |phases: &[f64]| {
+                let cycle = Cycle::new(&system, word, phases).unwrap();
+                if functional == Functional::Gap { cycle.residual } else { cycle.rates }
+            };
+            for k in 0..phases.len() {
+                let moved = |by: f64| {
+                    let mut phases = phases.clone();
+                    phases[k] += by;
+                    values(&phases)
+                };
+                for (i, (a, b)) in moved(STEP).iter().zip(moved(-STEP)).enumerate() {
+                    let difference = (a - b) / (2.0 * STEP);
+                    assert!((difference - exact[(i, k)]).abs() < TOLERANCE, "{word} {functional:?} {i} {k}");
+                }
+            }
+        }
+    }
+}
+
+/// An orbit that is not symmetric, by the symmetric one of another force.
+fn unequal() -> Orbit {
+    // Between the symmetry breaking at 2.0396 and its end.
+    let (orbit, _) = symmetric(2.1);
+    let mut phases = unfolded_phases(orbit.word(), orbit.phases());
+    (phases[0], phases[1]) = (phases[0] + 0.15, phases[1] - 0.15);
+    let found = Orbit::find(orbit.system(), &orbit.word().unfolded(), &phases).unwrap();
+    assert!((found.phases()[1] - found.phases()[0] - std::f64::consts::PI).abs() > 0.01);
+    found
+}
+
+#[test]
+fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
+    /// The determinants of a handful of factors of order one, relatively.
+    const TOLERANCE: f64 = 1e-11;
+    let with_spring = [symmetric(1.5).0, symmetric(3.0).0, unequal(), unequal().unfolded().unwrap()];
+    let anchored = with_spring.iter().map(|orbit| (orbit.system().anchored(), orbit.clone()));
+    let free = [(&[0.0][..], -1), (&[0.0, std::f64::consts::PI], 1)].map(|(turns, closing)| {
+        let p = Parameters { coupling_stiffness: 0.0, ..parameters(1.5) };
+        let first = exact_orbit::solve(&p).unwrap().upper.unwrap().drive_phase();
+        let text = if closing < 0 { "U" } else { "UL" };
+        let guess: Vec<f64> = turns.iter().map(|turn| first + turn).collect();
+        let system = System::new(&p).unwrap();
+        (system, Orbit::find(&system, &word(text, closing, turns.len() as u32), &guess).unwrap())
+    });
+    let plain = with_spring.iter().map(|orbit| (*orbit.system(), orbit.clone()));
+    for (system, orbit) in plain.chain(anchored).chain(free) {
+        let cycle = Cycle::new(&system, orbit.word(), orbit.phases()).unwrap();
+        let (sigma, speeds) = (f64::from(orbit.word().closing()), cycle.rates.iter().product::<f64>());
+        for factor in [1.0, -1.0] {
+            let sign = if orbit.word().len() % 2 == 1 { factor } else { -factor };
+            let left = (cycle.monodromy() - Matrix6::identity() * factor).determinant() * speeds;
+            let closed = if system.is_anchored() {
+                cycle.anchor(factor)
+            } else {
+                (Matrix6::identity() * (factor * sigma) - cycle.map()).determinant()
+            };
+            let right = sign * cycle.derivative(Functional::Gap, factor).unwrap().determinant() * closed;
+            assert!(
+                (left - right).abs() < TOLERANCE * left.abs().max(1e-3),
+                "{} {factor}: {left} {right}",
+                orbit.word()
+            );
+        }
+        // And the complex closing is the real one where it is real.
+        let real: DMatrix<f64> = cycle.derivative(Functional::Gap, -1.0).unwrap();
+        let complex = cycle.complex_derivative(nalgebra::Complex::new(-1.0, 0.0)).unwrap();
+        assert!(complex.iter().zip(real.iter()).all(|(a, b)| (a - b).norm() < TOLERANCE));
+    }
+}
+
+#[test]
+fn invariant_an_unfolded_orbit_is_the_same_orbit() {
+    for orbit in [symmetric(1.5).0, unequal()] {
+        let unfolded = orbit.unfolded().unwrap();
+        assert!(unfolded.is_certified() == orbit.is_certified());
+        for theta in [0.3, 2.0, 5.0, 7.0, 11.0] {
+            assert!(apart(&orbit.state(theta), &unfolded.state(theta)) < CLOSED_FORM);
+        }
+        let square = orbit.multipliers()[0] * orbit.multipliers()[0];
+        assert!((unfolded.spectral_radius() - square.norm()).abs() < 1e-10);
+        assert!(unfolded.is_same(&unfolded.clone(), 1e-9) && !unfolded.is_same(&orbit, 1e-9));
+    }
+}
+
+/// The simulator's map of one orbit's period from mid-flight, by central differences.
+pub(super) fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
+    const STEP: f64 = 1e-5;
+    let p = orbit.system().parameters();
+    let start = orbit.state(theta);
+    let time = (theta - p.drive_phase) / p.drive_frequency;
+    let end = |state: &State| {
+        let mut simulator = Simulator::new(p, state, time).unwrap();
+        simulator.set_loads(&orbit.system().loads().loads()).unwrap();
+        simulator.advance_to(time + f64::from(orbit.word().period()) * p.period()).unwrap();
+        let end = simulator.state();
+        Vector6::from_iterator(end.x.into_iter().chain(end.v))
+    };
+    Matrix6::from_columns(&[0, 1, 2, 3, 4, 5].map(|i| {
+        let moved = |by: f64| {
+            let mut state = start;
+            if i < 3 {
+                state.x[i] += by
+            } else {
+                state.v[i - 3] += by
+            }
+            end(&state)
+        };
+        (moved(STEP) - moved(-STEP)) / (2.0 * STEP)
+    }))
+}
+
+#[test]
+fn second_method_multipliers_by_differences_of_the_simulator() {
+    /// Central differences of 1e-5 of a map with second derivatives of order ten.
+    const TOLERANCE: f64 = 1e-8;
+    for orbit in [symmetric(1.5).0.unfolded().unwrap(), unequal()] {
+        // From mid-flight, where no neighbour is past an impact.
+        let phases = orbit.phases();
+        let map = simulated_map(&orbit, 0.5 * (phases[0] + phases[1]));
+        let mut found: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
+        found.sort_by(|a, b| b.total_cmp(a));
+        for (simulated, own) in found.iter().zip(orbit.multipliers()) {
+            assert!((simulated - own.norm()).abs() < TOLERANCE, "{simulated} {own}");
+        }
+    }
+}
+
+#[test]
+fn second_method_orbits_return_in_the_simulator() {
+    /// One period's rounding, amplified by multipliers of a few units.
+    const ROUNDING: f64 = 1e-12;
+    for orbit in [symmetric(1.5).0, symmetric(3.0).0, unequal()] {
+        let p = orbit.system().parameters();
+        let start = orbit.start_state();
+        let mut simulator = Simulator::new(p, &start, 0.0).unwrap();
+        simulator.advance_to(f64::from(orbit.word().period()) * p.period()).unwrap();
+        assert!(apart(&simulator.state(), &start) < ROUNDING, "{}", orbit.word());
+    }
+}
+
+#[test]
+fn second_method_orbit_under_constant_loads() {
+    /// After hundreds of periods only rounding is left of the distance to a stable orbit.
+    const ROUNDING: f64 = 1e-11;
+    let loads = ConstantLoads { forces: [0.004, -0.0005, 0.0003] };
+    let p = parameters(1.5);
+    let system = System::with_loads(&p, loads).unwrap();
+    let (symmetric, _) = symmetric(1.5);
+    let guess = unfolded_phases(symmetric.word(), symmetric.phases());
+    let orbit = Orbit::find(&system, &word("UL", 1, 2), &guess).unwrap();
+    assert!(orbit.is_certified() && orbit.is_stable());
+    let mut simulator = Simulator::new(&p, &orbit.start_state(), 0.0).unwrap();
+    simulator.set_loads(&loads.loads()).unwrap();
+    simulator.advance_to(6000.0 * p.period()).unwrap();
+    assert!(apart(&simulator.state(), &orbit.start_state()) < ROUNDING);
+    // Loads with the same offset give the same impacts, the opposite offset their mirror image.
+    let offset = system.offset();
+    let boxed = ConstantLoads { forces: [-offset * p.box_stiffness, 0.0, 0.0] };
+    let same = Orbit::find(&System::with_loads(&p, boxed).unwrap(), orbit.word(), orbit.phases()).unwrap();
+    assert!((same.phases()[0] - orbit.phases()[0]).abs() < 1e-12);
+    let opposite = System::with_loads(&p, ConstantLoads { forces: loads.forces.map(|f| -f) }).unwrap();
+    let mirror: Vec<f64> = orbit.phases().iter().map(|phase| phase + std::f64::consts::PI).collect();
+    let mirror = Orbit::find(&opposite, &word("LU", 1, 2), &mirror).unwrap();
+    assert!((mirror.speeds()[0] - orbit.speeds()[0]).abs() < 1e-12);
+}
+
+#[test]
+fn closed_form_of_a_gap_off_its_centre() {
+    // The machine whose gap is shifted by δ, under the pair of loads, against the same stops moved in the simulator's frame.
+    let (p, delta) = (parameters(1.5), 0.03);
+    let pair = delta * p.coupling_stiffness;
+    let system = System::with_loads(&p, ConstantLoads { forces: [0.0, -pair, pair] }).unwrap();
+    assert!((system.offset() + delta).abs() < 1e-15);
+}
+
+#[test]
+fn singular_machines_are_refused_with_the_parameter() {
+    let free = Parameters { box_stiffness: 0.0, ..parameters(1.5) };
+    let error = Orbit::find(&System::new(&free).unwrap(), &word("UL", 1, 2), &[5.5, 8.6]).unwrap_err();
+    assert!(error.to_string().contains("box.k = 0"), "{error}");
+    let error = System::with_loads(&free, ConstantLoads { forces: [0.1, 0.0, 0.0] }).unwrap_err();
+    assert!(error.to_string().contains("box.k"), "{error}");
+    let error = System::with_loads(&free, ConstantLoads { forces: [f64::NAN, 0.0, 0.0] }).unwrap_err();
+    assert!(error.to_string().contains("load.box"), "{error}");
+    let error = Orbit::find(&System::new(&parameters(1.5)).unwrap(), &word("UL", 1, 2), &[5.5]).unwrap_err();
+    assert!(error.to_string().contains("word UL, closing +, period 1T"), "{error}");
+}

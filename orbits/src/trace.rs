@@ -1,0 +1,164 @@
+//! All branches that can be reached: from settled motions over the whole range, from orbits near which other motions pass, from the
+//! motion without impacts, and from every special point of every branch; or one branch alone.
+
+use super::branch::{Branch, Point};
+use super::family::Family;
+use super::free;
+use super::grower::{Grower, Start};
+use super::obstacle::Obstacle;
+use super::orbit::Orbit;
+use super::path::{Follower, PathEnd, PathOptions, follow};
+use super::seeds::seeds;
+use super::settled::REPETITION;
+use super::switching;
+use super::tree::{Traced, Tree, TreeOptions};
+use super::word::OrbitWord;
+use rayon::prelude::*;
+use vibro_analysis::Error;
+use vibro_analysis::parts::{NoStore, PartStore, Task};
+
+/// Traces the tree of a family with one parameter; `done` hears of the starts that were traced and those that are known to wait,
+/// which may become more.
+///
+/// # Errors
+/// [`Error::Form`] for a step outside [`PathOptions::STEPS`], repetitions outside 1 to 64, more than 1024 letters, and periods above 4096
+/// drive periods; what the machines of the family refuse.
+pub fn tree(
+    family: &Family,
+    options: &TreeOptions,
+    done: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Tree, Error> {
+    tree_in_parts(family, options, &NoStore, done)
+}
+
+/// The same with finished parts kept: the orbits from which branches start, then the branches of each round of starts. How many rounds there are
+/// shows in their course. A tree that was interrupted goes on from the parts in the store, which must be of the same family and
+/// options, and becomes the same to the bit.
+///
+/// # Errors
+/// As [`tree`]; what the store refuses.
+pub fn tree_in_parts(
+    family: &Family,
+    options: &TreeOptions,
+    store: &dyn PartStore,
+    done: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Tree, Error> {
+    let task = Task { store, ..Task::ALL };
+    let mut grower = Grower::new(family, options);
+    options.check()?;
+    grower.path.check()?;
+    for (branch, contacts) in free::branches(family, &options.marks)? {
+        let id = grower.tree.branches.len();
+        grower.tree.branches.push(branch);
+        for (point, contact) in contacts {
+            grower.offer_longer(&contact, 0, (id, point));
+        }
+    }
+    if let Some(found) = task.part(0, |_| seeds(family, options))? {
+        grower.plant(found);
+    }
+    let mut traced = 0;
+    for round in 1.. {
+        if grower.queue.is_empty() {
+            break;
+        }
+        let batch = grower.next_batch();
+        traced += batch.len();
+        let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
+        let trace_all = |_| -> Result<Vec<Option<Traced>>, Error> {
+            let trace = |start: &Start| trace(family, &grower.path, &options.marks, start).ok();
+            Ok(batch.par_iter().map(trace).collect())
+        };
+        let found = task.part(round, trace_all)?.unwrap_or_default();
+        for (start, branch) in batch.into_iter().zip(found) {
+            match branch {
+                Some(branch) => grower.add(start, branch),
+                None => grower.tree.failures += 1,
+            }
+        }
+        done(traced, grower.queue.len());
+    }
+    Ok(grower.tree)
+}
+
+/// The branch of one orbit, followed in both directions without switching to others; points at the values `marks` of the parameter
+/// are labelled UZ. Its word is the orbit's shortest: of UL closing with + on a symmetric orbit that is U closing with -, whose
+/// symmetry may break, and which is followed beyond.
+///
+/// ```
+/// use vibro_orbits::{ConstantLoads, Family, Label, OrbitWord, PathOptions, Span, branch};
+/// use vibro_analysis::{ParameterSet, find_group};
+///
+/// let span = Span::new(find_group("f10")?, 0.5, 3.0)?;
+/// let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span)?;
+/// let found = branch(&family, &OrbitWord::new("U", -1, 1)?, &[5.5], 1.5, &PathOptions::default(), &[])?;
+/// let breaking = found.points.iter().find(|p| p.label() == Some(Label::BranchPoint)).expect("one");
+/// assert!((breaking.value - 2.039_588_865_238).abs() < 1e-11);
+/// # Ok::<(), vibro_analysis::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Form`] for a step that is not allowed and a value outside the family's range; [`Error::NoOrbit`] when there is no orbit
+/// near `phases` at the value, or none of the machine; what the machine refuses.
+pub fn branch(
+    family: &Family,
+    word: &OrbitWord,
+    phases: &[f64],
+    value: f64,
+    options: &PathOptions,
+    marks: &[f64],
+) -> Result<Branch, Error> {
+    options.check()?;
+    if !family.span().contains(value) {
+        let text = format!("{}={value}", family.span().name.name());
+        return Err(Error::Form { text, expected: "a value within the range of the family" });
+    }
+    let system = family.system(&[value])?;
+    let orbit = Orbit::find(&system, word, phases)?;
+    if !orbit.is_certified() {
+        let reason = "what solves its equations passes a stop between its impacts; another guess of the phases may help";
+        return Err(Error::NoOrbit {
+            word: word.to_string(),
+            closing: if word.closing() > 0 { '+' } else { '-' },
+            period: word.period(),
+            reason: reason.into(),
+        });
+    }
+    if word.is_empty() {
+        let around = |b: &Branch| b.points.windows(2).any(|p| (p[0].value..=p[1].value).contains(&value));
+        let found = free::branches(family, marks)?.into_iter().map(|b| b.0).find(around);
+        return found.ok_or_else(|| Obstacle::NoConvergence.error(&system, word));
+    }
+    let (word, phases) = word.reduced(orbit.phases(), family.is_symmetric(), REPETITION);
+    let followed = || {
+        let (word, both) = switching::both_ways(family, &word, &phases, value)?;
+        let start = Start { depth: 0, parent: None, word, departures: both.to_vec(), island: false };
+        Ok((trace(family, options, marks, &start)?, start.word))
+    };
+    let (Traced { points, closed, .. }, word) =
+        followed().map_err(|obstacle: Obstacle| obstacle.error(&system, &word))?;
+    Ok(Branch { id: 0, parent: None, depth: 0, word, points, closed })
+}
+
+/// Follows a start in all its directions.
+fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &Start) -> Result<Traced, Obstacle> {
+    let follower = Follower { family, word: &start.word, options, marks };
+    let mut departures = start.departures.iter();
+    let first = departures.next().ok_or(Obstacle::NoConvergence)?;
+    let forward = follow(&follower, first.clone())?;
+    let closed = matches!(forward.end, PathEnd::Closed);
+    let second = departures.next().filter(|_| !closed);
+    let backward = second.map(|d| follow(&follower, d.clone())).transpose()?;
+    let mut points = Vec::new();
+    let mut ends = Vec::new();
+    if let Some(path) = backward {
+        // Each point keeps the stability of the piece that follows it in the branch's order.
+        let pieces: Vec<bool> = path.points.iter().map(|p| p.stable).collect();
+        let reversed = path.points.into_iter().enumerate().skip(1).rev();
+        points.extend(reversed.map(|(i, point)| Point { stable: pieces[i - 1], ..point }));
+        ends.push((0, path.end));
+    }
+    points.extend(forward.points);
+    ends.push((points.len() - 1, forward.end));
+    Ok(Traced { points, closed, ends })
+}
