@@ -253,3 +253,19 @@ fn invariant_every_link_of_a_page_leads_somewhere() {
     assert_eq!(broken(&page, "hosts.md#fmi-30-both-sides-of-every-impact"), None);
     assert!(links("`a[i](b)`\n```rust\nx[0](1)\n```\n[a](b.md)").eq(&["b.md"]));
 }
+
+#[test]
+fn invariant_the_readme_is_short_and_the_index_has_every_page() {
+    // What is read in a few minutes; more belongs to a page of docs/.
+    const MOST_WORDS: usize = 1200;
+    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
+    let words = readme.split_whitespace().count();
+    assert!(words <= MOST_WORDS, "README.md has {words} words");
+    let index = fs::read_to_string(root().join("docs/README.md")).expect("docs/README.md");
+    let listed: BTreeSet<String> = links(&index).into_iter().collect();
+    for entry in fs::read_dir(root().join("docs")).expect("docs") {
+        let name = entry.expect("an entry").file_name().into_string().expect("a name");
+        let is_page = name.ends_with(".md") && name != "README.md";
+        assert!(!is_page || listed.contains(&name), "docs/README.md does not list {name}");
+    }
+}

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Pages of docs/ whose blocks another test runs, and that test.
+/// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`, and that test.
 const RUN_ELSEWHERE: [(&str, &str); 4] = [
     ("recipes.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
@@ -23,8 +23,9 @@ const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "
 const BY_HAND: &str = "\n## Memory and random input, by hand";
 
 /// Shell commands and what runs them.
-const COVERED: [(&str, &str); 9] = [
+const COVERED: [(&str, &str); 10] = [
     ("pip install ./python", "fmu-build/tests/wheel.rs does the same by way of a wheel"),
+    ("pip install \"./python[plot]\"", "the same, and tests/python/requirements.txt has matplotlib"),
     ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     (TARGETS, "the test below compares it with the platforms"),
     (ZIG, "fmu-build/tests/platforms.rs runs with what it installs"),
@@ -58,12 +59,15 @@ fn the_targets_named_are_those_of_the_platforms() {
 fn pages() -> Vec<String> {
     let docs = fs::read_dir(common::python::root().join("docs")).expect("docs can be read");
     let names = docs.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"));
-    let elsewhere = |name: &String| RUN_ELSEWHERE.iter().any(|(page, _)| page == name);
-    let own =
-        names.filter(|name| name.ends_with(".md") && !elsewhere(name)).map(|name| format!("docs/{name}"));
+    let own = names.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}"));
     let mut pages: Vec<String> = own.chain(OUTSIDE.map(str::to_owned)).collect();
     pages.sort();
     pages
+}
+
+/// Whether another test runs the blocks of a page.
+fn is_run_elsewhere(page: &str) -> bool {
+    RUN_ELSEWHERE.iter().any(|(name, _)| page == format!("docs/{name}"))
 }
 
 fn read(path: &str) -> String {
@@ -135,6 +139,7 @@ fn calls_of_cargo_test_are_checked() {
 fn check_commands(page: &str, block: &str) {
     let requirements = read("tests/fmpy/requirements.txt");
     let example_tests = read("tests/examples/test_scripts.py") + &read("tests/examples/test_dask_sweep.py");
+    let block = block.replace("\\\n", " ");
     for line in block.lines().map(|line| line.split('#').next().unwrap_or("").trim()) {
         // What is installed is what the tests have installed.
         let installed = line.strip_prefix("pip install ").is_some_and(|list| {
@@ -146,6 +151,9 @@ fn check_commands(page: &str, block: &str) {
         // Run by tests/examples, which has what they need.
         let script = line.strip_prefix("python examples/").and_then(|rest| rest.split(' ').next());
         let script = script.is_some_and(|script| example_tests.contains(&format!("\"{script}\"")));
+        if line.starts_with("vibro ") && is_run_elsewhere(page) {
+            continue;
+        }
         if line.starts_with("cargo test ") {
             assert_eq!(wrong_in(line), None, "`{line}` of {page}");
             continue;
@@ -173,6 +181,8 @@ fn every_code_block_works() {
         let text = text.split(BY_HAND).next().expect("a part");
         for (language, block) in common::blocks(text) {
             match (language.as_str(), page.as_str()) {
+                ("sh", _) => check_commands(&page, &block),
+                _ if is_run_elsewhere(&page) => {}
                 ("python", _) => {
                     let of_package = block.contains("vibro_impact");
                     let program = if of_package {
@@ -188,7 +198,6 @@ fn every_code_block_works() {
                     assert!(!printed.trim().is_empty(), "the block prints nothing to look at:\n{block}");
                     ran.insert((page.clone(), of_package));
                 }
-                ("sh", _) => check_commands(&page, &block),
                 ("text", "README.md") => {
                     let run = fmu_build::run::run(&fmu, 200).expect("the FMU runs");
                     let table = fmu_build::table::Table(&run).to_string();
