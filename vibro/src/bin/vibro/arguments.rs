@@ -16,8 +16,9 @@ use vibro_analysis::start::StartRule;
 /// The folder of results unless another one is named.
 pub const DEFAULT_OUT: &str = "vibro-out";
 
-const ABOUT: &str =
-    "A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins";
+const ABOUT: &str = "\
+A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins
+Figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
 PARAMETERS
@@ -157,7 +158,7 @@ pub enum Command {
     Orbit(OneOrbit),
     /// Curves of special points of `vibro orbits` over two parameters
     Locus(Loci),
-    /// Draws a study from its shards (--shard)
+    /// Draws a study whose parts were computed apart (--shard)
     Merge(Merge),
     /// Prints a parameter file to fill in: every parameter, its unit, range and default
     Template(Template),
@@ -417,7 +418,7 @@ pub struct Compare {
     /// Range of the force f10 for the simulated maxima (figure 16) [default: f10=0.5:3]
     #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
     pub range: Option<ParameterRange>,
-    /// Number of values of f10 there
+    /// Number of values of f10 for the simulated maxima (figure 16)
     #[arg(long, value_name = "N", default_value_t = 251, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,
     /// Mass ratios for the errors (figure 17) [default: epsilon=0.1,0.05,0.02,0.01,0.005, or the epsilon that was set]

@@ -8,11 +8,11 @@ use vibro::special_points::Selection;
 /// Which orbit.
 #[derive(Args, Debug)]
 pub struct Which {
-    /// Order of its impacts in letters U (upper stop) and L (lower stop) [default: the orbit of the settled motion]. A word that
+    /// Impacts of the orbit in order: U (upper stop), L (lower stop) [default: the orbit of the settled motion]. A word that
     /// ends in "-" is half of a symmetric orbit: U- is the motion with two symmetric impacts a period
     #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
     pub word: Option<String>,
-    /// Its period in drive periods, with --word
+    /// Period of the orbit in drive periods, with --word
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
     pub period: u32,
     /// Constant loads.
