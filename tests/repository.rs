@@ -176,3 +176,96 @@ fn invariant_no_text_cites_an_issue_without_its_address() {
     }
     assert!(found.is_empty(), "{found:#?}");
 }
+
+/// A page without its code: fenced blocks, and what stands between backquotes in a line.
+fn prose(page: &str) -> String {
+    let mut fenced = false;
+    let mut text = String::new();
+    for line in page.lines() {
+        let fence = line.starts_with("```");
+        fenced ^= fence;
+        if !fenced && !fence {
+            text.extend(line.split('`').step_by(2));
+            text.push('\n');
+        }
+    }
+    text
+}
+
+/// What the links and pictures of a page lead to.
+fn links(page: &str) -> Vec<String> {
+    let prose = prose(page);
+    let ends = prose.split("](").skip(1).filter_map(|after| after.split_once(')'));
+    ends.map(|(link, _)| link.to_owned()).collect()
+}
+
+/// The anchors of a page's headings, as GitHub makes them: lower case, a hyphen for each space, no other signs.
+fn anchors(page: &str) -> BTreeSet<String> {
+    let mut fenced = false;
+    let mut found = BTreeSet::new();
+    for line in page.lines() {
+        fenced ^= line.starts_with("```");
+        let heading = line.trim_start_matches('#');
+        if !fenced && heading.len() < line.len() && heading.starts_with(' ') {
+            let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+            found.insert(kept.collect::<String>().to_lowercase().replace(' ', "-"));
+        }
+    }
+    found
+}
+
+/// Why a link of a page leads nowhere, if it does.
+fn broken(page: &Path, link: &str) -> Option<String> {
+    if link.contains("://") {
+        return None;
+    }
+    let (file, anchor) = link.split_once('#').map_or((link, None), |(file, anchor)| (file, Some(anchor)));
+    let target = match file {
+        "" => page.to_owned(),
+        _ => page.parent().expect("a page is in a folder").join(file),
+    };
+    if !target.exists() {
+        return Some("no such file".into());
+    }
+    let anchor = anchor?;
+    let text = fs::read_to_string(&target).expect("a page can be read");
+    (!anchors(&text).contains(anchor)).then(|| "no such heading".into())
+}
+
+#[test]
+fn invariant_every_link_of_a_page_leads_somewhere() {
+    let (mut wrong, mut followed) = (Vec::new(), 0);
+    for (path, text) in all().into_iter().filter(|(path, _)| path.extension().is_some_and(|e| e == "md")) {
+        for link in links(&text) {
+            followed += 1;
+            if let Some(reason) = broken(&path, &link) {
+                wrong.push(format!("{}: {link}: {reason}", shown(&path)));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(followed > 50, "{followed} links were followed");
+    // The rule refuses a file and a heading that are not there, and passes over code.
+    let page = root().join("docs/README.md");
+    for link in ["nothing.md", "speed.md#nothing", "#nothing"] {
+        assert!(broken(&page, link).is_some(), "{link}");
+    }
+    assert_eq!(broken(&page, "hosts.md#fmi-30-both-sides-of-every-impact"), None);
+    assert!(links("`a[i](b)`\n```rust\nx[0](1)\n```\n[a](b.md)").eq(&["b.md"]));
+}
+
+#[test]
+fn invariant_the_readme_is_short_and_the_index_has_every_page() {
+    // What is read in a few minutes; more belongs to a page of docs/.
+    const MOST_WORDS: usize = 1200;
+    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
+    let words = readme.split_whitespace().count();
+    assert!(words <= MOST_WORDS, "README.md has {words} words");
+    let index = fs::read_to_string(root().join("docs/README.md")).expect("docs/README.md");
+    let listed: BTreeSet<String> = links(&index).into_iter().collect();
+    for entry in fs::read_dir(root().join("docs")).expect("docs") {
+        let name = entry.expect("an entry").file_name().into_string().expect("a name");
+        let is_page = name.ends_with(".md") && name != "README.md";
+        assert!(!is_page || listed.contains(&name), "docs/README.md does not list {name}");
+    }
+}

@@ -40,7 +40,7 @@ pub enum Error {
         source: zip::result::ZipError,
     },
     /// The archive lacks a file.
-    #[error("archive {} has no {name}; build it again with `cargo run --release -p fmu-build`", path.display())]
+    #[error("archive {} has no {name}; build it again with `cargo run -p fmu-build`", path.display())]
     Missing {
         /// The archive.
         path: PathBuf,
@@ -70,7 +70,7 @@ pub enum Error {
     #[error(transparent)]
     Set(#[from] vibro_analysis::Error),
     /// The archives do not hold the same library.
-    #[error("{} and {} hold different libraries; build both again with `cargo run --release -p fmu-build`", first.display(), second.display())]
+    #[error("{} and {} hold different libraries; build both again with `cargo run -p fmu-build`", first.display(), second.display())]
     Binaries {
         /// One archive.
         first: PathBuf,

@@ -18,7 +18,7 @@ use vibro_impact::{Parameters, Simulator, State};
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// Where the FMU of FMI 2.0 goes [default: target/VibroImpact3DOF.fmu]; that of FMI 3.0 and the pictures go beside it
+    /// File of the FMU of FMI 2.0 [default: target/VibroImpact3DOF.fmu]. That of FMI 3.0 and the pictures go beside it
     #[arg(long, short)]
     output: Option<PathBuf>,
     /// Drive periods to run
@@ -27,17 +27,17 @@ struct Arguments {
     /// Pack a binary for every platform that can be built here, and say what the others need
     #[arg(long)]
     all_platforms: bool,
-    /// Make a further archive, of FMI 3.0 with arrays: displacements, velocities and accelerations as vectors, derivatives over a
-    /// step as matrices; several importers read every local variable as a scalar
+    /// Make a further FMU of FMI 3.0 with arrays: displacements, velocities and accelerations as vectors, derivatives over a
+    /// step as matrices. Several importers cannot read arrays
     #[arg(long)]
     arrays: bool,
-    /// Make a further archive, of FMI 3.0 with these arrays and a clock of impacts; several importers break on one
+    /// Make a further FMU of FMI 3.0 with these arrays and a clock that ticks at impacts. Several importers fail on clocks
     #[arg(long)]
     clocked: bool,
-    /// Pack the live page too (documentation/explorer.html), and say what it needs where it cannot be made
+    /// Also pack the live page (documentation/explorer.html). If it cannot be made, say what it needs
     #[arg(long)]
     explorer: bool,
-    /// Build only
+    /// Build the FMUs without running them
     #[arg(long)]
     no_run: bool,
     #[command(subcommand)]
@@ -46,19 +46,19 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Writes the generated files that are committed (modelDescription/, the pictures of README and documentation)
+    /// Writes the generated files that are committed: modelDescription/, the pictures of README and documentation
     Refresh {
         /// Only those that follow from the table of variables: a second instead of minutes, since nothing is compiled for
         /// the archive, run or drawn
         #[arg(long)]
         description: bool,
     },
-    /// Prints the native library's states at communication points as CSV, to compare hosts with
+    /// Prints the native library's states at communication points as CSV, for comparison with hosts
     Native {
         /// Communication step, s
         #[arg(long, default_value_t = 0.5)]
         step: f64,
-        /// How many steps
+        /// Number of steps
         #[arg(long, default_value_t = 1200)]
         steps: u32,
         /// Start values: box.s,block.s,secondary.s,box.v,block.v,secondary.v
@@ -70,10 +70,10 @@ enum Task {
         /// The tag that is released, e.g. v0.1.0; then nothing may be left out
         #[arg(long)]
         tag: Option<String>,
-        /// Show what a release would be: with the changes under "Unreleased", also from a work tree that is not committed
+        /// Show what a release would be, with the changes under "Unreleased"; the work tree need not be committed
         #[arg(long, conflicts_with = "tag")]
         preview: bool,
-        /// Only this platform, by its name in FMI 3.0, e.g. x86_64-linux; can be given several times
+        /// Only this platform, by its name in FMI 3.0, e.g. x86_64-linux. May be repeated
         #[arg(long, conflicts_with = "tag")]
         platform: Vec<String>,
         /// The folder [default: dist/], which is replaced

@@ -116,7 +116,7 @@ fn sets() -> Result<Vec<Set>> {
         "The basic set: symmetric motion with two impacts a period".into(),
         &basic,
     ));
-    let text = "Figure 13, drive amplitude f10 = 0.6: modulated motion".to_owned();
+    let text = "Modulated motion at the drive amplitude f10 = 0.6 (figure 13)".to_owned();
     sets.push(set("figure-13-f10-0.6".into(), text, &basic.with(find_group("f10")?, 0.6)?));
     for f10 in [1.2, 2.5] {
         let text =
@@ -124,11 +124,11 @@ fn sets() -> Result<Vec<Set>> {
         sets.push(set(format!("figure-9-f10-{f10}"), text, &basic.with(find_group("f10")?, f10)?));
     }
     for f10 in [2.2, 2.44, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9] {
-        let text = format!("Figure 15, drive amplitude f10 = {f10}");
+        let text = format!("A motion with the drive amplitude f10 = {f10} (figure 15)");
         sets.push(set(format!("figure-15-f10-{f10}"), text, &basic.with(find_group("f10")?, f10)?));
     }
     for epsilon in [0.05, 0.02, 0.01, 0.005] {
-        let text = format!("Figure 17, mass ratio epsilon = {epsilon}");
+        let text = format!("A motion with the mass ratio epsilon = {epsilon} (figure 17)");
         sets.push(set(
             format!("figure-17-epsilon-{epsilon}"),
             text,

@@ -6,7 +6,6 @@ use crate::error::{Error, Result};
 use crate::host;
 use crate::version::{MODEL_DESCRIPTION, Version};
 use crate::{describe, fmi3};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_fmi::component::variables;
@@ -17,9 +16,6 @@ use vibro_impact::{Parameters, Simulator, State};
 
 /// Communication steps per drive period: enough for a smooth picture, and for amplitudes to eight digits (`Run::amplitudes`).
 pub const STEPS_PER_PERIOD: u32 = 200;
-
-/// After this time a progress bar is worth its place.
-const PATIENCE: Duration = Duration::from_secs(1);
 
 const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 const COUNTS: [&str; 2] = ["impacts.upper", "impacts.lower"];
@@ -99,7 +95,6 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     let (reals3, counts3) = (references3(NAMES)?, references3(COUNTS)?);
     let mut stepping = [Duration::ZERO; 2];
     let mut samples = vec![Sample { time: 0.0, state: State::default(), impacts: [0; 2] }];
-    let bar = Bar::new(u64::from(steps));
     for i in 0..steps {
         let from = f64::from(i) * step;
         let begin = Instant::now();
@@ -116,7 +111,6 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
         same_sample(Version::Fmi2, &native, values, impacts)?;
         same_sample(Version::Fmi3, &native, instance3.real(&reals3)?, instance3.integer(&counts3)?)?;
         samples.push(sample);
-        bar.at(u64::from(i));
     }
     instance.terminate()?;
     instance3.terminate()?;
@@ -192,36 +186,6 @@ fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64))
     // which it does so, and no difference of like numbers where d is small.
     let u = a / (root.copysign(a) - c);
     (0.0..=1.0).contains(&u).then_some(x0 + u * (a + u * (c + u * d)))
-}
-
-/// A progress bar that shows itself only when the work takes long.
-struct Bar {
-    bar: ProgressBar,
-    begin: Instant,
-}
-
-impl Bar {
-    fn new(length: u64) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("running the FMU {wide_bar} {percent} %, {eta} to go");
-        if let Ok(style) = style {
-            bar.set_style(style);
-        }
-        Self { bar, begin: Instant::now() }
-    }
-
-    fn at(&self, position: u64) {
-        if self.bar.is_hidden() && self.begin.elapsed() > PATIENCE {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
-        self.bar.set_position(position);
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
 }
 
 impl Run {

@@ -1,41 +1,44 @@
-//! Every code block of README.md works: Python blocks are run, shell commands are known to be tested.
+//! Every code block of README.md and of the pages in docs/ works: Python blocks are run, shell commands are known to be tested.
 
 mod common;
 
 use fmu_build::version::Version;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Shell commands of the README and what runs them.
-const COVERED: [(&str, &str); 15] = [
+/// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`, and that test.
+const RUN_ELSEWHERE: [(&str, &str); 4] = [
+    ("recipes.md", "fmu-build/tests/guides.rs"),
+    ("design-a-damper.md", "fmu-build/tests/guides.rs"),
+    ("python.md", "tests/python/test_guide.py"),
+    ("assemblies.md", "assembly/tests/file/examples.rs"),
+];
+
+/// Pages outside docs/ that show commands.
+const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "explorer/README.md"];
+
+/// What stands below this heading of tests/README.md is run by hand, with what it found.
+const BY_HAND: &str = "\n## Memory and random input, by hand";
+
+/// Shell commands and what runs them.
+const COVERED: [(&str, &str); 10] = [
     ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
-    ("cargo run --release -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
-    ("cargo test --workspace", "is running now"),
+    ("pip install \"./python[plot]\"", "the same, and tests/python/requirements.txt has matplotlib"),
+    ("cargo run -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     (TARGETS, "the test below compares it with the platforms"),
     (ZIG, "fmu-build/tests/platforms.rs runs with what it installs"),
     (
-        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run --release -p fmu-build -- --all-platforms",
+        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run -p fmu-build -- --all-platforms",
         "fmu-build/tests/platforms.rs",
     ),
-    ("cargo test -p fmu-build --test examples -- --ignored", "fmu-build/tests/examples.rs, asked for"),
-    ("cargo test -p fmu-build --test page -- --ignored", "fmu-build/tests/page.rs, asked for"),
     ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
-    ("cargo run --release -p fmu-build -- --explorer", "fmu-build/tests/live_page.rs, asked for"),
-    ("cargo test -p explorer-build --test page -- --ignored", "explorer-build/tests/page.rs, asked for"),
-    ("cargo test -p fmu-build --test live_page -- --ignored", "fmu-build/tests/live_page.rs, asked for"),
+    ("cargo run -p fmu-build -- --explorer", "fmu-build/tests/live_page.rs, run by .ci/run"),
+    ("cargo run --release -p explorer-build", "explorer-build/tests/page.rs, run by .ci/run"),
     (
-        "cargo test -p fmu-build --test platforms -- --ignored --nocapture",
-        "fmu-build/tests/platforms.rs, asked for",
-    ),
-    (
-        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run --release -p fmu-build -- release --preview",
-        "fmu-build/tests/release.rs, asked for",
-    ),
-    (
-        "cargo test -p fmu-build --test release -- --ignored --nocapture",
-        "fmu-build/tests/release.rs, asked for",
+        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run -p fmu-build -- release --preview",
+        "fmu-build/tests/release.rs, run by .ci/run",
     ),
 ];
 
@@ -47,72 +50,168 @@ const TARGETS: &str = "rustup target add x86_64-pc-windows-gnu i686-pc-windows-g
 #[test]
 fn the_targets_named_are_those_of_the_platforms() {
     let named: BTreeSet<&str> = TARGETS.split_whitespace().skip(3).collect();
-    // That of the machine the README is written for comes with the toolchain.
+    // That of the computer the page is written for comes with the toolchain.
     let needed = fmu_build::platforms::PLATFORMS.iter().flat_map(|p| p.targets).copied();
     assert_eq!(named, needed.filter(|target| *target != "x86_64-unknown-linux-gnu").collect());
 }
 
+/// The pages, by their paths in the repository.
+fn pages() -> Vec<String> {
+    let docs = fs::read_dir(common::python::root().join("docs")).expect("docs can be read");
+    let names = docs.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"));
+    let own = names.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}"));
+    let mut pages: Vec<String> = own.chain(OUTSIDE.map(str::to_owned)).collect();
+    pages.sort();
+    pages
+}
+
+/// Whether another test runs the blocks of a page.
+fn is_run_elsewhere(page: &str) -> bool {
+    RUN_ELSEWHERE.iter().any(|(name, _)| page == format!("docs/{name}"))
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(common::python::root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+#[test]
+fn the_pages_that_are_left_out_here_are_read_by_their_own_tests() {
+    for (page, test) in RUN_ELSEWHERE {
+        assert!(read(test).contains(page), "{test} does not read {page}");
+    }
+}
+
+/// The packages of the workspace: name and folder.
+fn packages() -> Vec<(String, PathBuf)> {
+    let root = common::python::root();
+    let children = fs::read_dir(root).expect("the workspace").map(|entry| entry.expect("an entry").path());
+    let named = |folder: PathBuf| {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).ok()?;
+        let package = manifest.split("[package]").nth(1)?;
+        let name = package.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'))?;
+        Some((name.to_owned(), folder))
+    };
+    children.chain([root.to_owned()]).filter_map(named).collect()
+}
+
+/// What is wrong with a call of `cargo test`: a package or a test that is not there, or `--ignored` for a test without such cases.
+fn wrong_in(call: &str) -> Option<String> {
+    let words: Vec<&str> = call.split_whitespace().collect();
+    let after =
+        |option: &str| words.windows(2).filter(move |w| w[0] == option).map(|w| w[1]).collect::<Vec<_>>();
+    let packages = packages();
+    let chosen = after("-p");
+    if let Some(name) = chosen.iter().find(|name| !packages.iter().any(|(package, _)| package == *name)) {
+        return Some(format!("no package is called {name}"));
+    }
+    let of_call = packages.iter().filter(|(name, _)| chosen.is_empty() || chosen.contains(&name.as_str()));
+    let folders: Vec<&PathBuf> = of_call.map(|(_, folder)| folder).collect();
+    for test in after("--test") {
+        let files = folders.iter().map(|folder| folder.join(format!("tests/{test}.rs")));
+        let Some(text) = files.filter_map(|file| fs::read_to_string(file).ok()).next() else {
+            return Some(format!("no test is called {test}"));
+        };
+        if words.contains(&"--ignored") && !text.contains("#[ignore") {
+            return Some(format!("{test} ignores nothing"));
+        }
+    }
+    None
+}
+
+#[test]
+fn calls_of_cargo_test_are_checked() {
+    assert_eq!(wrong_in("cargo test -p vibro-impact --test golden"), None);
+    assert_eq!(wrong_in("cargo test --test golden --test repository"), None);
+    assert_eq!(wrong_in("cargo test -p fmu-build --test python_package -- --ignored"), None);
+    for call in [
+        "cargo test -p vibro-nothing",
+        "cargo test -p vibro-fmi --test golden",
+        "cargo test -p vibro-impact --test golden -- --ignored",
+    ] {
+        assert!(wrong_in(call).is_some(), "{call}");
+    }
+}
+
+/// Fails unless every command of a block is run by a test.
+fn check_commands(page: &str, block: &str) {
+    let requirements = read("tests/fmpy/requirements.txt");
+    let example_tests = read("tests/examples/test_scripts.py") + &read("tests/examples/test_dask_sweep.py");
+    let block = block.replace("\\\n", " ");
+    for line in block.lines().map(|line| line.split('#').next().unwrap_or("").trim()) {
+        // What is installed is what the tests have installed.
+        let installed = line.strip_prefix("pip install ").is_some_and(|list| {
+            list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
+        });
+        // Run by vibro/tests/readme.rs, whose program it is.
+        let of_vibro = (page == "README.md" || page.starts_with("docs/"))
+            && line.starts_with("cargo run --release -p vibro -- ");
+        // Run by tests/examples, which has what they need.
+        let script = line.strip_prefix("python examples/").and_then(|rest| rest.split(' ').next());
+        let script = script.is_some_and(|script| example_tests.contains(&format!("\"{script}\"")));
+        if line.starts_with("vibro ") && is_run_elsewhere(page) {
+            continue;
+        }
+        if line.starts_with("cargo test ") {
+            assert_eq!(wrong_in(line), None, "`{line}` of {page}");
+            continue;
+        }
+        let covered = line.is_empty() || COVERED.iter().any(|(command, _)| *command == line);
+        assert!(
+            covered || installed || of_vibro || script,
+            "no test runs `{line}` of {page}; add one and name it here"
+        );
+    }
+}
+
 #[test]
 fn every_code_block_works() {
-    let readme = fs::read_to_string(common::python::root().join("README.md")).expect("README.md can be read");
-    let blocks = common::blocks(&readme);
-    assert!(blocks.iter().any(|(language, _)| language == "python"), "the README shows the use in fmpy");
+    let fmu = common::python::fmu();
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
     fs::create_dir_all(folder.join("target")).expect("target can be written");
-    let fmu = common::python::fmu();
     for version in Version::USUAL {
         let copy = version.beside(&folder.join("target/VibroImpact3DOF.fmu"));
         fs::copy(version.beside(&fmu), copy).expect("target can be written");
     }
-    let requirements = fs::read_to_string(common::python::root().join("tests/fmpy/requirements.txt"))
-        .expect("requirements.txt can be read");
-    let example_tests: String = ["test_scripts.py", "test_dask_sweep.py"]
-        .map(|name| fs::read_to_string(common::python::root().join("tests/examples").join(name)).unwrap())
-        .concat();
-    for (language, text) in blocks {
-        match language.as_str() {
-            "python" => {
-                let of_package = text.contains("vibro_impact");
-                let program =
-                    if of_package { common::python::python_with_package() } else { common::python::python() };
-                let mut python = Command::new(program);
-                let printed = common::python::run(
-                    "a Python block of README.md",
-                    python.args(["-c", &text]).current_dir(&folder),
-                );
-                assert!(!printed.trim().is_empty(), "the block prints nothing to look at:\n{text}");
-            }
-            "sh" => {
-                for line in text.lines().map(|line| line.split('#').next().unwrap_or("").trim()) {
-                    // What is installed is what the tests have installed.
-                    let installed = line.strip_prefix("pip install ").is_some_and(|list| {
-                        list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
-                    });
-                    // Run by vibro/tests/readme.rs, whose program it is.
-                    if line.starts_with("cargo run --release -p vibro -- ") {
-                        continue;
-                    }
-                    // Run by tests/examples, which has what they need.
-                    let script =
-                        line.strip_prefix("python examples/").and_then(|rest| rest.split(' ').next());
-                    if script.is_some_and(|script| example_tests.contains(&format!("\"{script}\""))) {
-                        continue;
-                    }
-                    let covered = line.is_empty() || COVERED.iter().any(|(command, _)| *command == line);
+    let mut ran = BTreeSet::new();
+    for page in pages() {
+        let text = read(&page);
+        let text = text.split(BY_HAND).next().expect("a part");
+        for (language, block) in common::blocks(text) {
+            match (language.as_str(), page.as_str()) {
+                ("sh", _) => check_commands(&page, &block),
+                _ if is_run_elsewhere(&page) => {}
+                ("python", _) => {
+                    let of_package = block.contains("vibro_impact");
+                    let program = if of_package {
+                        common::python::python_with_package()
+                    } else {
+                        common::python::python()
+                    };
+                    let mut python = Command::new(program);
+                    let printed = common::python::run(
+                        &format!("a Python block of {page}"),
+                        python.args(["-c", &block]).current_dir(&folder),
+                    );
+                    assert!(!printed.trim().is_empty(), "the block prints nothing to look at:\n{block}");
+                    ran.insert((page.clone(), of_package));
+                }
+                ("text", "README.md") => {
+                    let run = fmu_build::run::run(&fmu, 200).expect("the FMU runs");
+                    let table = fmu_build::table::Table(&run).to_string();
                     assert!(
-                        covered || installed,
-                        "no test runs `{line}` of README.md; add one and name it here"
+                        table.starts_with(&block),
+                        "README.md shows\n{block}\nbut the run gives\n{table}"
                     );
                 }
+                // Maps of the code.
+                ("text", "docs/design.md") => {}
+                // Run by the documentation tests of vibro-impact (`src/lib.rs`).
+                ("rust", "README.md") => {}
+                (other, _) => panic!("{page} has a block in {other:?}, which no test runs"),
             }
-            "text" => {
-                let run = fmu_build::run::run(&fmu, 200).expect("the FMU runs");
-                let table = fmu_build::table::Table(&run).to_string();
-                assert!(table.starts_with(&text), "README.md shows\n{text}\nbut the run gives\n{table}");
-            }
-            // Run by the documentation tests of vibro-impact (`src/lib.rs`).
-            "rust" => {}
-            other => panic!("README.md has a block in {other:?}, which no test runs"),
         }
+    }
+    for shown in [("README.md", false), ("README.md", true), ("docs/hosts.md", false)] {
+        assert!(ran.contains(&(shown.0.to_owned(), shown.1)), "{shown:?}: no such Python block in {ran:?}");
     }
 }

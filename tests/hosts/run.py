@@ -1,6 +1,6 @@
-"""Runs the packaged FMUs in hosts that nobody here wrote, and writes what came out into the README's table.
+"""Runs the packaged FMUs in hosts that nobody here wrote, and writes what came out into the table of docs/hosts.md.
 
-    python3 tests/hosts/run.py [--allow-missing] [--no-readme]
+    python3 tests/hosts/run.py [--allow-missing] [--no-page]
 
 Each host is installed by itself under target/hosts/ (a virtual environment, or a root of `cargo install`). Needed beside
 Rust and Python >= 3.11: libclang for fmi-sim (Debian: libclang-dev) and TBB for ecos (Debian: libtbb12). A host that cannot
@@ -352,7 +352,7 @@ HOSTS = (
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--allow-missing", action="store_true", help="go on without hosts that cannot be installed")
-    parser.add_argument("--no-readme", action="store_true", help="leave the README as it is")
+    parser.add_argument("--no-page", action="store_true", help="leave docs/hosts.md as it is")
     arguments = parser.parse_args()
     TARGET.mkdir(parents=True, exist_ok=True)
     fmu = TARGET / "VibroImpact3DOF.fmu"
@@ -381,7 +381,7 @@ def main():
             lines.append(f"| {host_name} | {case.what} | {case.value:.1e} | {verdict}: {case.note} |")
             print(lines[-1], flush=True)
     head = ["| host | what was run | largest difference from the native library | verdict |", "|---|---|---|---|"]
-    if not arguments.no_readme:
+    if not arguments.no_page:
         write("\n".join(head + lines))
     for what, names in (("missing", missing), ("failed", failed)):
         if names:
@@ -390,11 +390,11 @@ def main():
 
 
 def write(text):
-    readme = ROOT / "README.md"
-    old = readme.read_text()
+    page = ROOT / "docs" / "hosts.md"
+    old = page.read_text()
     new = re.sub(r"(<!-- hosts -->\n).*?(<!-- /hosts -->)", lambda m: f"{m[1]}{text}\n{m[2]}", old, flags=re.DOTALL)
-    assert "<!-- hosts -->" in old, "README.md has no place for the table of hosts"
-    readme.write_text(new)
+    assert "<!-- hosts -->" in old, "docs/hosts.md has no place for the table of hosts"
+    page.write_text(new)
 
 
 if __name__ == "__main__":

@@ -1,24 +1,44 @@
-//! Every `vibro` command of README.md works.
+//! Every `vibro` command of README.md and of the pages in docs/ works.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How the README calls the program.
+/// How the pages call the program. `docs/recipes.md` and `docs/design-a-damper.md` call it `vibro`; `guides.rs` and `tutorial.rs`
+/// run what stands there.
 const CALL: &str = "cargo run --release -p vibro -- ";
+/// The pages show the program's 17 commands, and some of them twice.
+const AT_LEAST: usize = 17;
+
+/// README.md and the pages in docs/.
+fn pages() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let docs = std::fs::read_dir(root.join("docs")).expect("docs can be read");
+    let docs = docs.map(|entry| entry.expect("an entry").path());
+    let mut pages: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|e| e == "md")).collect();
+    pages.push(root.join("README.md"));
+    pages.sort();
+    pages
+}
 
 #[test]
-fn every_vibro_command_of_the_readme_works() {
-    let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md");
-    let readme = std::fs::read_to_string(readme).expect("README.md can be read");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
-    std::fs::create_dir_all(&folder).expect("target can be written");
+fn every_vibro_command_of_the_pages_works() {
     let mut count = 0;
-    for line in readme.lines().filter_map(|line| line.strip_prefix(CALL)) {
-        let arguments = line.split('#').next().unwrap_or("").split_whitespace();
-        let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
-        let output = vibro.args(arguments).current_dir(&folder).output().expect("vibro runs");
-        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-        count += 1;
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).expect("the page can be read");
+        // What one command of a page writes, a later one reads.
+        let name = page.file_stem().expect("a page has a name");
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pages").join(name);
+        // Absent on the first run.
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).expect("target can be written");
+        for line in text.lines().filter_map(|line| line.strip_prefix(CALL)) {
+            let arguments = line.split('#').next().unwrap_or("").split_whitespace();
+            let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+            let output = vibro.args(arguments).current_dir(&folder).output().expect("vibro runs");
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{}: {line}: {said}", page.display());
+            count += 1;
+        }
     }
-    assert!(count >= 10, "README.md shows {count} commands");
+    assert!(count >= AT_LEAST, "the pages show {count} commands");
 }

@@ -1,4 +1,4 @@
-//! What can be asked for.
+//! The command line: commands, options and their help.
 
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share};
@@ -16,24 +16,25 @@ use vibro_analysis::start::StartRule;
 /// The folder of results unless another one is named.
 pub const DEFAULT_OUT: &str = "vibro-out";
 
-const ABOUT: &str =
-    "A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins";
+const ABOUT: &str = "\
+A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins
+Figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
 PARAMETERS
   Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
   SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
            stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
-  Loads:   load.box load.block load.secondary, constant forces in N, none unless set: gravity, a gap off its centre
-  Symbols are names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
+  Loads:   load.box load.block load.secondary: constant forces in N, 0 unless set, for gravity or an off-centre gap
+  Symbols work as names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
   Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg.
-  One rule for a number without a unit, in --set and on every axis (--vary, --range, --over, --values, --at, --mark, columns of
-  --design): it is in the unit in which the file or an earlier --set wrote that parameter, and the program says so; else in SI, an
-  angular frequency in rad/s. Screen and pictures show that unit; a table keeps its columns in SI and has one more for each, at its
-  end, as `drive.frequency [Hz]`.
-  What is not set has the value of the default set: a reconstruction, not the paper's own data.
-  A parameter file is TOML with a table [si], a table [groups], or both ([groups] is applied last);
-  --set comes after the file. `vibro template` writes a file with every parameter.
+  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
+  Where none was written, it is in SI; an angular frequency is then in rad/s. The rule holds in --set and on every axis (--vary,
+  --range, --over, --values, --at, --mark, columns of --design). Screen and pictures show that unit. Tables are in SI, with one
+  more column for each such parameter at the end, e.g. `drive.frequency [Hz]`.
+  A parameter that is not set has its default, which is a reconstruction and not the paper's own data.
+  A parameter file is TOML with a table [si], a table [groups], or both; [groups] is applied after [si], and --set after the file.
+  `vibro template` writes a file with every parameter.
 
 EXAMPLES
   vibro steady --set kappa=0.6 --set f10=2
@@ -54,13 +55,13 @@ EXAMPLES
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
-/// What the model has not.
+/// What the model does not have.
 const LIMITS: &str = "\
 LIMITS
   Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
   No friction; springs and dampers are linear.";
 
-/// The command line as clap has it. What the model has not is said in the help of every command.
+/// The command line as clap has it. The help of every command ends with the model's limits.
 pub fn command() -> clap::Command {
     let with_limits = |command: clap::Command| {
         let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
@@ -87,22 +88,22 @@ pub struct Common {
     /// Parameter file (TOML) with a table "si", a table "groups" or both
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Sets one parameter, e.g. kappa=0.6 or box.k=48kN/m; may be repeated
+    /// Set one parameter, e.g. kappa=0.6 or box.k=48kN/m. May be repeated
     #[arg(long, global = true, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
     ///
-    /// A folder that is named here and holds results or parts of another run (other parameters, other options) is refused. In
-    /// the default folder such a run gets a folder of its own, named after the command and a digest of its parameters.
+    /// A folder with results or parts of another run (other parameters, other options) is refused if it is named here. In the
+    /// default folder the new run gets a folder of its own, named after the command and a digest of its parameters.
     #[arg(long, global = true, value_name = "FOLDER", default_value = DEFAULT_OUT)]
     pub out: PathBuf,
-    /// Overwrites finished results of other parameters in the folder
+    /// Overwrite finished results of other parameters in the folder
     #[arg(long, global = true)]
     pub replace: bool,
-    /// Deletes unfinished parts of other parameters in the folder
+    /// Delete unfinished parts of other parameters in the folder
     #[arg(long, global = true)]
     pub discard_unfinished: bool,
-    /// Number of threads; all cores unless given. Results do not depend on it
+    /// Number of threads [default: all cores]. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// What was given, for manifests.
@@ -113,64 +114,64 @@ pub struct Common {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// All steady-state values of one parameter set, by all theories (figure 8)
+    /// All steady-state values of one parameter set, by three theories (figure 8)
     Steady,
-    /// A motion of the machine: table, impacts, picture and account; with loads from files
+    /// A motion of the machine, with loads from files: table, impacts, picture, powers
     Run(Run),
-    /// Frequency and force response curves (figures 10, 11)
+    /// Frequency and force response curves, stable and unstable parts (figures 10, 11)
     Response(Response),
-    /// The slow invariant manifold (figures 2, 7, 9)
+    /// The slow invariant manifold and its fixed points (figures 2, 7, 9)
     Manifold(Manifold),
-    /// Stability of the periodic motion (figures 5, 6)
+    /// Limits of stability of the periodic motion (figures 5, 6)
     Stability(Stability),
-    /// Existence and stability over planes of two parameters (figure 12)
+    /// Where a stable motion exists, over two parameters, by theory (figure 12)
     Plane(Plane),
-    /// Theory against simulation (figures 8, 16, 17, 18 and 19)
+    /// Theory against simulation: histories, maxima, errors over the mass ratio (figures 8, 16 to 19)
     Compare(Compare),
-    /// Local maxima of X2, or of another coordinate, over a parameter, both directions, with periods and windows (figure 14)
+    /// Bifurcation diagram: local maxima of X2 or of another coordinate over a parameter, both directions (figure 14)
     ///
-    /// A value starts from the last state of the value before, so the motion from value to value is one chain that cannot be
-    /// divided: every shard repeats it, about a fifth of the work. Only what is computed at the values is shared, so that more
-    /// than some four shards hardly help; `lyapunov` and the planes, where that is nearly all, gain from more.
+    /// Each value starts from the last state of the value before. This chain cannot be divided, so every shard repeats it, which is
+    /// about a fifth of the work. Only what is computed at each value is divided, so that more than about four shards hardly help.
+    /// `lyapunov` and the planes gain from more.
     Bifurcation(Bifurcation),
-    /// The same with all Lyapunov exponents (figure 14, table 2)
+    /// Bifurcation diagram with all Lyapunov exponents (figure 14, table 2)
     Lyapunov(Lyapunov),
     /// Basins of attraction over two initial values
     Basin(Basin),
-    /// Simulated motion over planes of two parameters: period, impacts, chaos, beside the exact orbit
+    /// Simulated motion over two parameters: period, impacts, chaos, beside the exact orbit
     Isoperiodic(Isoperiodic),
-    /// Amplitudes, impacts, losses and more over any number of parameters: a grid, listed designs or a Sobol sequence
+    /// Amplitudes, impacts, losses and more of many designs: a grid, a list or a Sobol sequence
     ///
-    /// A row for each design, in SI, as CSV and Parquet. A design is judged by one motion or by many: from several starts, and
-    /// over an axis such as the drive's frequency in a band, of which least, mean and largest values are told. What makes no
-    /// machine or no motion is a row with its reason.
+    /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in several motions: from several
+    /// starts, and over a band such as that of the drive's frequency (--over). The row then has the least, mean and largest values.
+    /// A design that cannot be simulated has a row with the reason.
     #[command(after_help = crate::sweep_arguments::EXAMPLES)]
     Sweep(Box<Sweep>),
-    /// Branches of periodic orbits over a parameter, stable or not, with folds, period doublings, touches and more
+    /// Branches of periodic orbits over a parameter, stable or not, with their bifurcations
     ///
-    /// Without --tree one branch: of the settled motion, or of the orbits with a word. `special-points.csv` lists what lies on the
-    /// branches: LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, EP end of the range, CH chatter, MX not
-    /// followed on; `vibro locus` follows the first five and CH over two parameters. With --tree `orbits-search.csv` tells at which
-    /// values, and from how many starts, orbits were sought.
+    /// Without --tree it follows one branch, which begins at the settled motion or at the orbit with a given word (--word).
+    /// `special-points.csv` lists the special points of the branches: LP fold, BP branch point, PD period doubling, NS
+    /// Neimark-Sacker, GR touch, CH chatter, EP end of the range, MX not followed further. `vibro locus` follows the first six over
+    /// two parameters. With --tree `orbits-search.csv` lists at which values, and from how many starts, orbits were sought.
     Orbits(Box<Orbits>),
     /// One periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),
     /// Curves of special points of `vibro orbits` over two parameters
     Locus(Loci),
-    /// Draws a study whose shards were computed apart
+    /// Draws a study whose parts were computed apart (--shard)
     Merge(Merge),
-    /// Writes a parameter file with every parameter, its unit, range and default, to standard output
+    /// Prints a parameter file to fill in: every parameter, its unit, range and default
     Template(Template),
-    /// All figures of the paper and a report that sets its statements beside what is found
+    /// All figures of the paper, and a report that compares its statements with the results
     Reproduce(Reproduce),
 }
 
 /// Loads that do not change.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ConstantLoads {
-    /// Constant force on box, block or secondary, in N or with a unit: gravity on a vertical machine, --load block=-5.9N for 0.6 kg.
-    /// May be repeated; forces on one body add. A gap off its centre by d is the pair block=-k23*d, secondary=k23*d. As an axis it
-    /// is the parameter load.block. Files are for `vibro run`
+    /// Constant force on box, block or secondary, in N or with a unit. May be repeated; forces on one body add. Gravity on a block
+    /// of 0.6 kg in a vertical machine is block=-5.9N. A gap that is off centre by d is the pair block=-k23*d, secondary=k23*d. As
+    /// an axis the force is the parameter load.block. Loads from files: `vibro run`
     #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
 }
@@ -190,12 +191,13 @@ pub struct Bifurcation {
     /// Displacement whose local maxima are drawn: x1, x2, x3 or w
     #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
     pub of: Displacement,
-    /// Where the motion at the first value of either direction starts: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s
-    /// secondary.s box.v block.v secondary.v in SI, each also with a unit (block.s=5mm), what is not named zero; or "orbit"
+    /// Start of the motion at the first value of either direction: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s
+    /// secondary.s box.v block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not named is
+    /// zero. "orbit" starts on the exact orbit where it is stable
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
-    /// Draws the exact branches of periodic orbits over the points too, stable and unstable, with their bifurcations, and tells
-    /// which rows of the diagram lie on them. `vibro orbits --tree` follows them alone, with more options
+    /// Also draw the exact branches of periodic orbits, stable and unstable, with their bifurcations, and list which rows of the
+    /// diagram lie on them. `vibro orbits --tree` draws the branches alone and has more options
     #[arg(long)]
     pub orbits: bool,
     /// Drive periods kept at each value
@@ -218,11 +220,11 @@ pub struct Lyapunov {
     /// Most drive periods over which exponents are computed
     #[arg(long, value_name = "N", default_value_t = 1500, value_parser = clap::value_parser!(u32).range(1..))]
     pub periods: u32,
-    /// Ends a spectrum when the running exponents' standard deviation over 200 periods, per unit of tau, is under this
+    /// End a spectrum once the standard deviation of the running exponents over 200 periods is below this, per unit of tau
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub threshold: f64,
-    /// Values of which spectra are listed and running exponents shown [default: 0.6,1.5,2.45,3.6 of f10; the value that
-    /// was set; of other parameters the quarters of the range]
+    /// Values at which spectra are listed and running exponents shown [default: of f10 0.6,1.5,2.45,3.6 or the value that was set;
+    /// of other parameters the quarters of the range]
     #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
     pub at: Vec<String>,
 }
@@ -230,8 +232,8 @@ pub struct Lyapunov {
 /// Arguments of `basin`.
 #[derive(Args, Debug)]
 pub struct Basin {
-    /// Initial value on the horizontal axis: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v
-    /// secondary.v in SI, each also with a unit (block.s=-20mm:20mm)
+    /// Initial value on the horizontal axis: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v
+    /// secondary.v in SI; each also with a unit (block.s=-20mm:20mm)
     #[arg(long, value_name = "NAME=FROM:TO", default_value = "x1=-1:1", allow_hyphen_values = true)]
     pub x: InitialValueRange,
     /// Initial value on the vertical axis
@@ -240,10 +242,10 @@ pub struct Basin {
     /// Cells on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=5_000))]
     pub resolution: u16,
-    /// The initial values that are on no axis: as on the axes, what is not named zero (block.s=5mm,v1=1)
+    /// Initial values of the other coordinates, e.g. block.s=5mm,v1=1; zero unless named
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Option<StartRule>,
-    /// Drive periods discarded; a motion of which nothing is decided then is followed for up to 8192 more
+    /// Drive periods discarded. A motion that has not settled then is followed for up to 8192 more
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
     /// Constant loads.
@@ -263,15 +265,16 @@ pub struct Isoperiodic {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=3_000))]
     pub resolution: u16,
-    /// Where every motion starts: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v secondary.v in SI,
-    /// each also with a unit (block.s=5mm), what is not named zero; or "orbit": on the exact orbit where it is stable
+    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v secondary.v in SI;
+    /// each also with a unit (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit where it is
+    /// stable
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
-    /// Drive periods discarded; a motion that has settled on a period before is not simulated further
+    /// Drive periods discarded. A motion that has settled earlier is not simulated further
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u32,
-    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed at a time: it ends
-    /// when the class is decided; 0: not at all
+    /// Most drive periods over which the largest exponent of a motion without a period is computed at a time. The computation ends
+    /// once the class is decided. 0 leaves the exponents out
     #[arg(long, value_name = "N", default_value_t = 4000)]
     pub periods: u32,
     /// Constant loads.
@@ -304,7 +307,7 @@ pub struct Template {
 /// Arguments of `reproduce`.
 #[derive(Args, Debug)]
 pub struct Reproduce {
-    /// Fewer values and periods: a look within a minute
+    /// Fewer values and periods: a first look within a minute
     #[arg(long)]
     pub quick: bool,
 }
@@ -315,14 +318,14 @@ pub struct Response {
     /// Which curves
     #[arg(long, value_enum, default_value_t = ResponseKind::Both)]
     pub kind: ResponseKind,
-    /// Range of sigma1 (frequency response) or f10 (force response); of any other parameter: the response along it
+    /// Range of sigma1 (frequency response) or f10 (force response). The range of another parameter draws the response along it
     #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
     pub range: Vec<ParameterRange>,
-    /// Values that differ between curves: f10 and gamma1 (frequency), sigma1 (force), any along another parameter. A value
-    /// that was set is one of them, and the only one where none is listed
+    /// Values that differ between curves: of f10 and gamma1 for the frequency response, of sigma1 for the force response, of any
+    /// parameter along another one. A value that was set is added; without a list it is the only one
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Vec<ParameterValues>,
-    /// Coordinate whose amplitude is drawn: x1 (the box), x2, x3 or w [default: the paper's C and A3]
+    /// Coordinate whose amplitude is drawn: x1 (the box), x2 (the block), x3, w = x2 - x1 [default: the paper's C and A3]
     #[arg(long, value_name = "NAME")]
     pub of: Option<Displacement>,
 }
@@ -341,11 +344,11 @@ pub enum ResponseKind {
 /// Arguments of `manifold`.
 #[derive(Args, Debug)]
 pub struct Manifold {
-    /// Figure of the paper: 2, 7 or 9; all unless given
+    /// What is drawn: the manifold (2), its admissible part (7), its fixed points (9), by the paper's figure numbers [default: all]
     #[arg(long, value_name = "N", value_parser = ["2", "7", "9"])]
     pub figure: Vec<String>,
-    /// The parameter that differs between the panels of figure 9, and its values [default: f10=0.6,1.2,1.5,2.5, or the
-    /// f10 that was set]
+    /// The parameter that differs between the panels of the fixed points (figure 9), and its values [default:
+    /// f10=0.6,1.2,1.5,2.5, or the f10 that was set]
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Option<ParameterValues>,
 }
@@ -353,7 +356,7 @@ pub struct Manifold {
 /// Arguments of `stability`.
 #[derive(Args, Debug)]
 pub struct Stability {
-    /// Figure of the paper: 5 or 6; both unless given
+    /// What is drawn: limits over restitution and mass ratio (5), Masri's plane (6), by the paper's figure numbers [default: both]
     #[arg(long, value_name = "N", value_parser = ["5", "6"])]
     pub figure: Vec<String>,
 }
@@ -361,7 +364,7 @@ pub struct Stability {
 /// Planes of two parameters.
 #[derive(Args, Debug)]
 pub struct Planes {
-    /// Two parameters, horizontal first, e.g. sigma1,f10 or block.m,stop.gap; the six pairs of figure 12 unless given
+    /// Two parameters, horizontal first, e.g. sigma1,f10 or block.m,stop.gap [default: the six pairs of figure 12]
     #[arg(long, value_name = "X,Y")]
     pub pair: Vec<ParameterPair>,
     /// Range of a parameter on its axis
@@ -378,7 +381,7 @@ pub struct Plane {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,
-    /// The theory by which existence and stability are decided
+    /// Theory that decides existence and stability
     #[arg(long, value_enum, default_value_t = MethodName::MultipleScales)]
     pub method: MethodName,
 }
@@ -386,11 +389,11 @@ pub struct Plane {
 /// Theories.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum MethodName {
-    /// Paper section 3
+    /// Approximation for small mass ratios (paper, section 3)
     MultipleScales,
-    /// Paper section 5
+    /// Approximation for strong coupling (paper, section 5)
     StrongCoupling,
-    /// Exact, without a small parameter
+    /// Exact closed form, without a small parameter
     ExactOrbit,
 }
 
@@ -407,16 +410,18 @@ impl From<MethodName> for Method {
 /// Arguments of `compare`.
 #[derive(Args, Debug)]
 pub struct Compare {
-    /// Figure of the paper: 8, 16, 17 or 19 (with 18); all unless given. What is not set for 19 is a set of ours
+    /// What is compared, by the paper's figure numbers: histories and phase portraits (8), the force response with simulated maxima
+    /// (16), errors over the mass ratio (17), strong coupling (19, with 18) [default: all]. Numbers that are not set for 19 are
+    /// chosen here
     #[arg(long, value_name = "N", value_parser = ["8", "16", "17", "19"])]
     pub figure: Vec<String>,
-    /// Range of f10 in figure 16 [default: f10=0.5:3]
+    /// Range of the force f10 for the simulated maxima (figure 16) [default: f10=0.5:3]
     #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
     pub range: Option<ParameterRange>,
-    /// Values of f10 in figure 16
+    /// Number of values of f10 for the simulated maxima (figure 16)
     #[arg(long, value_name = "N", default_value_t = 251, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub resolution: u16,
-    /// Mass ratios of figure 17 [default: epsilon=0.1,0.05,0.02,0.01,0.005, or the epsilon that was set]
+    /// Mass ratios for the errors (figure 17) [default: epsilon=0.1,0.05,0.02,0.01,0.005, or the epsilon that was set]
     #[arg(long, value_name = "NAME=V,V,…")]
     pub values: Option<ParameterValues>,
 }

@@ -13,7 +13,7 @@ use vibro_analysis::{Name, ParameterSet, Unit, numbers};
 /// A share of a long study.
 #[derive(Args, Debug)]
 pub struct Share {
-    /// Computes only share i of n, e.g. 2/4, for `vibro merge`
+    /// Compute only share I of N, e.g. 2/4; `vibro merge` draws the whole
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
 }

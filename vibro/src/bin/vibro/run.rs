@@ -13,28 +13,28 @@ use vibro_impact::load::Interpolation;
 /// Arguments of `run`.
 #[derive(Args, Debug)]
 pub struct Run {
-    /// Drive periods recorded; 20 unless this or --duration is given, with loads up to their last sample
+    /// Drive periods recorded [default: 20, or up to the last sample of a load from a file]
     #[arg(long, value_name = "N", conflicts_with = "duration", value_parser = clap::value_parser!(u32).range(1..))]
     pub periods: Option<u32>,
-    /// Time recorded: in s, with a unit (2s, 500 ms), or in drive periods ("200 periods")
+    /// Time recorded, in s, with a unit (2s, 500 ms) or in drive periods ("200 periods")
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub duration: Option<Duration>,
-    /// Drive periods discarded before the record begins, without loads from files; 400 unless given, 0 with --start or a file as
-    /// --load
+    /// Drive periods discarded before the record begins, without the loads from files [default: 400; 0 with --start or a load from
+    /// a file]
     #[arg(long, value_name = "N")]
     pub discard: Option<u32>,
-    /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v secondary.v in SI, each also
-    /// with a unit (block.s=5mm), what is not named zero; or "orbit": on the exact orbit where that is stable. v2=1 unless given
+    /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v secondary.v in SI; each also with a unit
+    /// (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit where it is stable [default: v2=1]
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Option<StartRule>,
-    /// Load on box, block or secondary: a constant force (block=-3.4N), which acts from the start on, or a CSV file of time (s) and
-    /// force (N), whose time 0 is the beginning of the record. May be repeated; loads on one body add
+    /// Load on box, block or secondary: a constant force (block=-3.4N), or a CSV file of time (s) and force (N). A constant force acts
+    /// from the start on; time 0 of a file is the beginning of the record. May be repeated; loads on one body add
     #[arg(long, value_name = "BODY=FORCE|FILE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
-    /// What the force is between two samples
+    /// Interpolation of the force between two samples
     #[arg(long, value_enum, default_value_t = InterpolationName::Linear)]
     pub interpolation: InterpolationName,
-    /// Rows of the table in a drive period
+    /// Rows of the table for each drive period
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub samples: u16,
 }

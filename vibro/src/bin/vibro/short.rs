@@ -240,7 +240,7 @@ pub fn compare(
         let range = range_of(set, &given, Name::find("f10")?, (0.5, 3.0));
         let axis = range.axis(a.resolution.into(), PLANE)?;
         // Eight values are a part, each direction has its own.
-        let progress = Progress::new(2 * axis.count.div_ceil(8), "parts of figure 16");
+        let progress = Progress::new(2 * axis.count.div_ceil(8), "parts of the simulated maxima");
         let done = || progress.step();
         found.push(studies::force_overlay(set, range.ends, axis.count, &done)?);
     }

@@ -28,46 +28,47 @@ EXAMPLES
   vibro sweep --vary block.m=0.4kg:1.6kg --vary stop.gap=2mm:24mm --sobol 256 --config machine.toml
   vibro sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)
 
-THE TABLE (sweep.csv, sweep.parquet) is in SI, a row for each design: the parameters, the outputs, the reason why values are
-missing, and at the end each parameter that was written in another unit, in that unit, as `drive.frequency [Hz]`. Of one motion an output has its name; of several it has NAME.min, NAME.mean, NAME.max, and where the largest is:
-NAME.max.drive.frequency, NAME.max.start.";
+THE TABLE (sweep.csv, sweep.parquet) has a row for each design: the parameters and outputs in SI, the reason if values are
+missing, and at the end each parameter that was written in another unit, in that unit (`drive.frequency [Hz]`). With one motion a
+design the column of an output has its name. With several there are NAME.min, NAME.mean, NAME.max, and where the largest was
+found: NAME.max.drive.frequency, NAME.max.start.";
 
 /// Arguments of `sweep`.
 #[derive(Args, Debug)]
 pub struct Sweep {
-    /// A parameter and its values: a range, or a list. May be repeated: all combinations, the last parameter fastest
+    /// A parameter and its values, as a range or a list. May be repeated; all combinations are run, the last parameter fastest
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub vary: Vec<AxisArgument>,
-    /// Values of a range without a count
+    /// Number of values of a range without a count
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     pub resolution: u32,
-    /// Takes the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
+    /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub sobol: Option<u32>,
     /// Designs from a CSV file: a header with names of parameters, a row for each design
     #[arg(long, value_name = "FILE", conflicts_with_all = ["vary", "sobol"])]
     pub design: Option<PathBuf>,
-    /// A parameter over which the motions of a design are taken together, e.g. the drive's frequency in a band. May be repeated
+    /// A parameter over which each design is measured as a whole, e.g. the drive's frequency in a band. May be repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<AxisArgument>,
-    /// What is measured: names with commas between, from `vibro sweep --list`. May be repeated
+    /// What is measured: names from `vibro sweep --list`, separated by commas. May be repeated
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = DEFAULT)]
     pub output: Vec<Measure>,
-    /// Where motions start: x1 x2 x3 in L, v1 v2 v3 in L omega10, box.s block.s secondary.s box.v block.v secondary.v in SI, each
-    /// also with a unit (block.s=5mm), what is not named zero; or "orbit": on the exact orbit where it is stable. May be repeated:
-    /// every design is tried from each; v2=1 unless given
+    /// Start of the motions: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v secondary.v in SI; each
+    /// also with a unit (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit where it is stable.
+    /// May be repeated: every design is run from each start [default: v2=1]
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Vec<StartRule>,
-    /// So many more starts, spread evenly over displacements up to 2 L and velocities up to 2 L omega10
+    /// Number of further starts, spread evenly over displacements up to 2 L and velocities up to 2 L omega10
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=10_000))]
     pub starts: u32,
     /// Drive periods discarded before a motion is measured
     #[arg(long, value_name = "N", default_value_t = 400)]
     pub discard: u32,
-    /// Drive periods over which it is measured; 60 holds whole periods of 1T to 6T, 10T and 12T motions
+    /// Drive periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub periods: u32,
-    /// Tells the names of all outputs, with unit and meaning
+    /// List the names of all outputs, with unit and meaning
     #[arg(long)]
     pub list: bool,
     /// Constant loads.
