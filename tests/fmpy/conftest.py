@@ -16,7 +16,7 @@ def fmu() -> str:
     """Path of the packaged FMU."""
     default = Path(__file__).parents[2] / "target" / "fmu-test" / "VibroImpact3DOF.fmu"
     path = Path(os.environ.get("VIBRO_IMPACT_FMU", default))
-    assert path.exists(), f"{path} is missing: build it with `cargo test --workspace`"
+    assert path.exists(), f"{path} is missing: build it with `cargo test`"
     return str(path)
 
 
