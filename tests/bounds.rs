@@ -254,12 +254,12 @@ fn invariant_searched_coefficients_stay_under_eight_sizes() {
         most = most.max(sum(&z, h));
         let mut w = [0.0; INTERVALS];
         table.samples(&z, &mut w);
-        for interval in 0..INTERVALS {
+        for (columns, w) in table.centre.iter().zip(&w) {
             let mut centre = [0.0; 8];
-            Table::transit(&table.centre[interval], &z, &mut centre);
+            Table::transit(columns, &z, &mut centre);
             most = most.max(sum(&centre, 0.5 * h));
             searched += 1;
-            if w[interval].abs() > model.gap {
+            if w.abs() > model.gap {
                 break;
             }
         }

@@ -198,6 +198,33 @@ fn invariant_every_section_that_is_cited_is_on_its_page() {
     assert_eq!(leading_numbers("6 to 9, and so on"), [6, 9]);
 }
 
+#[test]
+fn invariant_every_test_that_a_page_cites_is_there() {
+    const KINDS: [&str; 4] = ["closed_form_", "second_method_", "invariant_", "golden_"];
+    let (pages, code): (Vec<_>, Vec<_>) =
+        all().into_iter().partition(|(path, _)| path.extension().is_some_and(|ending| ending == "md"));
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let defined: BTreeSet<&str> = code
+        .iter()
+        .flat_map(|(_, text)| text.split("fn ").skip(1))
+        .map(|rest| rest.split(|c| !is_name(c)).next().unwrap_or(""))
+        .collect();
+    let (mut missing, mut cited) = (Vec::new(), 0);
+    for (path, text) in &pages {
+        for name in text.split(|c| !is_name(c)).filter(|name| KINDS.iter().any(|kind| name.starts_with(kind)))
+        {
+            // `closed_form_…` names a kind.
+            let whole = !name.ends_with('_');
+            cited += usize::from(whole);
+            if whole && !defined.contains(name) {
+                missing.push(format!("{}: {name}", shown(path)));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "cited and not there: {missing:#?}");
+    assert!(cited > 30, "{cited} citations");
+}
+
 /// A line of prose that is wider than this is not read beside code.
 const WIDEST: usize = 160;
 
