@@ -4,8 +4,8 @@
 
 use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
 use crate::model::{
-    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE_RATE, SECONDARY_RATE,
-    SmoothMode,
+    Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE_RATE,
+    SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::{Rows, form, form_and_squares};
@@ -57,7 +57,7 @@ const FOUR: Rule<4> = Rule {
 /// Forms of each kind: from a sub-step's start to each of the interval centres, and to its end.
 const PREFIXES: usize = INTERVALS + 1;
 /// An 8 × 8 quadratic form of the augmented state.
-type Form = [[f64; LANES]; LANES];
+type Form = [[f64; COORDINATES]; COORDINATES];
 
 /// Running sums in J, in extended precision so that 10⁶ periods lose nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -75,7 +75,7 @@ pub struct Sums {
 #[repr(C, align(64))]
 pub struct Pending {
     /// In parts whose sum counts.
-    pub damped: [f64; LANES],
+    pub damped: [f64; COORDINATES],
     /// Work of the drive.
     pub input: f64,
 }
@@ -95,7 +95,7 @@ impl Sums {
 pub struct Gramians {
     input: [Form; PREFIXES],
     damped: [Form; PREFIXES],
-    /// The damping coefficients c1 and c3 in the lanes of x1' and x3'.
+    /// The damping coefficients c1 and c3 in the places of x1' and x3'.
     weights: Augmented,
     /// F10.
     drive: f64,
@@ -107,9 +107,9 @@ impl Gramians {
     /// Without values; to be filled.
     pub fn zero() -> Self {
         Self {
-            input: [[[0.0; LANES]; LANES]; PREFIXES],
-            damped: [[[0.0; LANES]; LANES]; PREFIXES],
-            weights: [0.0; LANES],
+            input: [[[0.0; COORDINATES]; COORDINATES]; PREFIXES],
+            damped: [[[0.0; COORDINATES]; COORDINATES]; PREFIXES],
+            weights: [0.0; COORDINATES],
             drive: 0.0,
             work: None,
         }
@@ -141,7 +141,7 @@ impl Gramians {
     /// same about every centre, and the transition matrices carry them to the sub-step's start. Input only where it is asked for.
     pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
-        let columns: [Series<CENTRED>; LANES] =
+        let columns: [Series<CENTRED>; COORDINATES] =
             std::array::from_fn(|j| Series::expand(model, mode, &Column::unit(j).z, None, radius));
         let halves = [-1.0, 1.0].map(|end| self.over_half(&columns, end, radius));
         let by_difference = self.work.is_some();
@@ -149,7 +149,7 @@ impl Gramians {
             if part == 0 && by_difference {
                 continue;
             }
-            let mut sum: Form = [[0.0; LANES]; LANES];
+            let mut sum: Form = [[0.0; COORDINATES]; COORDINATES];
             for (i, centre) in core.centre.iter().enumerate() {
                 add_carried(&mut sum, &halves[0][part], centre);
                 forms[i] = sum;
@@ -160,13 +160,14 @@ impl Gramians {
     }
 
     /// The forms [input, damped] between an interval's centre and its `end`, in the state at the centre.
-    fn over_half(&self, columns: &[Series<CENTRED>; LANES], end: f64, radius: f64) -> [Form; 2] {
+    fn over_half(&self, columns: &[Series<CENTRED>; COORDINATES], end: f64, radius: f64) -> [Form; 2] {
         let (drive, c1, c3) = self.coefficients();
-        let (mut input, mut damped): (Form, Form) = ([[0.0; LANES]; LANES], [[0.0; LANES]; LANES]);
+        let (mut input, mut damped): (Form, Form) =
+            ([[0.0; COORDINATES]; COORDINATES], [[0.0; COORDINATES]; COORDINATES]);
         for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
             let weight = weight * radius;
             // Of the transition matrix to the node the rows x1', x3' and sin θ, in columns.
-            let at: [[f64; 3]; LANES] = std::array::from_fn(|j| {
+            let at: [[f64; 3]; COORDINATES] = std::array::from_fn(|j| {
                 let z = columns[j].at(end * node);
                 [z[BOX_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]
             });
@@ -248,7 +249,7 @@ impl Gramians {
         let (drive, c1, c3) = self.coefficients();
         // Of the augmented state the powers need the rates and sin θ only.
         let rates: [[f64; 4]; N] =
-            series.lanes.map(|z| [z[BOX_RATE], z[RELATIVE_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]);
+            series.states.map(|z| [z[BOX_RATE], z[RELATIVE_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]);
         let (mut input, mut damped) = (0.0, 0.0);
         let width = u1 - u0;
         for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
@@ -268,13 +269,13 @@ impl Gramians {
 }
 
 /// Adds Φᵀ `form` Φ, Φ given by its columns.
-fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; LANES]) {
-    let mut along: Form = [[0.0; LANES]; LANES];
+fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; COORDINATES]) {
+    let mut along: Form = [[0.0; COORDINATES]; COORDINATES];
     for (y, column) in along.iter_mut().zip(columns) {
         Table::transit(form, column, y);
     }
     for (i, column) in columns.iter().enumerate() {
-        for j in i..LANES {
+        for j in i..COORDINATES {
             let value: f64 = column.iter().zip(&along[j]).map(|(a, b)| a * b).sum();
             sum[i][j] += value;
             if j > i {

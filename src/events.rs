@@ -95,10 +95,8 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
 
 /// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u: Newton's method in a bracket.
 ///
-/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to be. The proof: before a step of
-/// length m = `moved` the error is at most m + K m² with K = `newton_factor`, and after it at most K times the square of that
-/// (docs/numerics.md, "The root"). As long as K m ≤ 1 this is at most 4 K m². A longer step is never accepted, since then
-/// 4 K m² ≥ 4/K, which [`MAX_NEWTON_FACTOR`] keeps far above round-off.
+/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to be: after a step of length
+/// m = `moved` with K m ≤ 1, K = `newton_factor`, it is at most 4 K m², and a longer step is never accepted (docs/numerics.md, "The root").
 #[inline(always)]
 fn refine<const N: usize>(
     c: &[f64; N],
@@ -300,9 +298,8 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
 /// rises there, and the next passage, if there is one, where p falls. (So `0.5 + u²` on [0, 1], which breaks the requirement,
 /// gives 0.)
 ///
-/// `None` proves that p has no passage but one by which it stays under `4 N² ε Σ|c_k|`, for coefficients as given. This is the
-/// rounding of the sums by which dominance is decided (relative N ε, on slopes of up to N Σ|c_k|) and of the coefficients about
-/// a piece's centre, which are always formed from those given. With paths of a few gaps it is under 10⁻¹² gaps.
+/// `None` proves that p has no passage but one by which it stays under `4 N² ε Σ|c_k|`, for coefficients as given
+/// (docs/numerics.md, "Second stage").
 #[inline(always)]
 pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
     match shape(c) {
@@ -313,10 +310,8 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
 
 /// Halves the interval until the shape of p is certain on every piece; needed about once in thousands of sub-steps.
 ///
-/// Where neither 56 halvings nor 2000 pieces settle the shape, the sign of p at the piece's end decides, which is no proof but
-/// does no harm. A piece that was halved 56 times is shorter than the spacing of doubles, so that the passage is where the
-/// sign says. 2000 pieces are used up only where p is within the rounding named at [`first_crossing`] throughout: then any
-/// answer is as right as any other, and a passage not seen now is seen in the next interval if p goes on to rise.
+/// Where neither 56 halvings nor 2000 pieces settle the shape, the sign of p at the piece's end decides (docs/numerics.md,
+/// "Second stage").
 #[cold]
 #[inline(never)]
 fn subdivide<const N: usize>(

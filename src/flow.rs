@@ -9,8 +9,8 @@ mod polynomial;
 mod series;
 
 use crate::model::{
-    Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY_RATE,
-    SmoothMode,
+    Augmented, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE, RELATIVE_RATE,
+    SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::simd::{PADDED, Rows, product, row};
 pub use polynomial::polynomial;
@@ -24,7 +24,7 @@ pub const INTERVALS: usize = 16;
 /// an interval's centre then has radius 0.075/rate.
 const SUBSTEP_TIMES_RATE: f64 = 2.4;
 /// Columns of the augmented state.
-pub const CORE: usize = LANES;
+pub const CORE: usize = COORDINATES;
 /// Columns of the loads: 3 forces, each with its value and 3 derivatives.
 pub const LOAD: usize = 12;
 /// Covers the rounding of the bound itself. Why that of the samples is not added: docs/numerics.md, "Events".
@@ -61,7 +61,7 @@ pub fn shifted(forces: &Forces, dt: f64) -> Forces {
 pub struct Table<const C: usize> {
     /// The event functional at the interval ends, `[column][interval]`.
     pub sample: [[f64; INTERVALS]; C],
-    /// The augmented state at the sub-step's end, `[column][lane]`.
+    /// The augmented state at the sub-step's end, `[column][coordinate]`.
     pub full: [Augmented; C],
     /// The augmented state at the interval centres.
     pub centre: [[Augmented; C]; INTERVALS],
@@ -75,8 +75,8 @@ pub struct Table<const C: usize> {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Local {
-    /// The augmented state's coefficients, `[order][column][lane]`.
-    lanes: [[Augmented; CORE]; CENTRED],
+    /// The augmented state's coefficients, `[order][column][coordinate]`.
+    states: [[Augmented; CORE]; CENTRED],
     /// Those of w about the interval centres, from the state at the sub-step's start, `[interval][column][order]`; the
     /// orders from [`CENTRED`] on are zero and fill up whole vectors.
     relative: [[[f64; PADDED]; CORE]; INTERVALS],
@@ -85,7 +85,7 @@ pub struct Local {
 impl Local {
     /// Without values; to be filled.
     pub fn zero() -> Self {
-        Self { lanes: [[[0.0; LANES]; CORE]; CENTRED], relative: [[[0.0; PADDED]; CORE]; INTERVALS] }
+        Self { states: [[[0.0; COORDINATES]; CORE]; CENTRED], relative: [[[0.0; PADDED]; CORE]; INTERVALS] }
     }
 
     /// Fills it beside the `core` of flight over a sub-step `h`.
@@ -96,9 +96,9 @@ impl Local {
         for (c, orders) in relative.iter_mut().enumerate() {
             let series =
                 Series::<CENTRED>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, radius);
-            for (k, lane) in series.lanes.iter().enumerate() {
-                self.lanes[k][c] = *lane;
-                orders[k] = lane[RELATIVE];
+            for (k, state) in series.states.iter().enumerate() {
+                self.states[k][c] = *state;
+                orders[k] = state[RELATIVE];
             }
         }
         for (columns, centre) in self.relative.iter_mut().zip(&core.centre) {
@@ -116,8 +116,8 @@ impl Local {
 
     /// All coefficients about `z`.
     #[inline(always)]
-    pub fn lanes<S: pulp::Simd>(&self, simd: S, z: &Augmented) -> Rows<S, CENTRED> {
-        let [a, b, c, d, e, f, g, h, i, j] = &self.lanes;
+    pub fn states<S: pulp::Simd>(&self, simd: S, z: &Augmented) -> Rows<S, CENTRED> {
+        let [a, b, c, d, e, f, g, h, i, j] = &self.states;
         let of = |columns| row(simd, columns, z);
         [of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h), of(i), of(j)]
     }
@@ -141,12 +141,12 @@ impl RateTable {
         for c in 0..CORE {
             let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, h);
             let mut rate = [0.0; WHOLE];
-            for (value, lane) in rate.iter_mut().zip(&series.lanes) {
-                *value = weighted_sum(weights, lane, BOX_RATE);
+            for (value, state) in rate.iter_mut().zip(&series.states) {
+                *value = weighted_sum(weights, state, BOX_RATE);
             }
             table.sample[c] = at_interval_ends(simd, &rate);
             for places in &CENTRES {
-                for z in at_places(simd, &series.lanes, places) {
+                for z in at_places(simd, &series.states, places) {
                     let centre = Column { z, ..Column::unit(c) };
                     let jerk = centre.rate(model, SmoothMode::Flight).rate(model, SmoothMode::Flight).z;
                     table.bound[c] = table.bound[c].max(weighted_sum(weights, &jerk, BOX_RATE).abs());
@@ -173,14 +173,14 @@ pub struct Column {
 }
 
 impl Column {
-    /// A unit augmented coordinate for `index` under [`LANES`], else a unit load coefficient.
+    /// A unit augmented coordinate for `index` under [`COORDINATES`], else a unit load coefficient.
     #[inline(always)]
     pub fn unit(index: usize) -> Self {
-        let mut column = Self { z: [0.0; LANES], forces: [[0.0; 4]; 3] };
-        if index < LANES {
+        let mut column = Self { z: [0.0; COORDINATES], forces: [[0.0; 4]; 3] };
+        if index < COORDINATES {
             column.z[index] = 1.0;
         } else {
-            column.forces[(index - LANES) / 4][(index - LANES) % 4] = 1.0;
+            column.forces[(index - COORDINATES) / 4][(index - COORDINATES) % 4] = 1.0;
         }
         column
     }
@@ -221,7 +221,11 @@ impl Column {
 
     #[inline(always)]
     fn entry(&self, index: usize) -> f64 {
-        if index < LANES { self.z[index] } else { self.forces[(index - LANES) / 4][(index - LANES) % 4] }
+        if index < COORDINATES {
+            self.z[index]
+        } else {
+            self.forces[(index - COORDINATES) / 4][(index - COORDINATES) % 4]
+        }
     }
 }
 
@@ -230,8 +234,8 @@ impl<const C: usize> Table<C> {
     pub fn zero() -> Self {
         Self {
             sample: [[0.0; INTERVALS]; C],
-            full: [[0.0; LANES]; C],
-            centre: [[[0.0; LANES]; C]; INTERVALS],
+            full: [[0.0; COORDINATES]; C],
+            centre: [[[0.0; COORDINATES]; C]; INTERVALS],
             bound: [0.0; C],
             peak: [0.0; C],
         }
@@ -248,13 +252,13 @@ impl<const C: usize> Table<C> {
             let mut functional = [0.0; WHOLE];
             for (k, value) in functional.iter_mut().enumerate() {
                 *value = match mode {
-                    SmoothMode::Flight => series.lanes[k][RELATIVE],
+                    SmoothMode::Flight => series.states[k][RELATIVE],
                     SmoothMode::Rest => series.free[k],
                 };
             }
             self.sample[c] = at_interval_ends(simd, &functional);
             for (places, centres) in CENTRES.iter().zip(self.centre.chunks_exact_mut(PLACES)) {
-                let states = at_places(simd, &series.lanes, places);
+                let states = at_places(simd, &series.states, places);
                 for ((mid, z), there) in places.iter().zip(states).zip(centres) {
                     let centre = Column { z, forces: shifted(&start.forces, mid * h) };
                     let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);

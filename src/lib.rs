@@ -28,6 +28,9 @@
 //! parameters → steady (multiple scales, strong coupling, exact orbit)
 //! ```
 //!
+//! The modules `model`, `flow`, `events` and `numerics` are for the other packages of the workspace and are not shown here; what the
+//! simulator's signatures need of them is in [`simulator`].
+//!
 //! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's oracle.
 //!
 //! The equations are in `docs/theory.md`, the numerical method and its error bounds in `docs/numerics.md`; both are shown in this
@@ -36,10 +39,15 @@
 
 pub mod energy;
 pub mod error;
+// The insides that the other packages of the workspace stand on: not for users, and free to change from version to version.
+#[doc(hidden)]
 pub mod events;
+#[doc(hidden)]
 pub mod flow;
 pub mod load;
+#[doc(hidden)]
 pub mod model;
+#[doc(hidden)]
 pub mod numerics;
 pub mod parameters;
 pub mod quantities;

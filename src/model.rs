@@ -6,8 +6,12 @@
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
 
-/// Coordinates of the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]`.
-pub const LANES: usize = 8;
+mod saltation;
+
+pub use saltation::Saltation;
+
+/// How many coordinates the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]` has.
+pub const COORDINATES: usize = 8;
 /// Place of the box's displacement x1.
 pub const BOX: usize = 0;
 /// Place of the relative displacement w (the coordinate across the gap).
@@ -25,7 +29,7 @@ pub const DRIVE_COS: usize = 6;
 /// Place of sin θ.
 pub const DRIVE_SIN: usize = 7;
 /// The augmented state: one autonomous linear system per mode.
-pub type Augmented = [f64; LANES];
+pub type Augmented = [f64; COORDINATES];
 /// Forces f1, f2, f3 as value and time derivatives 1…3.
 pub type Forces = [[f64; 4]; 3];
 
@@ -73,6 +77,28 @@ pub struct Model {
     /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the bodies' matrices, and at least ω1.
     /// What the drive and loads add to the bodies' motion is bounded apart (docs/numerics.md, section 1).
     pub rate: f64,
+}
+
+/// What an impact is told by, docs/theory.md (10) to (12).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// The approach speed |w'⁻|, m/s.
+    pub speed: f64,
+    /// The impulse p, N s.
+    pub impulse: f64,
+    /// The energy lost, J.
+    pub lost: f64,
+}
+
+/// The factors of the impact law, docs/theory.md (10) to (12), each of the approach speed or of its square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactFactors {
+    /// The box's change of velocity towards the stop over the approach speed.
+    pub kick: f64,
+    /// The impulse over the approach speed, kg.
+    pub impulse: f64,
+    /// The energy lost over the square of the approach speed, kg.
+    pub loss: f64,
 }
 
 /// More sub-steps than this in a drive period would cost digits (each adds a rounding error) and never seem to end.
@@ -167,27 +193,25 @@ impl Model {
         }
     }
 
-    /// The impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12): changes the velocities and returns the approach
-    /// speed |w'⁻| in m/s, the impulse p in N s and the energy lost in J.
+    /// The impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12): changes the velocities.
     #[inline(always)]
-    pub fn impact(&self, z: &mut Augmented, side: f64) -> (f64, f64, f64) {
+    pub fn impact(&self, z: &mut Augmented, side: f64) -> Impact {
         let speed = side * z[RELATIVE_RATE];
-        let [kick, impulse, loss] = self.impact_factors();
+        let ImpactFactors { kick, impulse, loss } = self.impact_factors();
         z[BOX_RATE] += side * kick * speed;
         z[RELATIVE_RATE] *= -self.restitution;
-        (speed, impulse * speed, loss * speed * speed)
+        Impact { speed, impulse: impulse * speed, lost: loss * speed * speed }
     }
 
-    /// The factors of the impact law, docs/theory.md (10) to (12): that of the approach speed for the box's change of velocity
-    /// towards the stop and for the impulse, and that of its square for the energy lost.
+    /// The factors of the impact law.
     #[inline(always)]
-    pub fn impact_factors(&self) -> [f64; 3] {
+    pub fn impact_factors(&self) -> ImpactFactors {
         let Self { restitution: kappa, reduced_mass, .. } = *self;
-        [
-            (1.0 + kappa) * self.block_share,
-            (1.0 + kappa) * reduced_mass,
-            0.5 * (1.0 - kappa * kappa) * reduced_mass,
-        ]
+        ImpactFactors {
+            kick: (1.0 + kappa) * self.block_share,
+            impulse: (1.0 + kappa) * reduced_mass,
+            loss: 0.5 * (1.0 - kappa * kappa) * reduced_mass,
+        }
     }
 
     /// The inelastic merge into resting contact, docs/theory.md (17): momentum is kept, and the energy lost, J, is returned.

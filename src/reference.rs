@@ -266,7 +266,7 @@ impl Reference {
         (violated && side * (y[4] - y[3]) > 0.0).then_some((y, elapsed))
     }
 
-    /// Applies the impact law, docs/theory.md (10) and (11), at the stop and closes a chatter run.
+    /// Applies the impact law, docs/theory.md (10) and (11), written anew on purpose as in [`law`], at the stop and closes a chatter run.
     fn strike(&mut self, side: f64, on_event: &mut dyn FnMut(&Event)) {
         let law = &self.law;
         let speed = side * (self.y[4] - self.y[3]);

@@ -3,7 +3,7 @@
 use vibro_impact::Parameters;
 use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, Table, WHOLE, substep};
 use vibro_impact::model::{
-    Augmented, BOX, BOX_RATE, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
+    Augmented, BOX, BOX_RATE, COORDINATES, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
     SmoothMode,
 };
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -113,7 +113,7 @@ fn closed_form_coefficients_of_a_box_in_resonance() {
     let z = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let series = Series::<CENTRED>::expand(&model, SmoothMode::Flight, &z, None, 1.0);
     let mut factorial = 1.0;
-    for (k, lane) in series.lanes.iter().enumerate().skip(1) {
+    for (k, lane) in series.states.iter().enumerate().skip(1) {
         factorial *= k as f64;
         if k % 2 == 0 {
             assert!((lane[BOX].abs() * factorial - (1.0 + 0.5 * k as f64)).abs() < ROUNDING, "{k}: {lane:?}");
@@ -138,7 +138,7 @@ fn invariant_coefficients_stay_under_their_bound() {
         for k in 7..WHOLE {
             let bound = size / factorial;
             for series in [&flight, &rest] {
-                most[0] = most[0].max(largest(&model, &series.lanes[k]) / bound);
+                most[0] = most[0].max(largest(&model, &series.states[k]) / bound);
             }
             factorial *= k as f64;
             let bound = (3 * k + 1) as f64 * size * model.rate * model.rate / factorial;
@@ -184,7 +184,7 @@ fn second_method_rounding_of_samples() {
 fn exact_samples(model: &Model, z: &Augmented, h: f64) -> [DoubleDouble; INTERVALS] {
     let wide = DoubleDouble::new;
     let times = |a: f64, b: DoubleDouble| wide(a).times(b);
-    let mut order: [DoubleDouble; LANES] = z.map(wide);
+    let mut order: [DoubleDouble; COORDINATES] = z.map(wide);
     let mut sums = [wide(z[RELATIVE]); INTERVALS];
     for k in 1..60 {
         let [x1, w, x3, v1, vw, v3, cos, sin] = order;
@@ -215,4 +215,55 @@ fn divided(x: DoubleDouble, n: f64) -> DoubleDouble {
     let first = x.value() / n;
     let rest = x.minus(DoubleDouble::new(first).times(DoubleDouble::new(n))).value();
     DoubleDouble::new(first).plus(rest / n)
+}
+
+/// In a search for an event in flight the sizes of the coefficients add up to at most eight sizes of the motion where the series is
+/// formed (docs/numerics.md, "Second stage"): random fast blocks from which no longer steps are taken than `MAX_REACH` allows, at the
+/// centres of all intervals up to the first past a stop.
+#[test]
+fn invariant_searched_coefficients_stay_under_eight_sizes() {
+    const MOST: f64 = 8.0;
+    /// `MAX_REACH`, in gaps.
+    const REACH: f64 = 4.0;
+    let mut next = random(5);
+    let (mut most, mut searched) = (0.0f64, 0);
+    for _ in 0..2_000 {
+        let (model, mut z, _) = any_start(&any_machine(&mut next), &mut next);
+        let h = substep(&model) / INTERVALS as f64;
+        let mut table = Box::new(Table::<CORE>::zero());
+        table.fill(pulp::Scalar, &model, SmoothMode::Flight, substep(&model));
+        z[RELATIVE] = model.gap * (2.0 * next() - 1.0);
+        let sum = |z: &Augmented, radius: f64| {
+            let series = Series::<CENTRED>::expand(&model, SmoothMode::Flight, z, None, radius);
+            let sizes: f64 = series.states.iter().map(|state| state[RELATIVE].abs()).sum();
+            (model.gap + sizes) / size(&model, z, &[[0.0; 4]; 3])
+        };
+        // As fast as is still searched as a whole, if the acceleration allows any speed.
+        let path = |z: &Augmented| {
+            let bound = table.curvature(z);
+            z[RELATIVE_RATE].abs() * h + 0.5 * bound * h * h
+        };
+        z[RELATIVE_RATE] = 0.0;
+        let still = path(&z);
+        z[RELATIVE_RATE] = if next() < 0.5 { -1.0 } else { 1.0 } * REACH * model.gap / h;
+        let fastest = path(&z) - still;
+        z[RELATIVE_RATE] *= ((REACH * model.gap - still) / fastest).max(0.0) * next();
+        if path(&z) > REACH * model.gap * (1.0 + ROUNDING) {
+            continue;
+        }
+        most = most.max(sum(&z, h));
+        let mut w = [0.0; INTERVALS];
+        table.samples(&z, &mut w);
+        for (columns, w) in table.centre.iter().zip(&w) {
+            let mut centre = [0.0; 8];
+            Table::transit(columns, &z, &mut centre);
+            most = most.max(sum(&centre, 0.5 * h));
+            searched += 1;
+            if w.abs() > model.gap {
+                break;
+            }
+        }
+    }
+    println!("{searched} series: {most} sizes at most");
+    assert!(searched > 2_000 && most > 1.5 && most <= MOST, "{searched}: {most}");
 }

@@ -126,3 +126,21 @@ fn second_method_closed_runs_end_within_twice_their_length() {
     assert!(closed > 500 && open > 500, "{closed} closed, {open} not");
     assert!(longest <= 2.0, "{longest}");
 }
+
+/// With κ nearer to 1 than 10⁻³ a run is closed as soon as its bounces are lower than 10⁻¹² gaps, also where it would never end.
+#[test]
+fn closed_form_nearly_elastic_runs_are_closed_by_the_height_of_their_bounces() {
+    const HEIGHT: f64 = 1e-12;
+    let a = 1e-3;
+    for kappa in [0.9995, 1.0] {
+        for (part, closed) in [(0.99, true), (1.01, false)] {
+            let u = (2.0 * a * part * HEIGHT).sqrt();
+            let (simulator, events) = bounce((kappa, 1.0), u, [a, 0.0, 0.0, 0.0], 3.0 * u / a);
+            let first = matches!(events[0], Event::Impact { .. });
+            match events[1] {
+                Event::Rest { time, .. } => assert!(first && closed && time == 0.0, "{kappa}: {events:?}"),
+                _ => assert!(first && !closed && simulator.impacts().upper >= 2, "{kappa}: {events:?}"),
+            }
+        }
+    }
+}

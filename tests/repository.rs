@@ -105,6 +105,150 @@ fn invariant_every_equation_that_is_cited_is_on_the_theory_page() {
     assert!(cited > 0, "no comment cites an equation");
 }
 
+/// A text as one line, without the marks at the beginnings of comments' lines.
+fn flowing(text: &str) -> String {
+    let mut flowing = String::new();
+    for line in text.lines() {
+        let line = line.trim_start();
+        let marks = ["///", "//!", "//", "#", "* "];
+        let line = marks.iter().find_map(|mark| line.strip_prefix(mark)).unwrap_or(line);
+        flowing.push_str(line.trim());
+        flowing.push(' ');
+    }
+    flowing
+}
+
+/// The numbers and the titles of a page's sections, and what its paragraphs begin with in bold or italics.
+fn sections(page: &str) -> (BTreeSet<usize>, String) {
+    let mut numbers = BTreeSet::new();
+    let mut titles = String::new();
+    for line in page.lines() {
+        let (heading, begun) = (line.trim_start_matches('#'), line.trim_start_matches(['-', ' ']));
+        if heading != line {
+            let number = heading.trim().split_once(". ").and_then(|(number, _)| number.parse().ok());
+            numbers.extend::<Option<usize>>(number);
+            titles.push_str(heading);
+            titles.push('\n');
+        } else if begun.starts_with('*') {
+            titles.push_str(begun);
+            titles.push('\n');
+        }
+    }
+    (numbers, titles)
+}
+
+/// The numbers at the beginning of `1`, `1 and 2`, `6 to 9`, `1, 2 and 4`.
+fn leading_numbers(mut rest: &str) -> Vec<usize> {
+    let mut numbers = Vec::new();
+    loop {
+        let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let Ok(number) = rest[..digits].parse() else { return numbers };
+        numbers.push(number);
+        let tail = &rest[digits..];
+        let Some(next) = [" and ", " to ", ", "].iter().find_map(|link| tail.strip_prefix(link)) else {
+            return numbers;
+        };
+        rest = next;
+    }
+}
+
+#[test]
+fn invariant_every_section_that_is_cited_is_on_its_page() {
+    const PAGES: [&str; 9] = [
+        "theory",
+        "numerics",
+        "design",
+        "guarantees",
+        "studies",
+        "assemblies",
+        "assembly-law",
+        "python",
+        "recipes",
+    ];
+    let (mut wrong, mut cited) = (Vec::new(), 0);
+    let texts: Vec<_> = all().into_iter().map(|(path, text)| (path, flowing(&text))).collect();
+    for name in PAGES {
+        let page = fs::read_to_string(root().join(format!("docs/{name}.md"))).expect("a page of docs");
+        let (numbers, titles) = sections(&page);
+        for (path, text) in &texts {
+            for after in text.split(&format!("{name}.md")).skip(1) {
+                let after = after.trim_start_matches(['`', ')', ']']);
+                let Some(after) = after.strip_prefix(", ").or(after.strip_prefix(" ")) else { continue };
+                if let Some(rest) = after.strip_prefix("sections ").or(after.strip_prefix("section ")) {
+                    let found = leading_numbers(rest);
+                    cited += found.len();
+                    let missing = found.iter().filter(|number| !numbers.contains(number));
+                    wrong.extend(missing.map(|n| format!("{}: {name}.md, section {n}", shown(path))));
+                } else if let Some((title, _)) = after.strip_prefix('"').and_then(|rest| rest.split_once('"'))
+                {
+                    cited += 1;
+                    if !titles.contains(title.trim_end_matches('.')) {
+                        wrong.push(format!("{}: {name}.md, \"{title}\"", shown(path)));
+                    }
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "cited and not there: {wrong:#?}");
+    assert!(cited > 30, "{cited} citations");
+    // What the test looks for is found: a section too many, a title that no section has.
+    let (numbers, titles) = sections("# Page\n## 1. One\n**Two.** Text\n- *Three* and more");
+    assert!(numbers.contains(&1) && !numbers.contains(&2));
+    assert!(["One", "Two", "Three"].iter().all(|title| titles.contains(title)) && !titles.contains("Four"));
+    assert_eq!(leading_numbers("6 to 9, and so on"), [6, 9]);
+}
+
+#[test]
+fn invariant_every_test_that_a_page_cites_is_there() {
+    const KINDS: [&str; 4] = ["closed_form_", "second_method_", "invariant_", "golden_"];
+    let (pages, code): (Vec<_>, Vec<_>) =
+        all().into_iter().partition(|(path, _)| path.extension().is_some_and(|ending| ending == "md"));
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let defined: BTreeSet<&str> = code
+        .iter()
+        .flat_map(|(_, text)| text.split("fn ").skip(1))
+        .map(|rest| rest.split(|c| !is_name(c)).next().unwrap_or(""))
+        .collect();
+    let (mut missing, mut cited) = (Vec::new(), 0);
+    for (path, text) in &pages {
+        for name in text.split(|c| !is_name(c)).filter(|name| KINDS.iter().any(|kind| name.starts_with(kind)))
+        {
+            // `closed_form_…` names a kind.
+            let whole = !name.ends_with('_');
+            cited += usize::from(whole);
+            if whole && !defined.contains(name) {
+                missing.push(format!("{}: {name}", shown(path)));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "cited and not there: {missing:#?}");
+    assert!(cited > 30, "{cited} citations");
+}
+
+/// A line of prose that is wider than this is not read beside code.
+const WIDEST: usize = 160;
+
+#[test]
+fn invariant_comments_are_not_wider_than_a_screen() {
+    let mut found = Vec::new();
+    for (path, text) in all() {
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        if !["rs", "py", "js", "mjs"].contains(&ending) {
+            continue;
+        }
+        for (number, line) in text.lines().enumerate() {
+            let comment = line.trim_start();
+            // Tables and diagrams have no other place to break.
+            let drawn = comment.contains(" | ") || comment.contains('─');
+            let prose = ["//", "# ", "* "].iter().any(|mark| comment.starts_with(mark)) && !drawn;
+            if prose && line.chars().count() > WIDEST {
+                found.push(format!("{}:{}", shown(&path), number + 1));
+            }
+        }
+    }
+    assert!(found.is_empty(), "comments wider than {WIDEST} characters: {found:#?}");
+}
+
 /// The relative paths of a text that go up, e.g. `../README.md`.
 fn climbing(text: &str) -> impl Iterator<Item = &str> {
     let paths = text.split(|c: char| !(c.is_alphanumeric() || "/._-".contains(c)));

@@ -7,7 +7,7 @@ use super::attractor::{OBSERVED, StroboscopicRecord};
 use super::stroboscopic::Units;
 use nalgebra::{Complex, SMatrix, SVector};
 use vibro_impact::flow::{Column, Series, WHOLE, substep};
-use vibro_impact::model::{LANES, Model, SmoothMode};
+use vibro_impact::model::{COORDINATES, Model, SmoothMode};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
@@ -46,8 +46,8 @@ pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
 #[derive(Clone, Debug)]
 struct FreeFlight {
     /// The transition matrix over half a drive period.
-    half: SMatrix<f64, LANES, LANES>,
-    z: SVector<f64, LANES>,
+    half: SMatrix<f64, COORDINATES, COORDINATES>,
+    z: SVector<f64, COORDINATES>,
 }
 
 impl FreeFlight {
@@ -55,8 +55,8 @@ impl FreeFlight {
     fn new(model: &Model, p: &Parameters, state: &State) -> Self {
         let pieces = (0.5 * p.period() / substep(model)).ceil().max(1.0);
         let length = 0.5 * p.period() / pieces;
-        let mut piece = SMatrix::<f64, LANES, LANES>::zeros();
-        for j in 0..LANES {
+        let mut piece = SMatrix::<f64, COORDINATES, COORDINATES>::zeros();
+        for j in 0..COORDINATES {
             let unit = Column::unit(j).z;
             let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &unit, None, length);
             piece.set_column(j, &SVector::from(series.at(1.0)));

@@ -119,7 +119,8 @@ pub fn count(request: &Request) -> usize {
 /// shards.
 ///
 /// # Errors
-/// [`Error::Form`] as [`check_pair`], and for starts on the exact orbit under constant loads; [`Error::TooMany`] for a plane that does not fit into memory; a start that the
+/// [`Error::Form`] as [`check_pair`], and for starts on the exact orbit under constant loads; [`Error::TooMany`] for a plane
+/// that does not fit into memory; a start that the
 /// simulator refuses; what the parts' folder refuses.
 pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
     check_pair(&request.x, &request.y)?;

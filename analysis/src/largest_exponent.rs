@@ -10,7 +10,7 @@ use super::attractor::ZERO_EXPONENT;
 use super::variation::SingleVariation;
 use serde::{Deserialize, Serialize};
 use vibro_impact::Parameters;
-use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
 
 /// Drive periods in a block.
@@ -98,7 +98,7 @@ impl Default for Tangent {
             parameters: Parameters::default(),
             variation: None,
             ready: false,
-            v: [0.0; LANES],
+            v: [0.0; COORDINATES],
             mode: SmoothMode::Flight,
             time: 0.0,
             block: 0.0,
@@ -136,7 +136,9 @@ impl Tangent {
             }
             // Together with the impact before it: what is left of the chatter takes no time.
             Event::Rest { .. } => {
-                (self.v[RELATIVE], self.v[RELATIVE_RATE]) = (0.0, 0.0);
+                if let Some(variation) = &self.variation {
+                    variation.merge(&mut self.v);
+                }
                 self.mode = SmoothMode::Rest;
             }
         }
@@ -197,7 +199,7 @@ impl Tangent {
     fn scale(&mut self, length: f64) {
         self.growth += length.ln();
         let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
-        for i in 0..LANES {
+        for i in 0..COORDINATES {
             self.v[i] *= scale;
         }
     }

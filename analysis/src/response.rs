@@ -83,7 +83,14 @@ pub fn response(
                 let g = at(value);
                 // A manifold is refused for no κ of a solution.
                 let w = Manifold::new(g.kappa).map_or(f64::NAN, |m| m.w_max(p.c));
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3], w), p.admissibility.geometric, g)
+                Motion {
+                    c: p.c,
+                    b: p.b,
+                    a: [p.a1(), p.a2(), p.a3],
+                    w,
+                    clear: p.admissibility.geometric,
+                    groups: g,
+                }
             };
             collect(&branch, point)
         }
@@ -91,7 +98,14 @@ pub fn response(
             let branch = continuation::strong_coupling(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::strong_coupling::StrongPoint| {
                 let w = p.motion_at_drive(p.drive_phase).w.abs();
-                ((p.c, p.b, [p.a1(), p.a2(), p.a3], w), p.admissibility.geometric, at(value))
+                Motion {
+                    c: p.c,
+                    b: p.b,
+                    a: [p.a1(), p.a2(), p.a3],
+                    w,
+                    clear: p.admissibility.geometric,
+                    groups: at(value),
+                }
             };
             collect(&branch, point)
         }
@@ -104,7 +118,8 @@ pub fn response(
                 let a = o.amplitudes().map(|a| a / gap);
                 let b = o.amplitude_of([1.0, g.epsilon, 0.0]) / gap;
                 let w = o.amplitude_of(Displacement::W.weights()) / gap;
-                ((a[1] / (1.0 - g.epsilon + g.epsilon * g.epsilon), b, a, w), o.is_clear(), g)
+                let c = a[1] / (1.0 - g.epsilon + g.epsilon * g.epsilon);
+                Motion { c, b, a, w, clear: o.is_clear(), groups: g }
             };
             collect(&branch, point)
         }
@@ -112,13 +127,20 @@ pub fn response(
     Ok(Response { method, curves })
 }
 
-fn collect<P>(
-    branch: &Branch<P>,
-    point: impl Fn(f64, &P) -> ((f64, f64, [f64; 3], f64), bool, Groups),
-) -> Vec<Vec<ResponsePoint>> {
+/// What a theory says of a motion, as in [`ResponsePoint`].
+struct Motion {
+    c: f64,
+    b: f64,
+    a: [f64; 3],
+    w: f64,
+    clear: bool,
+    groups: Groups,
+}
+
+fn collect<P>(branch: &Branch<P>, motion: impl Fn(f64, &P) -> Motion) -> Vec<Vec<ResponsePoint>> {
     let convert = |p: &continuation::BranchPoint<P>| {
-        let ((c, b, a, w), clear, g) = point(p.value, &p.solution);
-        let rho = std::f64::consts::FRAC_2_PI * (1.0 - g.kappa) / (1.0 + g.kappa);
+        let Motion { c, b, a, w, clear, groups } = motion(p.value, &p.solution);
+        let rho = std::f64::consts::FRAC_2_PI * (1.0 - groups.kappa) / (1.0 + groups.kappa);
         let right = c * (1.0 + rho * rho) >= 1.0;
         ResponsePoint {
             value: p.value,

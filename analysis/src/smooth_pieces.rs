@@ -88,7 +88,8 @@ fn refuse_loads(simulator: &Simulator) -> Result<()> {
     Ok(())
 }
 
-/// Advances a simulator without loads other than the constant ones of its parameters to the time `end` (s) and calls `visit` with each smooth piece of its motion.
+/// Advances a simulator without loads other than the constant ones of its parameters to the time `end` (s) and calls `visit`
+/// with each smooth piece of its motion.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and as [`refuse_loads`].

@@ -1,7 +1,8 @@
 //! Means of a motion without a period, with their standard errors, and the test by which two such motions are one attractor.
 //!
 //! Six observables are followed: x1, x2, x3 and their squares, at whole drive periods and, of the mirror image, at half ones. Two sets
-//! of six, since the mirror image of a motion has the same two in the other order. docs/studies.md, "When two motions without a period are one attractor", states the test and
+//! of six, since the mirror image of a motion has the same two in the other order. docs/studies.md, "When two motions without
+//! a period are one attractor", states the test and
 //! what it leaves open.
 
 use super::stroboscopic::StroboscopicState;

@@ -11,12 +11,12 @@ pub(crate) use self::single::SingleVariation;
 
 use super::smooth_pieces::{Piece, PieceEnd};
 use vibro_impact::flow::{Series, WHOLE};
-use vibro_impact::model::{Augmented, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use vibro_impact::model::{Augmented, COORDINATES, Model, RELATIVE, RELATIVE_RATE, Saltation, SmoothMode};
 
 /// Exponents of the system: six coordinates and the phase of the drive.
 pub(crate) const DIMENSION: usize = 7;
-/// A matrix by columns, each with the lanes of an augmented state.
-type Matrix = [Augmented; LANES];
+/// A matrix by columns, each with the coordinates of an augmented state.
+type Matrix = [Augmented; COORDINATES];
 /// Orthonormal variations, the most expanding first.
 pub(crate) type Frame = [Augmented; DIMENSION];
 
@@ -28,9 +28,9 @@ const NODES: usize = 64;
 const TERMS: usize = 9;
 
 const fn identity() -> Matrix {
-    let mut m = [[0.0; LANES]; LANES];
+    let mut m = [[0.0; COORDINATES]; COORDINATES];
     let mut i = 0;
-    while i < LANES {
+    while i < COORDINATES {
         m[i][i] = 1.0;
         i += 1;
     }
@@ -40,7 +40,7 @@ const fn identity() -> Matrix {
 /// The product `a b`.
 #[inline(always)]
 fn product<const N: usize>(a: &Matrix, b: &[Augmented; N]) -> [Augmented; N] {
-    let mut c = [[0.0; LANES]; N];
+    let mut c = [[0.0; COORDINATES]; N];
     for (cj, bj) in c.iter_mut().zip(b) {
         for (ak, &x) in a.iter().zip(bj) {
             for (ci, &ai) in cj.iter_mut().zip(ak) {
@@ -65,17 +65,17 @@ impl Transition {
         let spacing = GRID_TIMES_RATE / model.rate;
         let (share, speed) = (model.block_share, model.gap * model.rate);
         // Columns of the flow over the spacing as Taylor coefficients, in the coordinates of variations.
-        let mut coefficients = [[[0.0; LANES]; LANES]; WHOLE];
-        for column in 0..LANES {
-            let mut unit = [0.0; LANES];
+        let mut coefficients = [[[0.0; COORDINATES]; COORDINATES]; WHOLE];
+        for column in 0..COORDINATES {
+            let mut unit = [0.0; COORDINATES];
             unit[column] = 1.0;
             let z = physical(&unit, share, model.gap, speed);
             let series = Series::<WHOLE>::expand(model, mode, &z, None, spacing);
-            for (c, lane) in coefficients.iter_mut().zip(&series.lanes) {
-                c[column] = varied(lane, share, model.gap, speed);
+            for (c, state) in coefficients.iter_mut().zip(&series.states) {
+                c[column] = varied(state, share, model.gap, speed);
             }
         }
-        let mut over = [[0.0; LANES]; LANES];
+        let mut over = [[0.0; COORDINATES]; COORDINATES];
         for c in coefficients.iter().rev() {
             for (sum, x) in over.iter_mut().flatten().zip(c.iter().flatten()) {
                 *sum += x;
@@ -161,40 +161,22 @@ impl Variation {
         );
         // At a release the fields of rest and flight agree (the contact force is zero there): nothing jumps.
         let PieceEnd::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
-        jump(&self.model, frame, *rate, after);
+        let jump = saltation(&self.model, *rate, after);
+        for v in frame.iter_mut() {
+            jump.apply(v);
+        }
         if *rests {
-            for v in frame.iter_mut() {
-                (v[RELATIVE], v[RELATIVE_RATE]) = (0.0, 0.0);
-            }
+            frame.iter_mut().for_each(|v| Saltation::merge(&self.model, v, self.model.rate));
             return Rank::Limited(DIMENSION - 2);
         }
         if self.model.restitution == 0.0 { Rank::Limited(DIMENSION - 1) } else { Rank::Kept }
     }
 }
 
-/// The jump of variations at an impact with w' = `rate` before it, docs/theory.md (84). A contact with `rate` zero
-/// changes no state; its jump does not exist, and the variations are left as they are.
-fn jump(model: &Model, variations: &mut [Augmented], rate: f64, after: &Augmented) {
-    if rate == 0.0 {
-        return;
-    }
-    let kappa = model.restitution;
-    // a_w⁺ + κ a_w⁻. The free acceleration is affine in w' (docs/theory.md (13)), whose parts cancel: what is left is 1 + κ times the
-    // acceleration of a block that moves with the box, as fast as their centre of mass, also where a merge followed the impact.
-    let mut together = *after;
-    together[3] += model.block_share * after[RELATIVE_RATE];
-    together[RELATIVE_RATE] = 0.0;
-    let kick = (1.0 + kappa)
-        * model.acceleration(SmoothMode::Flight, &together, Some(model.constant_loads)).1
-        / (rate * model.rate);
-    // The centre of mass feels the damper's force on the box jump. Everything is in 1/rate of the model.
-    let push = (1.0 - model.block_share) * model.c1 * (1.0 + kappa) * model.block_share / model.rate;
-    for v in variations.iter_mut() {
-        let w = v[RELATIVE];
-        v[RELATIVE_RATE] = -kappa * v[RELATIVE_RATE] + kick * w;
-        v[3] -= push * w;
-        v[RELATIVE] = -kappa * w;
-    }
+/// The jump of variations at an impact with w' = `rate` before it, in the units of this module.
+#[inline]
+fn saltation(model: &Model, rate: f64, after: &Augmented) -> Saltation {
+    Saltation::new(model, rate, after, model.constant_loads, model.rate)
 }
 
 /// Projects the phase's variation onto the circle of (cos θ, sin θ), docs/theory.md (82). What rounding puts beside the
@@ -216,7 +198,7 @@ pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION]
         let (done, rest) = frame.split_at_mut(j);
         let v = &mut rest[0];
         if j >= rank {
-            *v = [0.0; LANES];
+            *v = [0.0; COORDINATES];
             continue;
         }
         let mut length = dot(v, v).sqrt();
@@ -255,7 +237,7 @@ pub(crate) fn generic_frame(z: &Augmented) -> Frame {
     const ALONG: [f64; DIMENSION] = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.53];
     let unit = unit_frame(z);
     let square: f64 = ALONG.iter().map(|a| a * a).sum();
-    let mut normal = [0.0; LANES];
+    let mut normal = [0.0; COORDINATES];
     for (v, a) in unit.iter().zip(ALONG) {
         for (n, x) in normal.iter_mut().zip(v) {
             *n += a * x;
@@ -272,7 +254,7 @@ pub(crate) fn generic_frame(z: &Augmented) -> Frame {
 
 /// The frame of unit variations at a phase of the drive.
 pub(crate) fn unit_frame(z: &Augmented) -> Frame {
-    let mut frame = [[0.0; LANES]; DIMENSION];
+    let mut frame = [[0.0; COORDINATES]; DIMENSION];
     for (i, v) in frame.iter_mut().enumerate().take(DIMENSION - 1) {
         v[i] = 1.0;
     }

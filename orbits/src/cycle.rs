@@ -94,8 +94,8 @@ impl<'a> Cycle<'a> {
         for (i, transition) in transitions.iter().enumerate() {
             map = mapped(&map, |z| transition.apply(z));
             rows.push([1, 4].map(|i| (map.row(i) - map.row(i - 1)).transpose()));
-            map = mapped(&map, |z| system.strike(z, 0.0));
-            constant = system.strike(&system.flown(transition, span(i), &constant), forced(i)[1]);
+            map = mapped(&map, |z| system.flight.strike(z, 0.0));
+            constant = system.flight.strike(&system.flown(transition, span(i), &constant), forced(i)[1]);
         }
         let sigma = f64::from(word.closing());
         let mut closed = Matrix6::identity() * sigma - map;
@@ -112,7 +112,7 @@ impl<'a> Cycle<'a> {
             let arrived = system.flown(transition, span(i), &z);
             residual.push(Functional::Gap.of(&arrived) + gap - word.side(i + 1));
             rates.push(Functional::Rate.of(&arrived) + rate);
-            z = system.strike(&arrived, rate);
+            z = system.flight.strike(&arrived, rate);
             before.push(arrived);
             after.push(z);
         }
@@ -200,7 +200,7 @@ impl<'a> Cycle<'a> {
     fn delay(&self, flight: usize) -> Vector6 {
         let forced = self.system.forced_gap(self.arrival(flight))[2];
         let approach = self.system.rate(&self.before[flight]);
-        self.system.strike(&approach, forced) - self.system.rate(&self.after[flight])
+        self.system.flight.delay(&approach, forced, &self.system.rate(&self.after[flight]))
     }
 
     /// The derivative of a functional at the ends of the flights with respect to the phases, docs/theory.md (105), for variations
@@ -278,7 +278,7 @@ impl<'a> Cycle<'a> {
             for i in k..n {
                 variation = self.transitions[i].apply(&variation);
                 direct[(i, k)] = functional.of(&variation);
-                variation = self.system.strike(&variation, 0.0);
+                variation = self.system.flight.strike(&variation, 0.0);
             }
             ends.push(variation);
         }
@@ -291,11 +291,7 @@ impl<'a> Cycle<'a> {
         let mut map = Matrix6::identity();
         for (i, transition) in self.transitions.iter().enumerate() {
             let delay = self.delay(i) / self.rates[i];
-            map = mapped(&map, |z| {
-                let arrived = transition.apply(z);
-                // The neighbour meets the stop later by -δw/w'.
-                self.system.strike(&arrived, 0.0) - delay * Functional::Gap.of(&arrived)
-            });
+            map = mapped(&map, |z| self.system.flight.saltate(&transition.apply(z), &delay));
         }
         map * f64::from(self.word.closing())
     }

@@ -107,7 +107,8 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
 }
 
 /// The sequences of doublings: each begins with a stable range that is not born at a doubling, and goes on from branch to branch as
-/// long as the branch born at a doubling is stable from there on; folds may lie between its birth and its own doubling. Those with the shortest period come first, then those with
+/// long as the branch born at a doubling is stable from there on; folds may lie between its birth and its own doubling. Those
+/// with the shortest period come first, then those with
 /// the least value.
 ///
 /// ```

@@ -49,8 +49,6 @@ pub struct System {
     pull: f64,
     /// Whether the state is found with the first contact in place of the block's return, docs/theory.md (112).
     anchored: bool,
-    /// Changes of v1 and v2 at an impact per unit of w'⁻, docs/theory.md (27).
-    kick: [f64; 2],
 }
 
 impl System {
@@ -72,13 +70,11 @@ impl System {
         let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
         let flight = Flight::new(parameters)?;
         let response = flight.harmonic(parameters)?;
-        let k = (1.0 + flight.kappa) / (1.0 + flight.epsilon);
         let rest = rest(parameters, loads)?;
         let anchored = parameters.coupling_stiffness == 0.0;
         let scale = parameters.block_mass * parameters.stop_gap * parameters.drive_frequency.powi(2);
         let pull = if anchored { loads.forces[1] / scale } else { 0.0 };
-        let kick = [k * flight.epsilon, -k];
-        Ok(Self { parameters: *parameters, loads, flight, response, rest, pull, anchored, kick })
+        Ok(Self { parameters: *parameters, loads, flight, response, rest, pull, anchored })
     }
 
     /// The same machine with its state found by the first contact, as that of a block without a spring must be.
@@ -171,8 +167,9 @@ impl System {
 
     /// The rate of the free part of a state in flight: A z, and the acceleration of a block that falls.
     pub(super) fn rate(&self, z: &Vector6) -> Vector6 {
-        let [a1, a2, a3] = self.flight.accelerations(z, 0.0);
-        Vector6::new(z[3], z[4], z[5], a1, a2 + self.pull, a3)
+        let mut rate = self.flight.rate_of(z, 0.0);
+        rate[4] += self.pull;
+        rate
     }
 
     /// The free part of a state after a flight of a span with its map.
@@ -186,15 +183,6 @@ impl System {
     /// The same with the span alone.
     pub(super) fn fly(&self, span: f64, z: &Vector6) -> Vector6 {
         self.flown(&self.flight.transition(span), span, z)
-    }
-
-    /// The impact law J of docs/theory.md (27), with the rate `forced` of the gap that is not part of `z`.
-    pub(super) fn strike(&self, z: &Vector6, forced: f64) -> Vector6 {
-        let rate = z[4] - z[3] + forced;
-        let mut after = *z;
-        after[3] += self.kick[0] * rate;
-        after[4] += self.kick[1] * rate;
-        after
     }
 
     /// A state in units of L and ω1 L in SI units.

@@ -44,7 +44,8 @@ impl OrbitWord {
     /// A word of the letters U (upper stop) and L (lower stop); it may be empty.
     ///
     /// # Errors
-    /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing sign that is not ±1, and a length that does not go with it: a multiple of two
+    /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing sign that is not ±1, and a
+    /// length that does not go with it: a multiple of two
     /// half periods for +1, an odd number of half periods for -1.
     pub fn new(text: &str, closing: i8, half_periods: u32) -> Result<Self> {
         let letter = |c| match c {

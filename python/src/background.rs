@@ -46,7 +46,8 @@ impl Control {
 }
 
 /// Computes in another thread without Python's lock and waits for the result. A signal's exception, and one of `progress`, which is
-/// called with the numbers of parts done and in all (0 where it knows), ends the wait at once; the thread ends where it next looks at its [`Control`], and what it
+/// called with the numbers of parts done and in all (0 where it knows), ends the wait at once; the thread ends where it next
+/// looks at its [`Control`], and what it
 /// computes is dropped.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,

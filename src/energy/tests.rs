@@ -55,7 +55,7 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
         let (model, h, core, energy) = tables(&p, SmoothMode::Flight);
         let work = DriveWork::new(p.drive_amplitude, &model).expect("not at an undamped resonance");
         for z in states() {
-            let mut end = [0.0; LANES];
+            let mut end = [0.0; COORDINATES];
             Table::transit(&core.full, &z, &mut end);
             let found = work.value(&end) - work.value(&z) + work.mean() * h;
             let expected = energy.input_up_to(pulp::Scalar, INTERVALS, &z);

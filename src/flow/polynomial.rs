@@ -1,6 +1,6 @@
 //! Values of polynomials, by operations whose order and rounding are the same at one place and at several side by side.
 
-use crate::model::{Augmented, LANES};
+use crate::model::{Augmented, COORDINATES};
 use pulp::Simd;
 
 /// So many places at a time: their sums fit into registers.
@@ -55,8 +55,8 @@ pub(super) fn at_places<S: Simd, const N: usize>(
 ) -> [Augmented; PLACES] {
     const { assert!(N.is_multiple_of(2)) };
     let zero = simd.splat_f64s(0.0);
-    let mut states = [[0.0; LANES]; PLACES];
-    for v in 0..LANES / S::F64_LANES {
+    let mut states = [[0.0; COORDINATES]; PLACES];
+    for v in 0..COORDINATES / S::F64_LANES {
         let (mut even, mut odd) = ([zero; PLACES], [zero; PLACES]);
         for pair in coefficients.as_chunks::<2>().0.iter().rev() {
             let (low, high) = (S::as_simd_f64s(&pair[0]).0[v], S::as_simd_f64s(&pair[1]).0[v]);

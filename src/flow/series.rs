@@ -3,8 +3,8 @@
 
 use super::polynomial;
 use crate::model::{
-    Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY,
-    SECONDARY_RATE, SmoothMode,
+    Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE, RELATIVE_RATE,
+    SECONDARY, SECONDARY_RATE, SmoothMode,
 };
 
 /// Coefficients of a series about an interval's centre, of radius 0.075/rate: the remainder is under 0.075¹⁰/9! < 1.6e-17 of the
@@ -26,12 +26,12 @@ const RECIPROCALS: [f64; WHOLE] = {
     r
 };
 
-/// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k lanes[k] u^k`; `free` likewise is the
+/// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k states[k] u^k`; `free` likewise is the
 /// free relative acceleration.
 #[derive(Clone, Copy)]
 pub struct Series<const N: usize> {
     /// Coefficients of the augmented state, by order.
-    pub lanes: [Augmented; N],
+    pub states: [Augmented; N],
     /// Coefficients of the free relative acceleration, by order.
     pub free: [f64; N],
 }
@@ -46,20 +46,20 @@ impl<const N: usize> Series<N> {
         forces: Option<&Forces>,
         radius: f64,
     ) -> Self {
-        let mut lanes = [[0.0; LANES]; N];
+        let mut states = [[0.0; COORDINATES]; N];
         let mut free = [0.0; N];
-        lanes[0] = *z;
+        states[0] = *z;
         let mut scale = 1.0; // r^k / k!
         for k in 0..N {
             let f = forces.map(|d| if k < 4 { d.map(|b| b[k] * scale) } else { [0.0; 3] });
-            let c = lanes[k];
+            let c = states[k];
             let (a, relative) = model.acceleration(mode, &c, f);
             free[k] = relative;
             if k + 1 < N {
                 let q = radius * RECIPROCALS[k];
                 scale *= q;
                 let turn = q * model.omega;
-                lanes[k + 1] = [
+                states[k + 1] = [
                     q * c[BOX_RATE],
                     q * c[RELATIVE_RATE],
                     q * c[SECONDARY_RATE],
@@ -71,21 +71,21 @@ impl<const N: usize> Series<N> {
                 ];
             }
         }
-        Self { lanes, free }
+        Self { states, free }
     }
 
     /// The augmented state at u.
     #[inline(always)]
     pub fn at(&self, u: f64) -> Augmented {
-        polynomial(&self.lanes, u)
+        polynomial(&self.states, u)
     }
 
     /// The coefficients of `side · w - gap` (gap is L), negative while the block is inside.
     #[inline(always)]
     pub fn excess_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
         let mut p = [0.0; N];
-        for (pk, lane) in p.iter_mut().zip(&self.lanes) {
-            *pk = side * lane[RELATIVE];
+        for (pk, state) in p.iter_mut().zip(&self.states) {
+            *pk = side * state[RELATIVE];
         }
         p[0] -= gap;
         p
@@ -96,11 +96,11 @@ impl<const N: usize> Series<N> {
     pub fn derivatives<const M: usize>(&self, rate: f64) -> [[f64; M]; 3] {
         let mut derivatives = [[0.0; M]; 3];
         let mut scale = 1.0; // k!/r^k
-        for (k, lane) in self.lanes.iter().enumerate().take(M) {
+        for (k, state) in self.states.iter().enumerate().take(M) {
             if k > 0 {
                 scale *= k as f64 * rate;
             }
-            let bodies = [lane[BOX], lane[BOX] + lane[RELATIVE], lane[SECONDARY]];
+            let bodies = [state[BOX], state[BOX] + state[RELATIVE], state[SECONDARY]];
             for (derivative, value) in derivatives.iter_mut().zip(bodies) {
                 derivative[k] = value * scale;
             }
@@ -112,7 +112,7 @@ impl<const N: usize> Series<N> {
     #[inline(always)]
     pub fn functional(&self, mode: SmoothMode) -> [f64; N] {
         match mode {
-            SmoothMode::Flight => self.lanes.map(|lane| lane[RELATIVE]),
+            SmoothMode::Flight => self.states.map(|state| state[RELATIVE]),
             SmoothMode::Rest => self.free,
         }
     }

@@ -1,4 +1,4 @@
-//! Numerical tools without mechanics: extended precision, polynomials, roots, vectors chosen at run time.
+//! Numerical tools without mechanics: extended precision, polynomials, roots, digests, vectors chosen at run time.
 //!
 //! A polynomial is evaluated in several ways, each where its arithmetic pays; their last digits differ, and the state bits with
 //! them, so they are not exchanged for one another:
@@ -14,6 +14,7 @@
 //! | `polynomial` of the lanes | one polynomial in each lane | many motions side by side |
 
 pub mod bernstein;
+pub mod digest;
 pub mod double_double;
 pub mod drive_phase;
 pub mod roots;

@@ -3,20 +3,18 @@
 use super::step::EventObserver;
 use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::{CENTRED, Series};
-use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::model::{Augmented, Impact, RELATIVE, RELATIVE_RATE, SmoothMode};
 
 /// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by more than this many gaps, half
 /// a unit in the last place.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
-/// With κ nearer to 1 than this a run would last for tens of thousands of bounces, or, kept up by nothing but dampers,
-/// without end; it is closed by the height of its bounces instead.
+/// With κ nearer to 1 than this runs are closed by the height of their bounces instead (docs/numerics.md, "Chatter").
 const LEAST_LOSS: f64 = 1e-3;
 /// e_h of docs/theory.md (18), that height in gaps. It is under what any host resolves, and leaves 10⁵ bounces a second to compute,
 /// where round-off would leave 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
-/// A run is closed only if the free acceleration of the merged motion changes by at most this part of itself within the run's
-/// length t_c at constant acceleration (docs/theory.md (16), (19)), at a rate that is bounded over 2 t_c. Why the true run is then
-/// contained in 2 t_c: docs/numerics.md, "Chatter".
+/// A run is closed only if the free acceleration of the merged motion changes by at most this part of itself within t_c, at a rate
+/// that is bounded over 2 t_c (docs/theory.md (19); docs/numerics.md, "Chatter").
 const STEADY: f64 = 0.125;
 
 #[inline(always)]
@@ -46,7 +44,7 @@ impl Simulator {
         }
         // A root whose speed round-off has turned negative is a touch.
         z[RELATIVE_RATE] = side * (side * z[RELATIVE_RATE]).max(0.0);
-        let (speed, impulse, lost) = self.model.impact(z, side);
+        let Impact { speed, impulse, lost } = self.model.impact(z, side);
         self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
         self.hybrid.record.count(side, time, speed, impulse);
         report(observer, Event::Impact { time, side: stop, speed, impulse });
@@ -72,9 +70,8 @@ impl Simulator {
     /// Whether the chatter run that starts with rebound speed `u` is to be closed now: the time until its impacts accumulate, s
     /// (0 for nearly elastic runs), or `None`.
     ///
-    /// The run lasts t_c = 2u/(a(1-κ)) at constant acceleration a, and box and block move relative to each other by less than u t_c
-    /// in it: it is closed when this is under round-off. Nearly elastic runs are closed when their bounces, of height u²/2a, are
-    /// under [`LEAST_BOUNCE`]; of them the acceleration must hold for two bounces.
+    /// The run lasts t_c = 2u/(a(1-κ)) at constant acceleration a (docs/theory.md (16)). The conditions and why they are enough:
+    /// docs/numerics.md, "Chatter".
     #[inline(always)]
     fn chatter_to_be_closed<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());

@@ -122,7 +122,7 @@ impl Simulator {
         let radius = 0.5 * self.interval();
         let centred = remaining > radius;
         let centre = if centred { product(simd, &self.flight.core.centre[0], z) } else { *z };
-        let rows = self.flight.local.lanes(simd, &centre);
+        let rows = self.flight.local.states(simd, &centre);
         let u = if centred { remaining - radius } else { remaining } / radius;
         let arrived = polynomial(simd, &rows, u);
         if arrived[RELATIVE].abs() >= limit {
@@ -217,7 +217,7 @@ impl Simulator {
         u: f64,
     ) -> Augmented {
         let centre = product(simd, &self.flight.core.centre[index], z);
-        let rows = self.flight.local.lanes(simd, &centre);
+        let rows = self.flight.local.states(simd, &centre);
         // The state first: the next sub-step waits for it, but not for the accounts.
         let arrived = polynomial(simd, &rows, u);
         if ACCOUNTS {

@@ -103,7 +103,7 @@ impl Simulator {
         if self.hybrid.contact == Contact::Flight {
             // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the step is shortened.
             let reach =
-                |u: f64| series.lanes[1..].iter().rev().fold(0.0, |sum, c| (sum + c[RELATIVE].abs()) * u);
+                |u: f64| series.states[1..].iter().rev().fold(0.0, |sum, c| (sum + c[RELATIVE].abs()) * u);
             let mut part = 1.0;
             while reach(part) > MAX_REACH * gap {
                 part *= 0.5;
@@ -148,7 +148,7 @@ impl Simulator {
         }
         // A block that let go without speed may still have none that rounding does not hide: w'' is zero at a release but for
         // rounding. The terms that are not zero tell whether it is on its way out or has just come back.
-        let orders = series.lanes.iter().enumerate().skip(usize::from(order));
+        let orders = series.states.iter().enumerate().skip(usize::from(order));
         let rate: f64 = orders.map(|(k, lane)| k as f64 * (side * lane[RELATIVE])).sum();
         if order == 1 || rate >= 0.0 {
             return 0;

@@ -40,8 +40,9 @@ pub use types::{
 use crate::energy::{self, Pending, Sums};
 use crate::error::{Error, Result};
 use crate::flow::{self, Series};
-use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN, Forces, LANES, Model, SmoothMode};
-use crate::numerics::double_double::DoubleDouble;
+pub use crate::model::{Augmented, SmoothMode};
+use crate::model::{COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model};
+pub use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
@@ -347,7 +348,7 @@ impl Simulator {
     /// The augmented state: x1, w, x3, their rates, cos θ and sin θ.
     #[inline(always)]
     pub fn augmented(&self) -> Augmented {
-        let mut z = [0.0; LANES];
+        let mut z = [0.0; COORDINATES];
         z[..6].copy_from_slice(&self.hybrid.y);
         let angle = self.drive_phase();
         (z[DRIVE_SIN], z[DRIVE_COS]) = angle.sin_cos();

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::{env, fs};
+use vibro_impact::numerics::digest;
 
 /// Folder of the golden files: the tests of two packages come here.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
@@ -12,13 +13,11 @@ pub struct Digest(u64);
 
 impl Digest {
     pub fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
+        Self(digest::EMPTY)
     }
 
     pub fn number(&mut self, number: u64) {
-        for byte in number.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
+        self.0 = digest::extended(self.0, &number.to_le_bytes());
     }
 
     pub fn reals(&mut self, values: &[f64]) {

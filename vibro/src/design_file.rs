@@ -6,14 +6,15 @@
 //! 0.8,0.012,0.75
 //! ```
 //!
-//! A cell is a number with a unit, or one without in the unit in which the machine's file or `--set` wrote that parameter, else in SI. A number that its parameter does not allow is no error here: that design is a
+//! A cell is a number with a unit, or one without in the unit in which the machine's file or `--set` wrote that parameter,
+//! else in SI. A number that its parameter does not allow is no error here: that design is a
 //! row of the sweep with its reason.
 
-use crate::manifest::fnv1a;
 use crate::{Error, Result};
 use std::path::Path;
 use vibro_analysis::design_sweep::Designs;
 use vibro_analysis::{Name, ParameterSet};
+use vibro_impact::numerics::digest::fnv1a;
 
 /// Most designs in a file: they are kept in the manifest.
 const MOST: usize = 100_000;

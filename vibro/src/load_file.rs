@@ -10,11 +10,11 @@
 //! Columns are separated by commas or semicolons, with a decimal point. A header is allowed, and if it names units these are s
 //! and N. Empty lines and lines that begin with # are skipped.
 
-use crate::manifest::fnv1a;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use vibro_analysis::{Name, ParameterSet, quantity_in};
 use vibro_impact::load::{Body, Interpolation, Load};
+use vibro_impact::numerics::digest::fnv1a;
 use vibro_impact::parameters::LOADS;
 
 const EXPECTED: &str =
@@ -126,9 +126,10 @@ fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::R
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let separator = *separator.get_or_insert(if line.contains(';') { ';' } else { ',' });
-        let cells: Vec<&str> = line.split(separator).map(|c| c.trim().trim_matches('"')).collect();
-        let numbers: Vec<Option<f64>> = cells.iter().map(|c| c.parse().ok()).collect();
+        let separator = *separator.get_or_insert(if line.contains(';') { b';' } else { b',' });
+        let cells = cells(line, separator).map_err(|error| format!("line {number}: {error}"))?;
+        let numbers: Vec<Option<f64>> =
+            cells.iter().map(|c| c.trim_matches('"').trim().parse().ok()).collect();
         match numbers[..] {
             [Some(time), Some(force)] => {
                 samples.push((time, force));
@@ -147,8 +148,21 @@ fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::R
     })
 }
 
+/// The cells of a line. Line by line, since what is wrong is told with its line, and a record has no line breaks in its cells.
+fn cells(line: &str, separator: u8) -> csv::Result<csv::StringRecord> {
+    let mut record = csv::StringRecord::new();
+    csv::ReaderBuilder::new()
+        .has_headers(false)
+        .delimiter(separator)
+        .trim(csv::Trim::All)
+        .buffer_capacity(line.len())
+        .from_reader(line.as_bytes())
+        .read_record(&mut record)?;
+    Ok(record)
+}
+
 /// Units in brackets, or round ones, of the two cells of a header: a record in other units would be misread in silence.
-fn check_units(line: usize, cells: &[&str]) -> std::result::Result<(), String> {
+fn check_units(line: usize, cells: &csv::StringRecord) -> std::result::Result<(), String> {
     for (cell, allowed) in cells.iter().zip(["s", "N"]) {
         let inside = cell.split_once(['[', '(']).and_then(|(_, rest)| rest.split_once([']', ')']));
         if let Some((unit, _)) = inside
@@ -205,6 +219,7 @@ mod tests {
             "0,1\n0.5,-2.5\n1,0",
             "time,force\n0,1\n0.5,-2.5\n1,0\n",
             "\u{feff}t [s]; F [N]\r\n0;1\r\n0.5;-25e-1\r\n\r\n1;0\r\n",
+            "\"t; since the start [s]\";\"F [N]\"\n0;1\n\"0.5\"; \"-2.5\"\n1;0",
             "# from the shaker\n\"t (s)\",\"f (N)\"\n0, 1\n 0.5 , -2.5\n# end\n1,0",
         ] {
             assert_eq!(read(text), Ok(expected.clone().unwrap()), "{text}");

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use vibro_analysis::{GROUPS, ParameterSet};
+use vibro_impact::numerics::digest::fnv1a;
 use vibro_impact::parameters::{FIELDS, LOADS};
 
 /// The program in every manifest.
@@ -168,12 +169,6 @@ impl Manifest {
             self.groups.iter().map(|(k, v)| format!("{k} = {}", vibro_analysis::short(*v))).collect();
         format!("{} (version {})\n         {}", self.invocation.command_line, self.version, groups.join(", "))
     }
-}
-
-/// The digest FNV-1a: the same on every machine and for every version, unlike the hashes of the standard library.
-pub fn fnv1a(bytes: &[u8]) -> u64 {
-    let byte = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, byte)
 }
 
 /// The form of parts that a manifest names which cannot be read as one of this program's; none where it is this program's own form,

@@ -45,7 +45,8 @@ impl PartFolder {
     ///
     /// # Errors
     /// [`Error::Config`] where another program works in the folder, where it holds parts of another study or of another
-    /// [form](FORMAT) and `discard` is false, for a study whose parts are of another form, and where its manifest is damaged or is missing beside other files; [`Error::File`], [`Error::Output`].
+    /// [form](FORMAT) and `discard` is false, for a study whose parts are of another form, and where its manifest is damaged
+    /// or is missing beside other files; [`Error::File`], [`Error::Output`].
     pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
         // Of a study that was read from a folder of shards.
         if let Some(format) = format_of(manifest).filter(|format| *format != FORMAT) {

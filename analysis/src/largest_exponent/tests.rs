@@ -21,7 +21,7 @@ fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
     let mut tangent = Tangent::default();
     tangent.begin(p, simulator.contact().mode(), (simulator.time(), simulator.time()));
     let mut variation = Variation::new(&model);
-    let mut frame = [[0.0; LANES]; DIMENSION];
+    let mut frame = [[0.0; COORDINATES]; DIMENSION];
     frame[0] = tangent.v;
     let (mut time, mut rested, mut logarithm) = (simulator.time(), 0, 0.0);
     let begin = frame[0].iter().map(|x| x * x).sum::<f64>().ln() / 2.0;

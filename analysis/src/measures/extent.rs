@@ -59,7 +59,7 @@ impl Extent {
     #[inline(always)]
     pub fn take(&mut self, series: &Series<TERMS>, radius: f64) {
         let (weights, first) = self.coordinate.weights();
-        let q: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.lanes[k], first));
+        let q: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.states[k], first));
         if self.squares {
             let square = |u: f64| value(&q, u).powi(2);
             self.square += radius * NODES.iter().map(|(u, weight)| weight * square(*u)).sum::<f64>();

@@ -3,9 +3,9 @@
 //! Its growth is counted to some digits only, so that less goes into it than into the frames of `variation`: six columns, shorter
 //! series, fewer nodes. The memory serves one system after another.
 
-use super::{GRID_TIMES_RATE, jump, physical, varied};
+use super::{GRID_TIMES_RATE, physical, saltation, varied};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{Augmented, LANES, Model, SmoothMode};
+use vibro_impact::model::{Augmented, COORDINATES, Model, Saltation, SmoothMode};
 
 /// Coordinates without those of the drive.
 const COLUMNS: usize = 6;
@@ -22,7 +22,7 @@ type Columns = [Augmented; COLUMNS];
 /// The product of a matrix with a variation. The sums of even and odd columns do not wait for each other.
 #[inline(always)]
 fn transit(a: &Columns, v: &Augmented) -> Augmented {
-    let mut sums = [[0.0; LANES]; 2];
+    let mut sums = [[0.0; COORDINATES]; 2];
     for (k, (column, &x)) in a.iter().zip(v).enumerate() {
         for (sum, &c) in sums[k % 2].iter_mut().zip(column) {
             *sum += c * x;
@@ -48,8 +48,8 @@ struct Transition {
 
 impl Transition {
     const ZERO: Self = Self {
-        terms: [[[0.0; LANES]; COLUMNS]; TERMS],
-        nodes: [[[0.0; LANES]; COLUMNS]; NODES + 1],
+        terms: [[[0.0; COORDINATES]; COLUMNS]; TERMS],
+        nodes: [[[0.0; COORDINATES]; COLUMNS]; NODES + 1],
         per_spacing: 0.0,
     };
 
@@ -58,15 +58,15 @@ impl Transition {
         let spacing = GRID_TIMES_RATE / model.rate;
         self.per_spacing = 1.0 / spacing;
         let (share, speed) = (model.block_share, model.gap * model.rate);
-        let mut step = [[0.0; LANES]; COLUMNS];
+        let mut step = [[0.0; COORDINATES]; COLUMNS];
         for column in 0..COLUMNS {
-            let mut unit = [0.0; LANES];
+            let mut unit = [0.0; COORDINATES];
             unit[column] = 1.0;
             let z = physical(&unit, share, model.gap, speed);
             let series = Series::<STEP>::expand(model, mode, &z, None, spacing);
-            let mut sum = [0.0; LANES];
-            for (k, lane) in series.lanes.iter().enumerate().rev() {
-                let term = varied(lane, share, model.gap, speed);
+            let mut sum = [0.0; COORDINATES];
+            for (k, state) in series.states.iter().enumerate().rev() {
+                let term = varied(state, share, model.gap, speed);
                 if let Some(kept) = self.terms.get_mut(k) {
                     kept[column] = term;
                 }
@@ -160,7 +160,12 @@ impl SingleVariation {
         }
         pulp::Arch::new().dispatch(Work::Propagate(transition, v, span));
         if let Some((rate, after)) = impact {
-            jump(&self.model, std::slice::from_mut(v), rate, after);
+            saltation(&self.model, rate, after).apply(v);
         }
+    }
+
+    /// A variation through the merge into rest that follows an impact.
+    pub(crate) fn merge(&self, v: &mut Augmented) {
+        Saltation::merge(&self.model, v, self.model.rate);
     }
 }

@@ -100,7 +100,7 @@ impl ClosedForm {
         let solution = Solution::new(data.mode, p)?;
         let model = Model::new(p)?;
         let (speed, impulse) = solution.impact(&model);
-        let [_, _, loss] = model.impact_factors();
+        let loss = model.impact_factors().loss;
         let theta = data.phase.angle(p.drive_frequency, data.from);
         let mut form = Self {
             data,
@@ -331,7 +331,7 @@ impl ClosedForm {
             x: state.x,
             v: state.v,
             acceleration: d.map(|d| d[2]),
-            gap: (y[1], y[4]),
+            relative: (y[1], y[4]),
             contact_force: 0.0,
             coupling_force: coupling_force(p, &state.x),
             indicators: indicators_of(p, Contact::Flight, y[1], 0.0),

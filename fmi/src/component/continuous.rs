@@ -1,5 +1,6 @@
 //! The model for a host's own solver: states, derivatives, event indicators, and what happens at events.
 
+mod law;
 mod varied;
 
 use super::problem::Problem;
@@ -9,19 +10,12 @@ use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
 use vibro_impact::error::Error;
 use vibro_impact::model::{
-    Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, LANES, Model, RELATIVE, RELATIVE_RATE, SmoothMode,
+    Augmented, COORDINATES, DRIVE_COS, DRIVE_SIN, Model, RELATIVE, RELATIVE_RATE, SmoothMode,
 };
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Contact, Event, ImpactRecord, Simulator, State, check_time};
-
-/// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10 off. A bounce lower than
-/// this cannot be told from resting, so there a chatter run ends.
-const CONTACT: f64 = 1e-9;
-/// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
-/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of the displacements.
-const SHIFT: f64 = 1e-12;
+use vibro_impact::simulator::{Contact, ImpactRecord, Simulator, State, check_time};
 
 /// Everything that changes, as plain data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -82,18 +76,18 @@ impl Continuous {
     /// # Errors
     /// As [`Simulator::new`].
     pub(crate) fn start(simulator: &Simulator, forces: [f64; 3]) -> Result<Self, Error> {
-        Self::frozen(simulator.parameters(), simulator.state(), simulator.time(), simulator.contact(), forces)
+        Self::at(simulator.parameters(), simulator.state(), simulator.time(), simulator.contact(), forces)
     }
 
-    /// A motion in a given contact, for what-if evaluations at the start.
-    pub(crate) fn frozen(
+    /// A motion that begins in a given contact; also for what-if evaluations at the start.
+    pub(crate) fn at(
         parameters: &Parameters,
         state: State,
         time: f64,
         contact: Contact,
         forces: [f64; 3],
     ) -> Result<Self, Error> {
-        let mut frozen = Self::of(Data {
+        let mut motion = Self::of(Data {
             parameters: *parameters,
             time,
             state,
@@ -106,10 +100,10 @@ impl Continuous {
             lost: 0.0,
             accepted: Point::default(),
         })?;
-        frozen.anchor();
+        motion.anchor();
         // Nothing has been put in yet.
-        frozen.data.initial = frozen.values().mechanical;
-        Ok(frozen)
+        motion.data.initial = motion.values().mechanical;
+        Ok(motion)
     }
 
     pub(crate) fn of(data: Data) -> Result<Self, Error> {
@@ -198,7 +192,7 @@ impl Continuous {
     }
 
     fn augmented_at(&self, at: &Point) -> Augmented {
-        let mut z = [0.0; LANES];
+        let mut z = [0.0; COORDINATES];
         z[..6].copy_from_slice(&at.state.to_relative());
         let theta = self.data.phase.angle(self.model.omega, DoubleDouble::new(at.time));
         (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
@@ -280,75 +274,11 @@ impl Continuous {
         power
     }
 
-    /// The laws at an event: impact, rest or release, as far as the present point calls for one; reports them and returns
-    /// whether states changed.
-    pub(crate) fn handle_event(&mut self, report: &mut dyn FnMut(&Event)) -> bool {
-        let before = self.data.state;
-        match self.data.contact {
-            Contact::Flight => {
-                let w = before.x[1] - before.x[0];
-                let gap = self.model.gap;
-                if gap - w.abs() <= CONTACT * gap {
-                    self.touch(w.signum(), report);
-                }
-            }
-            contact => {
-                if contact.side() * self.accelerations().1 <= 0.0 {
-                    self.data.contact = Contact::Flight;
-                    self.data.state.v[1] = self.data.state.v[0];
-                    self.place(contact.side(), 1.0 - SHIFT);
-                    let side = contact.side() as i8;
-                    report(&Event::Release { time: self.data.time, side });
-                }
-            }
-        }
-        self.anchor();
-        self.data.state != before
-    }
-
-    /// At stop `side`: an impact when it is approached, rest when it is pressed on without bouncing.
-    fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
-        let (time, stop) = (self.data.time, side as i8);
-        let mut z = self.augmented();
-        if side * z[RELATIVE_RATE] > 0.0 {
-            let (speed, impulse, lost) = self.model.impact(&mut z, side);
-            self.data.record.count(side, time, speed, impulse);
-            self.data.lost += lost;
-            report(&Event::Impact { time, side: stop, speed, impulse });
-        }
-        let rebound = -side * z[RELATIVE_RATE];
-        let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
-        // Height of the bounce: rebound²/(2 pressing). An elastic block bounces for ever.
-        let low = rebound * rebound <= 2.0 * pressing * CONTACT * self.model.gap;
-        if pressing > 0.0 && low && (rebound == 0.0 || self.model.restitution < 1.0) {
-            self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
-            self.data.lost += self.model.merge(&mut z);
-            self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-            report(&Event::Rest { time, side: stop });
-        }
-        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[RELATIVE_RATE]);
-        let resting = self.data.contact != Contact::Flight;
-        self.place(side, if resting { 1.0 } else { 1.0 - SHIFT });
-        if resting {
-            self.data.state.v[1] = self.data.state.v[0];
-        }
-    }
-
-    /// Puts box and block `share` gaps apart, their centre of mass held; further inside they stay where they are.
-    fn place(&mut self, side: f64, share: f64) {
-        let x = &mut self.data.state.x;
-        let excess = (x[1] - x[0]) - side * share * self.model.gap;
-        if side * excess > 0.0 || share == 1.0 {
-            x[0] += self.model.block_share * excess;
-            x[1] -= (1.0 - self.model.block_share) * excess;
-        }
-    }
-
     /// What the outputs read at the present point. In rest the gap is exact, whatever rounding the solver adds.
     pub(crate) fn values(&self) -> OutputValues {
         let (data, (a, free)) = (&self.data, self.accelerations());
         let z = self.augmented();
-        let (gap, contact_force) = match data.contact {
+        let (relative, contact_force) = match data.contact {
             Contact::Flight => ((z[RELATIVE], z[RELATIVE_RATE]), 0.0),
             contact => {
                 let force = self.model.reduced_mass * contact.side() * free;
@@ -363,7 +293,7 @@ impl Continuous {
             x: data.state.x,
             v: data.state.v,
             acceleration: a,
-            gap,
+            relative,
             contact_force,
             coupling_force: coupling_force(&data.parameters, &data.state.x),
             indicators: self.indicators(),

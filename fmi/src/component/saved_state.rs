@@ -18,7 +18,8 @@
 //! [`VERSION`]**; the test `golden_file_of_the_layout` notices it.
 //!
 //! Nothing in the payload belongs to one protocol alone, so a state that one door has written can be read by another of the same
-//! build: what a protocol has no place for (an event that its host still has to handle) is settled when the state is restored. The checksum notices accidents; it is no signature.
+//! build: what a protocol has no place for (an event that its host still has to handle) is settled when the state is
+//! restored. The checksum notices accidents; it is no signature.
 
 use super::closed_form;
 use super::continuous;
@@ -29,6 +30,7 @@ use super::problem::{Outcome, Problem};
 use super::settings::Settings;
 use super::values::Tick;
 use serde::{Deserialize, Serialize};
+use vibro_impact::numerics::digest::fnv1a;
 use vibro_impact::simulator::Snapshot;
 
 /// First bytes of a serialized state.
@@ -66,13 +68,6 @@ fn refused(what: impl Into<String>) -> Problem {
     Problem::SavedState { what: what.into() }
 }
 
-/// FNV-1a, 64 bit: enough to notice truncation and accidental change.
-fn checksum(bytes: &[u8]) -> u64 {
-    const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0000_0100_0000_01b3;
-    bytes.iter().fold(OFFSET, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(PRIME))
-}
-
 /// Takes the first `N` bytes away from `bytes`.
 fn take<const N: usize>(bytes: &mut &[u8]) -> Outcome<[u8; N]> {
     let (head, rest) = bytes.split_first_chunk::<N>().ok_or_else(|| refused("it ends too early"))?;
@@ -94,7 +89,7 @@ impl SavedState {
         bytes.extend_from_slice(&identity::number().to_le_bytes());
         bytes.extend_from_slice(&length.to_le_bytes());
         bytes.extend_from_slice(&payload);
-        let checksum = checksum(&bytes);
+        let checksum = fnv1a(&bytes);
         bytes.extend_from_slice(&checksum.to_le_bytes());
         Ok(bytes)
     }
@@ -115,7 +110,7 @@ impl SavedState {
         if version != VERSION {
             return Err(refused(format!("version {version}: allowed is {VERSION}")));
         }
-        if checksum(content) != u64::from_le_bytes(*sum) {
+        if fnv1a(content) != u64::from_le_bytes(*sum) {
             return Err(refused("the checksum does not fit: truncated or altered"));
         }
         if u128::from_le_bytes(take(&mut rest)?) != identity::number() {

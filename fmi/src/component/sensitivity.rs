@@ -1,6 +1,6 @@
 //! How the state at the end of a step varies with that at its begin and with the loads in it: the variational equations of each
 //! smooth piece, which are its own equations without the drive, and a jump at each impact (the saltation matrix,
-//! docs/theory.md (78)).
+//! docs/theory.md (84)).
 //!
 //! Found by replaying the step when it is asked for, so that a step itself costs nothing more. In resting contact box and block
 //! are one body: variations of their relative motion are projected out, as an impact without rebound would do it, with the
@@ -10,8 +10,8 @@ use super::values::StepMatrices;
 use vibro_impact::Error;
 use vibro_impact::flow::{Series, WHOLE, shifted};
 use vibro_impact::model::{
-    Augmented, BOX, BOX_RATE, Forces, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
-    SmoothMode,
+    Augmented, BOX, BOX_RATE, COORDINATES, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
+    Saltation, SmoothMode,
 };
 use vibro_impact::simulator::{DueEvent, Pause, Simulator};
 
@@ -70,7 +70,7 @@ pub(crate) fn matrices(mut replay: Simulator, reached: &Simulator) -> Result<Ste
 
 /// The variation that one state or one coefficient of a load is varied by.
 fn unit(i: usize) -> Column {
-    let mut column = Column { z: [0.0; LANES], loads: [[0.0; 4]; 3] };
+    let mut column = Column { z: [0.0; COORDINATES], loads: [[0.0; 4]; 3] };
     match i {
         // x2 = x1 + w: the box alone moves against the block.
         0 => (column.z[BOX], column.z[RELATIVE]) = (1.0, -1.0),
@@ -86,10 +86,8 @@ fn unit(i: usize) -> Column {
 
 /// Relative motion goes over into motion of both.
 fn merge(z: &mut Augmented, block_share: f64) {
-    for (both, relative) in [(BOX, RELATIVE), (BOX_RATE, RELATIVE_RATE)] {
-        z[both] += block_share * z[relative];
-        z[relative] = 0.0;
-    }
+    add_relative(z, block_share);
+    (z[RELATIVE], z[RELATIVE_RATE]) = (0.0, 0.0);
 }
 
 /// Carries variations over a piece, its times counted from the step's begin.
@@ -107,39 +105,28 @@ fn propagate(columns: &mut [Column; COLUMNS], model: &Model, mode: SmoothMode, (
     }
 }
 
-/// Applies the law of the impact that is due to the motion and to its variations: each comes to the stop at another time, and
-/// moves by the difference of the rates on both sides until then.
+/// Applies the law of the impact that is due to the motion and to its variations.
 fn jump(columns: &mut [Column; COLUMNS], model: &Model, replay: &mut Simulator) {
-    let rates = |s: &Simulator| {
-        let (z, a) = (s.augmented(), s.acceleration());
-        [z[BOX_RATE], z[RELATIVE_RATE], z[SECONDARY_RATE], a[0], a[1] - a[0], a[2]]
-    };
-    let (before, due) = (rates(replay), replay.due_event());
+    let rate = replay.augmented()[RELATIVE_RATE];
     replay.apply_due_event(None);
-    let after = rates(replay);
+    let loads = replay.loads().derivatives.map(|load| load[0]);
+    let jump = Saltation::new(model, rate, &replay.augmented(), loads, 1.0);
     let rests = replay.contact().mode() == SmoothMode::Rest;
-    let side = due.map_or(0.0, |due| f64::from(due.side()));
-    let law = |z: &mut Augmented| {
-        model.impact(z, side);
+    for Column { z, .. } in columns {
+        add_relative(z, model.block_share);
+        jump.apply(z);
         if rests {
-            model.merge(z);
+            Saltation::merge(model, z, 1.0);
         }
-    };
-    // The law is linear in the rates.
-    let mut mapped = [0.0; LANES];
-    mapped[..6].copy_from_slice(&before);
-    let mut velocity = [0.0; LANES];
-    velocity[3..6].copy_from_slice(&before[3..6]);
-    law(&mut velocity);
-    mapped[3..6].copy_from_slice(&velocity[3..6]);
-    for column in columns {
-        // A touch without speed moves nothing.
-        let earlier = if before[1] == 0.0 { 0.0 } else { column.z[RELATIVE] / before[1] };
-        law(&mut column.z);
-        for (lane, (after, mapped)) in column.z.iter_mut().zip(after.iter().zip(mapped)) {
-            *lane += (after - mapped) * earlier;
-        }
+        add_relative(z, -model.block_share);
     }
+}
+
+/// Adds a part of the relative motion to that of the box: with the block's share of the mass the box's place then holds their centre of
+/// mass, docs/theory.md (83).
+fn add_relative(z: &mut Augmented, part: f64) {
+    z[BOX] += part * z[RELATIVE];
+    z[BOX_RATE] += part * z[RELATIVE_RATE];
 }
 
 fn collected(columns: &[Column; COLUMNS]) -> StepMatrices {

@@ -4,7 +4,7 @@ use super::problem::Problem;
 use super::settings::{Derived, SolutionMode, Steady};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{self, DRIVE_COS, DRIVE_SIN, LANES, Model};
+use vibro_impact::model::{self, COORDINATES, DRIVE_COS, DRIVE_SIN, Model};
 use vibro_impact::parameters::{GROUPS, Groups, Parameters};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
@@ -137,7 +137,7 @@ impl Solution {
                 // W' just before the upper impact, from the slope 2/π of the sawtooth and B cos Φ = -ρ C.
                 let rho = FRAC_2_PI * (1.0 - p.stop_restitution) / (1.0 + p.stop_restitution);
                 let speed = p.stop_gap * p.drive_frequency * point.c * (FRAC_2_PI + rho);
-                let [_, impulse, _] = model.impact_factors();
+                let impulse = model.impact_factors().impulse;
                 (speed, impulse * speed)
             }
             Self::Orbit(orbit) => {
@@ -193,7 +193,7 @@ impl Solution {
             Self::Orbit(orbit) => {
                 // The orbit flies by the model's own equations.
                 let Ok(model) = Model::new(orbit.parameters()) else { return d };
-                let mut z = [0.0; LANES];
+                let mut z = [0.0; COORDINATES];
                 z[..6].copy_from_slice(&state.to_relative());
                 (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
                 let series =

@@ -57,7 +57,7 @@ pub struct OutputValues<T = f64> {
     /// Their accelerations, m/s².
     pub acceleration: [T; 3],
     /// Relative displacement w (m) and velocity w' (m/s) of block and box.
-    pub gap: (T, T),
+    pub relative: (T, T),
     /// Contact force in rest, N: never negative, and exactly 0 in flight.
     pub contact_force: T,
     /// Force in the coupling spring, N.
@@ -160,17 +160,17 @@ impl OutputValues {
     pub fn of(simulator: &Simulator) -> Self {
         let State { x, v } = simulator.state();
         let EnergyAccounts { mechanical, input, damped, impact } = simulator.energy_accounts();
-        let (contact, gap) = (simulator.contact(), simulator.relative_motion());
+        let (contact, relative) = (simulator.contact(), simulator.relative_motion());
         let contact_force = simulator.contact_force();
         Self {
             time: simulator.time(),
             x,
             v,
             acceleration: simulator.acceleration(),
-            gap,
+            relative,
             contact_force,
             coupling_force: coupling_force(simulator.parameters(), &x),
-            indicators: indicators_of(simulator.parameters(), contact, gap.0, contact_force),
+            indicators: indicators_of(simulator.parameters(), contact, relative.0, contact_force),
             mechanical,
             input,
             damped,
@@ -186,7 +186,7 @@ impl OutputValues {
         let lists = [self.x, self.v, self.acceleration, self.indicators];
         let last = [impacts.last_time, impacts.last_impulse, impacts.last_speed];
         let sums = [impacts.total_impulse, impacts.box_impulse];
-        let forces = [self.time, self.gap.0, self.gap.1, self.contact_force, self.coupling_force];
+        let forces = [self.time, self.relative.0, self.relative.1, self.contact_force, self.coupling_force];
         let energies = [self.mechanical, self.input, self.damped, self.impact_loss];
         let numbers = lists.iter().flatten().chain(&last).chain(&sums).chain(&forces).chain(&energies);
         numbers.map(|number| number * 0.0).sum::<f64>() == 0.0
@@ -206,7 +206,7 @@ impl OutputValues {
             x: three(self.x, rate.x),
             v: three(self.v, rate.v),
             acceleration: three(self.acceleration, rate.acceleration),
-            gap: (pair(self.gap.0, rate.gap.0), pair(self.gap.1, rate.gap.1)),
+            relative: (pair(self.relative.0, rate.relative.0), pair(self.relative.1, rate.relative.1)),
             contact_force: pair(self.contact_force, rate.contact_force),
             coupling_force: pair(self.coupling_force, rate.coupling_force),
             indicators: three(self.indicators, rate.indicators),

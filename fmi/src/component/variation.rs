@@ -3,7 +3,7 @@
 use super::values::{OutputValues, coupling_force};
 use vibro_impact::flow::Series;
 use vibro_impact::model::{
-    Augmented, BOX_RATE, LANES, Model, RELATIVE, RELATIVE_RATE, SECONDARY_RATE, SmoothMode,
+    Augmented, BOX_RATE, COORDINATES, Model, RELATIVE, RELATIVE_RATE, SECONDARY_RATE, SmoothMode,
 };
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, ImpactRecord, State};
@@ -23,7 +23,7 @@ pub(crate) fn velocities(
     let series = Series::<4>::expand(model, mode, z, Some(&forces), 1.0 / model.rate);
     let rate = model.rate;
     let scale = [1.0, rate, 2.0 * rate * rate, 6.0 * rate * rate * rate]; // k!/r^k
-    [BOX_RATE, SECONDARY_RATE].map(|lane| std::array::from_fn(|k| series.lanes[k][lane] * scale[k]))
+    [BOX_RATE, SECONDARY_RATE].map(|lane| std::array::from_fn(|k| series.states[k][lane] * scale[k]))
 }
 
 /// Integral over an interval of length h from values and three derivatives at its ends.
@@ -74,12 +74,12 @@ pub(crate) fn variation(
 ) -> OutputValues {
     let (dx, d) = (&along.state, &along.parameters);
     let df = along.push(p, state, drive);
-    let mut z = [0.0; LANES];
+    let mut z = [0.0; COORDINATES];
     z[..6].copy_from_slice(&dx.to_relative());
     let mode = contact.mode();
     let (a, free) = model.acceleration(mode, &z, Some(df));
     let (x, v) = (&state.x, &state.v);
-    let (gap, contact_force) = match contact {
+    let (relative, contact_force) = match contact {
         Contact::Flight => ((z[RELATIVE], z[RELATIVE_RATE]), 0.0),
         contact => ((0.0, 0.0), model.reduced_mass * contact.side() * free),
     };
@@ -108,7 +108,7 @@ pub(crate) fn variation(
         x: dx.x,
         v: dx.v,
         acceleration: [a[0], a[0] + a[1], a[2]],
-        gap,
+        relative,
         contact_force,
         coupling_force: coupling_force(p, &dx.x) + d.coupling_stiffness * stretch,
         indicators,

@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
+use vibro_impact::numerics::digest::fnv1a;
 
 /// Oldest Python that the pinned requirements can be installed in.
 const OLDEST_PYTHON: (u32, u32) = (3, 9);
@@ -192,11 +193,4 @@ pub fn run(what: &str, command: &mut Command) -> String {
         output.status
     );
     stdout.into_owned()
-}
-
-/// FNV-1a, 64 bit: a name for the folder of these requirements; its stamp is compared in full.
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
 }

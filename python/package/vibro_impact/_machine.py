@@ -162,7 +162,7 @@ class Machine(ParameterValues):
     def lyapunov(
         self, start: Start = None, *, periods: int = 1500, settle: int = 400, progress: bool = False
     ) -> Spectrum:
-        """The seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 13).
+        """The seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 11).
 
         Parameters
         ----------

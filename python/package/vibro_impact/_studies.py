@@ -100,7 +100,7 @@ def bifurcation(
     ValueError, TypeError
         For arguments out of their range.
     """
-    _is_machine(machine)
+    _require_machine(machine)
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
@@ -148,7 +148,7 @@ def _axis(name: str, given: ArrayLike) -> tuple[tuple[float, float], int]:
     return (first, last), len(values)
 
 
-def _is_machine(machine: object) -> None:
+def _require_machine(machine: object) -> None:
     if not isinstance(machine, Machine):
         raise TypeError(f"machine is of type {type(machine).__name__}: allowed is Machine")
 
@@ -218,7 +218,7 @@ def basins(
     ValueError, TypeError, RuntimeError
         For arguments out of their range; what the simulator refuses, starts outside the stops apart.
     """
-    _is_machine(machine)
+    _require_machine(machine)
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")

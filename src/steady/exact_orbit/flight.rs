@@ -4,7 +4,7 @@
 use crate::error::{Error, Result};
 use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
 use crate::parameters::Parameters;
-use nalgebra::{Complex, Matrix2, Matrix4, SMatrix, Vector2, Vector4};
+use nalgebra::{Complex, Matrix2, Matrix4, Vector2, Vector4};
 use std::f64::consts::PI;
 
 /// A state (x1, x2, x3, v1, v2, v3) in units of L and ω1 L.
@@ -55,6 +55,8 @@ pub struct Flight {
     pub rate: f64,
     /// Taylor pieces in half a period, a power of two.
     pub pieces: u32,
+    /// Changes of v1 and v2 at an impact per unit of w'⁻, docs/theory.md (27).
+    pub(super) kick: [f64; 2],
 }
 
 /// The free flight's map exp(A Δ) over a span Δ of the phase, in its two blocks: in flight the box and the other two bodies do
@@ -90,10 +92,8 @@ impl Transition {
 /// The flight over half a period and its periodic answer to alternating unit impulses, docs/theory.md (72).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfPeriod {
-    /// M = exp(πA) of the box (x1, v1).
-    pub one: Matrix2<f64>,
-    /// M of block and secondary oscillator (x2, x3, v2, v3).
-    pub pair: Matrix4<f64>,
+    /// M = exp(πA).
+    pub map: Transition,
     /// G⁺ = (I+M)⁻¹ g.
     pub after: Vector6,
 }
@@ -128,7 +128,10 @@ impl Flight {
             kappa: p.stop_restitution,
             rate: 1.0,
             pieces: 1,
+            kick: [0.0; 2],
         };
+        let k = (1.0 + flight.kappa) / (1.0 + flight.epsilon);
+        flight.kick = [k * flight.epsilon, -k];
         // Bounds on the norm of A with velocities scaled by the root of the stiffness; the drive itself has the rate 1.
         let box_rate = flight.k1.sqrt() + flight.c1;
         let pair_rate = (flight.k2 + flight.k3 + flight.k32).sqrt() + flight.c3;
@@ -223,13 +226,13 @@ impl Flight {
     /// # Errors
     /// [`Error::Undefined`] when an undamped mode oscillates an odd number of times per drive period.
     pub(super) fn half_period(&self, p: &Parameters) -> Result<HalfPeriod> {
-        let Transition { one, pair } = self.transition(PI);
-        let first = (Matrix2::identity() + one).lu().solve(&Vector2::new(0.0, self.epsilon));
-        let rest = (Matrix4::identity() + pair).lu().solve(&Vector4::new(0.0, 0.0, -1.0, 0.0));
+        let map = self.transition(PI);
+        let first = (Matrix2::identity() + map.one).lu().solve(&Vector2::new(0.0, self.epsilon));
+        let rest = (Matrix4::identity() + map.pair).lu().solve(&Vector4::new(0.0, 0.0, -1.0, 0.0));
         let bounded = |x: &f64| x.abs() < LARGEST_RESPONSE;
         match (first, rest) {
             (Some(b), Some(r)) if b.iter().chain(r.iter()).all(bounded) => {
-                Ok(HalfPeriod { one, pair, after: Vector6::new(b[0], r[0], r[1], b[1], r[2], r[3]) })
+                Ok(HalfPeriod { map, after: Vector6::new(b[0], r[0], r[1], b[1], r[2], r[3]) })
             }
             _ => Err(Error::Undefined {
                 name: "drive.frequency",
@@ -258,63 +261,11 @@ impl Flight {
         })
     }
 
-    /// Accelerations of the free bodies at a state where the drive's force has the value `force`.
-    pub fn accelerations(&self, s: &Vector6, force: f64) -> [f64; 3] {
+    /// The rate of a state in flight at which the drive's force has the value `force`.
+    pub fn rate_of(&self, s: &Vector6, force: f64) -> Vector6 {
         let stretch = s[1] - s[2];
-        [
-            force - self.k1 * s[0] - self.c1 * s[3],
-            -self.k2 * stretch,
-            self.k32 * stretch - self.k3 * s[2] - self.c3 * s[5],
-        ]
-    }
-
-    /// The half-cycle map D_h = -S M of deviations from just after one impact to just after the next, docs/theory.md (79), with
-    /// the saltation matrix S of an impact at the upper stop, (78). `before` and `after` are the states at the impact and
-    /// `force` is the value of the drive's force there.
-    pub(super) fn half_map(
-        &self,
-        half: &HalfPeriod,
-        before: &Vector6,
-        after: &Vector6,
-        force: f64,
-    ) -> SMatrix<f64, 6, 6> {
-        // The impact law, docs/theory.md (27), changes v1 by share1 w'⁻ and v2 by -share2 w'⁻.
-        let k = (1.0 + self.kappa) / (1.0 + self.epsilon);
-        let (share1, share2) = (k * self.epsilon, k);
-        let [a1, a2, a3] = self.accelerations(before, force);
-        let [b1, b2, b3] = self.accelerations(after, force);
-        let speed = before[4] - before[3];
-        let jump = a2 - a1;
-        let kick = [
-            after[3] - before[3],
-            after[4] - before[4],
-            after[5] - before[5],
-            b1 - a1 - share1 * jump,
-            b2 - a2 + share2 * jump,
-            b3 - a3,
-        ]
-        .map(|x| x / speed);
-        let mut free = SMatrix::<f64, 6, 6>::zeros();
-        for (i, &row) in [0, 3].iter().enumerate() {
-            for (j, &column) in [0, 3].iter().enumerate() {
-                free[(row, column)] = half.one[(i, j)];
-            }
-        }
-        for (i, &row) in [1, 2, 4, 5].iter().enumerate() {
-            for (j, &column) in [1, 2, 4, 5].iter().enumerate() {
-                free[(row, column)] = half.pair[(i, j)];
-            }
-        }
-        let mut map = -free;
-        for column in 0..6 {
-            let w = free[(1, column)] - free[(0, column)];
-            let dw = free[(4, column)] - free[(3, column)];
-            for row in 0..6 {
-                map[(row, column)] -= kick[row] * w;
-            }
-            map[(3, column)] -= share1 * dw;
-            map[(4, column)] += share2 * dw;
-        }
-        map
+        let a1 = force - self.k1 * s[0] - self.c1 * s[3];
+        let a3 = self.k32 * stretch - self.k3 * s[2] - self.c3 * s[5];
+        Vector6::new(s[3], s[4], s[5], a1, -self.k2 * stretch, a3)
     }
 }

@@ -6,6 +6,7 @@
 //! impact, (75). There is no small parameter and no truncation but that of double precision.
 
 mod flight;
+mod impact;
 mod orbit;
 
 pub use flight::{Flight, Transition, Vector6};

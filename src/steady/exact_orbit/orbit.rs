@@ -95,10 +95,13 @@ impl ExactOrbit {
         let mut after = p * family.half.after;
         after[0] += forced.im;
         after[3] += forced.re;
-        let mut before = after;
-        before[3] -= p * flight.epsilon;
-        before[4] += p;
-        let map = flight.half_map(&family.half, &before, &after, flight.force * phase.sin());
+        let before = flight.pushed(&after, -p);
+        let force = flight.force * phase.sin();
+        let [approach, departure] = [&before, &after].map(|z| flight.rate_of(z, force));
+        let delay = flight.delay(&approach, 0.0, &departure) / (before[4] - before[3]);
+        // D_h = -S M of docs/theory.md (79), column by column.
+        let half = |unit: Vector6| -flight.saltate(&family.half.map.apply(&unit), &delay);
+        let map = SMatrix::from_columns(&[0, 1, 2, 3, 4, 5].map(|i| half(Vector6::ith(i, 1.0))));
         let mut orbit = Self {
             parameters: family.parameters,
             flight,

@@ -15,6 +15,7 @@ use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi2::types::FmiEventInfo;
 use vibro_fmi::component::variables::{VARIABLES, reference};
+use vibro_impact::numerics::digest::fnv1a;
 
 const FATAL: c_int = 4;
 /// Elements of every buffer: the largest count that is not refused.
@@ -259,10 +260,7 @@ impl Host {
 /// Puts the right checksum (FNV-1a) behind altered bytes, so that what is behind it is reached.
 fn mend(bytes: &mut [u8]) {
     if let Some((content, checksum)) = bytes.split_last_chunk_mut::<8>() {
-        let hash = content.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        });
-        *checksum = hash.to_le_bytes();
+        *checksum = fnv1a(content).to_le_bytes();
     }
 }
 

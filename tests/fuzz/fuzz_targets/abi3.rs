@@ -18,6 +18,7 @@ use vibro_fmi::fmi2::abi::{
     fmi2DeSerializeFMUstate, fmi2DoStep, fmi2FreeInstance, fmi2GetReal, fmi2Instantiate, fmi2SetFMUstate,
 };
 use vibro_fmi::fmi3::abi::*;
+use vibro_impact::numerics::digest::fnv1a;
 use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token, value_reference, variables};
 
 const OK: c_int = 0;
@@ -299,10 +300,7 @@ impl Host {
 /// Puts the right checksum (FNV-1a) behind altered bytes, so that what is behind it is reached.
 fn mend(bytes: &mut [u8]) {
     if let Some((content, checksum)) = bytes.split_last_chunk_mut::<8>() {
-        let hash = content.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        });
-        *checksum = hash.to_le_bytes();
+        *checksum = fnv1a(content).to_le_bytes();
     }
 }
 

@@ -92,23 +92,23 @@ fn table(along: Name, families: &[Family]) -> Table {
 }
 
 /// Pieces of the curves that are shown, stable ones and others.
-fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> f64) -> [Vec<Path>; 2] {
+fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Vec<Path>; 2] {
     let mut parts: [Vec<Path>; 2] = [Vec::new(), Vec::new()];
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
             // As in the paper only the right branch is shown. A solution that passes a stop is no motion.
-            let shown = pair.iter().all(|p| p.right && p.clear);
-            if !shown {
+            let shown = |p: &ResponsePoint| if p.right && p.clear { y(p) } else { None };
+            let (Some(from), Some(to)) = (shown(&pair[0]), shown(&pair[1])) else {
                 state = None;
                 continue;
-            }
+            };
             let part = &mut parts[usize::from(!pair[0].stable)];
             if state != Some(pair[0].stable) {
-                part.push(vec![(pair[0].value, y(&pair[0]))]);
+                part.push(vec![(pair[0].value, from)]);
                 state = Some(pair[0].stable);
             }
-            part.last_mut().into_iter().for_each(|p| p.push((pair[1].value, y(&pair[1]))));
+            part.last_mut().into_iter().for_each(|p| p.push((pair[1].value, to)));
         }
     }
     parts
@@ -129,13 +129,12 @@ impl Shown {
         asked.map_or_else(|| vec![Self::C, Self::A3], |of| vec![Self::Of(of)])
     }
 
-    /// In units of L.
-    fn value(self, p: &ResponsePoint) -> f64 {
+    /// In units of L; `None` where a point does not hold it.
+    fn value(self, p: &ResponsePoint) -> Option<f64> {
         match self {
-            Self::C => p.c,
-            Self::A3 => p.a[2],
-            // A sum has no name to ask for it by.
-            Self::Of(of) => p.amplitude(of).unwrap_or(p.c),
+            Self::C => Some(p.c),
+            Self::A3 => Some(p.a[2]),
+            Self::Of(of) => p.amplitude(of),
         }
     }
 
@@ -171,7 +170,9 @@ impl Panels<'_> {
             let name = self.set.told(family.name, *value);
             // Lengths are in units of the gap of their point.
             let member = self.lengths.ratio(family.name, *value);
-            let y = |p: &ResponsePoint| member * self.lengths.ratio(self.along, p.value) * shown.value(p);
+            let y = |p: &ResponsePoint| {
+                shown.value(p).map(|value| member * self.lengths.ratio(self.along, p.value) * value)
+            };
             for r in responses {
                 let [stable, unstable] = pieces(r, y);
                 let points = stable.iter().chain(&unstable).flatten();
@@ -254,14 +255,10 @@ impl ResponseFigure<'_> {
     fn study(&self, set: &ParameterSet) -> Result<Study> {
         let (along, range) = (self.along, self.range);
         let own = |family: &(Name, &str, &[f64])| family.2 == [family.0.value(set)];
-        let mut shown: Vec<_> = self.families.iter().filter(|f| !f.2.is_empty()).collect();
-        if let Some(first) = shown.iter().position(|f| own(f)) {
-            let mut index = 0;
-            shown.retain(|f| {
-                index += 1;
-                index - 1 <= first || !own(f)
-            });
-        }
+        let with_values = || self.families.iter().filter(|f| !f.2.is_empty());
+        let first_own = with_values().position(own);
+        let once = |(index, f): &(usize, &_)| Some(*index) == first_own || !own(f);
+        let shown: Vec<_> = with_values().enumerate().filter(once).map(|(_, f)| f).collect();
         let families =
             shown.iter().map(|f| family(set, along, range, (f.0, f.2))).collect::<Result<Vec<_>>>()?;
         let panels = Panels { set, lengths: Lengths::of(set), along, range };
@@ -372,4 +369,33 @@ pub fn along(
         of,
     }
     .study(set)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A curve does not hold the amplitude of a sum: nothing is drawn for it, and no other amplitude in its place.
+    #[test]
+    fn an_amplitude_that_a_point_does_not_hold_is_not_shown() {
+        let point = ResponsePoint {
+            value: 1.0,
+            sheet: vibro_impact::steady::Sheet::Upper,
+            c: 2.0,
+            b: 3.0,
+            a: [4.0, 5.0, 6.0],
+            w: 1.0,
+            stable: true,
+            clear: true,
+            right: true,
+            special: None,
+        };
+        let response = Response {
+            method: Method::ExactOrbit,
+            curves: vec![vec![point, ResponsePoint { value: 1.5, ..point }]],
+        };
+        let drawn = |shown: Shown| pieces(&response, |p| shown.value(p));
+        assert_eq!(drawn(Shown::Of(Displacement::X3)), [vec![vec![(1.0, 6.0), (1.5, 6.0)]], vec![]]);
+        assert_eq!(drawn(Shown::Of(Displacement::Sum([1.0, 2.0, 0.0]))), [Vec::<Path>::new(), Vec::new()]);
+    }
 }

@@ -3,7 +3,7 @@
 use super::Continuous;
 use crate::component::values::OutputValues;
 use crate::component::variation::{Direction, quadrature, variation, velocities};
-use vibro_impact::model::{DRIVE_COS, DRIVE_SIN, LANES};
+use vibro_impact::model::{COORDINATES, DRIVE_COS, DRIVE_SIN};
 
 impl Continuous {
     /// How the outputs vary along a direction, all else held.
@@ -19,7 +19,7 @@ impl Continuous {
             let slope = std::array::from_fn(|i| (now.forces[i] - from.forces[i]) / h);
             let (a, b) = (self.velocities(&from, slope), self.velocities(&now, slope));
             let (mode, turn) = (self.mode(), df.map(|df| df / h));
-            let mut z = [0.0; LANES];
+            let mut z = [0.0; COORDINATES];
             let da = velocities(&self.model, mode, &z, [0.0; 3], turn);
             z[..6].copy_from_slice(&along.state.to_relative());
             let db = velocities(&self.model, mode, &z, df, turn);

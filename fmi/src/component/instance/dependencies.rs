@@ -108,5 +108,5 @@ fn generic(contact: Contact) -> Settings {
 
 fn evaluate(settings: &Settings, time: f64, contact: Contact) -> Option<OutputValues> {
     let forces = settings.loads.derivatives.map(|load| load[0]);
-    Some(Continuous::frozen(&settings.parameters, settings.start, time, contact, forces).ok()?.values())
+    Some(Continuous::at(&settings.parameters, settings.start, time, contact, forces).ok()?.values())
 }

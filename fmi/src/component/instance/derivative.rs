@@ -173,7 +173,7 @@ impl Instance {
         let values = if settings.mode == SolutionMode::EventDriven && !settings.start_on_orbit {
             // The contact is held: a start at a stop must not change sides.
             let (p, time) = (&settings.parameters, self.start_time());
-            Continuous::frozen(p, settings.start, time, contact, forces(settings))?.values()
+            Continuous::at(p, settings.start, time, contact, forces(settings))?.values()
         } else {
             self.initial_values(settings)?
         };

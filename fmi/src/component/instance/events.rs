@@ -154,7 +154,7 @@ impl Instance {
         if let (Some(shown), Ok(())) = (shown, self.refresh_values()) {
             self.tick.active = impacts(&self.values.impacts) > shown;
             if self.tick.active {
-                let w = self.values.gap.0;
+                let w = self.values.relative.0;
                 self.tick.side = if side != 0 { side } else { w.signum() as i8 };
             }
         }

@@ -237,8 +237,8 @@ const TABLE: &[(u32, Variable)] = &[
 
     // Contact
     (29, by(&["stop.gap"], output(Section::Contact, "stop.s", "Displacement of the block relative to the box (w = x2 - x1); contact at -stop.gap and +stop.gap",
-        real(units::POSITION), reading!(|m| m.gap.0), GAP))),
-    (30, output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.gap.1),
+        real(units::POSITION), reading!(|m| m.relative.0), GAP))),
+    (30, output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.relative.1),
         &[("box.v", AtEvents), ("block.v", AtEvents)])),
     (31, by(PRESSING, at_start(MOTION_AT_START, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
         the block away from the stop and the box towards it. Forces on the bodies and powers need the sign of the stop, which stop.state tells: the force on the box is \

@@ -136,7 +136,8 @@ impl MaximumFinder {
         (time, radius): (f64, f64),
         found: &mut dyn FnMut(Maximum),
     ) {
-        let rate: [f64; N] = std::array::from_fn(|k| weighted_sum(&self.weights, &series.lanes[k], BOX_RATE));
+        let rate: [f64; N] =
+            std::array::from_fn(|k| weighted_sum(&self.weights, &series.states[k], BOX_RATE));
         let spread: f64 = rate[1..].iter().map(|c| c.abs()).sum();
         let steady = rate[0].abs() > spread && (rate[0] > 0.0) == self.rising;
         // Each turn is a root of the rate, of which there are fewer than its terms.
@@ -144,7 +145,8 @@ impl MaximumFinder {
             let sought = if self.rising { rate.map(|c| -c) } else { rate };
             let Some(u) = first_crossing(&sought, from, to, &mut 0) else { break };
             if self.rising {
-                let q: [f64; N] = std::array::from_fn(|k| weighted_sum(&self.weights, &series.lanes[k], BOX));
+                let q: [f64; N] =
+                    std::array::from_fn(|k| weighted_sum(&self.weights, &series.states[k], BOX));
                 found(Maximum { time: time + u * radius, value: value(&q, u), corner: false });
             }
             self.rising = !self.rising;

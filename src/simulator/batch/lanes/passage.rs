@@ -21,6 +21,9 @@ const FACTORIALS: [f64; CENTRED] = {
 /// 0.09¹⁰/9!, is still under the rounding of a double (docs/numerics.md, section 1), and a gap that is only just short of the stop
 /// at the end can be followed into the next interval.
 pub(super) const REACH: f64 = 6.0 / 5.0;
+/// How far the first iterate of a search may be, in half intervals: up to here the bounds up to [`REACH`] still tell enough
+/// (docs/numerics.md, section 7).
+const BEYOND: f64 = 5.0 / 4.0;
 /// REACH^k.
 const POWERS: [f64; CENTRED] = {
     let mut r = [1.0; CENTRED];
@@ -216,8 +219,8 @@ impl<S: Simd> Excess<S> {
         let (bend, twist) = (c[2] * scale, c[3] * scale);
         let inner = (bend + bend).mul_add(bend, -twist);
         let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
-        // With K = `squares` the error before a step m is at most m + K m², and after it at most K times the square of that:
-        // 4 K m² for K m ≤ 1. A first step so long that K m > 1 makes `last` larger than 128, and nothing is found.
+        // With K = `squares` the error after a step m is at most 4 K m² for K m ≤ 1; where K m > 1, `last` is large and nothing is
+        // found (docs/numerics.md, section 7).
         let step = polynomial(c, start) / polynomial(d, start);
         let error = splat(4.0) * squares * step * step;
         let once = start - step;
@@ -234,7 +237,8 @@ impl<S: Simd> Excess<S> {
         let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));
         let u = soon.select(once, enough.select(twice, thrice));
         let reach = splat(REACH);
-        let inside = start.abs().less_than(reach) & from.less_than(u) & u.less_than(reach);
+        let near = start.abs().less_than(reach) & once.abs().less_than(splat(BEYOND));
+        let inside = near & from.less_than(u) & u.less_than(reach);
         // What rises from c[0] to zero stays in between. Where a zero at the start was divided out, the block is at most REACH
         // times |c[0]| away from its stop until it returns, so it does not come to the other one.
         let alone = centred | (-c[0]).less_than(gap);

@@ -45,7 +45,8 @@ impl Reporter {
     /// For a motion that is about to begin; it keeps no energy accounts from now on.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, and for samples without a time between them or more than can be numbered.
+    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, and for samples without a time
+    /// between them or more than can be numbered.
     pub(super) fn new(simulator: &mut Simulator, reports: Reports, end: f64) -> Result<Self> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {

@@ -3,7 +3,7 @@
 use super::LaneSet;
 use super::transition::Transition;
 use crate::flow::{CORE, INTERVALS, Table};
-use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN};
+use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN, ImpactFactors};
 use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
 use crate::simulator::batch::vectors::{ROW, Row, Wide};
@@ -120,7 +120,7 @@ impl LaneSystems {
         let interval = simulator.interval();
         let r = 0.5 * interval;
         let m = &simulator.model;
-        let [kick, impulse, loss] = m.impact_factors();
+        let ImpactFactors { kick, impulse, loss } = m.impact_factors();
         for (row, value) in [
             (&mut self.substep, simulator.substep),
             (&mut self.interval, interval),

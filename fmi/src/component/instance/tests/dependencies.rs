@@ -205,7 +205,7 @@ fn second_method_initial_unknowns_move_with_what_they_list_alone() {
 fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
     let w = if contact == Contact::Flight { 0.3 } else { contact.side() };
     let start = State { x: [0.1, 0.1 + w, 0.2], v: [0.4, 0.4, 0.5] };
-    let mut motion = Continuous::frozen(parameters, start, 0.0, contact, [0.3, 0.5, 0.2]).unwrap();
+    let mut motion = Continuous::at(parameters, start, 0.0, contact, [0.3, 0.5, 0.2]).unwrap();
     let mut read = vec![motion.values()];
     motion.set_time(0.25).unwrap();
     motion.set_state(State { x: [0.2, 0.2 + w, 0.3], v: [0.3, 0.3, 0.4] });
@@ -221,13 +221,13 @@ fn after_event(parameters: &Parameters) -> OutputValues {
     let merged = (state.v[0] + 0.1 * state.v[1]) / 1.1; // the block has a tenth of the box's mass
     let together = State { v: [merged, merged, state.v[2]], ..state };
     let free = |load| {
-        let flight = Continuous::frozen(&plastic(), together, 0.25, Contact::Flight, forces(load)).unwrap();
+        let flight = Continuous::at(&plastic(), together, 0.25, Contact::Flight, forces(load)).unwrap();
         let [a1, a2, _] = flight.values().acceleration;
         a2 - a1
     };
     // Relative acceleration is linear in the load on the block.
     let load = (PRESSURE - free(0.0)) / (free(1.0) - free(0.0));
-    let mut motion = Continuous::frozen(parameters, state, 0.25, Contact::Flight, forces(load)).unwrap();
+    let mut motion = Continuous::at(parameters, state, 0.25, Contact::Flight, forces(load)).unwrap();
     motion.handle_event(&mut |_| ());
     motion.values()
 }

@@ -1,0 +1,91 @@
+//! What happens at an event of the model for a host's own solver.
+
+use super::Continuous;
+use vibro_impact::model::{BOX_RATE, Impact, RELATIVE_RATE, SmoothMode};
+use vibro_impact::simulator::{Contact, Event};
+
+/// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10 off. A bounce lower than
+/// this cannot be told from resting, so there a chatter run ends.
+const CONTACT: f64 = 1e-9;
+/// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
+/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of the displacements.
+const SHIFT: f64 = 1e-12;
+
+impl Continuous {
+    /// The laws at an event: impact, rest or release, as far as the present point calls for one; reports them and returns
+    /// whether states changed.
+    pub(crate) fn handle_event(&mut self, report: &mut dyn FnMut(&Event)) -> bool {
+        let before = self.data.state;
+        match self.data.contact {
+            Contact::Flight => {
+                let w = before.x[1] - before.x[0];
+                let gap = self.model.gap;
+                if gap - w.abs() <= CONTACT * gap {
+                    self.touch(w.signum(), report);
+                }
+            }
+            contact => {
+                if contact.side() * self.accelerations().1 <= 0.0 {
+                    self.data.contact = Contact::Flight;
+                    self.data.state.v[1] = self.data.state.v[0];
+                    self.keep_off(contact.side());
+                    let side = contact.side() as i8;
+                    report(&Event::Release { time: self.data.time, side });
+                }
+            }
+        }
+        self.anchor();
+        self.data.state != before
+    }
+
+    /// At stop `side`: an impact when it is approached, rest when it is pressed on without bouncing.
+    fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
+        let (time, stop) = (self.data.time, side as i8);
+        let mut z = self.augmented();
+        if side * z[RELATIVE_RATE] > 0.0 {
+            let Impact { speed, impulse, lost } = self.model.impact(&mut z, side);
+            self.data.record.count(side, time, speed, impulse);
+            self.data.lost += lost;
+            report(&Event::Impact { time, side: stop, speed, impulse });
+        }
+        let rebound = -side * z[RELATIVE_RATE];
+        let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
+        // Height of the bounce: rebound²/(2 pressing). An elastic block bounces for ever.
+        let low = rebound * rebound <= 2.0 * pressing * CONTACT * self.model.gap;
+        if pressing > 0.0 && low && (rebound == 0.0 || self.model.restitution < 1.0) {
+            self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
+            self.data.lost += self.model.merge(&mut z);
+            self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+            report(&Event::Rest { time, side: stop });
+        }
+        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[RELATIVE_RATE]);
+        let resting = self.data.contact != Contact::Flight;
+        if resting {
+            self.bring_closer(self.excess(side, 1.0));
+            self.data.state.v[1] = self.data.state.v[0];
+        } else {
+            self.keep_off(side);
+        }
+    }
+
+    /// Puts the block a little off stop `side`; further inside it stays where it is.
+    fn keep_off(&mut self, side: f64) {
+        let excess = self.excess(side, 1.0 - SHIFT);
+        if side * excess > 0.0 {
+            self.bring_closer(excess);
+        }
+    }
+
+    /// By how much box and block are farther apart than `share` gaps on `side`, with the sign of w.
+    fn excess(&self, side: f64, share: f64) -> f64 {
+        let x = &self.data.state.x;
+        (x[1] - x[0]) - side * share * self.model.gap
+    }
+
+    /// Brings box and block closer by a part of w, their centre of mass held.
+    fn bring_closer(&mut self, by: f64) {
+        let x = &mut self.data.state.x;
+        x[0] += self.model.block_share * by;
+        x[1] -= (1.0 - self.model.block_share) * by;
+    }
+}

@@ -1,0 +1,138 @@
+//! What an impact makes of variations of the motion (docs/theory.md (83), (84)).
+
+use super::{Augmented, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+
+/// The jump of variations at an impact, the saltation matrix of docs/theory.md (78) in the coordinates (83): the places of x1 and
+/// x1' hold the variations of the centre of mass of box and block and of its rate. w' before the impact has its sign, so the law is
+/// one for both stops.
+///
+/// ```
+/// use vibro_impact::model::{Model, RELATIVE, RELATIVE_RATE, Saltation};
+///
+/// let model = Model::new(&vibro_impact::Parameters::default())?;
+/// let mut after = [0.0; 8];
+/// (after[RELATIVE], after[RELATIVE_RATE]) = (model.gap, -model.restitution * 0.5);
+/// let jump = Saltation::new(&model, 0.5, &after, [0.0; 3], 1.0);
+/// let mut varied = [0.0; 8];
+/// varied[RELATIVE] = 1e-6;
+/// jump.apply(&mut varied);
+/// assert_eq!(varied[RELATIVE], -model.restitution * 1e-6);
+/// # Ok::<(), vibro_impact::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Saltation {
+    restitution: f64,
+    /// δw' after the impact per δw before it.
+    kick: f64,
+    /// The change of the centre's rate per change of δw: the damper's force on the box is the only other one that jumps.
+    push: f64,
+}
+
+impl Saltation {
+    /// The jump at an impact with w' = `rate` before it, m/s, and the state `after` it, and after the merge where one follows,
+    /// under `loads`, N. Rates of variations are counted in the unit of their displacements times `unit`, 1/s. A contact without speed
+    /// changes no state; its jump does not exist, and variations are left as they are.
+    #[inline]
+    pub fn new(model: &Model, rate: f64, after: &Augmented, loads: [f64; 3], unit: f64) -> Self {
+        if rate == 0.0 {
+            return Self { restitution: -1.0, kick: 0.0, push: 0.0 };
+        }
+        // a_w⁺ + κ a_w⁻. The free acceleration is affine in w' (docs/theory.md (13)), whose parts cancel: what is left is 1 + κ times
+        // the acceleration of a block that moves with the box, as fast as their centre of mass, also where a merge followed.
+        let mut together = *after;
+        together[BOX_RATE] += model.block_share * after[RELATIVE_RATE];
+        together[RELATIVE_RATE] = 0.0;
+        let (_, free) = model.acceleration(SmoothMode::Flight, &together, Some(loads));
+        let kick = (1.0 + model.restitution) * free / (rate * unit);
+        Self { restitution: model.restitution, kick, push: push(model, unit) }
+    }
+
+    /// A variation through the impact.
+    #[inline(always)]
+    pub fn apply(&self, v: &mut Augmented) {
+        let w = v[RELATIVE];
+        v[RELATIVE] = -self.restitution * w;
+        v[RELATIVE_RATE] = -self.restitution * v[RELATIVE_RATE] + self.kick * w;
+        v[BOX_RATE] += self.push * (v[RELATIVE] - w);
+    }
+
+    /// A variation through the merge into rest: what is left of its relative motion ends, and in the bounces that the merge stands for
+    /// the damper acts on the centre of mass by as much as w changes.
+    #[inline(always)]
+    pub fn merge(model: &Model, v: &mut Augmented, unit: f64) {
+        v[BOX_RATE] -= push(model, unit) * v[RELATIVE];
+        (v[RELATIVE], v[RELATIVE_RATE]) = (0.0, 0.0);
+    }
+}
+
+/// The change of the centre's rate per change of w by the damper's force on the box, in `unit`.
+#[inline(always)]
+fn push(model: &Model, unit: f64) -> f64 {
+    (1.0 - model.block_share) * model.block_share * model.c1 / unit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::Series;
+    use crate::model::BOX;
+    use crate::parameters::Parameters;
+
+    /// From the coordinates (83) to those of the model and back, with the block's share and its negative.
+    fn turned(v: &Augmented, share: f64) -> Augmented {
+        let mut z = *v;
+        z[BOX] -= share * z[RELATIVE];
+        z[BOX_RATE] -= share * z[RELATIVE_RATE];
+        z
+    }
+
+    /// The bounces of a chatter run one by one, with a variation, against the merge in their place: the damper acts on the centre of
+    /// mass meanwhile.
+    #[test]
+    fn second_method_a_merge_is_what_the_bounces_come_to() {
+        /// The run takes 4e-5 of the unit of time, in which nothing else changes by more than that part.
+        const SHORT: f64 = 1e-3;
+        let p = Parameters {
+            box_stiffness: 0.0,
+            box_damping: 0.5,
+            block_mass: 1.0,
+            coupling_stiffness: 0.0,
+            drive_amplitude: 0.0,
+            stop_restitution: 0.5,
+            ..Parameters::default()
+        };
+        let model = Model::new(&p).unwrap();
+        let pressing = [0.0, 1.0, 0.0];
+        let forces = pressing.map(|f| [f, 0.0, 0.0, 0.0]);
+        let (mut z, mut v) = ([0.0; 8], [0.0; 8]);
+        (z[RELATIVE], z[RELATIVE_RATE], v[RELATIVE]) = (model.gap, 1e-5, 1.0);
+        let mut merged = v;
+        for bounce in 0..40 {
+            let rate = z[RELATIVE_RATE];
+            model.impact(&mut z, 1.0);
+            let jump = Saltation::new(&model, rate, &z, pressing, 1.0);
+            jump.apply(&mut v);
+            if bounce == 0 {
+                jump.apply(&mut merged);
+                Saltation::merge(&model, &mut merged, 1.0);
+            }
+            // Back to the stop: the acceleration is constant but for the damper.
+            let (_, free) = model.acceleration(SmoothMode::Flight, &z, Some(pressing));
+            let mut span = -2.0 * z[RELATIVE_RATE] / free;
+            let flown = |z: &Augmented, forces, span| {
+                Series::<12>::expand(&model, SmoothMode::Flight, z, forces, span).at(1.0)
+            };
+            for _ in 0..4 {
+                let there = flown(&z, Some(&forces), span);
+                span -= (there[RELATIVE] - model.gap) / there[RELATIVE_RATE];
+            }
+            z = flown(&z, Some(&forces), span);
+            z[RELATIVE] = model.gap;
+            v = turned(&flown(&turned(&v, model.block_share), None, span), -model.block_share);
+        }
+        let lost = push(&model, 1.0);
+        assert!(lost > 0.01 && (merged[BOX_RATE] + lost).abs() < SHORT * lost);
+        assert!((v[BOX_RATE] - merged[BOX_RATE]).abs() < SHORT * lost, "{v:?} {merged:?}");
+        assert!(v[RELATIVE].abs() < SHORT);
+    }
+}

@@ -1,0 +1,42 @@
+//! The digest FNV-1a: the same on every machine and for every version, unlike the hashes of the standard library. It tells texts and
+//! saved bytes apart and notices accidental change; it is no signature.
+
+/// The digest of nothing, with which every other one begins.
+pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// The digest of what has the digest `of` and of `bytes` after it.
+pub fn extended(of: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(of, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// The digest of `bytes`, 64 bit.
+///
+/// ```
+/// assert_eq!(vibro_impact::numerics::digest::fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);
+/// ```
+pub fn fnv1a(bytes: &[u8]) -> u64 {
+    extended(EMPTY, bytes)
+}
+
+/// The same with 128 bit.
+pub fn fnv1a_128(bytes: &[u8]) -> u128 {
+    const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    bytes.iter().fold(OFFSET, |hash, byte| (hash ^ u128::from(*byte)).wrapping_mul(PRIME))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Test vectors of the digest's authors.
+    #[test]
+    fn golden_values_of_fnv1a() {
+        assert_eq!(fnv1a(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(fnv1a(b"foobar"), 0x8594_4171_f739_67e8);
+        assert_eq!(extended(fnv1a(b"foo"), b"bar"), fnv1a(b"foobar"));
+        assert_eq!(fnv1a_128(b""), 0x6c62272e07bb014262b821756295c58d);
+        assert_eq!(fnv1a_128(b"a"), 0xd228cb696f1a8caf78912b704e4a8964);
+    }
+}
