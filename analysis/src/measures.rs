@@ -140,20 +140,29 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
 /// since the scale of the limit law of extremes does not depend on the number of parts, docs/studies.md (N4); a mean by as much less as
 /// there are more of them, (N5).
 fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
-    let taken_together = match measure {
-        Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock => return 0.0,
-        Measure::Amplitude(_) | Measure::PeakToPeak(_) | Measure::Maximum(_) => 1.0,
-        Measure::ImpactSpeed | Measure::ImpactImpulse => 1.0,
-        _ => parts.len() as f64,
-    };
-    let count = parts.len() as f64;
     if parts.len() < 2 {
         return 0.0;
     }
     let numbers: Vec<f64> = parts.iter().map(|part| part.number(measure, p)).collect();
+    match measure {
+        Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock => 0.0,
+        Measure::Amplitude(_) | Measure::PeakToPeak(_) | Measure::Maximum(_) => deviation(&numbers),
+        Measure::ImpactSpeed | Measure::ImpactImpulse => deviation(&numbers),
+        _ => {
+            // Parts that follow each other are not independent; pairs are less dependent than single ones.
+            let pairs: Vec<f64> = numbers.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+            let error = |of: &[f64]| deviation(of) / (of.len() as f64).sqrt();
+            if pairs.len() < 2 { error(&numbers) } else { error(&numbers).max(error(&pairs)) }
+        }
+    }
+}
+
+/// The standard deviation of numbers, of which there are two at least.
+fn deviation(numbers: &[f64]) -> f64 {
+    let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;
     let scatter = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-    (scatter / (count - 1.0) / taken_together).sqrt()
+    (scatter / (count - 1.0)).sqrt()
 }
 
 /// Passes over the next drive periods, in parts.

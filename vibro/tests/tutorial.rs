@@ -81,9 +81,9 @@ fn the_tutorial_says_what_its_commands_find() {
     // 3. One motion, periodic.
     let rows = guide::rows("tutorial", "look/run.csv");
     let amplitude = rows.iter().map(|row| row[1].abs()).fold(0.0, f64::max);
-    close(told(page, "(the box # mm)"), 1e3 * amplitude, TOLD);
+    close(told(page, "(of the box # mm)"), 1e3 * amplitude, TOLD);
     let impacts = guide::rows("tutorial", "look/run-impacts.csv");
-    close(told(page, "(# m/s, "), impacts.iter().map(|row| row[2]).fold(0.0, f64::max), TOLD);
+    close(told(page, "the impacts (# m/s and "), impacts.iter().map(|row| row[2]).fold(0.0, f64::max), TOLD);
     assert!(said.iter().any(|text| text.contains("class: 1T")));
     // 4. The choice and its neighbours.
     let designs = table("designs/sweep.csv");
@@ -122,7 +122,7 @@ fn the_tutorial_says_what_its_commands_find() {
     // 5. The check.
     let check = table("check/sweep.csv");
     assert!(check.iter().all(|row| row["reason"].is_empty()));
-    close(told(page, "the worst is # mm"), 1e3 * largest(&check, "amplitude.x1.max"), IRREGULAR);
+    close(told(page, "The worst amplitude is # mm"), 1e3 * largest(&check, "amplitude.x1.max"), IRREGULAR);
 
     // The pictures of the page are those of the commands: the same words, since the curves may differ in last digits.
     for (picture, file) in [
