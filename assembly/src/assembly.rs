@@ -2,6 +2,7 @@
 
 use crate::description::{BodyKind, Description};
 use crate::error::Error;
+use crate::mode::Watch;
 use crate::system::System;
 
 /// A machine that was checked, with its matrices.
@@ -27,6 +28,18 @@ impl Assembly {
             .map(|b| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) })
             .collect();
         Ok(Self { description, system, starts })
+    }
+
+    /// The element of a watched functional, as `stop.NAME` or `friction.NAME`.
+    pub(crate) fn name_of(&self, watch: Watch) -> String {
+        match watch {
+            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+                format!("stop.{}", self.description.stops[i].name)
+            }
+            Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => {
+                format!("friction.{}", self.description.frictions[i].name)
+            }
+        }
     }
 
     /// The matrices.

@@ -37,9 +37,11 @@ pub struct Selection<'a> {
     sizes: Vec<Sizes>,
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
-    /// Contacts whose force in the first solution lies strictly inside its bounds: the preferred basis, since what depends on them
-    /// then keeps its share, which is a bound or zero.
+    /// Contacts in the order in which their forces came to lie strictly inside their bounds: the preferred basis, since what
+    /// depends on them then keeps its share, which is a bound or zero.
     preferred: Vec<Contact>,
+    /// By friction: whether it has left its static level.
+    released: Vec<bool>,
     /// By friction: the direction in which its force was at its level in the first solution that decided on it, else 0.
     at_level: Vec<f64>,
 }
@@ -67,13 +69,14 @@ impl<'a> Selection<'a> {
         sizes: &Sizes,
         touching: &Touching,
     ) -> Result<Mode, Jam> {
-        let mut released = Vec::new();
+        let mut released = vec![false; system.frictions.len()];
         loop {
             let mut selection = Self::begin(system, z, sizes, touching, &released);
-            match selection.run()? {
-                Some(friction) => released.push(friction),
-                None => return Ok(selection.finish()),
+            let leaving = selection.run()?;
+            if leaving.is_empty() {
+                return Ok(selection.finish());
             }
+            leaving.into_iter().for_each(|i| released[i] = true);
         }
     }
 
@@ -82,7 +85,7 @@ impl<'a> Selection<'a> {
         z: &DVector<f64>,
         sizes: &Sizes,
         touching: &Touching,
-        released: &[(usize, f64)],
+        released: &[bool],
     ) -> Self {
         let mut selection = Self {
             system,
@@ -92,6 +95,7 @@ impl<'a> Selection<'a> {
             frictions: Vec::new(),
             preferred: Vec::new(),
             at_level: vec![0.0; system.frictions.len()],
+            released: released.to_vec(),
         };
         for i in 0..system.stops.len() {
             let state = selection.classify_stop(i, touching);
@@ -100,9 +104,6 @@ impl<'a> Selection<'a> {
         for i in 0..system.frictions.len() {
             let state = selection.classify_friction(i, touching.resting[i]);
             selection.frictions.push(state);
-        }
-        for &(i, direction) in released {
-            selection.frictions[i] = Friction::Is(slipping(direction));
         }
         selection
     }
@@ -182,12 +183,13 @@ impl<'a> Selection<'a> {
         if rate == 0.0 || resting { Friction::Resting(order) } else { Friction::Is(slipping(rate)) }
     }
 
-    /// Goes through the orders; `Some` names a friction with a static level that leaves, so that all begins anew.
-    fn run(&mut self) -> Result<Option<(usize, f64)>, Jam> {
+    /// Goes through the orders; returns the frictions that slip at their static levels, with which all begins anew.
+    fn run(&mut self) -> Result<Vec<usize>, Jam> {
         for order in 0..=self.system.signals.size {
             self.decide_compliant(order);
-            if let Some(released) = self.solve(order)? {
-                return Ok(Some(released));
+            let leaving = self.solve(order)?;
+            if !leaving.is_empty() {
+                return Ok(leaving);
             }
             let open = self.stops.iter().any(|s| !matches!(s, Stop::Is(_)))
                 || self.frictions.iter().any(|f| !matches!(f, Friction::Is(_)));
@@ -195,7 +197,7 @@ impl<'a> Selection<'a> {
                 break;
             }
         }
-        Ok(None)
+        Ok(Vec::new())
     }
 
     /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up to k + 1 are known.
@@ -240,8 +242,8 @@ impl<'a> Selection<'a> {
         (stops.collect(), frictions.collect())
     }
 
-    /// The accelerations' derivative of an order, and what it decides.
-    fn solve(&mut self, order: usize) -> Result<Option<(usize, f64)>, Jam> {
+    /// The accelerations' derivative of an order, and what it decides; returns the frictions that slip at their static levels.
+    fn solve(&mut self, order: usize) -> Result<Vec<usize>, Jam> {
         let (stops, frictions) = self.states();
         let free = self.system.free_acceleration(&stops, &frictions);
         let contacts: Vec<Contact> = (0..stops.len())
@@ -254,13 +256,11 @@ impl<'a> Selection<'a> {
         let z = self.derivatives[order].clone();
         let mut acceleration = &free * &z;
         if !contacts.is_empty() {
-            let problem = self.problem(order, &contacts, &free, false);
+            let problem = self.problem(order, &contacts, &free);
             let solution = self.solved(&problem, &contacts)?;
-            if self.frictions_with_static(&contacts) {
-                let held = self.solved(&self.problem(order, &contacts, &free, true), &contacts)?;
-                if let Some(released) = self.leaving(&contacts, &held, (&problem, &solution), order) {
-                    return Ok(Some(released));
-                }
+            let leaving = self.leaving(&contacts, &solution);
+            if !leaving.is_empty() {
+                return Ok(leaving);
             }
             let mut forces = DVector::zeros(self.system.coordinates);
             for (k, &contact) in contacts.iter().enumerate() {
@@ -268,13 +268,10 @@ impl<'a> Selection<'a> {
             }
             acceleration -= self.system.inertia.solve(&forces);
             self.decide(order, &contacts, &problem, &solution);
-            if order == 0 {
-                let level = |c: &Contact| matches!(c, Contact::Friction(i) if self.at_level[*i] != 0.0);
-                self.preferred = solution.free.iter().map(|&k| contacts[k]).filter(|c| !level(c)).collect();
-            }
+            self.prefer(&contacts, &problem, &solution);
         }
         self.differentiate(&z, &acceleration, &free, order);
-        Ok(None)
+        Ok(Vec::new())
     }
 
     /// Adds the next derivative of z, and a bound of its size by the free accelerations' terms.
@@ -308,8 +305,8 @@ impl<'a> Selection<'a> {
         self.sizes.push(Sizes(size));
     }
 
-    /// The contacts' problem at an order. With `bilateral` a friction with a static level of its own is held whatever it takes.
-    fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>, bilateral: bool) -> Problem {
+    /// The contacts' problem at an order.
+    fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> Problem {
         let m = contacts.len();
         let z = &self.derivatives[order];
         let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
@@ -339,15 +336,11 @@ impl<'a> Selection<'a> {
                     }
                 }
                 Contact::Friction(i) => {
-                    let friction = &self.system.frictions[i];
-                    let level = friction.static_level.dot(&self.derivatives[order]);
-                    let held = bilateral && friction.has_static;
+                    let level = self.level(i).dot(&self.derivatives[order]);
                     match self.frictions[i] {
                         Friction::Resting(first) if order < first => (lo[k], hi[k]) = (0.0, 0.0),
-                        Friction::Resting(first) if order == first && !held => {
-                            (lo[k], hi[k]) = (-level, level)
-                        }
-                        Friction::AtLevel(direction) if !held => {
+                        Friction::Resting(first) if order == first => (lo[k], hi[k]) = (-level, level),
+                        Friction::AtLevel(direction) => {
                             if direction > 0.0 {
                                 hi[k] = level;
                             } else {
@@ -372,58 +365,32 @@ impl<'a> Selection<'a> {
         })
     }
 
-    fn frictions_with_static(&self, contacts: &[Contact]) -> bool {
-        contacts.iter().any(|c| matches!(c, Contact::Friction(i) if self.system.frictions[*i].has_static && !matches!(self.frictions[*i], Friction::Is(_))))
+    /// The level up to which a friction that rests holds.
+    fn level(&self, i: usize) -> &Row {
+        let friction = &self.system.frictions[i];
+        if self.released[i] { &friction.level } else { &friction.static_level }
     }
 
-    /// The friction with a static level whose holding force exceeds that level most, with its direction. One of several that
-    /// share a force leaves only if it would slip with all of them at their levels.
-    fn leaving(
-        &self,
-        contacts: &[Contact],
-        held: &Solution,
-        (problem, limited): (&Problem, &Solution),
-        order: usize,
-    ) -> Option<(usize, f64)> {
-        let mut most: Option<(usize, f64, f64)> = None;
-        for (k, &contact) in contacts.iter().enumerate() {
-            let Contact::Friction(i) = contact else { continue };
-            if !self.system.frictions[i].has_static {
-                continue;
+    /// The frictions that slip although they have static levels of their own.
+    fn leaving(&self, contacts: &[Contact], solution: &Solution) -> Vec<usize> {
+        let slips = |(k, &contact): (usize, &Contact)| match contact {
+            Contact::Friction(i) if !matches!(self.frictions[i], Friction::Is(_)) => {
+                let slips = solution.residual[k].abs() > solution.zero[k];
+                (slips && self.system.frictions[i].has_static && !self.released[i]).then_some(i)
             }
-            let slips = limited.residual[k].abs() > problem.zero[k];
-            let others: Vec<usize> = (0..contacts.len()).filter(|&j| j != k).chain([k]).collect();
-            let alone = super::box_qp::independent(&problem.columns, &others).contains(&k);
-            if !slips && !alone {
-                continue;
-            }
-            let level = self.system.frictions[i].static_level.dot(&self.derivatives[order]);
-            let force = held.lambda[k];
-            let ratio = match self.frictions[i] {
-                Friction::Resting(first) if first == order => force.abs() / level,
-                // At the level already: what it takes beyond the level's own change.
-                Friction::AtLevel(d) if d * force - level > ZERO * (force.abs() + level.abs()) => {
-                    f64::INFINITY
-                }
-                _ => continue,
-            };
-            let direction = if slips { limited.residual[k].signum() } else { force.signum() };
-            if (ratio > 1.0 + ZERO || slips) && most.is_none_or(|(_, _, r)| ratio > r) {
-                most = Some((i, direction, ratio));
-            }
-        }
-        most.map(|(i, direction, _)| (i, direction))
+            _ => None,
+        };
+        contacts.iter().enumerate().filter_map(slips).collect()
     }
 
     /// What the solution of an order decides.
     fn decide(&mut self, order: usize, contacts: &[Contact], problem: &Problem, solution: &Solution) {
         for (k, &contact) in contacts.iter().enumerate() {
             let (force, left) = (solution.lambda[k], solution.residual[k]);
-            let compliance = problem.columns.column(k).norm_squared();
-            let zero_force = if compliance > 0.0 { problem.zero[k] / compliance } else { 0.0 };
+            let zero_force = problem.zero_force(k, solution);
             match contact {
                 Contact::Stop(i) if self.stops[i] == Stop::Touching => {
-                    if left < -problem.zero[k] {
+                    if left < -solution.zero[k] {
                         self.stops[i] = Stop::Is(StopState::Open);
                     } else if force > zero_force {
                         self.stops[i] = Stop::Is(StopState::Closed);
@@ -431,27 +398,41 @@ impl<'a> Selection<'a> {
                 }
                 Contact::Stop(_) => {}
                 Contact::Friction(i) => {
-                    let level = self.system.frictions[i].static_level.dot(&self.derivatives[order]);
+                    let level = self.level(i).dot(&self.derivatives[order]);
                     match self.frictions[i] {
                         Friction::Is(_) => {}
-                        _ if left.abs() > problem.zero[k] => {
+                        _ if left.abs() > solution.zero[k] => {
                             self.frictions[i] = Friction::Is(slipping(left));
                         }
                         Friction::Resting(first) if order == first => {
                             let room = level - force.abs();
-                            self.frictions[i] = if room > ZERO * level + zero_force {
+                            self.frictions[i] = if room > self.sizes[order].zero(self.level(i)) + zero_force {
                                 Friction::Is(FrictionState::Stuck)
                             } else {
                                 self.at_level[i] = force.signum();
                                 Friction::AtLevel(force.signum())
                             };
                         }
-                        Friction::AtLevel(d) if level - d * force > zero_force => {
+                        Friction::AtLevel(d)
+                            if level - d * force > self.sizes[order].zero(self.level(i)) + zero_force =>
+                        {
                             self.frictions[i] = Friction::Is(FrictionState::Stuck);
                         }
                         _ => {}
                     }
                 }
+            }
+        }
+    }
+
+    /// The contacts whose force lies strictly inside its bounds come before those that leave a bound at a later order.
+    fn prefer(&mut self, contacts: &[Contact], problem: &Problem, solution: &Solution) {
+        for &k in &solution.free {
+            let (contact, force) = (contacts[k], solution.lambda[k]);
+            let zero = problem.zero_force(k, solution);
+            let inside = force > problem.lo[k] + zero && force < problem.hi[k] - zero;
+            if inside && !self.preferred.contains(&contact) {
+                self.preferred.push(contact);
             }
         }
     }
