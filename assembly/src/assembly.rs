@@ -1,8 +1,9 @@
 //! A machine that was checked: immutable, ready to move.
 
-use crate::description::{BodyKind, Description};
+use crate::description::{Body, BodyKind, Description};
 use crate::error::Error;
 use crate::mode::Watch;
+use crate::rest::equilibrium;
 use crate::system::System;
 
 /// A machine that was checked, with its matrices.
@@ -19,14 +20,15 @@ impl Assembly {
     /// The machine of a description.
     ///
     /// # Errors
-    /// As [`System::new`].
+    /// As [`System::new`]; [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
     pub fn new(description: Description) -> Result<Self, Error> {
         let system = System::new(&description)?;
-        let starts = description
-            .bodies
-            .iter()
-            .map(|b| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) })
-            .collect();
+        let start = |b: &Body| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) };
+        let mut starts: Vec<(f64, f64)> = description.bodies.iter().map(start).collect();
+        if description.starts_at_rest {
+            let rest = equilibrium(&description, &system)?;
+            system.bodies_of.iter().zip(rest.iter()).for_each(|(&body, &s)| starts[body] = (s, 0.0));
+        }
         Ok(Self { description, system, starts })
     }
 

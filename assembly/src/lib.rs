@@ -21,6 +21,7 @@ pub mod mode;
 pub mod motion;
 pub mod parameters;
 pub mod refusal;
+pub mod rest;
 pub mod signals;
 pub mod system;
 
