@@ -5,6 +5,8 @@ use crate::error::Error;
 use crate::mode::Watch;
 use crate::rest::equilibrium;
 use crate::system::System;
+use nalgebra::DVector;
+use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// A machine that was checked, with its matrices.
 #[derive(Clone, Debug)]
@@ -30,6 +32,22 @@ impl Assembly {
             system.bodies_of.iter().zip(rest.iter()).for_each(|(&body, &s)| starts[body] = (s, 0.0));
         }
         Ok(Self { description, system, starts })
+    }
+
+    /// The bodies' coordinates where the machine stands still at time 0, m or rad.
+    ///
+    /// # Errors
+    /// [`Error::NoEquilibrium`].
+    pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
+        let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
+        let mut z = DVector::zeros(system.signals.size);
+        system.signals.fill(
+            DoubleDouble::default(),
+            &vec![(0.0, [0.0; 4]); system.signals.inputs],
+            z.as_mut_slice(),
+        );
+        z.rows_mut(0, system.coordinates).copy_from(&q);
+        Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
     }
 
     /// The element of a watched functional, as `stop.NAME` or `friction.NAME`.

@@ -6,6 +6,7 @@
 //! | [`studies`] | from a parameter set to tables and a figure, one function a study |
 //! | [`long_study`] | long studies as plain data, computed in parts |
 //! | [`figures`] | what a figure consists of, and its drawing as SVG and PNG |
+//! | [`assembly`] | machines of the user's own, from their files |
 //! | [`table`] | tables as CSV |
 //! | [`manifest`] | what a result or a folder of parts was computed from |
 //! | [`report`] | all studies at once, and the paper's statements beside what is found |
@@ -15,6 +16,7 @@
 //! | [`part_folder`] | finished parts of long studies on disk |
 //! | [`html`] | text in HTML |
 
+pub mod assembly;
 pub mod design_file;
 mod error;
 pub mod figures;
