@@ -23,6 +23,7 @@ pub mod parameters;
 pub mod refusal;
 pub mod rest;
 pub mod signals;
+mod slots;
 pub mod system;
 
 pub use assembly::Assembly;

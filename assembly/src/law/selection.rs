@@ -1,8 +1,10 @@
 //! Which mode follows: order by order in the derivatives of the motion (docs/assembly-law.md (A10) to (A12)).
 
-use super::box_qp::{Jam, Problem, Solution};
-use super::{Sizes, ZERO};
-use crate::description::StopLaw;
+mod classify;
+mod order;
+
+use super::Sizes;
+use super::box_qp::Jam;
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::system::{Row, System};
 use nalgebra::{DMatrix, DVector};
@@ -106,81 +108,6 @@ impl<'a> Selection<'a> {
             selection.frictions.push(state);
         }
         selection
-    }
-
-    /// -1, 0 or 1: the sign of a row's derivative of some order, zero where it is rounding.
-    fn sign(&self, row: &Row, order: usize) -> f64 {
-        let value = row.dot(&self.derivatives[order]);
-        if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
-    }
-
-    fn classify_stop(&self, i: usize, touching: &Touching) -> Stop {
-        let stop = &self.system.stops[i];
-        let excess = self.sign(&stop.excess, 0);
-        let rate = self.sign(&stop.elongation.rate, 0);
-        if let StopLaw::Rigid { .. } = stop.law {
-            return match (touching.stops[i] || excess >= 0.0, rate) {
-                (false, _) => Stop::Is(StopState::Open),
-                (true, rate) if rate < 0.0 => Stop::Is(StopState::Open),
-                (true, _) => Stop::Touching,
-            };
-        }
-        if touching.edges[i] || excess == 0.0 {
-            return match rate {
-                r if r > 0.0 => Stop::Is(self.entering(i)),
-                r if r < 0.0 => Stop::Is(StopState::Below),
-                _ => Stop::AtEdge,
-            };
-        }
-        if excess < 0.0 {
-            return Stop::Is(StopState::Below);
-        }
-        let pull = self.sign(&stop.force, 0);
-        if pull < 0.0 && !touching.limits[i] {
-            return Stop::Is(StopState::Free);
-        }
-        if stop.is_elastogap() {
-            let cap = self.sign(&(&stop.force - 2.0 * &stop.spring), 0);
-            if cap > 0.0 && !touching.limits[i] {
-                return Stop::Is(StopState::Capped);
-            }
-            if cap == 0.0
-                || (touching.limits[i]
-                    && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0]))
-            {
-                return Stop::AtLimit(StopState::Capped, StopState::Pressed);
-            }
-        }
-        if pull == 0.0 || touching.limits[i] {
-            return Stop::AtLimit(StopState::Pressed, StopState::Free);
-        }
-        Stop::Is(StopState::Pressed)
-    }
-
-    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
-    fn entering(&self, i: usize) -> StopState {
-        let stop = &self.system.stops[i];
-        if stop.is_elastogap() && stop.force != stop.spring { StopState::Capped } else { StopState::Pressed }
-    }
-
-    fn classify_friction(&self, i: usize, resting: bool) -> Friction {
-        let friction = &self.system.frictions[i];
-        let mut level = friction.level.clone();
-        let mut order = 0;
-        // The level is a signal, so that its derivatives are known at once.
-        let sign = loop {
-            let sign = self.sign(&level, 0);
-            if sign != 0.0 || order >= self.system.signals.size {
-                break sign;
-            }
-            level = self.system.signals.derivative(&level);
-            order += 1;
-        };
-        if sign <= 0.0 {
-            return Friction::Is(FrictionState::Off);
-        }
-        let rate = self.sign(&friction.elongation.rate, 0);
-        if rate == 0.0 || resting { Friction::Resting(order) } else { Friction::Is(slipping(rate)) }
     }
 
     /// Goes through the orders; returns the frictions that slip at their static levels, with which all begins anew.
@@ -303,138 +230,6 @@ impl<'a> Selection<'a> {
         }
         self.derivatives.push(next);
         self.sizes.push(Sizes(size));
-    }
-
-    /// The contacts' problem at an order.
-    fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> Problem {
-        let m = contacts.len();
-        let z = &self.derivatives[order];
-        let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
-        let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
-        let mut hi = DVector::from_element(m, f64::INFINITY);
-        for (k, &contact) in contacts.iter().enumerate() {
-            let e = self.system.elongation_of(contact);
-            let row = free.tr_mul(&e.w) + &e.drift;
-            b[k] = row.dot(z);
-            // The terms' sizes, those of the forces before they are summed up on a body included.
-            let terms: f64 = (0..self.system.coordinates)
-                .map(|c| {
-                    e.w[c].abs()
-                        * free
-                            .row(c)
-                            .iter()
-                            .zip(self.sizes[order].0.iter())
-                            .map(|(f, s)| f.abs() * s)
-                            .sum::<f64>()
-                })
-                .sum();
-            zero[k] = ZERO * (terms + self.sizes[order].of(&e.drift));
-            match contact {
-                Contact::Stop(i) => {
-                    if self.stops[i] == Stop::Touching {
-                        lo[k] = 0.0;
-                    }
-                }
-                Contact::Friction(i) => {
-                    let level = self.level(i).dot(&self.derivatives[order]);
-                    match self.frictions[i] {
-                        Friction::Resting(first) if order < first => (lo[k], hi[k]) = (0.0, 0.0),
-                        Friction::Resting(first) if order == first => (lo[k], hi[k]) = (-level, level),
-                        Friction::AtLevel(direction) => {
-                            if direction > 0.0 {
-                                hi[k] = level;
-                            } else {
-                                lo[k] = -level;
-                            }
-                        }
-                        _ => {}
-                    }
-                }
-            }
-        }
-        Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
-    }
-
-    fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
-        problem.solve().map_err(|jam| Jam {
-            contacts: jam
-                .contacts
-                .iter()
-                .filter_map(|&k| if let Contact::Stop(i) = contacts[k] { Some(i) } else { None })
-                .collect(),
-        })
-    }
-
-    /// The level up to which a friction that rests holds.
-    fn level(&self, i: usize) -> &Row {
-        let friction = &self.system.frictions[i];
-        if self.released[i] { &friction.level } else { &friction.static_level }
-    }
-
-    /// The frictions that slip although they have static levels of their own.
-    fn leaving(&self, contacts: &[Contact], solution: &Solution) -> Vec<usize> {
-        let slips = |(k, &contact): (usize, &Contact)| match contact {
-            Contact::Friction(i) if !matches!(self.frictions[i], Friction::Is(_)) => {
-                let slips = solution.residual[k].abs() > solution.zero[k];
-                (slips && self.system.frictions[i].has_static && !self.released[i]).then_some(i)
-            }
-            _ => None,
-        };
-        contacts.iter().enumerate().filter_map(slips).collect()
-    }
-
-    /// What the solution of an order decides.
-    fn decide(&mut self, order: usize, contacts: &[Contact], problem: &Problem, solution: &Solution) {
-        for (k, &contact) in contacts.iter().enumerate() {
-            let (force, left) = (solution.lambda[k], solution.residual[k]);
-            let zero_force = problem.zero_force(k, solution);
-            match contact {
-                Contact::Stop(i) if self.stops[i] == Stop::Touching => {
-                    if left < -solution.zero[k] {
-                        self.stops[i] = Stop::Is(StopState::Open);
-                    } else if force > zero_force {
-                        self.stops[i] = Stop::Is(StopState::Closed);
-                    }
-                }
-                Contact::Stop(_) => {}
-                Contact::Friction(i) => {
-                    let level = self.level(i).dot(&self.derivatives[order]);
-                    match self.frictions[i] {
-                        Friction::Is(_) => {}
-                        _ if left.abs() > solution.zero[k] => {
-                            self.frictions[i] = Friction::Is(slipping(left));
-                        }
-                        Friction::Resting(first) if order == first => {
-                            let room = level - force.abs();
-                            self.frictions[i] = if room > self.sizes[order].zero(self.level(i)) + zero_force {
-                                Friction::Is(FrictionState::Stuck)
-                            } else {
-                                self.at_level[i] = force.signum();
-                                Friction::AtLevel(force.signum())
-                            };
-                        }
-                        Friction::AtLevel(d)
-                            if level - d * force > self.sizes[order].zero(self.level(i)) + zero_force =>
-                        {
-                            self.frictions[i] = Friction::Is(FrictionState::Stuck);
-                        }
-                        _ => {}
-                    }
-                }
-            }
-        }
-    }
-
-    /// The contacts whose force lies strictly inside its bounds come before those that leave a bound at a later order.
-    fn prefer(&mut self, contacts: &[Contact], problem: &Problem, solution: &Solution) {
-        for &k in &solution.free {
-            let (contact, force) = (contacts[k], solution.lambda[k]);
-            let zero = problem.zero_force(k, solution);
-            let inside = force > problem.lo[k] + zero && force < problem.hi[k] - zero;
-            if inside && !self.preferred.contains(&contact) {
-                self.preferred.push(contact);
-            }
-        }
     }
 
     fn finish(self) -> Mode {
