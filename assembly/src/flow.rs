@@ -29,11 +29,11 @@ pub struct WatchTable {
     pub watch: Watch,
     /// The functional.
     pub row: Row,
-    /// Its values at the interval ends.
+    /// Its values at the interval ends, a column each.
     pub samples: DMatrix<f64>,
     /// |functional''| is at most the sum of this times the coordinates' sizes, throughout the sub-step.
     pub curvature: Row,
-    /// Its Taylor coefficients about the start, by order, in units of the sub-step.
+    /// Its Taylor coefficients about the start, in units of the sub-step, a column an order.
     pub coefficients: DMatrix<f64>,
     /// The sizes of the terms that the coefficients are sums of.
     pub terms: DMatrix<f64>,
@@ -78,9 +78,13 @@ impl Table {
 
     /// The states within a time `dt`, at most a sub-step.
     pub fn taylor(&self, z: &DVector<f64>, dt: f64) -> Taylor {
-        let mut terms = vec![z.clone()];
-        for k in 1..=series_orders(self.rate * dt) {
-            let next = &self.a * &terms[k - 1] * (dt / k as f64);
+        let orders = series_orders(self.rate * dt);
+        let mut terms = Vec::with_capacity(orders + 1);
+        terms.push(z.clone());
+        for k in 1..=orders {
+            let mut next = DVector::zeros(z.len());
+            next.gemv(1.0, &self.a, &terms[k - 1], 0.0);
+            next *= dt / k as f64;
             terms.push(next);
         }
         Taylor { terms }
@@ -122,24 +126,24 @@ fn watch_table(
     spread: &DMatrix<f64>,
 ) -> WatchTable {
     let size = row.len();
-    let mut coefficients = DMatrix::zeros(ORDERS, size);
-    let mut terms = DMatrix::zeros(ORDERS, size);
+    let mut coefficients = DMatrix::zeros(size, ORDERS);
+    let mut terms = DMatrix::zeros(size, ORDERS);
     let (mut next, mut next_terms) = (row.clone(), row.abs());
     for k in 0..ORDERS {
-        coefficients.set_row(k, &next.transpose());
-        terms.set_row(k, &next_terms.transpose());
+        coefficients.set_column(k, &next);
+        terms.set_column(k, &next_terms);
         let factor = length / (k + 1) as f64;
         next = a.tr_mul(&next) * factor;
         next_terms = terms_of_a.tr_mul(&next_terms) * factor;
     }
-    let mut samples = DMatrix::zeros(SAMPLES, size);
+    let mut samples = DMatrix::zeros(size, SAMPLES);
     let mut sample = row.clone();
     let second = a.tr_mul(&a.tr_mul(&row));
     // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
     let mut peak = second.abs();
     for k in 0..SAMPLES {
         sample = interval.tr_mul(&sample);
-        samples.set_row(k, &sample.transpose());
+        samples.set_column(k, &sample);
         if k + 1 < SAMPLES {
             let there = a.tr_mul(&a.tr_mul(&sample)).abs();
             peak = peak.zip_map(&there, f64::max);

@@ -112,19 +112,32 @@ impl<'a> Selection<'a> {
 
     /// Goes through the orders; returns the frictions that slip at their static levels, with which all begins anew.
     fn run(&mut self) -> Result<Vec<usize>, Jam> {
+        if self.is_decided() && !self.has_contacts() {
+            return Ok(Vec::new());
+        }
         for order in 0..=self.system.signals.size {
             self.decide_compliant(order);
             let leaving = self.solve(order)?;
             if !leaving.is_empty() {
                 return Ok(leaving);
             }
-            let open = self.stops.iter().any(|s| !matches!(s, Stop::Is(_)))
-                || self.frictions.iter().any(|f| !matches!(f, Friction::Is(_)));
-            if !open {
+            if self.is_decided() {
                 break;
             }
         }
         Ok(Vec::new())
+    }
+
+    /// Whether the state of every element is known.
+    fn is_decided(&self) -> bool {
+        self.stops.iter().all(|s| matches!(s, Stop::Is(_)))
+            && self.frictions.iter().all(|f| matches!(f, Friction::Is(_)))
+    }
+
+    /// Whether forces of closed stops or sticking friction are to be found.
+    fn has_contacts(&self) -> bool {
+        self.stops.contains(&Stop::Is(StopState::Closed))
+            || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
     /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up to k + 1 are known.

@@ -9,7 +9,7 @@ use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{Selection, Touching};
 use crate::law::{Sizes, ZERO};
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
-use crate::motion::step::row_dot;
+use crate::motion::step::column_dot;
 use crate::system::{Elongation, System};
 use nalgebra::DVector;
 
@@ -249,8 +249,8 @@ impl Motion {
         self.keep_contacts();
         let hybrid = &self.hybrid;
         let departing = self.table.watched.iter().map(|w| {
-            let zero = |k: usize| ZERO * row_dot(&w.terms, k, &hybrid.sizes.0);
-            let value = |k: usize| row_dot(&w.coefficients, k, &hybrid.z);
+            let zero = |k: usize| ZERO * column_dot(&w.terms, k, &hybrid.sizes.0);
+            let value = |k: usize| column_dot(&w.coefficients, k, &hybrid.z);
             // The law says that the first is negative; what rounding has made positive counts as zero.
             let leaves = |&k: &usize| value(k) < -zero(k) || value(k) > DOUBTFUL * zero(k);
             let order = (0..ORDERS).find(leaves).unwrap_or(ORDERS);

@@ -181,6 +181,13 @@ impl Motion {
         &self.hybrid.energy
     }
 
+    /// The same motion without energy accounts, which then stay as they are.
+    #[must_use]
+    pub fn without_energy_accounts(mut self) -> Self {
+        self.hybrid.energy = self.hybrid.energy.off();
+        self
+    }
+
     /// Kinetic and stored energy, J.
     pub fn kinetic_and_stored(&self) -> (f64, f64) {
         crate::energy::mechanical(&self.assembly.system, &self.hybrid.z)

@@ -126,7 +126,7 @@ impl Motion {
             &table.transition * z
         } else {
             let series = table.taylor(z, dt);
-            energy.add(&self.assembly.system, mode, &table, NODES.map(|(u, _)| series.at(u)), dt);
+            energy.add(&self.assembly.system, mode, &table, NODES.iter().map(|node| series.at(node.0)), dt);
             series.at(1.0)
         };
         self.hybrid.z = next;
@@ -177,7 +177,7 @@ impl Motion {
                 continue;
             }
             let size = self.hybrid.sizes.of(&w.row);
-            let slope = row_dot(&w.coefficients, 1, &self.hybrid.z).abs() / table.length;
+            let slope = column_dot(&w.coefficients, 1, &self.hybrid.z).abs() / table.length;
             let curvature = w.curvature.dot(sizes);
             while span * (slope + 0.5 * curvature * span) > REACH * size && span > least {
                 span *= 0.5;
@@ -199,7 +199,7 @@ impl Motion {
             let ratio = span / table.length;
             let mut scale = 1.0;
             for (k, ck) in c.iter_mut().enumerate() {
-                *ck = row_dot(&w.coefficients, k, z) * scale;
+                *ck = column_dot(&w.coefficients, k, z) * scale;
                 scale *= ratio;
             }
             if order >= ORDERS {
@@ -225,9 +225,11 @@ impl Motion {
     }
 }
 
-/// A row of a matrix times a vector.
-pub fn row_dot(matrix: &nalgebra::DMatrix<f64>, row: usize, z: &DVector<f64>) -> f64 {
-    (0..z.len()).map(|j| matrix[(row, j)] * z[j]).sum()
+/// A column of a matrix times a vector.
+pub fn column_dot(matrix: &nalgebra::DMatrix<f64>, column: usize, z: &DVector<f64>) -> f64 {
+    let size = z.len();
+    let column = &matrix.as_slice()[column * size..(column + 1) * size];
+    column.iter().zip(z.as_slice()).map(|(a, b)| a * b).sum()
 }
 
 /// Whether samples and the bound between them prove that a functional stays below zero throughout a whole sub-step: between two
@@ -235,5 +237,5 @@ pub fn row_dot(matrix: &nalgebra::DMatrix<f64>, row: usize, z: &DVector<f64>) ->
 fn clear_by_samples(w: &WatchTable, z: &DVector<f64>, sizes: &DVector<f64>, length: f64) -> bool {
     let h = length / SAMPLES as f64;
     let margin = w.curvature.dot(sizes) * h * h * 0.125;
-    w.row.dot(z) < -margin && (0..SAMPLES).all(|k| row_dot(&w.samples, k, z) < -margin)
+    w.row.dot(z) < -margin && (0..SAMPLES).all(|k| column_dot(&w.samples, k, z) < -margin)
 }
