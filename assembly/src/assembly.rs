@@ -1,8 +1,12 @@
 //! A machine that was checked: immutable, ready to move.
 
-use crate::description::{BodyKind, Description};
+use crate::description::{Body, BodyKind, Description};
 use crate::error::Error;
+use crate::mode::Watch;
+use crate::rest::equilibrium;
 use crate::system::System;
+use nalgebra::DVector;
+use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// A machine that was checked, with its matrices.
 #[derive(Clone, Debug)]
@@ -18,15 +22,44 @@ impl Assembly {
     /// The machine of a description.
     ///
     /// # Errors
-    /// As [`System::new`].
+    /// As [`System::new`]; [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
     pub fn new(description: Description) -> Result<Self, Error> {
         let system = System::new(&description)?;
-        let starts = description
-            .bodies
-            .iter()
-            .map(|b| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) })
-            .collect();
+        let start = |b: &Body| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) };
+        let mut starts: Vec<(f64, f64)> = description.bodies.iter().map(start).collect();
+        if description.starts_at_rest {
+            let rest = equilibrium(&description, &system)?;
+            system.bodies_of.iter().zip(rest.iter()).for_each(|(&body, &s)| starts[body] = (s, 0.0));
+        }
         Ok(Self { description, system, starts })
+    }
+
+    /// The bodies' coordinates where the machine stands still at time 0, m or rad.
+    ///
+    /// # Errors
+    /// [`Error::NoEquilibrium`].
+    pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
+        let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
+        let mut z = DVector::zeros(system.signals.size);
+        system.signals.fill(
+            DoubleDouble::default(),
+            &vec![(0.0, [0.0; 4]); system.signals.inputs],
+            z.as_mut_slice(),
+        );
+        z.rows_mut(0, system.coordinates).copy_from(&q);
+        Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
+    }
+
+    /// The element of a watched functional, as `stop.NAME` or `friction.NAME`.
+    pub(crate) fn name_of(&self, watch: Watch) -> String {
+        match watch {
+            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+                format!("stop.{}", self.description.stops[i].name)
+            }
+            Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => {
+                format!("friction.{}", self.description.frictions[i].name)
+            }
+        }
     }
 
     /// The matrices.

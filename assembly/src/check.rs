@@ -5,8 +5,8 @@ mod names;
 mod starts;
 
 use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
-use crate::parameters::slots;
 use crate::refusal::{Problem, Refusal};
+use crate::slots::slots;
 
 /// Bodies, elements, or harmonics and steps, at most; a machine of more is refused before anything is made of it.
 pub(crate) const MOST: usize = 10_000;

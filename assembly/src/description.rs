@@ -199,6 +199,18 @@ pub struct Signal {
     pub input: bool,
 }
 
+impl Signal {
+    /// The signal that always has this value.
+    pub fn constant(value: f64) -> Self {
+        Self { constant: value, ..Self::default() }
+    }
+
+    /// Whether the constant is all it consists of.
+    pub fn is_constant(&self) -> bool {
+        self.harmonics.is_empty() && self.steps.is_empty() && self.table.is_none() && !self.input
+    }
+}
+
 /// amplitude · sin(2π · frequency · t + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {

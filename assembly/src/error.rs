@@ -39,6 +39,17 @@ pub enum Error {
         /// e - gap.
         excess: f64,
     },
+    /// A machine that starts at rest has no equilibrium.
+    #[error(
+        "start = \"rest\": no equilibrium; body.{body} is accelerated with {acceleration:?} (SI) wherever it stands; allowed are \
+         machines whose springs, stops and friction can bear weight and loads at time 0"
+    )]
+    NoEquilibrium {
+        /// Name of the body that is accelerated most.
+        body: String,
+        /// m/s² or rad/s².
+        acceleration: f64,
+    },
     /// The modes change without end at one instant, or the events of one call have no end.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     Stuck {

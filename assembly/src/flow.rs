@@ -1,6 +1,7 @@
 //! Exact flow of a mode: the transition over a sub-step, and for each watched functional samples, a bound between them and its
 //! Taylor coefficients, all as rows that act on the augmented state (docs/assembly-law.md (A5), (A6)).
 
+use crate::energy::NODES;
 use crate::mode::{Linear, Watch};
 use crate::system::Row;
 use nalgebra::{DMatrix, DVector};
@@ -28,12 +29,14 @@ pub struct WatchTable {
     pub watch: Watch,
     /// The functional.
     pub row: Row,
-    /// Its values at the interval ends.
+    /// Its values at the interval ends, a column each.
     pub samples: DMatrix<f64>,
     /// |functional''| is at most the sum of this times the coordinates' sizes, throughout the sub-step.
     pub curvature: Row,
-    /// Its Taylor coefficients about the start, by order, in units of the sub-step.
+    /// Its Taylor coefficients about the start, in units of the sub-step, a column an order.
     pub coefficients: DMatrix<f64>,
+    /// The sizes of the terms that the coefficients are sums of.
+    pub terms: DMatrix<f64>,
 }
 
 /// The flow of a mode.
@@ -47,6 +50,8 @@ pub struct Table {
     pub length: f64,
     /// z at the sub-step's end from z at its start.
     pub transition: DMatrix<f64>,
+    /// z at the places of the sub-step at which the powers are found ([`NODES`]).
+    pub nodes: Vec<DMatrix<f64>>,
     /// What is watched.
     pub watched: Vec<WatchTable>,
     /// The forces of the basis.
@@ -56,28 +61,57 @@ pub struct Table {
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, lambda, watched } = linear;
+        let Linear { a, terms, lambda, watched } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
-        let size = a.nrows();
-        let identity = DMatrix::identity(size, size);
-        let transition = series(&a, &identity, rate, length);
+        let places: Vec<f64> = [1.0, 1.0 / SAMPLES as f64].into_iter().chain(NODES.map(|n| n.0)).collect();
+        let mut nodes = exponentials(&a, rate, length, &places);
+        let (transition, interval) = (nodes.remove(0), nodes.remove(0));
         let step = length / SAMPLES as f64;
-        let interval = series(&a, &identity, rate, step);
         let spread = spread(&a, rate, step);
         let watched = watched
             .into_iter()
-            .map(|(watch, row)| watch_table(watch, row, &a, length, &interval, &spread))
+            .map(|(watch, row)| watch_table(watch, row, (&a, &terms), length, &interval, &spread))
             .collect();
-        Self { a, rate, length, transition, watched, lambda }
+        Self { a, rate, length, transition, nodes, watched, lambda }
     }
 
-    /// The state a time `dt` later, at most a sub-step.
-    pub fn state_after(&self, z: &DVector<f64>, dt: f64) -> DVector<f64> {
-        let (mut sum, mut term) = (z.clone(), z.clone());
-        for k in 1..=series_orders(self.rate * dt) {
-            term = &self.a * term * (dt / k as f64);
-            sum += &term;
+    /// The states within a time `dt`, at most a sub-step.
+    pub fn taylor(&self, z: &DVector<f64>, dt: f64) -> Taylor {
+        let orders = series_orders(self.rate * dt);
+        let mut terms = Vec::with_capacity(orders + 1);
+        terms.push(z.clone());
+        for k in 1..=orders {
+            let mut next = DVector::zeros(z.len());
+            next.gemv(1.0, &self.a, &terms[k - 1], 0.0);
+            next *= dt / k as f64;
+            terms.push(next);
+        }
+        Taylor { terms }
+    }
+
+    /// Numbers that the table holds.
+    pub fn numbers(&self) -> usize {
+        let watched: usize = self.watched.iter().map(|w| 2 * w.coefficients.len() + w.samples.len()).sum();
+        (self.nodes.len() + 2) * self.a.len() + watched
+    }
+}
+
+/// The states within a span as a power series in its part that has passed.
+#[derive(Debug)]
+pub struct Taylor {
+    terms: Vec<DVector<f64>>,
+}
+
+impl Taylor {
+    /// The state at a part of the span from 0 to 1.
+    pub fn at(&self, u: f64) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.terms[0].len());
+        // Ascending powers in one pass: the small ones are of no more than the rounding of the first.
+        let mut power = 1.0;
+        for term in &self.terms {
+            sum.axpy(power, term, 1.0);
+            power *= u;
         }
         sum
     }
@@ -86,49 +120,57 @@ impl Table {
 fn watch_table(
     watch: Watch,
     row: Row,
-    a: &DMatrix<f64>,
+    (a, terms_of_a): (&DMatrix<f64>, &DMatrix<f64>),
     length: f64,
     interval: &DMatrix<f64>,
     spread: &DMatrix<f64>,
 ) -> WatchTable {
     let size = row.len();
-    let mut coefficients = DMatrix::zeros(ORDERS, size);
-    let mut next = row.clone();
+    let mut coefficients = DMatrix::zeros(size, ORDERS);
+    let mut terms = DMatrix::zeros(size, ORDERS);
+    let (mut next, mut next_terms) = (row.clone(), row.abs());
     for k in 0..ORDERS {
-        coefficients.set_row(k, &next.transpose());
-        next = a.tr_mul(&next) * (length / (k + 1) as f64);
+        coefficients.set_column(k, &next);
+        terms.set_column(k, &next_terms);
+        let factor = length / (k + 1) as f64;
+        next = a.tr_mul(&next) * factor;
+        next_terms = terms_of_a.tr_mul(&next_terms) * factor;
     }
-    let mut samples = DMatrix::zeros(SAMPLES, size);
+    let mut samples = DMatrix::zeros(size, SAMPLES);
     let mut sample = row.clone();
     let second = a.tr_mul(&a.tr_mul(&row));
     // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
     let mut peak = second.abs();
     for k in 0..SAMPLES {
         sample = interval.tr_mul(&sample);
-        samples.set_row(k, &sample.transpose());
+        samples.set_column(k, &sample);
         if k + 1 < SAMPLES {
             let there = a.tr_mul(&a.tr_mul(&sample)).abs();
             peak = peak.zip_map(&there, f64::max);
         }
     }
     let curvature = spread.tr_mul(&peak) * BOUND_MARGIN;
-    WatchTable { watch, row, samples, curvature, coefficients }
+    WatchTable { watch, row, samples, curvature, coefficients, terms }
 }
 
 /// exp(|A| t) entry by entry, which bounds the growth of a row over a time t.
 fn spread(a: &DMatrix<f64>, rate: f64, t: f64) -> DMatrix<f64> {
-    let size = a.nrows();
-    series(&a.abs(), &DMatrix::identity(size, size), rate, t)
+    exponentials(&a.abs(), rate, t, &[1.0]).remove(0)
 }
 
-/// exp(A t) applied to columns.
-fn series(a: &DMatrix<f64>, columns: &DMatrix<f64>, rate: f64, t: f64) -> DMatrix<f64> {
-    let (mut sum, mut term) = (columns.clone(), columns.clone());
+/// exp(A u t) at several parts u of a time.
+fn exponentials(a: &DMatrix<f64>, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
+    let mut term = DMatrix::identity(a.nrows(), a.nrows());
+    let mut sums = vec![term.clone(); parts.len()];
+    let mut powers = vec![1.0; parts.len()];
     for k in 1..=series_orders(rate * t) {
         term = a * term * (t / k as f64);
-        sum += &term;
+        for ((sum, power), u) in sums.iter_mut().zip(&mut powers).zip(parts) {
+            *power *= u;
+            sum.zip_apply(&term, |s, x| *s += *power * x);
+        }
     }
-    sum
+    sums
 }
 
 /// Orders of a series of radius x, so that what is left out is under [`REMAINDER`].

@@ -21,7 +21,9 @@ pub mod mode;
 pub mod motion;
 pub mod parameters;
 pub mod refusal;
+pub mod rest;
 pub mod signals;
+mod slots;
 pub mod system;
 
 pub use assembly::Assembly;

@@ -1,7 +1,8 @@
 //! A mode: which stops are closed or pressed, which friction slips or sticks; and its linear system z' = A z with the
 //! functionals that end it (docs/assembly-law.md (A5)).
 
-use crate::law::box_qp::independent;
+use crate::law::ZERO;
+use crate::law::box_qp::{independent, triangle};
 use crate::system::{Elongation, Row, System};
 use nalgebra::{DMatrix, DVector};
 
@@ -84,8 +85,10 @@ pub enum Watch {
     Opens(usize),
     /// A compliant stop comes to its gap from below.
     Presses(usize),
-    /// A compliant stop's force falls to zero or rises from it, or meets its cap, or e falls to the gap.
+    /// A compliant stop's force falls to zero or rises from it, or meets its cap.
     Changes(usize),
+    /// A compliant stop without its linear force is left: e falls to the gap.
+    Leaves(usize),
     /// A slipping friction's rate comes to zero.
     Stops(usize),
     /// A sticking friction's force reaches its level, upwards (true) or downwards.
@@ -99,6 +102,8 @@ pub enum Watch {
 pub struct Linear {
     /// z' = A z.
     pub a: DMatrix<f64>,
+    /// By entry of A the sizes of the terms that it is the sum of: what a closed stop cancels leaves rounding of these.
+    pub terms: DMatrix<f64>,
     /// The forces of the basis, by its order.
     pub lambda: Vec<Row>,
     /// What ends the mode, each negative inside it.
@@ -131,6 +136,27 @@ impl System {
             FrictionState::Down => Some(-&friction.level),
             FrictionState::HeldUp => Some(friction.static_level.clone()),
             FrictionState::HeldDown => Some(-&friction.static_level),
+            FrictionState::Off | FrictionState::Stuck => None,
+        }
+    }
+
+    /// The value of [`stop_force`](Self::stop_force).
+    pub fn stop_force_at(&self, i: usize, state: StopState, z: &DVector<f64>) -> Option<f64> {
+        match state {
+            StopState::Pressed => Some(self.stops[i].force.dot(z)),
+            StopState::Capped => Some(2.0 * self.stops[i].spring.dot(z)),
+            _ => None,
+        }
+    }
+
+    /// The value of [`friction_force`](Self::friction_force).
+    pub fn friction_force_at(&self, i: usize, state: FrictionState, z: &DVector<f64>) -> Option<f64> {
+        let friction = &self.frictions[i];
+        match state {
+            FrictionState::Up => Some(friction.level.dot(z)),
+            FrictionState::Down => Some(-friction.level.dot(z)),
+            FrictionState::HeldUp => Some(friction.static_level.dot(z)),
+            FrictionState::HeldDown => Some(-friction.static_level.dot(z)),
             FrictionState::Off | FrictionState::Stuck => None,
         }
     }
@@ -173,6 +199,7 @@ impl System {
     pub fn linear(&self, mode: &Mode) -> Linear {
         let (n, size) = (self.coordinates, self.signals.size);
         let mut acceleration = self.free_acceleration(&mode.stops, &mode.frictions);
+        let mut acceleration_terms = acceleration.abs();
         let m = mode.basis.len();
         let mut lambda = Vec::new();
         if m > 0 {
@@ -183,16 +210,19 @@ impl System {
                 let row = acceleration.tr_mul(&e.w) + &e.drift;
                 demand.set_row(k, &row.transpose());
             }
-            // G = AᵀA = RᵀR by the QR decomposition of the columns, which does not square their condition.
-            let r = columns.clone().qr().r();
+            let sizes = demand.abs();
+            let r = triangle(&columns);
             r.tr_solve_upper_triangular_mut(&mut demand);
             r.solve_upper_triangular_mut(&mut demand);
+            clean(&mut demand, &columns, &sizes);
             let mut directions = DMatrix::zeros(n, m);
             for (k, &contact) in mode.basis.iter().enumerate() {
                 directions.set_column(k, &self.elongation_of(contact).w);
                 lambda.push(demand.row(k).transpose());
             }
-            acceleration -= self.inertia.solve(&directions) * &demand;
+            let mobility = self.inertia.solve(&directions);
+            acceleration_terms += mobility.abs() * demand.abs();
+            acceleration -= mobility * &demand;
         }
         let mut a = DMatrix::zeros(size, size);
         for k in 0..n {
@@ -204,8 +234,10 @@ impl System {
             unit[j] = 1.0;
             a.row_mut(j).copy_from(&self.signals.derivative(&unit).transpose());
         }
+        let mut terms = a.abs();
+        terms.view_mut((n, 0), (n, size)).copy_from(&acceleration_terms);
         let watched = self.watched(mode, &lambda);
-        Linear { a, lambda, watched }
+        Linear { a, terms, lambda, watched }
     }
 
     /// The functionals that end a mode.
@@ -226,11 +258,11 @@ impl System {
                 }
                 StopState::Free => {
                     watched.push((Watch::Changes(i), stop.force.clone()));
-                    watched.push((Watch::Changes(i), -&stop.excess));
+                    watched.push((Watch::Leaves(i), -&stop.excess));
                 }
                 StopState::Capped => {
                     watched.push((Watch::Changes(i), 2.0 * &stop.spring - &stop.force));
-                    watched.push((Watch::Changes(i), -&stop.excess));
+                    watched.push((Watch::Leaves(i), -&stop.excess));
                 }
             }
         }
@@ -264,5 +296,32 @@ impl System {
     fn is_constant_and_negative(&self, row: &DVector<f64>) -> bool {
         let one = self.signals.one;
         row[one] < 0.0 && row.iter().enumerate().all(|(j, &x)| j == one || x == 0.0)
+    }
+}
+
+/// Takes the rounding out of the forces' rows, so that a force that is zero throughout is known to be: `demands` are the sizes of
+/// what each contact has to hold against. A contact's force is at most of the size of what contacts that share coordinates with
+/// it, directly or through others, hold against.
+fn clean(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f64>) {
+    let (m, size) = forces.shape();
+    let norms: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+    let shares = |i: usize, j: usize| columns.column(i).abs().dot(&columns.column(j).abs()) > 0.0;
+    let mut group: Vec<usize> = (0..m).collect();
+    for i in 0..m {
+        for j in 0..i {
+            if group[i] != group[j] && shares(i, j) {
+                let (from, to) = (group[i], group[j]);
+                group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+            }
+        }
+    }
+    for column in 0..size {
+        for k in 0..m {
+            let others = (0..m).filter(|&i| group[i] == group[k]);
+            let largest = others.map(|i| demands[(i, column)] / norms[i]).fold(0.0, f64::max);
+            if forces[(k, column)].abs() <= ZERO * largest / norms[k] {
+                forces[(k, column)] = 0.0;
+            }
+        }
     }
 }

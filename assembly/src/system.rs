@@ -125,6 +125,8 @@ pub struct System {
     pub loads: Vec<Row>,
     /// The body of each load.
     pub load_bodies: Vec<usize>,
+    /// Whether any body's motion is prescribed.
+    pub has_motions: bool,
     /// Inertia of each free body; 0 for prescribed ones.
     pub inertias: Vec<f64>,
     /// Weight of each body: inertia times gravity's acceleration along s.
@@ -245,6 +247,7 @@ impl System {
             frictions: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
+            has_motions: motions.iter().any(Option::is_some),
             inertias,
             weights,
         };

@@ -3,120 +3,15 @@
 
 mod common;
 
+use common::machines::assembly;
 use common::*;
 use proptest::prelude::*;
 use vibro_assembly::Motion;
-use vibro_assembly::description::*;
+use vibro_assembly::description::Description;
 use vibro_assembly::mode::{FrictionState, StopState};
 
 /// Rounding of a few thousand sub-steps, in parts of the sizes that occur.
 const ROUNDING: f64 = 1e-9;
-
-fn inertia() -> impl Strategy<Value = f64> {
-    (-2.0..2.0f64).prop_map(|x| 10f64.powf(x))
-}
-
-/// One of the numbers that meet in corners, or any.
-fn nice(range: f64) -> impl Strategy<Value = f64> {
-    prop_oneof![Just(0.0), Just(range), Just(-range), Just(0.5 * range), -range..range]
-}
-
-fn signal(size: f64) -> impl Strategy<Value = Signal> {
-    (nice(size), nice(size), 0.2..3.0f64, 0.0..6.2f64, prop::option::of((0.0..2.0f64, nice(size)))).prop_map(
-        |(constant, amplitude, frequency, phase, step)| Signal {
-            constant,
-            harmonics: if amplitude == 0.0 { vec![] } else { vec![Harmonic { amplitude, frequency, phase }] },
-            steps: step.map(|(time, height)| Step { time, height }).into_iter().collect(),
-            ..Signal::default()
-        },
-    )
-}
-
-/// Between a body and the one before it, or the ground.
-fn place(bodies: usize) -> impl Strategy<Value = Vec<(usize, f64)>> {
-    (0..bodies, 0..=bodies, any::<bool>()).prop_map(move |(a, b, turned)| {
-        let sign = if turned { -1.0 } else { 1.0 };
-        if a == b || b == bodies { vec![(a, sign)] } else { vec![(a, -sign), (b, sign)] }
-    })
-}
-
-fn assembly() -> impl Strategy<Value = Description> {
-    (1usize..=6).prop_flat_map(|count| {
-        let bodies = prop::collection::vec((inertia(), nice(1.0), nice(1.0), nice(1.0)), count);
-        let springs = prop::collection::vec(
-            (place(count), 0.0..3.0f64, prop_oneof![Just(0.0), 0.0..2.0f64]),
-            1..=count + 1,
-        );
-        let stops = prop::collection::vec(
-            (
-                place(count),
-                nice(1.0),
-                prop_oneof![Just(0.0), Just(1.0), Just(0.5), 0.0..1.0f64],
-                0..4u8,
-                1.0..4.0f64,
-                0.0..5.0f64,
-            ),
-            0..=4,
-        );
-        let frictions =
-            prop::collection::vec((place(count), signal(1.0), prop::option::of(1.0..1.5f64)), 0..=3);
-        let loads = prop::collection::vec((0..count, signal(3.0)), 1..=2);
-        (bodies, springs, stops, frictions, loads, nice(9.81)).prop_map(
-            move |(bodies, springs, stops, frictions, loads, gravity)| {
-                let mut d = Description { gravity, ..Description::default() };
-                for (i, (m, cosine, s, v)) in bodies.into_iter().enumerate() {
-                    d.bodies.push(heavy(&format!("b{i}"), m, cosine, s, v));
-                }
-                for (arms, exponent, damping) in springs {
-                    d.springs.push(spring(&arms, 10f64.powf(exponent), damping));
-                }
-                for (terms, gap, restitution, kind, exponent, damping) in stops {
-                    let e: f64 = terms
-                        .iter()
-                        .map(
-                            |&(i, arm)| {
-                                if let BodyKind::Free(f) = d.bodies[i].kind { arm * f.s } else { 0.0 }
-                            },
-                        )
-                        .sum();
-                    let name = format!("stop{}", d.stops.len());
-                    d.stops.push(match kind {
-                        0 | 1 => rigid(&name, &terms, gap.max(e), restitution),
-                        2 => {
-                            compliant(&name, &terms, gap, 10f64.powf(exponent), damping, DampingLimit::NoPull)
-                        }
-                        _ => compliant(
-                            &name,
-                            &terms,
-                            gap,
-                            10f64.powf(exponent),
-                            damping,
-                            DampingLimit::Elastogap,
-                        ),
-                    });
-                }
-                for (terms, level, ratio) in frictions {
-                    let mut own = friction(&terms, 0.0);
-                    own.static_force = ratio.map(|r| scaled(&level, r));
-                    own.force = level;
-                    d.frictions.push(own);
-                }
-                for (body, force) in loads {
-                    d.loads.push(Load { name: "load".into(), body, force });
-                }
-                d
-            },
-        )
-    })
-}
-
-fn scaled(signal: &Signal, ratio: f64) -> Signal {
-    let mut other = signal.clone();
-    other.constant *= ratio;
-    other.harmonics.iter_mut().for_each(|h| h.amplitude *= ratio);
-    other.steps.iter_mut().for_each(|s| s.height *= ratio);
-    other
-}
 
 fn energy(m: &Motion) -> f64 {
     let (kinetic, stored) = m.kinetic_and_stored();
@@ -154,23 +49,38 @@ fn check(m: &Motion, start: f64, largest: f64) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+/// A machine whose bounces of restitution 1 are pressed together goes through millions of them: followed are so many events.
+const EVENTS: usize = 1000;
 
-    #[test]
-    #[ignore = "some of its machines still take minutes: cargo test -p vibro-assembly --test random -- --ignored"]
-    fn invariant_stops_forces_and_energy_of_any_assembly(d in assembly()) {
-        let mut m = motion(d);
-        let start = energy(&m) - m.energy().balance(); // impacts at time 0 are accounted for already
-        let mut largest = 1.0f64;
-        for k in 1..=40 {
-            let advanced = m.advance_to(0.1 * k as f64);
+/// Follows a machine and checks it on the way, at the events and between them.
+fn follow(d: Description) -> Result<(), TestCaseError> {
+    let mut m = motion(d);
+    let start = energy(&m) - m.energy().balance(); // impacts at time 0 are accounted for already
+    let (mut largest, mut events, mut at_one_time) = (1.0f64, 0, 0);
+    let at_most = 100 * (1 + m.assembly().system().stops.len() + m.assembly().system().frictions.len());
+    for k in 1..=40 {
+        let end = 0.1 * k as f64;
+        while m.time() < end && events < EVENTS {
+            let before = m.time();
+            let advanced = m.advance_to_event(end, &mut |_| events += 1);
             prop_assert!(advanced.is_ok(), "{:?}", advanced);
+            at_one_time = if m.time() > before { 0 } else { at_one_time + 1 };
+            prop_assert!(at_one_time < at_most, "no progress at t = {}", before);
             for i in 0..m.assembly().description.bodies.len() {
                 let [s, v, _] = m.body(i);
                 largest = largest.max(s.abs()).max(v.abs());
             }
             check(&m, start, largest)?;
         }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn invariant_stops_forces_and_energy_of_any_assembly(d in assembly()) {
+        follow(d)?;
     }
 }

@@ -9,6 +9,12 @@ pub enum Error {
     /// An analysis refuses.
     #[error(transparent)]
     Analysis(#[from] vibro_analysis::Error),
+    /// A machine's file, or a new value of its parameters, is refused.
+    #[error(transparent)]
+    Refusal(#[from] vibro_assembly::Refusal),
+    /// A machine of the user's own cannot be or cannot move on.
+    #[error(transparent)]
+    Assembly(#[from] vibro_assembly::Error),
     /// A parameter file or a folder of parts cannot be understood.
     #[error("{}: {problem}", path.display())]
     Config {
@@ -65,6 +71,11 @@ impl Error {
             Self::File { doing: "writing" | "making folder", .. }
                 | Self::Output { .. }
                 | Self::Picture(_)
+                | Self::Assembly(
+                    vibro_assembly::Error::Jammed { .. }
+                        | vibro_assembly::Error::Stuck { .. }
+                        | vibro_assembly::Error::Violated { .. }
+                )
                 | Self::Analysis(vibro_analysis::Error::Store(_))
         )
     }

@@ -11,6 +11,11 @@ use nalgebra::{DMatrix, DVector};
 /// the rounding of the columns (1e-16 each), far below the 1e-5 that a mass ratio of 1e10 leaves between two contacts.
 const DEPENDENT: f64 = 1e-11;
 
+/// Rounding of a force on a coordinate in parts of the sizes of its terms: some tens of roundings of solving for them.
+const ROUNDING: f64 = 1e-14;
+/// Contacts over which rounding is passed on.
+const NEIGHBOURS: usize = 2;
+
 /// The contacts' problem. Bounds may be infinite; an equality has both infinite.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -33,6 +38,8 @@ pub struct Solution {
     pub lambda: DVector<f64>,
     /// b - Gλ.
     pub residual: DVector<f64>,
+    /// Below this each counts as zero.
+    pub zero: DVector<f64>,
     /// Independent contacts whose λ lies inside its bounds, by their places.
     pub free: Vec<usize>,
 }
@@ -125,7 +132,42 @@ pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
 }
 
+/// The upper triangle R with RᵀR = AᵀA, by orthogonalization of the columns, which does not square their condition and leaves
+/// exact zeros between contacts that share no coordinate.
+pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let (count, mut basis) = (columns.ncols(), Basis::new());
+    for place in 0..count {
+        let (rest, mut coefficients) = basis.split(columns.column(place).into_owned());
+        let length = rest.norm().max(f64::MIN_POSITIVE);
+        coefficients.push(length);
+        basis.q.push(rest / length);
+        basis.r.push(coefficients);
+    }
+    DMatrix::from_fn(count, count, |i, j| if i <= j { basis.r[j][i] } else { 0.0 })
+}
+
 impl Problem {
+    /// Below this a contact's λ counts as zero: it makes no more of a residual than what counts as zero there.
+    pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
+        let compliance = self.columns.column(contact).norm_squared();
+        if compliance > 0.0 { solution.zero[contact] / compliance } else { 0.0 }
+    }
+
+    /// Below this a residual counts as zero for given λ. What is given, and the rounding of the λ, are errors of forces on the
+    /// coordinates; what they change at a contact is passed on to those that share a coordinate with it.
+    fn zero(&self, lambda: &DVector<f64>) -> DVector<f64> {
+        let sizes = self.columns.abs();
+        let norms: Vec<f64> = sizes.column_iter().map(|c| c.norm_squared().max(f64::MIN_POSITIVE)).collect();
+        let errors = |i: usize, residual: f64| residual / norms[i];
+        let own = DVector::from_fn(lambda.len(), |i, _| errors(i, self.zero[i]) + ROUNDING * lambda[i].abs());
+        let mut forces = &sizes * own;
+        for _ in 0..NEIGHBOURS {
+            let residuals = sizes.tr_mul(&forces);
+            forces = &sizes * DVector::from_fn(lambda.len(), |i, _| errors(i, residuals[i]));
+        }
+        sizes.tr_mul(&forces)
+    }
+
     fn residual(&self, lambda: &DVector<f64>) -> DVector<f64> {
         let force = &self.columns * lambda;
         &self.b - self.columns.tr_mul(&force)
@@ -169,13 +211,19 @@ impl Problem {
 
     /// The contact whose residual violates its bound most, in parts of its column's size; `first` takes the first one
     /// instead, by which the search cannot cycle (Bland's rule).
-    fn violated(&self, lambda: &DVector<f64>, residual: &DVector<f64>, first: bool) -> Option<usize> {
+    fn violated(
+        &self,
+        lambda: &DVector<f64>,
+        residual: &DVector<f64>,
+        zero: &DVector<f64>,
+        first: bool,
+    ) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
         for i in 0..lambda.len() {
             let size = self.columns.column(i).norm();
             let r = residual[i];
-            let wants_more = r > self.zero[i] && lambda[i] < self.hi[i];
-            let wants_less = r < -self.zero[i] && lambda[i] > self.lo[i];
+            let wants_more = r > zero[i] && lambda[i] < self.hi[i];
+            let wants_less = r < -zero[i] && lambda[i] > self.lo[i];
             if wants_more || wants_less {
                 let share = if size > 0.0 { r.abs() / size } else { f64::INFINITY };
                 if first {
@@ -216,13 +264,14 @@ impl Problem {
             for &i in &free {
                 left[i] = 0.0;
             }
-            let Some(entering) = self.violated(&lambda, &left, turn > 10 * (m + 1)) else {
-                return Ok(Solution { lambda, residual: left, free });
+            let zero = self.zero(&lambda);
+            let Some(entering) = self.violated(&lambda, &left, &zero, turn > 10 * (m + 1)) else {
+                return Ok(Solution { lambda, residual: left, zero, free });
             };
             self.enter(&basis, entering, left[entering].signum(), &mut lambda, &mut free)?;
         }
-        let residual = self.residual(&lambda);
-        Ok(Solution { lambda, residual, free })
+        let (residual, zero) = (self.residual(&lambda), self.zero(&lambda));
+        Ok(Solution { lambda, residual, zero, free })
     }
 
     /// Makes a contact free. One whose column depends on the free ones moves along the direction that leaves the motion as it

@@ -1,8 +1,10 @@
 //! Which mode follows: order by order in the derivatives of the motion (docs/assembly-law.md (A10) to (A12)).
 
-use super::box_qp::{Jam, Problem, Solution};
-use super::{Sizes, ZERO};
-use crate::description::StopLaw;
+mod classify;
+mod order;
+
+use super::Sizes;
+use super::box_qp::Jam;
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::system::{Row, System};
 use nalgebra::{DMatrix, DVector};
@@ -37,9 +39,11 @@ pub struct Selection<'a> {
     sizes: Vec<Sizes>,
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
-    /// Contacts whose force in the first solution lies strictly inside its bounds: the preferred basis, since what depends on them
-    /// then keeps its share, which is a bound or zero.
+    /// Contacts in the order in which their forces came to lie strictly inside their bounds: the preferred basis, since what
+    /// depends on them then keeps its share, which is a bound or zero.
     preferred: Vec<Contact>,
+    /// By friction: whether it has left its static level.
+    released: Vec<bool>,
     /// By friction: the direction in which its force was at its level in the first solution that decided on it, else 0.
     at_level: Vec<f64>,
 }
@@ -67,13 +71,14 @@ impl<'a> Selection<'a> {
         sizes: &Sizes,
         touching: &Touching,
     ) -> Result<Mode, Jam> {
-        let mut released = Vec::new();
+        let mut released = vec![false; system.frictions.len()];
         loop {
             let mut selection = Self::begin(system, z, sizes, touching, &released);
-            match selection.run()? {
-                Some(friction) => released.push(friction),
-                None => return Ok(selection.finish()),
+            let leaving = selection.run()?;
+            if leaving.is_empty() {
+                return Ok(selection.finish());
             }
+            leaving.into_iter().for_each(|i| released[i] = true);
         }
     }
 
@@ -82,7 +87,7 @@ impl<'a> Selection<'a> {
         z: &DVector<f64>,
         sizes: &Sizes,
         touching: &Touching,
-        released: &[(usize, f64)],
+        released: &[bool],
     ) -> Self {
         let mut selection = Self {
             system,
@@ -92,6 +97,7 @@ impl<'a> Selection<'a> {
             frictions: Vec::new(),
             preferred: Vec::new(),
             at_level: vec![0.0; system.frictions.len()],
+            released: released.to_vec(),
         };
         for i in 0..system.stops.len() {
             let state = selection.classify_stop(i, touching);
@@ -101,101 +107,37 @@ impl<'a> Selection<'a> {
             let state = selection.classify_friction(i, touching.resting[i]);
             selection.frictions.push(state);
         }
-        for &(i, direction) in released {
-            selection.frictions[i] = Friction::Is(slipping(direction));
-        }
         selection
     }
 
-    /// -1, 0 or 1: the sign of a row's derivative of some order, zero where it is rounding.
-    fn sign(&self, row: &Row, order: usize) -> f64 {
-        let value = row.dot(&self.derivatives[order]);
-        if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
-    }
-
-    fn classify_stop(&self, i: usize, touching: &Touching) -> Stop {
-        let stop = &self.system.stops[i];
-        let excess = self.sign(&stop.excess, 0);
-        let rate = self.sign(&stop.elongation.rate, 0);
-        if let StopLaw::Rigid { .. } = stop.law {
-            return match (touching.stops[i] || excess >= 0.0, rate) {
-                (false, _) => Stop::Is(StopState::Open),
-                (true, rate) if rate < 0.0 => Stop::Is(StopState::Open),
-                (true, _) => Stop::Touching,
-            };
+    /// Goes through the orders; returns the frictions that slip at their static levels, with which all begins anew.
+    fn run(&mut self) -> Result<Vec<usize>, Jam> {
+        if self.is_decided() && !self.has_contacts() {
+            return Ok(Vec::new());
         }
-        if touching.edges[i] || excess == 0.0 {
-            return match rate {
-                r if r > 0.0 => Stop::Is(self.entering(i)),
-                r if r < 0.0 => Stop::Is(StopState::Below),
-                _ => Stop::AtEdge,
-            };
-        }
-        if excess < 0.0 {
-            return Stop::Is(StopState::Below);
-        }
-        let pull = self.sign(&stop.force, 0);
-        if pull < 0.0 && !touching.limits[i] {
-            return Stop::Is(StopState::Free);
-        }
-        if stop.is_elastogap() {
-            let cap = self.sign(&(&stop.force - 2.0 * &stop.spring), 0);
-            if cap > 0.0 && !touching.limits[i] {
-                return Stop::Is(StopState::Capped);
-            }
-            if cap == 0.0
-                || (touching.limits[i]
-                    && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0]))
-            {
-                return Stop::AtLimit(StopState::Capped, StopState::Pressed);
-            }
-        }
-        if pull == 0.0 || touching.limits[i] {
-            return Stop::AtLimit(StopState::Pressed, StopState::Free);
-        }
-        Stop::Is(StopState::Pressed)
-    }
-
-    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
-    fn entering(&self, i: usize) -> StopState {
-        let stop = &self.system.stops[i];
-        if stop.is_elastogap() && stop.force != stop.spring { StopState::Capped } else { StopState::Pressed }
-    }
-
-    fn classify_friction(&self, i: usize, resting: bool) -> Friction {
-        let friction = &self.system.frictions[i];
-        let mut level = friction.level.clone();
-        let mut order = 0;
-        // The level is a signal, so that its derivatives are known at once.
-        let sign = loop {
-            let sign = self.sign(&level, 0);
-            if sign != 0.0 || order >= self.system.signals.size {
-                break sign;
-            }
-            level = self.system.signals.derivative(&level);
-            order += 1;
-        };
-        if sign <= 0.0 {
-            return Friction::Is(FrictionState::Off);
-        }
-        let rate = self.sign(&friction.elongation.rate, 0);
-        if rate == 0.0 || resting { Friction::Resting(order) } else { Friction::Is(slipping(rate)) }
-    }
-
-    /// Goes through the orders; `Some` names a friction with a static level that leaves, so that all begins anew.
-    fn run(&mut self) -> Result<Option<(usize, f64)>, Jam> {
         for order in 0..=self.system.signals.size {
             self.decide_compliant(order);
-            if let Some(released) = self.solve(order)? {
-                return Ok(Some(released));
+            let leaving = self.solve(order)?;
+            if !leaving.is_empty() {
+                return Ok(leaving);
             }
-            let open = self.stops.iter().any(|s| !matches!(s, Stop::Is(_)))
-                || self.frictions.iter().any(|f| !matches!(f, Friction::Is(_)));
-            if !open {
+            if self.is_decided() {
                 break;
             }
         }
-        Ok(None)
+        Ok(Vec::new())
+    }
+
+    /// Whether the state of every element is known.
+    fn is_decided(&self) -> bool {
+        self.stops.iter().all(|s| matches!(s, Stop::Is(_)))
+            && self.frictions.iter().all(|f| matches!(f, Friction::Is(_)))
+    }
+
+    /// Whether forces of closed stops or sticking friction are to be found.
+    fn has_contacts(&self) -> bool {
+        self.stops.contains(&Stop::Is(StopState::Closed))
+            || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
     /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up to k + 1 are known.
@@ -240,8 +182,8 @@ impl<'a> Selection<'a> {
         (stops.collect(), frictions.collect())
     }
 
-    /// The accelerations' derivative of an order, and what it decides.
-    fn solve(&mut self, order: usize) -> Result<Option<(usize, f64)>, Jam> {
+    /// The accelerations' derivative of an order, and what it decides; returns the frictions that slip at their static levels.
+    fn solve(&mut self, order: usize) -> Result<Vec<usize>, Jam> {
         let (stops, frictions) = self.states();
         let free = self.system.free_acceleration(&stops, &frictions);
         let contacts: Vec<Contact> = (0..stops.len())
@@ -254,13 +196,11 @@ impl<'a> Selection<'a> {
         let z = self.derivatives[order].clone();
         let mut acceleration = &free * &z;
         if !contacts.is_empty() {
-            let problem = self.problem(order, &contacts, &free, false);
+            let problem = self.problem(order, &contacts, &free);
             let solution = self.solved(&problem, &contacts)?;
-            if self.frictions_with_static(&contacts) {
-                let held = self.solved(&self.problem(order, &contacts, &free, true), &contacts)?;
-                if let Some(released) = self.leaving(&contacts, &held, (&problem, &solution), order) {
-                    return Ok(Some(released));
-                }
+            let leaving = self.leaving(&contacts, &solution);
+            if !leaving.is_empty() {
+                return Ok(leaving);
             }
             let mut forces = DVector::zeros(self.system.coordinates);
             for (k, &contact) in contacts.iter().enumerate() {
@@ -268,13 +208,10 @@ impl<'a> Selection<'a> {
             }
             acceleration -= self.system.inertia.solve(&forces);
             self.decide(order, &contacts, &problem, &solution);
-            if order == 0 {
-                let level = |c: &Contact| matches!(c, Contact::Friction(i) if self.at_level[*i] != 0.0);
-                self.preferred = solution.free.iter().map(|&k| contacts[k]).filter(|c| !level(c)).collect();
-            }
+            self.prefer(&contacts, &problem, &solution);
         }
         self.differentiate(&z, &acceleration, &free, order);
-        Ok(None)
+        Ok(Vec::new())
     }
 
     /// Adds the next derivative of z, and a bound of its size by the free accelerations' terms.
@@ -306,154 +243,6 @@ impl<'a> Selection<'a> {
         }
         self.derivatives.push(next);
         self.sizes.push(Sizes(size));
-    }
-
-    /// The contacts' problem at an order. With `bilateral` a friction with a static level of its own is held whatever it takes.
-    fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>, bilateral: bool) -> Problem {
-        let m = contacts.len();
-        let z = &self.derivatives[order];
-        let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
-        let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
-        let mut hi = DVector::from_element(m, f64::INFINITY);
-        for (k, &contact) in contacts.iter().enumerate() {
-            let e = self.system.elongation_of(contact);
-            let row = free.tr_mul(&e.w) + &e.drift;
-            b[k] = row.dot(z);
-            // The terms' sizes, those of the forces before they are summed up on a body included.
-            let terms: f64 = (0..self.system.coordinates)
-                .map(|c| {
-                    e.w[c].abs()
-                        * free
-                            .row(c)
-                            .iter()
-                            .zip(self.sizes[order].0.iter())
-                            .map(|(f, s)| f.abs() * s)
-                            .sum::<f64>()
-                })
-                .sum();
-            zero[k] = ZERO * (terms + self.sizes[order].of(&e.drift));
-            match contact {
-                Contact::Stop(i) => {
-                    if self.stops[i] == Stop::Touching {
-                        lo[k] = 0.0;
-                    }
-                }
-                Contact::Friction(i) => {
-                    let friction = &self.system.frictions[i];
-                    let level = friction.static_level.dot(&self.derivatives[order]);
-                    let held = bilateral && friction.has_static;
-                    match self.frictions[i] {
-                        Friction::Resting(first) if order < first => (lo[k], hi[k]) = (0.0, 0.0),
-                        Friction::Resting(first) if order == first && !held => {
-                            (lo[k], hi[k]) = (-level, level)
-                        }
-                        Friction::AtLevel(direction) if !held => {
-                            if direction > 0.0 {
-                                hi[k] = level;
-                            } else {
-                                lo[k] = -level;
-                            }
-                        }
-                        _ => {}
-                    }
-                }
-            }
-        }
-        Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
-    }
-
-    fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
-        problem.solve().map_err(|jam| Jam {
-            contacts: jam
-                .contacts
-                .iter()
-                .filter_map(|&k| if let Contact::Stop(i) = contacts[k] { Some(i) } else { None })
-                .collect(),
-        })
-    }
-
-    fn frictions_with_static(&self, contacts: &[Contact]) -> bool {
-        contacts.iter().any(|c| matches!(c, Contact::Friction(i) if self.system.frictions[*i].has_static && !matches!(self.frictions[*i], Friction::Is(_))))
-    }
-
-    /// The friction with a static level whose holding force exceeds that level most, with its direction. One of several that
-    /// share a force leaves only if it would slip with all of them at their levels.
-    fn leaving(
-        &self,
-        contacts: &[Contact],
-        held: &Solution,
-        (problem, limited): (&Problem, &Solution),
-        order: usize,
-    ) -> Option<(usize, f64)> {
-        let mut most: Option<(usize, f64, f64)> = None;
-        for (k, &contact) in contacts.iter().enumerate() {
-            let Contact::Friction(i) = contact else { continue };
-            if !self.system.frictions[i].has_static {
-                continue;
-            }
-            let slips = limited.residual[k].abs() > problem.zero[k];
-            let others: Vec<usize> = (0..contacts.len()).filter(|&j| j != k).chain([k]).collect();
-            let alone = super::box_qp::independent(&problem.columns, &others).contains(&k);
-            if !slips && !alone {
-                continue;
-            }
-            let level = self.system.frictions[i].static_level.dot(&self.derivatives[order]);
-            let force = held.lambda[k];
-            let ratio = match self.frictions[i] {
-                Friction::Resting(first) if first == order => force.abs() / level,
-                // At the level already: what it takes beyond the level's own change.
-                Friction::AtLevel(d) if d * force - level > ZERO * (force.abs() + level.abs()) => {
-                    f64::INFINITY
-                }
-                _ => continue,
-            };
-            let direction = if slips { limited.residual[k].signum() } else { force.signum() };
-            if (ratio > 1.0 + ZERO || slips) && most.is_none_or(|(_, _, r)| ratio > r) {
-                most = Some((i, direction, ratio));
-            }
-        }
-        most.map(|(i, direction, _)| (i, direction))
-    }
-
-    /// What the solution of an order decides.
-    fn decide(&mut self, order: usize, contacts: &[Contact], problem: &Problem, solution: &Solution) {
-        for (k, &contact) in contacts.iter().enumerate() {
-            let (force, left) = (solution.lambda[k], solution.residual[k]);
-            let compliance = problem.columns.column(k).norm_squared();
-            let zero_force = if compliance > 0.0 { problem.zero[k] / compliance } else { 0.0 };
-            match contact {
-                Contact::Stop(i) if self.stops[i] == Stop::Touching => {
-                    if left < -problem.zero[k] {
-                        self.stops[i] = Stop::Is(StopState::Open);
-                    } else if force > zero_force {
-                        self.stops[i] = Stop::Is(StopState::Closed);
-                    }
-                }
-                Contact::Stop(_) => {}
-                Contact::Friction(i) => {
-                    let level = self.system.frictions[i].static_level.dot(&self.derivatives[order]);
-                    match self.frictions[i] {
-                        Friction::Is(_) => {}
-                        _ if left.abs() > problem.zero[k] => {
-                            self.frictions[i] = Friction::Is(slipping(left));
-                        }
-                        Friction::Resting(first) if order == first => {
-                            let room = level - force.abs();
-                            self.frictions[i] = if room > ZERO * level + zero_force {
-                                Friction::Is(FrictionState::Stuck)
-                            } else {
-                                self.at_level[i] = force.signum();
-                                Friction::AtLevel(force.signum())
-                            };
-                        }
-                        Friction::AtLevel(d) if level - d * force > zero_force => {
-                            self.frictions[i] = Friction::Is(FrictionState::Stuck);
-                        }
-                        _ => {}
-                    }
-                }
-            }
-        }
     }
 
     fn finish(self) -> Mode {

@@ -4,24 +4,43 @@ use super::event::{Event, EventKind};
 use super::{Motion, Observer};
 use crate::error::Error;
 use crate::flow::ORDERS;
-use crate::law::ZERO;
-use crate::law::box_qp::Jam;
+use crate::law::box_qp::{Jam, triangle};
 use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{Selection, Touching};
+use crate::law::{Sizes, ZERO};
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
-use crate::motion::step::row_dot;
-use nalgebra::{DMatrix, DVector};
+use crate::motion::step::column_dot;
+use crate::system::{Elongation, System};
+use nalgebra::DVector;
 
 /// A stop whose bounces would be lower than this part of its largest e so far is closed.
 const LEAST_BOUNCE: f64 = 1e-12;
 
+/// A watched functional's coefficient that is positive where the law says negative is rounding up to this many times the size under
+/// which it counts as zero; beyond, the modes would change without end, which is told.
+const DOUBTFUL: f64 = 1e3;
+
 /// What an event says of the elements that take part.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Flags {
     stops: Vec<bool>,
     resting: Vec<bool>,
     edges: Vec<bool>,
     limits: Vec<bool>,
+}
+
+impl Flags {
+    /// What is left of it after impacts that changed the velocities by `kick`: friction whose rate they changed no longer rests,
+    /// and the force of a compliant stop with a dashpot is no longer at a limit.
+    fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
+        let mut flags = self.clone();
+        let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero(&e.rate);
+        let frictions = flags.resting.iter_mut().zip(&system.frictions);
+        frictions.for_each(|(rests, friction)| *rests &= !moved(&friction.elongation));
+        let stops = flags.limits.iter_mut().zip(&system.stops);
+        stops.for_each(|(limit, stop)| *limit &= !moved(&stop.elongation));
+        flags
+    }
 }
 
 impl Motion {
@@ -31,9 +50,11 @@ impl Motion {
         self.place_on_contacts(&flags);
         let before = self.hybrid.mode.clone();
         let touching: Vec<usize> = (0..flags.stops.len()).filter(|&i| flags.stops[i]).collect();
+        let velocities = self.velocities();
         let (impacts, closing) = self.collide(&touching, &flags)?;
         self.report_impacts(&impacts, observer);
-        let mode = self.select(&flags)?;
+        let kick = self.velocities() - velocities;
+        let mode = self.select(&flags.after(&kick, &self.assembly.system, &self.hybrid.sizes))?;
         self.enter(mode);
         self.report_changes(&before, &closing, observer);
         Ok(())
@@ -52,12 +73,18 @@ impl Motion {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         for (i, stop) in system.stops.iter().enumerate() {
             let excess = stop.excess.dot(z);
-            if stop.restitution().is_some() && excess > self.hybrid.sizes.zero(&stop.excess) {
+            let jumps = stop.excess.rows_range(system.signals.one + 1..).iter().any(|&x| x != 0.0);
+            if jumps && stop.restitution().is_some() && excess > self.hybrid.sizes.zero(&stop.excess) {
                 let stop = self.assembly.description.stops[i].name.clone();
                 return Err(Error::Violated { stop, time: self.time(), excess });
             }
         }
         Ok(())
+    }
+
+    fn velocities(&self) -> DVector<f64> {
+        let n = self.assembly.system.coordinates;
+        self.hybrid.z.rows(n, n).into_owned()
     }
 
     fn flags(&self, ended: &[Watch]) -> Flags {
@@ -81,7 +108,7 @@ impl Motion {
             match watch {
                 Watch::Meets(i) => flags.stops[i] = true,
                 Watch::Stops(i) => flags.resting[i] = true,
-                Watch::Presses(i) => flags.edges[i] = true,
+                Watch::Presses(i) | Watch::Leaves(i) => flags.edges[i] = true,
                 Watch::Changes(i) => {
                     let stop = &system.stops[i];
                     let edge = stop.excess.dot(&hybrid.z).abs() <= hybrid.sizes.zero(&stop.excess);
@@ -124,7 +151,7 @@ impl Motion {
             (Contact::Stop(i), false) => system.stops[i].excess.dot(z),
             (contact, _) => system.elongation_of(contact).rate.dot(z),
         });
-        let r = system.columns(contacts).qr().r();
+        let r = triangle(&system.columns(contacts));
         r.tr_solve_upper_triangular_mut(&mut off);
         r.solve_upper_triangular_mut(&mut off);
         let mut sum = DVector::zeros(n);
@@ -155,12 +182,13 @@ impl Motion {
             let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
             let impacts = instant.collide(&mut z).map_err(|jam| self.jammed(&jam))?;
             self.hybrid.z = z;
-            let last: Vec<(usize, f64)> =
-                impacts.sequence.iter().flat_map(|i| i.stops.iter().map(|s| (s.0, s.1))).collect();
-            if last.is_empty() {
+            self.hybrid.sizes.include(&self.hybrid.z);
+            if impacts.sequence.is_empty() {
                 return Ok((impacts, closing));
             }
-            let found = self.plastic(&last, &restitution, flags)?;
+            let kick = self.velocities() - before.rows(system.coordinates, system.coordinates);
+            let after = flags.after(&kick, system, &self.hybrid.sizes);
+            let found = self.plastic(&impacts, &restitution, &after)?;
             if found.is_empty() {
                 return Ok((impacts, closing));
             }
@@ -174,12 +202,12 @@ impl Motion {
     /// The stops of an impact whose bounces are too low to matter, with the time until they would have accumulated.
     fn plastic(
         &mut self,
-        hit: &[(usize, f64)],
+        impacts: &Impacts,
         restitution: &[f64],
         flags: &Flags,
     ) -> Result<Vec<(usize, f64)>, Error> {
-        let candidates: Vec<(usize, f64)> =
-            hit.iter().copied().filter(|&(i, _)| restitution[i] > 0.0).collect();
+        let hit = impacts.sequence.iter().flat_map(|impact| impact.stops.iter().map(|s| s.0));
+        let candidates: Vec<usize> = hit.filter(|&i| restitution[i] > 0.0).collect();
         if candidates.is_empty() {
             return Ok(Vec::new());
         }
@@ -189,7 +217,7 @@ impl Motion {
         let n = system.coordinates;
         let acceleration: DVector<f64> = linear.a.rows(n, n) * &self.hybrid.z;
         let mut found = Vec::new();
-        for (i, _) in candidates {
+        for i in candidates {
             let stop = &system.stops[i];
             let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
@@ -221,12 +249,13 @@ impl Motion {
         self.keep_contacts();
         let hybrid = &self.hybrid;
         let departing = self.table.watched.iter().map(|w| {
-            let zero = |k: usize| ZERO * sized(&w.coefficients, k, &hybrid.sizes.0);
-            let value = row_dot(&w.coefficients, 0, &hybrid.z);
-            if value < -zero(0) {
-                return 0;
-            }
-            (1..ORDERS).find(|&k| row_dot(&w.coefficients, k, &hybrid.z).abs() > zero(k)).unwrap_or(ORDERS)
+            let zero = |k: usize| ZERO * column_dot(&w.terms, k, &hybrid.sizes.0);
+            let value = |k: usize| column_dot(&w.coefficients, k, &hybrid.z);
+            // The law says that the first is negative; what rounding has made positive counts as zero.
+            let leaves = |&k: &usize| value(k) < -zero(k) || value(k) > DOUBTFUL * zero(k);
+            let order = (0..ORDERS).find(leaves).unwrap_or(ORDERS);
+            // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
+            if order < ORDERS && value(order) > 0.0 { order.saturating_sub(1) } else { order }
         });
         self.hybrid.departing = departing.collect();
     }
@@ -284,10 +313,6 @@ impl Motion {
             }
         }
     }
-}
-
-fn sized(matrix: &DMatrix<f64>, row: usize, sizes: &DVector<f64>) -> f64 {
-    (0..sizes.len()).map(|j| matrix[(row, j)].abs() * sizes[j]).sum()
 }
 
 fn report(observer: &mut Observer, time: f64, kind: EventKind) {

@@ -10,15 +10,15 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::flow::Table;
 use crate::law::Sizes;
-use crate::mode::{Contact, FrictionState, Mode, StopState};
+use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
 use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Modes whose tables are kept; beyond, all are dropped and those in use are made again.
-const KEPT_MODES: usize = 256;
+/// Numbers in the tables that are kept, 128 MB; beyond, all are dropped and those in use are made again.
+const KEPT_NUMBERS: usize = 16 << 20;
 
 /// What is told of events while a motion advances.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
@@ -47,6 +47,8 @@ pub struct Hybrid {
     energy: crate::energy::Accounts,
     /// Events at the present instant without progress.
     chain: usize,
+    /// What ended the last mode.
+    last: Option<Watch>,
 }
 
 /// A motion of a machine.
@@ -90,10 +92,12 @@ impl Motion {
             impacts,
             energy,
             chain: 0,
+            last: None,
         };
         let empty = Arc::new(Table::new(
             crate::mode::Linear {
                 a: nalgebra::DMatrix::zeros(system.signals.size, system.signals.size),
+                terms: nalgebra::DMatrix::zeros(system.signals.size, system.signals.size),
                 lambda: Vec::new(),
                 watched: Vec::new(),
             },
@@ -140,7 +144,7 @@ impl Motion {
         let state = self.hybrid.mode.stops[i];
         let force = match state {
             StopState::Closed => self.contact_force(Contact::Stop(i)),
-            _ => system.stop_force(i, state).map_or(0.0, |row| row.dot(z)),
+            _ => system.stop_force_at(i, state, z).unwrap_or(0.0),
         };
         [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
     }
@@ -152,7 +156,7 @@ impl Motion {
         let state = self.hybrid.mode.frictions[i];
         let force = match state {
             FrictionState::Stuck => self.contact_force(Contact::Friction(i)),
-            _ => system.friction_force(i, state).map_or(0.0, |row| row.dot(z)),
+            _ => system.friction_force_at(i, state, z).unwrap_or(0.0),
         };
         [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
     }
@@ -175,6 +179,13 @@ impl Motion {
     /// The energy accounts.
     pub fn energy(&self) -> &crate::energy::Accounts {
         &self.hybrid.energy
+    }
+
+    /// The same motion without energy accounts, which then stay as they are.
+    #[must_use]
+    pub fn without_energy_accounts(mut self) -> Self {
+        self.hybrid.energy = self.hybrid.energy.off();
+        self
     }
 
     /// Kinetic and stored energy, J.
@@ -220,7 +231,7 @@ impl Motion {
         if let Some(table) = self.tables.get(mode) {
             return table.clone();
         }
-        if self.tables.len() >= KEPT_MODES {
+        if self.tables.values().map(|table| table.numbers()).sum::<usize>() > KEPT_NUMBERS {
             self.tables.clear();
         }
         let system = &self.assembly.system;

@@ -1,6 +1,7 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
-use super::{Motion, Observer, Outcome};
+use super::{Hybrid, Motion, Observer, Outcome};
+use crate::energy::NODES;
 use crate::error::Error;
 use crate::flow::{ORDERS, SAMPLES, WatchTable};
 use crate::mode::Watch;
@@ -8,13 +9,20 @@ use nalgebra::DVector;
 use vibro_impact::events::first_crossing;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// A sub-step is shortened until no stop's e moves by more than this many times its largest size so far: beyond, the roots would
-/// lose digits.
+/// A sub-step is halved while a stop's e may move by more than this many times its largest size so far: beyond, the roots would
+/// lose digits. Not more often than [`HALVINGS`], since what begins at zero has no size yet.
 const REACH: f64 = 4.0;
+/// Halvings of a sub-step for its reach.
+const HALVINGS: i32 = 6;
 /// Sub-steps in one call, and for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
 /// Events at one instant without progress, for each element and one more.
 const CHAIN: usize = 100;
+
+/// Parts of a mode's sub-step that count as progress of time: a few roundings.
+const PROGRESS: f64 = 1e-15;
+/// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
+const LEAVES_ZERO: f64 = 16.0;
 
 /// The end of a sub-step: how far, and the watched functional that ends it.
 struct Passage {
@@ -78,15 +86,18 @@ impl Motion {
             work += WORK.1 * (self.time() - from) / self.table.length;
             from = self.time();
             if work < 0.0 {
-                return Err(self.stuck(
-                    "the limit of work in one call is reached; events follow one another without end",
-                ));
+                return Err(self.stuck("the limit of work in one call is reached"));
             }
         }
     }
 
-    pub(super) fn stuck(&self, cause: &str) -> Error {
-        Error::Stuck { time: self.time(), cause: cause.into() }
+    fn stuck(&self, cause: &str) -> Error {
+        let last = self.hybrid.last.map(|watch| self.assembly.name_of(watch));
+        let cause = match last {
+            Some(name) => format!("{cause}; events follow one another at {name}"),
+            None => cause.into(),
+        };
+        Error::Stuck { time: self.time(), cause }
     }
 
     /// A sub-step of at most the table's length towards `goal`; true where an event's law was applied.
@@ -94,21 +105,33 @@ impl Motion {
         let table = self.table.clone();
         let remaining = goal.minus(self.hybrid.time).value();
         let mut span = table.length.min(remaining);
-        let z = &self.hybrid.z;
+        let z = &self.hybrid.z.clone();
         let sizes = z.abs();
         span = self.within_reach(span, &sizes);
         let whole = span == table.length;
-        let passage = self.first_passage(span, whole, &sizes);
+        let mut passage = self.first_passage(span, whole, &sizes);
+        // A root early in the span is found anew in a shorter one, of which the coefficients' rounding is smaller.
+        if let Some(near) =
+            passage.as_ref().map(|p| 2.0 * p.u * span).filter(|&near| near > 0.0 && near < 0.5 * span)
+            && let Some(again) = self.first_passage(near, false, &sizes)
+        {
+            (span, passage) = (near, Some(again));
+        }
         let part = passage.as_ref().map_or(1.0, |p| p.u);
         let dt = part * span;
         let reaches = passage.is_none() && span >= remaining;
-        let next = if whole && passage.is_none() { &table.transition * z } else { table.state_after(z, dt) };
-        let mut energy = std::mem::take(&mut self.hybrid.energy);
-        energy.add(&self.assembly.system, &self.hybrid.mode, &table, z, dt);
-        self.hybrid.energy = energy;
+        let Hybrid { energy, mode, .. } = &mut self.hybrid;
+        let next = if whole && passage.is_none() {
+            energy.add(&self.assembly.system, mode, &table, table.nodes.iter().map(|m| m * z), dt);
+            &table.transition * z
+        } else {
+            let series = table.taylor(z, dt);
+            energy.add(&self.assembly.system, mode, &table, NODES.iter().map(|node| series.at(node.0)), dt);
+            series.at(1.0)
+        };
         self.hybrid.z = next;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        if dt > 0.0 {
+        if dt > PROGRESS * table.length {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
@@ -119,14 +142,14 @@ impl Motion {
         self.keep_contacts();
         if let Some(passage) = passage {
             self.hybrid.chain += 1;
+            self.hybrid.last = Some(table.watched[passage.place].watch);
             if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
                 return Err(self.stuck("the modes change without end"));
             }
-            let watch = table.watched[passage.place].watch;
-            self.settle(&[watch], observer)?;
+            self.settle(&[table.watched[passage.place].watch], observer)?;
             return Ok(true);
         }
-        self.hybrid.departing.iter_mut().for_each(|order| *order = 0);
+        self.watch_again();
         if knot {
             self.refill();
             self.knot(observer)?;
@@ -135,20 +158,28 @@ impl Motion {
         Ok(false)
     }
 
+    /// Watched functionals begin the next sub-step away from zero, but for those that are zero throughout the mode, of which every
+    /// coefficient is rounding.
+    fn watch_again(&mut self) {
+        let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
+        for (order, w) in departing.iter_mut().zip(&self.table.watched) {
+            let stays = *order == ORDERS && w.row.dot(z).abs() <= LEAVES_ZERO * sizes.zero(&w.row);
+            *order = if stays { ORDERS } else { 0 };
+        }
+    }
+
     /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
     fn within_reach(&self, mut span: f64, sizes: &DVector<f64>) -> f64 {
         let table = &self.table;
+        let least = span * 0.5f64.powi(HALVINGS);
         for w in &table.watched {
             if !matches!(w.watch, Watch::Meets(_) | Watch::Presses(_)) {
                 continue;
             }
             let size = self.hybrid.sizes.of(&w.row);
-            let slope = row_dot(&w.coefficients, 1, &self.hybrid.z).abs() / table.length;
+            let slope = column_dot(&w.coefficients, 1, &self.hybrid.z).abs() / table.length;
             let curvature = w.curvature.dot(sizes);
-            while span * (slope + 0.5 * curvature * span) > REACH * size
-                && size > 0.0
-                && span > f64::MIN_POSITIVE
-            {
+            while span * (slope + 0.5 * curvature * span) > REACH * size && span > least {
                 span *= 0.5;
             }
         }
@@ -168,7 +199,7 @@ impl Motion {
             let ratio = span / table.length;
             let mut scale = 1.0;
             for (k, ck) in c.iter_mut().enumerate() {
-                *ck = row_dot(&w.coefficients, k, z) * scale;
+                *ck = column_dot(&w.coefficients, k, z) * scale;
                 scale *= ratio;
             }
             if order >= ORDERS {
@@ -194,9 +225,11 @@ impl Motion {
     }
 }
 
-/// A row of a matrix times a vector.
-pub fn row_dot(matrix: &nalgebra::DMatrix<f64>, row: usize, z: &DVector<f64>) -> f64 {
-    (0..z.len()).map(|j| matrix[(row, j)] * z[j]).sum()
+/// A column of a matrix times a vector.
+pub fn column_dot(matrix: &nalgebra::DMatrix<f64>, column: usize, z: &DVector<f64>) -> f64 {
+    let size = z.len();
+    let column = &matrix.as_slice()[column * size..(column + 1) * size];
+    column.iter().zip(z.as_slice()).map(|(a, b)| a * b).sum()
 }
 
 /// Whether samples and the bound between them prove that a functional stays below zero throughout a whole sub-step: between two
@@ -204,5 +237,5 @@ pub fn row_dot(matrix: &nalgebra::DMatrix<f64>, row: usize, z: &DVector<f64>) ->
 fn clear_by_samples(w: &WatchTable, z: &DVector<f64>, sizes: &DVector<f64>, length: f64) -> bool {
     let h = length / SAMPLES as f64;
     let margin = w.curvature.dot(sizes) * h * h * 0.125;
-    w.row.dot(z) < -margin && (0..SAMPLES).all(|k| row_dot(&w.samples, k, z) < -margin)
+    w.row.dot(z) < -margin && (0..SAMPLES).all(|k| column_dot(&w.samples, k, z) < -margin)
 }

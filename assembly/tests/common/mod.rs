@@ -1,6 +1,8 @@
 //! Machines put together in a few words, for tests.
 #![allow(dead_code)]
 
+pub mod machines;
+
 use std::sync::Arc;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::{Event, EventKind};

@@ -1,5 +1,6 @@
 //! The command line: commands, options and their help.
 
+use crate::assembly::AssemblyCommand;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share};
 use crate::run::Run;
@@ -52,6 +53,7 @@ EXAMPLES
   vibro bifurcation --orbits --vary f10=2:3:101
   vibro orbit --word UUL --set f10=2.7
   vibro locus --from vibro-out/special-points.csv:PD@2.373 --vary f10=0.5:3 --vary kappa=0.5:0.9
+  vibro assembly run my_machine.toml --until 2s --samples 1000 --out my-machine
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
@@ -67,7 +69,11 @@ pub fn command() -> clap::Command {
         let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
         command.after_help(format!("{own}{LIMITS}"))
     };
-    with_limits(Arguments::command()).mut_subcommands(with_limits)
+    with_limits(Arguments::command()).mut_subcommands(|command| match command.get_name() {
+        // Its machines are of another class.
+        "assembly" => command,
+        _ => with_limits(command),
+    })
 }
 
 /// The command line.
@@ -116,6 +122,9 @@ pub struct Common {
 pub enum Command {
     /// All steady-state values of one parameter set, by three theories (figure 8)
     Steady,
+    /// A machine of your own from a text file: bodies, springs, links, stops, friction, loads; its check and its exact motion
+    #[command(subcommand)]
+    Assembly(AssemblyCommand),
     /// A motion of the machine, with loads from files: table, impacts, picture, powers
     Run(Run),
     /// Frequency and force response curves, stable and unstable parts (figures 10, 11)

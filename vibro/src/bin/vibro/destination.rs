@@ -160,12 +160,16 @@ fn manifest_path(out: &Path, name: &str) -> PathBuf {
     out.join(format!("{name}.manifest.toml"))
 }
 
-fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
+/// Writes a manifest beside its result.
+///
+/// # Errors
+/// [`Error::File`], [`Error::Output`].
+pub fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
     write_whole(&manifest_path(out, &manifest.study), manifest.text()?.as_bytes())
 }
 
 /// The refusal to overwrite the result of another run, where there is one.
-fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
+pub fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     let (name, path) = (&here.study, manifest_path(out, &here.study));
     let allowed = "allowed: another --out, or --replace, which overwrites it";
     let problem = if path.exists() {

@@ -7,7 +7,7 @@ use std::sync::{Mutex, Once};
 use vibro::part_folder::{PartFolder, parts_in_words};
 
 /// Exit code of a program that Ctrl-C has ended, as shells have it: 128 + SIGINT.
-const INTERRUPTED: i32 = 130;
+pub const INTERRUPTED: i32 = 130;
 
 /// The long work that is going on.
 struct Work {

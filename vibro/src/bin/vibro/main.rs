@@ -1,6 +1,7 @@
 //! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
 
 mod arguments;
+mod assembly;
 mod destination;
 mod interruption;
 mod invocation;
@@ -32,7 +33,8 @@ fn main() -> ExitCode {
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
     match run(&mut arguments) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(interruption::INTERRUPTED as u8),
         Err(error) => {
             eprintln!("error: {error}");
             if error.is_usage() { ExitCode::from(USAGE) } else { ExitCode::FAILURE }
@@ -40,7 +42,15 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &mut Arguments) -> Result<()> {
+/// `false` where the work was interrupted and said so.
+fn run(arguments: &mut Arguments) -> Result<bool> {
+    if let Command::Assembly(a) = &arguments.command {
+        return assembly::run(a, &arguments.common);
+    }
+    study(arguments).map(|()| true)
+}
+
+fn study(arguments: &mut Arguments) -> Result<()> {
     let common = &mut arguments.common;
     if let Some(threads) = common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
@@ -99,7 +109,7 @@ fn run(arguments: &mut Arguments) -> Result<()> {
         Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
         Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
-        Command::Template(_) => return Ok(()),
+        Command::Assembly(_) | Command::Template(_) => return Ok(()),
         Command::Reproduce(a) => {
             let instead = "figures 6, 9, 10, 11 and 17 have the paper's values; leave the value out, or draw your \
                            machine by the other commands";

@@ -1,0 +1,83 @@
+//! What is known of each element before any order is solved.
+
+use super::{Friction, Selection, Stop, Touching, slipping};
+use crate::description::StopLaw;
+use crate::mode::{FrictionState, StopState};
+use crate::system::Row;
+
+impl Selection<'_> {
+    /// -1, 0 or 1: the sign of a row's derivative of some order, zero where it is rounding.
+    pub(super) fn sign(&self, row: &Row, order: usize) -> f64 {
+        let value = row.dot(&self.derivatives[order]);
+        if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
+    }
+
+    pub(super) fn classify_stop(&self, i: usize, touching: &Touching) -> Stop {
+        let stop = &self.system.stops[i];
+        let excess = self.sign(&stop.excess, 0);
+        let rate = self.sign(&stop.elongation.rate, 0);
+        if let StopLaw::Rigid { .. } = stop.law {
+            return match (touching.stops[i] || excess >= 0.0, rate) {
+                (false, _) => Stop::Is(StopState::Open),
+                (true, rate) if rate < 0.0 => Stop::Is(StopState::Open),
+                (true, _) => Stop::Touching,
+            };
+        }
+        if touching.edges[i] || excess == 0.0 {
+            return match rate {
+                r if r > 0.0 => Stop::Is(self.entering(i)),
+                r if r < 0.0 => Stop::Is(StopState::Below),
+                _ => Stop::AtEdge,
+            };
+        }
+        if excess < 0.0 {
+            return Stop::Is(StopState::Below);
+        }
+        let pull = self.sign(&stop.force, 0);
+        if pull < 0.0 && !touching.limits[i] {
+            return Stop::Is(StopState::Free);
+        }
+        if stop.is_elastogap() {
+            let cap = self.sign(&(&stop.force - 2.0 * &stop.spring), 0);
+            if cap > 0.0 && !touching.limits[i] {
+                return Stop::Is(StopState::Capped);
+            }
+            if cap == 0.0
+                || (touching.limits[i]
+                    && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0]))
+            {
+                return Stop::AtLimit(StopState::Capped, StopState::Pressed);
+            }
+        }
+        if pull == 0.0 || touching.limits[i] {
+            return Stop::AtLimit(StopState::Pressed, StopState::Free);
+        }
+        Stop::Is(StopState::Pressed)
+    }
+
+    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
+    pub(super) fn entering(&self, i: usize) -> StopState {
+        let stop = &self.system.stops[i];
+        if stop.is_elastogap() && stop.force != stop.spring { StopState::Capped } else { StopState::Pressed }
+    }
+
+    pub(super) fn classify_friction(&self, i: usize, resting: bool) -> Friction {
+        let friction = &self.system.frictions[i];
+        let mut level = friction.level.clone();
+        let mut order = 0;
+        // The level is a signal, so that its derivatives are known at once.
+        let sign = loop {
+            let sign = self.sign(&level, 0);
+            if sign != 0.0 || order >= self.system.signals.size {
+                break sign;
+            }
+            level = self.system.signals.derivative(&level);
+            order += 1;
+        };
+        if sign <= 0.0 {
+            return Friction::Is(FrictionState::Off);
+        }
+        let rate = self.sign(&friction.elongation.rate, 0);
+        if rate == 0.0 || resting { Friction::Resting(order) } else { Friction::Is(slipping(rate)) }
+    }
+}

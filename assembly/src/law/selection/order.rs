@@ -1,0 +1,148 @@
+//! The contacts' problem at one order, and what its solution decides.
+
+use super::{Friction, Selection, Stop, slipping};
+use crate::law::ZERO;
+use crate::law::box_qp::{Jam, Problem, Solution};
+use crate::mode::{Contact, FrictionState, StopState};
+use crate::system::Row;
+use nalgebra::{DMatrix, DVector};
+
+impl Selection<'_> {
+    /// The contacts' problem at an order.
+    pub(super) fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> Problem {
+        let m = contacts.len();
+        let z = &self.derivatives[order];
+        let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
+        let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
+        let mut hi = DVector::from_element(m, f64::INFINITY);
+        for (k, &contact) in contacts.iter().enumerate() {
+            let e = self.system.elongation_of(contact);
+            let row = free.tr_mul(&e.w) + &e.drift;
+            b[k] = row.dot(z);
+            // The terms' sizes, those of the forces before they are summed up on a body included.
+            let terms: f64 = (0..self.system.coordinates)
+                .map(|c| {
+                    e.w[c].abs()
+                        * free
+                            .row(c)
+                            .iter()
+                            .zip(self.sizes[order].0.iter())
+                            .map(|(f, s)| f.abs() * s)
+                            .sum::<f64>()
+                })
+                .sum();
+            zero[k] = ZERO * (terms + self.sizes[order].of(&e.drift));
+            match contact {
+                Contact::Stop(i) => {
+                    if self.stops[i] == Stop::Touching {
+                        lo[k] = 0.0;
+                    }
+                }
+                Contact::Friction(i) => {
+                    let level = self.level(i).dot(&self.derivatives[order]);
+                    match self.frictions[i] {
+                        Friction::Resting(first) if order < first => (lo[k], hi[k]) = (0.0, 0.0),
+                        Friction::Resting(first) if order == first => (lo[k], hi[k]) = (-level, level),
+                        Friction::AtLevel(direction) => {
+                            if direction > 0.0 {
+                                hi[k] = level;
+                            } else {
+                                lo[k] = -level;
+                            }
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+        Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
+    }
+
+    pub(super) fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
+        problem.solve().map_err(|jam| Jam {
+            contacts: jam
+                .contacts
+                .iter()
+                .filter_map(|&k| if let Contact::Stop(i) = contacts[k] { Some(i) } else { None })
+                .collect(),
+        })
+    }
+
+    /// The level up to which a friction that rests holds.
+    pub(super) fn level(&self, i: usize) -> &Row {
+        let friction = &self.system.frictions[i];
+        if self.released[i] { &friction.level } else { &friction.static_level }
+    }
+
+    /// The frictions that slip although they have static levels of their own.
+    pub(super) fn leaving(&self, contacts: &[Contact], solution: &Solution) -> Vec<usize> {
+        let slips = |(k, &contact): (usize, &Contact)| match contact {
+            Contact::Friction(i) if !matches!(self.frictions[i], Friction::Is(_)) => {
+                let slips = solution.residual[k].abs() > solution.zero[k];
+                (slips && self.system.frictions[i].has_static && !self.released[i]).then_some(i)
+            }
+            _ => None,
+        };
+        contacts.iter().enumerate().filter_map(slips).collect()
+    }
+
+    /// What the solution of an order decides.
+    pub(super) fn decide(
+        &mut self,
+        order: usize,
+        contacts: &[Contact],
+        problem: &Problem,
+        solution: &Solution,
+    ) {
+        for (k, &contact) in contacts.iter().enumerate() {
+            let (force, left) = (solution.lambda[k], solution.residual[k]);
+            let zero_force = problem.zero_force(k, solution);
+            match contact {
+                Contact::Stop(i) if self.stops[i] == Stop::Touching => {
+                    if left < -solution.zero[k] {
+                        self.stops[i] = Stop::Is(StopState::Open);
+                    } else if force > zero_force {
+                        self.stops[i] = Stop::Is(StopState::Closed);
+                    }
+                }
+                Contact::Stop(_) => {}
+                Contact::Friction(i) => {
+                    let level = self.level(i).dot(&self.derivatives[order]);
+                    match self.frictions[i] {
+                        Friction::Is(_) => {}
+                        _ if left.abs() > solution.zero[k] => {
+                            self.frictions[i] = Friction::Is(slipping(left));
+                        }
+                        Friction::Resting(first) if order == first => {
+                            let room = level - force.abs();
+                            self.frictions[i] = if room > self.sizes[order].zero(self.level(i)) + zero_force {
+                                Friction::Is(FrictionState::Stuck)
+                            } else {
+                                self.at_level[i] = force.signum();
+                                Friction::AtLevel(force.signum())
+                            };
+                        }
+                        Friction::AtLevel(d)
+                            if level - d * force > self.sizes[order].zero(self.level(i)) + zero_force =>
+                        {
+                            self.frictions[i] = Friction::Is(FrictionState::Stuck);
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
+    /// The contacts whose force lies strictly inside its bounds come before those that leave a bound at a later order.
+    pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &Problem, solution: &Solution) {
+        for &k in &solution.free {
+            let (contact, force) = (contacts[k], solution.lambda[k]);
+            let zero = problem.zero_force(k, solution);
+            let inside = force > problem.lo[k] + zero && force < problem.hi[k] - zero;
+            if inside && !self.preferred.contains(&contact) {
+                self.preferred.push(contact);
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! The numbers of a description by their dotted names, as places that can be read and written.
+
+use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
+use crate::kinds::{self, Kind};
+
+/// The place of a number in a description.
+pub(crate) struct Slot<'a> {
+    pub name: String,
+    pub kind: Kind,
+    pub dimension: Dimension,
+    pub value: &'a mut f64,
+}
+
+/// Where the slots of one section go.
+struct Slots<'a> {
+    all: Vec<Slot<'a>>,
+    dimension: Dimension,
+}
+
+impl<'a> Slots<'a> {
+    fn push(&mut self, name: String, kind: Kind, value: &'a mut f64) {
+        self.all.push(Slot { name, kind, dimension: self.dimension, value });
+    }
+
+    fn body(&mut self, body: &'a mut Body, at_rest: bool) {
+        let of = format!("body.{}", body.name);
+        self.dimension = body.dimension;
+        match &mut body.kind {
+            BodyKind::Free(Free { inertia, gravity, s, v }) => {
+                let translation = body.dimension == Dimension::Translation;
+                let key = if translation { "mass" } else { "inertia" };
+                self.push(format!("{of}.{key}"), kinds::INERTIA, inertia);
+                if translation {
+                    self.push(format!("{of}.gravity"), kinds::COSINE, gravity);
+                }
+                if !at_rest {
+                    self.push(format!("{of}.start.s"), kinds::START, s);
+                    self.push(format!("{of}.start.v"), kinds::START_RATE, v);
+                }
+            }
+            BodyKind::Prescribed { motion, rate } => {
+                self.signal(&format!("{of}.motion"), motion, kinds::POSITION);
+                self.push(format!("{of}.motion.rate"), kinds::RATE, rate);
+            }
+        }
+    }
+
+    /// The arms of an element, whose dimension holds for what follows; gives its dotted name.
+    fn element(
+        &mut self,
+        section: &str,
+        name: &str,
+        arms: &'a mut Arms,
+        bodies: &[(String, Dimension)],
+    ) -> String {
+        let of = format!("{section}.{name}");
+        self.dimension = arms.dimension;
+        let levers = if arms.levers { &mut arms.terms[..] } else { &mut [] };
+        for (body, arm) in levers {
+            let Some((body, dimension)) = bodies.get(*body) else { continue };
+            self.push(format!("{of}.arms.{body}"), kinds::arm_of(*dimension, arms.dimension), arm);
+        }
+        of
+    }
+
+    fn law(&mut self, of: &str, law: &'a mut StopLaw) {
+        match law {
+            StopLaw::Rigid { restitution } => {
+                self.push(format!("{of}.restitution"), kinds::RESTITUTION, restitution);
+            }
+            StopLaw::Compliant { stiffness, damping, .. } => {
+                self.push(format!("{of}.stiffness"), kinds::STIFFNESS, stiffness);
+                self.push(format!("{of}.damping"), kinds::DAMPING, damping);
+            }
+        }
+    }
+
+    fn signal(&mut self, of: &str, signal: &'a mut Signal, kind: Kind) {
+        self.push(format!("{of}.constant"), kind, &mut signal.constant);
+        let one = signal.harmonics.len() == 1;
+        for (i, harmonic) in signal.harmonics.iter_mut().enumerate() {
+            let of = if one { of.to_owned() } else { format!("{of}.harmonics[{i}]") };
+            self.push(format!("{of}.amplitude"), kind, &mut harmonic.amplitude);
+            self.push(format!("{of}.frequency"), kinds::FREQUENCY, &mut harmonic.frequency);
+            self.push(format!("{of}.phase"), kinds::PHASE, &mut harmonic.phase);
+        }
+        for (i, step) in signal.steps.iter_mut().enumerate() {
+            self.push(format!("{of}.steps[{i}].time"), kinds::TIME, &mut step.time);
+            self.push(format!("{of}.steps[{i}].height"), kind, &mut step.height);
+        }
+    }
+
+    fn level(&mut self, of: &str, signal: &'a mut Signal) {
+        if signal.is_constant() {
+            self.push(of.to_owned(), kinds::LEVEL, &mut signal.constant);
+        } else {
+            self.signal(of, signal, kinds::FORCE);
+        }
+    }
+}
+
+/// Every parameter of a machine, with its place.
+pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
+    let bodies: Vec<_> = machine.bodies.iter().map(|b| (b.name.clone(), b.dimension)).collect();
+    let mut slots = Slots { all: Vec::new(), dimension: Dimension::Translation };
+    slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
+    machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
+    for spring in &mut machine.springs {
+        let of = slots.element("spring", &spring.name, &mut spring.arms, &bodies);
+        slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
+        slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+        slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+    }
+    for stop in &mut machine.stops {
+        let of = slots.element("stop", &stop.name, &mut stop.arms, &bodies);
+        slots.push(format!("{of}.gap"), kinds::GAP, &mut stop.gap);
+        slots.law(&of, &mut stop.law);
+    }
+    for friction in &mut machine.frictions {
+        let of = slots.element("friction", &friction.name, &mut friction.arms, &bodies);
+        slots.level(&format!("{of}.force"), &mut friction.force);
+        if let Some(level) = &mut friction.static_force {
+            slots.level(&format!("{of}.static"), level);
+        }
+    }
+    for link in &mut machine.links {
+        slots.element("link", &link.name, &mut link.arms, &bodies);
+    }
+    for load in &mut machine.loads {
+        slots.dimension = bodies.get(load.body).map_or(Dimension::Translation, |b| b.1);
+        slots.signal(&format!("load.{}", load.name), &mut load.force, kinds::FORCE);
+    }
+    slots.all
+}

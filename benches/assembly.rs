@@ -1,0 +1,166 @@
+//! Machines from text files: against the 3-DOF core on its own machine, growth with the number of bodies, stiff contacts and stiff
+//! springs; as ratios in one run. `cargo bench -p benches --bench assembly`
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Instant;
+use vibro_assembly::file::{no_records, parse};
+use vibro_assembly::{Assembly, Motion};
+use vibro_impact::{Groups, Scales, Simulator, State};
+
+/// Rounds: in each every way runs once, so that a change of the machine's speed meets all alike.
+const ROUNDS: usize = 7;
+
+/// The 3-DOF machine as a file's text.
+fn paper_machine(p: &vibro_impact::Parameters) -> String {
+    let spring = |name: &str, ends: &str, k: f64, c: f64| {
+        format!("[spring.{name}]\nbetween = {ends}\nstiffness = {k:?}\ndamping = {c:?}\n")
+    };
+    let stop = |name: &str, ends: &str| {
+        format!(
+            "[stop.{name}]\nbetween = {ends}\ngap = {:?}\nrestitution = {:?}\n",
+            p.stop_gap, p.stop_restitution
+        )
+    };
+    let body =
+        |name: &str, m: f64, start: &str| format!("[body.{name}]\nmass = {m:?}\nstart = {{ {start} }}\n");
+    [
+        "name = \"Paper\"\n".into(),
+        body("box", p.box_mass, "s = 0.0"),
+        body("block", p.block_mass, "s = 0.9, v = 0.5"),
+        body("secondary", p.secondary_mass, "s = 0.0"),
+        spring("mount", "[\"ground\", \"box\"]", p.box_stiffness, p.box_damping),
+        spring("second", "[\"ground\", \"secondary\"]", p.secondary_stiffness, p.secondary_damping),
+        spring("coupling", "[\"block\", \"secondary\"]", p.coupling_stiffness, 0.0),
+        stop("upper", "[\"box\", \"block\"]"),
+        stop("lower", "[\"block\", \"box\"]"),
+        format!(
+            "[load.drive]\non = \"box\"\namplitude = {:?}\nfrequency = \"{:?} rad/s\"\nphase = {:?}\n",
+            p.drive_amplitude, p.drive_frequency, p.drive_phase
+        ),
+    ]
+    .concat()
+}
+
+/// A driven chain, as a gear train is: every second joint has play on both sides, the others a spring.
+fn chain(bodies: usize) -> String {
+    let mut text = String::from("name = \"Chain\"\n");
+    for i in 0..bodies {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "[body.b{i}]\nmass = 1.0");
+        let _ = writeln!(
+            text,
+            "[spring.g{i}]\nbetween = [\"ground\", \"b{i}\"]\nstiffness = 20.0\ndamping = 0.2"
+        );
+        if i == 0 {
+            continue;
+        }
+        let ends = format!("\"b{}\", \"b{i}\"", i - 1);
+        let back = format!("\"b{i}\", \"b{}\"", i - 1);
+        let _ = if i % 2 == 1 {
+            writeln!(
+                text,
+                "[stop.u{i}]\nbetween = [{ends}]\ngap = 0.05\nrestitution = 0.6\n\
+                 [stop.l{i}]\nbetween = [{back}]\ngap = 0.05\nrestitution = 0.6"
+            )
+        } else {
+            writeln!(text, "[spring.k{i}]\nbetween = [{ends}]\nstiffness = 400.0\ndamping = 0.1")
+        };
+    }
+    text + "[load.drive]\non = \"b0\"\namplitude = 10.0\nfrequency = 1.0\n"
+}
+
+/// A mass on a mount against a contact.
+fn contact(keys: &str) -> String {
+    format!(
+        "name = \"Contact\"\n[body.a]\nmass = 1.0\n[spring.mount]\nbetween = [\"ground\", \"a\"]\nstiffness = 40.0\ndamping = 0.5\n\
+         [stop.c]\nbetween = [\"ground\", \"a\"]\ngap = 0.1\n{keys}\n[load.drive]\non = \"a\"\namplitude = 20.0\nfrequency = 1.0\n"
+    )
+}
+
+/// Two oscillators with frequencies in a ratio of `ratio`, coupled.
+fn stiff(ratio: f64) -> String {
+    format!(
+        "name = \"Stiff\"\n[body.a]\nmass = 1.0\nstart = {{ s = 0.04, v = 1.0 }}\n[body.b]\nmass = 1.0\n[spring.soft]\nbetween = [\"ground\", \"a\"]\n\
+         stiffness = 39.5\n[spring.stiff]\nbetween = [\"ground\", \"b\"]\nstiffness = {:?}\ndamping = 10.0\n[spring.between]\n\
+         between = [\"a\", \"b\"]\nstiffness = 1.0\n[stop.c]\nbetween = [\"ground\", \"a\"]\ngap = 0.05\nrestitution = 0.5\n",
+        39.5 * ratio * ratio
+    )
+}
+
+fn machine(text: &str) -> Arc<Assembly> {
+    let description = parse(text, "bench", &no_records).unwrap_or_else(|e| panic!("{e}"));
+    Arc::new(Assembly::new(description).expect("a machine"))
+}
+
+/// Least time of some rounds, ns, and the events of the last.
+fn follow(assembly: &Arc<Assembly>, end: f64, accounts: bool) -> (f64, usize) {
+    let mut m = Motion::new(assembly.clone()).expect("a motion");
+    if !accounts {
+        m = m.without_energy_accounts();
+    }
+    // Tables of the modes are made before: they are made once in a motion.
+    m.advance_to(0.2 * end).expect("it moves");
+    let (begin, mut events) = (Instant::now(), 0);
+    m.advance_observed(end, &mut |_| events += 1).expect("it moves");
+    (begin.elapsed().as_nanos() as f64, events)
+}
+
+fn least(mut way: impl FnMut() -> (f64, usize)) -> (f64, usize) {
+    (0..ROUNDS).map(|_| way()).min_by(|a, b| a.0.total_cmp(&b.0)).expect("a round")
+}
+
+fn main() {
+    let p = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4)
+        .to_parameters(Scales::default())
+        .expect("valid");
+    let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
+    let periods = 500.0;
+    let core = least(|| {
+        let mut s = Simulator::new(&p, &start, 0.0).expect("a simulator");
+        s.advance_to(0.2 * periods * p.period()).expect("it moves");
+        let begin = Instant::now();
+        s.advance_to(periods * p.period()).expect("it moves");
+        (begin.elapsed().as_nanos() as f64, 0)
+    })
+    .0;
+    let paper = machine(&paper_machine(&p));
+    println!("| work | µs | ratio |\n|---|---|---|");
+    let per_period = |t: f64| t / (0.8 * periods) / 1e3;
+    println!("| the 3-DOF core, a drive period | {:.2} | 1 |", per_period(core));
+    for (accounts, name) in [(false, "off"), (true, "on")] {
+        let (t, _) = least(|| follow(&paper, periods * p.period(), accounts));
+        println!(
+            "| the same machine from a file, energy accounts {name} | {:.2} | {:.1} |",
+            per_period(t),
+            t / core
+        );
+    }
+    let mut before = None;
+    for bodies in [5, 10, 20, 40] {
+        let (t, events) = least(|| follow(&machine(&chain(bodies)), 10.0, false));
+        let growth = before.map_or(String::new(), |b: f64| format!("{:.1} of half as many", t / b));
+        println!(
+            "| {bodies} bodies, {} clearances, 8 s, {events} events | {:.0} | {growth} |",
+            bodies / 2,
+            t / 1e3
+        );
+        before = Some(t);
+    }
+    let rigid = least(|| follow(&machine(&contact("restitution = 0.8")), 20.0, false));
+    println!("| a rigid stop, 16 s, {} events | {:.0} | 1 |", rigid.1, rigid.0 / 1e3);
+    for ratio in [1e2f64, 1e4, 1e6] {
+        let keys = format!("stiffness = {:?}\ndamping = {:?}", 40.0 * ratio, 0.14 * (40.0 * ratio).sqrt());
+        let (t, events) = least(|| follow(&machine(&contact(&keys)), 20.0, false));
+        println!(
+            "| a buffer of {ratio:e} times the mount's stiffness, {events} events | {:.0} | {:.1} |",
+            t / 1e3,
+            t / rigid.0
+        );
+    }
+    let soft = follow(&machine(&stiff(1.0)), 10.0, false).0;
+    for ratio in [1e2, 1e3, 1e4] {
+        let (t, _) = follow(&machine(&stiff(ratio)), 10.0, false);
+        println!("| frequencies in the ratio {ratio:e}, 8 s | {:.0} | {:.0} |", t / 1e3, t / soft);
+    }
+}

@@ -1,0 +1,303 @@
+"""The equations of docs/assembly-law.md by other ways: multipliers instead of elimination, all sets of contacts instead of a
+minimum, sums instead of closed forms. They are matrices and inequalities, which the reader of docs/theory.md does not know, so
+that they are written here once more; that none is forgotten is checked."""
+
+import itertools
+import random
+import re
+from typing import Callable, Dict, List, Sequence, Set, Tuple
+
+from equations import ROOT
+from mpmath import matrix, mp, mpf
+
+PAGE = ROOT / "docs" / "assembly-law.md"
+
+# Equations that state no result: there is nothing they could be checked against.
+DEFINITIONS: Dict[int, str] = {
+    1: "defines elongations",
+    4: "defines the augmented state",
+    11: "says how a motion leaves zero; a second method in 50 digits chooses modes by it (assembly/tests/data)",
+    12: "a choice of the law: what falls from its static level",
+    14: "a choice of the code: what counts as zero",
+}
+
+ROUNDING = mpf(10) ** -30
+
+
+def setup_function() -> None:
+    mp.dps = 40
+
+
+def number(r: random.Random) -> mpf:
+    return mpf(r.randint(-999, 999)) / 500
+
+
+def vector(r: random.Random, n: int) -> matrix:
+    return matrix([number(r) for _ in range(n)])
+
+
+def masses(r: random.Random, n: int) -> matrix:
+    return mp.diag([mpf(r.randint(1, 99)) / 10 for _ in range(n)])
+
+
+def rows(r: random.Random, count: int, n: int) -> matrix:
+    return matrix([[number(r) for _ in range(n)] for _ in range(count)])
+
+
+def dot(a: matrix, b: matrix) -> mpf:
+    return (a.T * b)[0]
+
+
+def close(a: matrix, b: matrix) -> bool:
+    return mp.norm(a - b) < ROUNDING * (1 + mp.norm(a))
+
+
+def checked() -> Set[int]:
+    text = (ROOT / "tests" / "theory" / "test_assembly_law.py").read_text(encoding="utf-8")
+    names = re.findall(r"^def test_law((?:_\d+)+)_[a-z]", text, re.M)
+    return {int(n) for name in names for n in name[1:].split("_")}
+
+
+def test_every_equation_is_checked_or_a_definition() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    there = [int(n) for n in re.findall(r"\\tag\{A(\d+)\}", page)]
+    assert there == list(range(1, len(there) + 1)), there
+    assert set(there) == checked() | set(DEFINITIONS), set(there) ^ (checked() | set(DEFINITIONS))
+    assert not checked() & set(DEFINITIONS)
+
+
+def test_equations_that_the_code_cites_are_there() -> None:
+    count = PAGE.read_text(encoding="utf-8").count(r"\tag{A")
+    for path in (ROOT / "assembly" / "src").rglob("*.rs"):
+        for n in re.findall(r"\(A(\d+)\)", path.read_text(encoding="utf-8")):
+            assert int(n) <= count, f"{path}: (A{n})"
+
+
+def reduced(r: random.Random) -> Tuple[matrix, matrix, matrix, matrix, matrix]:
+    """Four free bodies, one prescribed, one link: m, B, D, the link's arms on all five, the prescribed acceleration."""
+    arms = [number(r) or mpf(1) for _ in range(5)]
+    m, pivot = masses(r, 4), max(range(4), key=lambda i: abs(arms[i]))
+    kept = [i for i in range(4) if i != pivot]
+    b, d = mp.zeros(4, 3), mp.zeros(4, 1)
+    for column, i in enumerate(kept):
+        b[i, column] = mpf(1)
+        b[pivot, column] = -arms[i] / arms[pivot]
+    d[pivot] = -arms[4] / arms[pivot]
+    return m, b, d, matrix(arms), number(r)
+
+
+def test_law_2_3_motion_under_links() -> None:
+    r = random.Random(2)
+    for _ in range(20):
+        m, b, d, arms, p2 = reduced(r)
+        forces = vector(r, 4)
+        q2 = mp.lu_solve(b.T * m * b, b.T * (forces - m * d * p2))
+        # By a multiplier: m s'' = F + a μ with a s'' + a_p p'' = 0.
+        full = mp.zeros(5, 5)
+        full[0:4, 0:4] = m
+        for i in range(4):
+            full[i, 4], full[4, i] = -arms[i], arms[i]
+        s2 = mp.lu_solve(full, matrix([*forces, -arms[4] * p2]))
+        assert close(b * q2 + d * p2, s2[0:4, 0])
+        assert abs(sum(arms[i] * (b * q2 + d * p2)[i] for i in range(4)) + arms[4] * p2) < ROUNDING
+        w = b.T * matrix(arms[0:4, 0])
+        assert mp.norm(w) < ROUNDING  # the link's own direction is none of q
+
+
+def test_law_5_forces_of_contacts() -> None:
+    r = random.Random(5)
+    for _ in range(20):
+        mass, w, free = masses(r, 4), rows(r, 4, 2), vector(r, 4)
+        drift = vector(r, 2)
+        g = w.T * mass**-1 * w
+        force = mp.lu_solve(g, w.T * free + drift)
+        after = free - mass**-1 * w * force
+        assert mp.norm(w.T * after + drift) < ROUNDING
+
+
+def test_law_6_bound_of_the_coefficients() -> None:
+    r = random.Random(6)
+    for _ in range(20):
+        a, row, z = rows(r, 4, 4), vector(r, 4), vector(r, 4)
+        w = [mpf(r.randint(1, 50)) / 10 for _ in range(4)]
+        rate = max(sum(abs(a[i, j]) * w[j] for j in range(4)) / w[i] for i in range(4))
+        size = max(abs(z[j]) / w[j] for j in range(4))
+        dual = sum(abs(row[j]) * w[j] for j in range(4))
+        for k in range(8):
+            assert abs(dot(row, a**k * z)) <= dual * rate**k * size * (1 + ROUNDING)
+
+
+def impulses(g: matrix, u: matrix, eps: Sequence[mpf]) -> List[matrix]:
+    """All solutions of (A7) with independent impulses."""
+    found, n = [], len(eps)
+    for count in range(n + 1):
+        for s in itertools.combinations(range(n), count):
+            p = mp.zeros(n, 1)
+            if s:
+                part = matrix([[g[i, j] for j in s] for i in s])
+                if abs(mp.det(part)) < mpf(10) ** -15:
+                    continue
+                x = mp.lu_solve(part, matrix([(1 + eps[i]) * u[i] for i in s]))
+                for i, value in zip(s, x):
+                    p[i] = value
+            after = u - g * p
+            if all(x >= -ROUNDING for x in p) and all(after[i] <= -eps[i] * u[i] + ROUNDING for i in range(n)):
+                found.append(p)
+    return found
+
+
+def test_law_7_8_9_impacts_are_minima_and_lose_energy() -> None:
+    r = random.Random(7)
+    for _ in range(40):
+        n = 3
+        mass, v = masses(r, 3), vector(r, 3)
+        w = rows(r, 3, n)
+        if r.random() < 0.3:
+            w[0:3, 2] = w[0:3, 1]  # a redundant stop
+        moved = mp.zeros(n, 1) if r.random() < 0.5 else vector(r, n) / 10
+        eps = [mpf(r.randint(0, 10)) / 10 for _ in range(n)]
+        u = w.T * v + moved
+        # Only those that close take part.
+        taking = [i for i in range(n) if u[i] >= 0]
+        if not taking:
+            continue
+        wt = matrix([[w[k, i] for i in taking] for k in range(3)])
+        ut, et = matrix([u[i] for i in taking]), [eps[i] for i in taking]
+        mt = matrix([moved[i] for i in taking])
+        g = wt.T * mass**-1 * wt
+        found = impulses(g, ut, et)
+        if mp.norm(mt) == 0:
+            assert found  # without prescribed bodies there is one
+        for p in found:
+            after = v - mass**-1 * wt * p
+            # (A7) to (A8): the velocity is unique, and nearer than any other that is allowed.
+            assert close(after, v - mass**-1 * wt * found[0])
+            distance = dot(after - v, mass * (after - v))
+            for _ in range(20):
+                other = after + vector(r, 3)
+                if all(dot(wt[0:3, i], other) + mt[i] <= -et[i] * ut[i] for i in range(len(taking))):
+                    assert distance <= dot(other - v, mass * (other - v)) + ROUNDING
+            # (A9)
+            change = (dot(after, mass * after) - dot(v, mass * v)) / 2
+            lost = sum((1 - et[i]) * ut[i] * p[i] for i in range(len(taking))) / 2
+            work = sum(p[i] * mt[i] for i in range(len(taking)))
+            assert abs(change + lost - work) < ROUNDING and lost >= -ROUNDING
+
+
+def box_solutions(g: matrix, b: matrix, lo: Sequence[mpf], hi: Sequence[mpf]) -> List[matrix]:
+    """All λ with b - Gλ zero inside the box, not positive at the lower and not negative at the upper end."""
+    found, n = [], len(lo)
+    for states in itertools.product("lfh", repeat=n):
+        x = matrix([lo[i] if s == "l" else hi[i] if s == "h" else mpf(0) for i, s in enumerate(states)])
+        free = [i for i, s in enumerate(states) if s == "f"]
+        if free:
+            part = matrix([[g[i, j] for j in free] for i in free])
+            if abs(mp.det(part)) < mpf(10) ** -15:
+                continue
+            y = mp.lu_solve(part, matrix([(b - g * x)[i] for i in free]))
+            for i, value in zip(free, y):
+                x[i] = value
+        left = b - g * x
+        inside = all(lo[i] - ROUNDING <= x[i] <= hi[i] + ROUNDING for i in range(n))
+        signs = all(
+            {"l": left[i] <= ROUNDING, "h": left[i] >= -ROUNDING, "f": True}[s] for i, s in enumerate(states)
+        )
+        if inside and signs:
+            found.append(x)
+    return found
+
+
+def test_law_10_the_next_motion_is_a_minimum() -> None:
+    r = random.Random(10)
+    for _ in range(30):
+        a = rows(r, 3, 3)
+        if r.random() < 0.3:
+            a[0:3, 2] = -a[0:3, 0]
+        g, b = a.T * a, a.T * vector(r, 3)
+        hi = [abs(number(r)) for _ in range(3)]
+        lo = [mpf(0) if r.random() < 0.5 else -h for h in hi]
+        found = box_solutions(g, b, lo, hi)
+        assert found
+        value: Callable[[matrix], mpf] = lambda x: dot(x, g * x) / 2 - dot(b, x)
+        for x in found:
+            assert close(g * x, g * found[0])  # accelerations are unique
+            for _ in range(20):
+                other = matrix([lo[i] + (hi[i] - lo[i]) * mpf(r.random()) for i in range(3)])
+                assert value(x) <= value(other) + ROUNDING
+
+
+def test_law_13_16_compliant_stops_never_pull_and_never_gain() -> None:
+    r = random.Random(13)
+    for _ in range(200):
+        k, c = mpf(r.randint(1, 900)), mpf(r.randint(0, 90))
+        x, rate = abs(number(r)), number(r) * 20
+        no_pull = max(mpf(0), k * x + c * rate)
+        gap = k * x + min(k * x, max(-k * x, c * rate))
+        assert no_pull >= 0 and 0 <= gap <= 2 * k * x
+        for force in (no_pull, gap):
+            # What it takes beyond the stored energy ½ k x²: c x'², -k x x' or k x x'.
+            lost = (force - k * x) * rate
+            assert lost >= -ROUNDING
+            assert min(abs(lost - known) for known in (c * rate**2, -k * x * rate, k * x * rate)) < ROUNDING
+
+
+def test_law_15_height_and_end_of_bounces() -> None:
+    for eps, u, a in ((mpf("0.5"), mpf(2), mpf(9)), (mpf("0.9"), mpf("0.1"), mpf(3))):
+        rebound = eps * u
+        top = rebound / a
+        assert abs(rebound * top - a * top**2 / 2 - rebound**2 / (2 * a)) < ROUNDING
+        total, speed = mpf(0), rebound
+        for _ in range(2000):
+            total += 2 * speed / a
+            speed *= eps
+        assert abs(total - 2 * eps * u / (a * (1 - eps))) < ROUNDING
+
+
+def test_law_17_18_balance_of_powers() -> None:
+    r = random.Random(17)
+    for _ in range(20):
+        m, b, d, _, p2 = reduced(r)
+        q, v, p, p1 = vector(r, 3), vector(r, 3), number(r), number(r)
+        s, s1 = b * q + d * p, b * v + d * p1
+        weight, loads = vector(r, 4), vector(r, 4)
+        # Springs with dashpots between the bodies, the prescribed one included: arms on (s, p).
+        elements = [(vector(r, 4), number(r), abs(number(r)), abs(number(r)), number(r)) for _ in range(3)]
+        forces, stored, lost, motions = weight + loads, mpf(0), mpf(0), mpf(0)
+        for arms, own, k, c, preload in elements:
+            e, rate = dot(arms, s) + own * p, dot(arms, s1) + own * p1
+            force = preload + k * e + c * rate
+            forces -= arms * force
+            stored += (k * e + preload) * rate
+            lost += c * rate**2
+            # The part of e' that prescribed bodies make, through links too.
+            motions += force * (dot(arms, d) + own) * p1
+        q2 = mp.lu_solve(b.T * m * b, b.T * (forces - m * d * p2))
+        s2 = b * q2 + d * p2
+        power = dot(s1, m * s2) + stored - dot(weight, s1)
+        motions += dot(m * s2 - weight - loads, d) * p1
+        assert abs(power - (dot(loads, s1) + motions - lost)) < ROUNDING
+
+
+def test_law_19_20_proximal_steps_end_in_equilibrium() -> None:
+    r = random.Random(19)
+    for _ in range(4):
+        mass = masses(r, 3)
+        a = rows(r, 3, 2)
+        stiffness = a * a.T  # singular
+        w = rows(r, 3, 2)
+        start, kappa = vector(r, 2) - matrix([2, 2]), [mpf(0), mpf(1) / 7]
+        # A force that the springs can bear, so that there is an equilibrium.
+        force = a * vector(r, 2)
+        q, left = mp.zeros(3, 1), mpf(1)
+        for _ in range(40):
+            mu = mpf(1) / 10**6
+            inverse = (stiffness + mu * mass) ** -1
+            free = inverse * (force + mu * mass * q)
+            g = w.T * inverse * w + mp.diag(kappa)
+            force_of = box_solutions(g, w.T * free + start, [mpf(0)] * 2, [mpf(10) ** 9] * 2)[0]
+            after = inverse * (force + mu * mass * q - w * force_of)
+            left, q = mp.norm(mu * mass * (after - q)), after
+        x = w.T * q + start - mp.diag(kappa) * force_of
+        assert mp.norm(stiffness * q - force + w * force_of) < mpf(10) ** -20 and left < mpf(10) ** -20
+        assert all(value <= ROUNDING for value in x) and all(value >= -ROUNDING for value in force_of)
+        assert abs(dot(x, force_of)) < ROUNDING

@@ -1,0 +1,213 @@
+//! Machines of the user's own, from the text file that describes them: what such a machine is, and its motion as tables, a
+//! picture and an account. Physics and the file's grammar are in `vibro-assembly`.
+
+mod picture;
+mod summary;
+
+pub use picture::figure;
+pub use summary::summary;
+
+use crate::table::{CsvRows, exact};
+use crate::{Error, Result};
+use std::path::Path;
+use std::sync::Arc;
+use vibro_assembly::description::Description;
+use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::{Assembly, Motion, file};
+
+/// Most samples of a motion, a few gigabytes of a table.
+const MOST: usize = 10_000_000;
+
+/// Reads a machine's file and replaces parameters, each as `NAME=VALUE` with or without a unit.
+///
+/// # Errors
+/// [`Error::Refusal`], with every problem of the file, or of the new values.
+pub fn read(path: &Path, set: &[String]) -> Result<Description> {
+    let machine = file::read(path)?;
+    let mut changes = Vec::new();
+    for text in set {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(Error::form(text, "NAME=VALUE, e.g. stop.upper.gap=5mm"));
+        };
+        changes.push((name.trim(), machine.parameter(name.trim())?.read(value)?));
+    }
+    Ok(machine.with(changes)?)
+}
+
+/// The instants 0, end/count, …, end.
+///
+/// # Errors
+/// [`Error::Refused`] for more than ten million of them.
+pub fn even_times(end: f64, count: usize) -> Result<Vec<f64>> {
+    check_count(count)?;
+    Ok((0..=count).map(|k| if k == count { end } else { end * k as f64 / count as f64 }).collect())
+}
+
+fn check_count(count: usize) -> Result<()> {
+    if count <= MOST {
+        return Ok(());
+    }
+    Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
+}
+
+/// Instants from a file: a number in s a line, not before 0 and none before the one above; empty lines and those that begin with
+/// `#` are skipped.
+///
+/// # Errors
+/// [`Error::File`]; [`Error::Config`] with the line.
+pub fn times_of(path: &Path) -> Result<Vec<f64>> {
+    let text = std::fs::read_to_string(path).map_err(Error::file("reading", path))?;
+    let mut times: Vec<f64> = Vec::new();
+    for (i, line) in text.lines().map(str::trim).enumerate() {
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let least = times.last().copied().unwrap_or(0.0);
+        match line.parse::<f64>() {
+            Ok(time) if time.is_finite() && time >= least => times.push(time),
+            _ => {
+                let problem = format!("line {}: {line}: allowed is a time in s, not before {least:?}", i + 1);
+                return Err(Error::Config { path: path.into(), problem });
+            }
+        }
+    }
+    if times.is_empty() {
+        return Err(Error::Config {
+            path: path.into(),
+            problem: "has no times; allowed are one or more".into(),
+        });
+    }
+    check_count(times.len())?;
+    Ok(times)
+}
+
+/// A motion at instants, and its events.
+pub struct Record {
+    /// The machine.
+    pub assembly: Arc<Assembly>,
+    /// Names of the columns of `rows`, after `time`: of each body `.s`, `.v`, `.a`, of each element `.e`, `.rate`, `.f`.
+    pub columns: Vec<String>,
+    /// Time and values.
+    pub rows: Vec<Vec<f64>>,
+    /// What happened up to the last instant.
+    pub events: Vec<Event>,
+    /// The motion where it ended.
+    pub motion: Motion,
+    /// Kinetic and stored energy at the start, J.
+    pub start: f64,
+    /// Why it ended before the last instant, if it did.
+    pub ended: Option<Ended>,
+}
+
+/// Why a record ended early; what was computed until then is in it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ended {
+    /// The motion cannot go on.
+    Error(vibro_assembly::Error),
+    /// Somebody asked it to.
+    Stopped,
+}
+
+/// Follows a machine to each of the instants. After each, `goes_on` hears how many are done, and says whether to go on.
+///
+/// # Errors
+/// [`Error::Assembly`] for a machine without a motion from its start.
+pub fn record(machine: Description, times: &[f64], goes_on: &mut dyn FnMut(usize) -> bool) -> Result<Record> {
+    let assembly = Arc::new(Assembly::new(machine)?);
+    let motion = Motion::new(assembly.clone())?;
+    let (kinetic, stored) = motion.kinetic_and_stored();
+    let start = kinetic + stored - motion.energy().balance();
+    let columns = columns(&assembly.description);
+    let mut record =
+        Record { assembly, columns, rows: Vec::new(), events: Vec::new(), motion, start, ended: None };
+    for (done, &time) in times.iter().enumerate() {
+        let events = &mut record.events;
+        if let Err(error) = record.motion.advance_observed(time, &mut |event| events.push(event.clone())) {
+            record.ended = Some(Ended::Error(error));
+            return Ok(record);
+        }
+        let row = row(&record.motion);
+        record.rows.push(row);
+        if !goes_on(done + 1) {
+            record.ended = Some(Ended::Stopped);
+            return Ok(record);
+        }
+    }
+    Ok(record)
+}
+
+fn columns(d: &Description) -> Vec<String> {
+    let bodies = d.bodies.iter().flat_map(|b| ["s", "v", "a"].map(|what| format!("{}.{what}", b.name)));
+    let springs = d.springs.iter().map(|s| &s.name);
+    let elements = springs.chain(d.stops.iter().map(|s| &s.name)).chain(d.frictions.iter().map(|f| &f.name));
+    let elements = elements.flat_map(|name| ["e", "rate", "f"].map(|what| format!("{name}.{what}")));
+    let loads = d.loads.iter().map(|l| format!("{}.f", l.name));
+    bodies.chain(elements).chain(loads).collect()
+}
+
+fn row(m: &Motion) -> Vec<f64> {
+    let d = &m.assembly().description;
+    let bodies = (0..d.bodies.len()).flat_map(|i| m.body(i));
+    let springs = (0..d.springs.len()).flat_map(|i| m.spring(i));
+    let stops = (0..d.stops.len()).flat_map(|i| m.stop(i));
+    let frictions = (0..d.frictions.len()).flat_map(|i| m.friction(i));
+    let loads = (0..d.loads.len()).map(|i| m.load(i));
+    let values = bodies.chain(springs).chain(stops).chain(frictions).chain(loads);
+    // Zero without a sign.
+    std::iter::once(m.time()).chain(values.map(|x| x + 0.0)).collect()
+}
+
+/// Kind, element and value of an event, and how many stops took part: the columns of `events.csv` after the time.
+pub fn event_in_words(d: &Description, kind: &EventKind) -> [String; 4] {
+    let stop = |i: usize| format!("stop.{}", d.stops[i].name);
+    let friction = |i: usize| format!("friction.{}", d.frictions[i].name);
+    let row = |kind: &str, element: String, value: Option<f64>, stops: Option<usize>| {
+        let value = value.map_or(String::new(), exact);
+        [kind.into(), element, value, stops.map_or(String::new(), |n| n.to_string())]
+    };
+    match *kind {
+        EventKind::Impact { stop: i, speed, stops, .. } => row("impact", stop(i), Some(speed), Some(stops)),
+        EventKind::Close { stop: i } => row("close", stop(i), None, None),
+        EventKind::Open { stop: i } => row("open", stop(i), None, None),
+        EventKind::Press { stop: i, speed } => row("press", stop(i), Some(speed), None),
+        EventKind::Free { stop: i } => row("free", stop(i), None, None),
+        EventKind::Stick { friction: i } => row("stick", friction(i), None, None),
+        EventKind::Slip { friction: i, force, .. } => row("slip", friction(i), Some(force), None),
+        EventKind::Level { friction: i, acts } => {
+            row("level", friction(i), Some(f64::from(u8::from(acts))), None)
+        }
+        EventKind::Knot => row("knot", String::new(), None, None),
+    }
+}
+
+impl Record {
+    /// The text of `states.csv`: every number reads back to the same double.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub fn states(&self) -> Result<Vec<u8>> {
+        let mut csv = CsvRows::new(std::iter::once("time").chain(self.columns.iter().map(String::as_str)))?;
+        for row in &self.rows {
+            csv.push(row.iter().map(|&x| exact(x)))?;
+        }
+        csv.text()
+    }
+
+    /// The text of `events.csv`.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub fn events(&self) -> Result<Vec<u8>> {
+        let mut csv = CsvRows::new(["time", "kind", "element", "value", "stops"])?;
+        for event in &self.events {
+            let [kind, element, value, stops] = event_in_words(&self.assembly.description, &event.kind);
+            csv.push([exact(event.time), kind, element, value, stops])?;
+        }
+        csv.text()
+    }
+
+    /// Extents, events and energies, line by line.
+    pub fn account(&self) -> Vec<String> {
+        summary::account(self)
+    }
+}

@@ -1,0 +1,207 @@
+//! What a machine is and what a motion was, in words.
+
+use super::{Record, event_in_words};
+use crate::Result;
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use vibro_assembly::description::{BodyKind, Description, Dimension, StopLaw};
+use vibro_assembly::mode::{FrictionState, StopState};
+use vibro_assembly::{Assembly, Motion};
+
+/// A real part or frequency counts as zero under this part of the largest: the rounding of eigenvalues, of which a double one has
+/// the square root.
+const ZERO: f64 = 1e-7;
+
+/// Six digits, for words.
+fn short(value: f64) -> String {
+    let value = value + 0.0; // zero without a sign
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        let digits = (5 - value.abs().max(1e-300).log10().floor() as i32).clamp(0, 8) as usize;
+        let text = format!("{value:.digits$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
+fn units(dimension: Dimension) -> [&'static str; 3] {
+    match dimension {
+        Dimension::Translation => ["m", "m/s", "N"],
+        Dimension::Rotation => ["rad", "rad/s", "N·m"],
+    }
+}
+
+/// What a machine consists of and how it stands at the start: bodies, elements with their states, degrees of freedom, equilibrium,
+/// natural frequencies.
+///
+/// # Errors
+/// What the machine's matrices or its start refuse.
+pub fn summary(machine: Description) -> Result<String> {
+    let assembly = Arc::new(Assembly::new(machine)?);
+    let motion = Motion::new(assembly.clone())?;
+    let d = &assembly.description;
+    let mut lines = vec![format!(
+        "{}: {} bodies, {} springs, {} stops, {} frictions, {} links, {} loads; {} degrees of freedom",
+        d.name,
+        d.bodies.len(),
+        d.springs.len(),
+        d.stops.len(),
+        d.frictions.len(),
+        d.links.len(),
+        d.loads.len(),
+        assembly.system().coordinates
+    )];
+    lines.push("bodies".into());
+    for (i, body) in d.bodies.iter().enumerate() {
+        let ([s, v, a], [length, speed, _]) = (motion.body(i), units(body.dimension));
+        let what = match body.kind {
+            BodyKind::Free(free) if body.dimension == Dimension::Translation => {
+                format!("{} kg", short(free.inertia))
+            }
+            BodyKind::Free(free) => format!("{} kg·m²", short(free.inertia)),
+            BodyKind::Prescribed { .. } => "prescribed".into(),
+        };
+        lines.push(format!(
+            "  {}: {what}; s = {} {length}, v = {} {speed}, a = {} {speed}²",
+            body.name,
+            short(s),
+            short(v),
+            short(a)
+        ));
+    }
+    lines.push("elements at the start".into());
+    lines.extend(elements(d, &motion));
+    lines.push(equilibrium(&assembly));
+    lines.push("natural frequencies in the start's mode".into());
+    lines.extend(frequencies(&assembly, &motion));
+    Ok(lines.join("\n"))
+}
+
+fn elements(d: &Description, m: &Motion) -> Vec<String> {
+    let line = |name: String, what: String, [e, _, f]: [f64; 3], dimension| {
+        let [length, _, force] = units(dimension);
+        format!("  {name}: {what}; e = {} {length}, f = {} {force}", short(e), short(f))
+    };
+    let mut lines = Vec::new();
+    for (i, spring) in d.springs.iter().enumerate() {
+        lines.push(line(
+            format!("spring.{}", spring.name),
+            "acts".into(),
+            m.spring(i),
+            spring.arms.dimension,
+        ));
+    }
+    for (i, stop) in d.stops.iter().enumerate() {
+        let law = if matches!(stop.law, StopLaw::Rigid { .. }) { "rigid" } else { "compliant" };
+        let state = match m.mode().stops[i] {
+            StopState::Open => "open",
+            StopState::Closed => "closed",
+            StopState::Below => "not touched",
+            StopState::Pressed => "pressed",
+            StopState::Free => "beyond its gap without force",
+            StopState::Capped => "pressed at its cap",
+        };
+        let what = format!("{law}, {state}");
+        lines.push(line(format!("stop.{}", stop.name), what, m.stop(i), stop.arms.dimension));
+    }
+    for (i, friction) in d.frictions.iter().enumerate() {
+        let state = match m.mode().frictions[i] {
+            FrictionState::Off => "off",
+            FrictionState::Up | FrictionState::Down => "slips",
+            FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => "sticks",
+        };
+        let name = format!("friction.{}", friction.name);
+        lines.push(line(name, state.into(), m.friction(i), friction.arms.dimension));
+    }
+    lines.extend(d.links.iter().map(|link| format!("  link.{}: holds", link.name)));
+    for (i, load) in d.loads.iter().enumerate() {
+        let [_, _, force] = units(d.bodies[load.body].dimension);
+        lines.push(format!("  load.{}: {} {force}", load.name, short(m.load(i))));
+    }
+    lines
+}
+
+fn equilibrium(assembly: &Assembly) -> String {
+    match assembly.equilibrium() {
+        Ok(places) => {
+            let bodies = assembly.description.bodies.iter().zip(places);
+            let places = bodies.map(|(b, s)| format!("{} = {} {}", b.name, short(s), units(b.dimension)[0]));
+            format!("equilibrium under the loads at time 0: {}", places.collect::<Vec<_>>().join(", "))
+        }
+        Err(error) => format!("equilibrium under the loads at time 0: none ({error})"),
+    }
+}
+
+fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
+    let system = assembly.system();
+    let size = 2 * system.coordinates;
+    let a: DMatrix<f64> = system.linear(motion.mode()).a.view((0, 0), (size, size)).into_owned();
+    let values: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|c| (c.re, c.im)).collect();
+    let largest = values.iter().map(|(re, im)| re.hypot(*im)).fold(f64::MIN_POSITIVE, f64::max);
+    let mut oscillations: Vec<(f64, f64)> =
+        values.iter().copied().filter(|v| v.1 > ZERO * largest).map(|(re, im)| (re.hypot(im), -re)).collect();
+    oscillations.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut lines: Vec<String> = oscillations
+        .iter()
+        .map(|(omega, decay)| {
+            format!("  {} Hz, damping ratio {}", short(omega / TAU), short(decay / omega + 0.0))
+        })
+        .collect();
+    let mut rates: Vec<f64> = values
+        .iter()
+        .filter(|v| v.1.abs() <= ZERO * largest && v.0.abs() > ZERO * largest)
+        .map(|v| -v.0)
+        .collect();
+    rates.sort_by(f64::total_cmp);
+    lines.extend(rates.iter().map(|rate| format!("  no oscillation, decay {} 1/s", short(*rate))));
+    let still = values.iter().filter(|v| v.0.hypot(v.1) <= ZERO * largest).count();
+    if still > 0 {
+        lines.push(format!("  0 Hz: {still} of {size} coordinates and rates go on evenly or are held"));
+    }
+    lines
+}
+
+/// Extents, events and energies of a motion.
+pub(super) fn account(record: &Record) -> Vec<String> {
+    let d = &record.assembly.description;
+    let mut lines = Vec::new();
+    let largest = |column: usize| record.rows.iter().map(|r| r[1 + column].abs()).fold(0.0, f64::max);
+    for (i, body) in d.bodies.iter().enumerate() {
+        let [length, speed, _] = units(body.dimension);
+        let (s, v) = (short(largest(3 * i)), short(largest(3 * i + 1)));
+        lines
+            .push(format!("{}: largest |s| {s} {length}, largest |v| {v} {speed} at the samples", body.name));
+    }
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for event in &record.events {
+        let [kind, element, ..] = event_in_words(d, &event.kind);
+        *counts.entry(format!("{kind} {element}").trim().into()).or_default() += 1;
+    }
+    let counts: Vec<_> = counts.iter().map(|(what, count)| format!("{count} × {what}")).collect();
+    lines.push(match record.events.len() {
+        0 => "events: none".into(),
+        all => format!("events: {all} ({})", counts.join(", ")),
+    });
+    let (kinetic, stored) = record.motion.kinetic_and_stored();
+    let energy = record.motion.energy();
+    let sum = |parts: &[vibro_impact::numerics::double_double::DoubleDouble]| {
+        short(parts.iter().map(|x| x.value()).sum::<f64>())
+    };
+    let end = kinetic + stored;
+    lines.push(format!(
+        "energy: {} J at the start, {} J at the end; work of loads {} J, of prescribed motions {} J; lost in dashpots {} J, in compliant \
+         stops {} J, in friction {} J, at impacts {} J; balance off by {:.1e} J",
+        short(record.start),
+        short(end),
+        sum(&energy.loads),
+        short(energy.motions.value()),
+        sum(&energy.dashpots),
+        sum(&energy.stops),
+        sum(&energy.frictions),
+        short(energy.impacts.value()),
+        end - record.start - energy.balance()
+    ));
+    lines
+}

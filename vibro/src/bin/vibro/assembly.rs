@@ -1,0 +1,168 @@
+//! `vibro assembly`: machines of the user's own, from their files.
+
+use crate::arguments::{Common, DEFAULT_OUT};
+use crate::destination;
+use crate::output;
+use crate::progress::Progress;
+use clap::{Args, Subcommand};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use vibro::assembly::{self, Ended, Record};
+use vibro_figures::canvas;
+use vibro::manifest::{Invocation, Manifest};
+use vibro::part_folder::write_whole;
+use vibro::{Error, Result};
+use vibro_impact::quantities::quantity_in;
+
+/// Stem of the manifest of a motion.
+const RESULT: &str = "assembly-run";
+
+/// What to do with a machine.
+#[derive(Debug, Subcommand)]
+pub enum AssemblyCommand {
+    /// Says what the machine consists of: bodies, elements, degrees of freedom, modes at the start, equilibrium, natural frequencies
+    Check {
+        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+    },
+    /// Follows the machine's motion, exactly from event to event: states.csv, events.csv, a picture and an account
+    Run(Motion),
+}
+
+/// Arguments of `assembly run`.
+#[derive(Args, Debug)]
+pub struct Motion {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// End of the motion, in s or with a unit (2s, 500 ms)
+    #[arg(long, value_name = "TIME", value_parser = time, required_unless_present = "times", allow_hyphen_values = true)]
+    until: Option<f64>,
+    /// Rows of states.csv after that of time 0, at even distances
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
+    samples: u32,
+    /// Times of the rows instead: a number in s a line
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["samples", "until"])]
+    times: Option<PathBuf>,
+}
+
+fn time(text: &str) -> std::result::Result<f64, String> {
+    let found = quantity_in("s", text.trim()).map(|q| q.value).filter(|t| t.is_finite() && *t > 0.0);
+    found.ok_or_else(|| {
+        "allowed is a finite time above 0, in s, with a unit of s, ms, us, min, h, e.g. 2s".into()
+    })
+}
+
+/// Carries out the command. `false` where a motion was interrupted, and all that was computed is written.
+///
+/// # Errors
+/// What is wrong with the file, its parameters or its motion; [`Error::File`].
+pub fn run(command: &AssemblyCommand, common: &Common) -> Result<bool> {
+    if let Some(config) = &common.config {
+        return Err(Error::Refused {
+            what: format!("--config {}", config.display()),
+            problem: "is of the 3-DOF machine; an assembly's file stands without a name, and --set changes its numbers".into(),
+        });
+    }
+    match command {
+        AssemblyCommand::Check { file } => {
+            output::say(&assembly::summary(assembly::read(file, &common.set)?)?).map(|()| true)
+        }
+        AssemblyCommand::Run(a) => follow(a, common),
+    }
+}
+
+fn follow(a: &Motion, common: &Common) -> Result<bool> {
+    let machine = assembly::read(&a.file, &common.set)?;
+    let times = match (&a.times, a.until) {
+        (Some(path), _) => assembly::times_of(path)?,
+        (None, until) => assembly::even_times(until.unwrap_or_default(), a.samples as usize)?,
+    };
+    let manifest = manifest(&machine, &times, common);
+    // Refused before work begins.
+    let out = place(common, &manifest)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    // Without a handler Ctrl-C ends the program as well, but nothing is written.
+    drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+    let progress = Progress::new(times.len(), "samples");
+    let record = assembly::record(machine, &times, &mut |_| {
+        progress.step();
+        !stop.load(Ordering::Relaxed)
+    })?;
+    drop(progress);
+    let held = destination::hold(&out);
+    let account = write(&record, &out, &manifest)?;
+    drop(held);
+    let stem = out.join("motion");
+    output::say(&format!(
+        "followed {} up to {} s: {}, {}; drawn in {}.svg and .png\n{account}",
+        record.assembly.description.name,
+        record.motion.time(),
+        out.join("states.csv").display(),
+        out.join("events.csv").display(),
+        stem.display()
+    ))?;
+    match record.ended {
+        Some(Ended::Error(error)) => Err(error.into()),
+        Some(Ended::Stopped) => Ok(false),
+        None => Ok(true),
+    }
+}
+
+/// What the motion is computed from: the machine's numbers by their names, and the file of the whole machine.
+fn manifest(machine: &vibro_assembly::Description, times: &[f64], common: &Common) -> Manifest {
+    let si = machine.parameters().into_iter().map(|p| (p.name, p.value)).collect();
+    let mut invocation: Invocation = common.invocation.clone();
+    invocation.options.insert("machine".into(), machine.to_toml());
+    let ends = (times.len(), times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+    invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));
+    Manifest {
+        program: "vibro".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        study: RESULT.into(),
+        invocation,
+        si,
+        groups: BTreeMap::new(),
+        long_study: None,
+    }
+}
+
+/// The folder where the result can be written: the named one, or one of its own beside another result of the default folder.
+fn place(common: &Common, manifest: &Manifest) -> Result<PathBuf> {
+    let refusal =
+        |out: &Path| if common.replace { Ok(None) } else { destination::other_result(out, manifest) };
+    match refusal(&common.out)? {
+        None => Ok(common.out.clone()),
+        Some(_) if common.out == Path::new(DEFAULT_OUT) => {
+            let apart = common.out.join(format!("{RESULT}-{}", manifest.digest()));
+            refusal(&apart)?.map_or(Ok(apart), Err)
+        }
+        Some(error) => Err(error),
+    }
+}
+
+/// Writes tables, picture and account; returns the account.
+fn write(record: &Record, out: &Path, manifest: &Manifest) -> Result<String> {
+    std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
+    destination::write_manifest(out, manifest)?;
+    write_whole(&out.join("states.csv"), &record.states()?)?;
+    write_whole(&out.join("events.csv"), &record.events()?)?;
+    let mut lines = record.account();
+    match &record.ended {
+        Some(Ended::Error(error)) => lines.push(format!("ended early: {error}")),
+        Some(Ended::Stopped) => lines.push(format!("interrupted at t = {} s", record.motion.time())),
+        None => {}
+    }
+    let account = lines.join("\n");
+    write_whole(&out.join("account.txt"), format!("{account}\n").as_bytes())?;
+    if let Some(figure) = assembly::figure(record, lines) {
+        let (svg, png) = canvas::svg_and_png(&figure)?;
+        write_whole(&out.join("motion.svg"), svg.as_bytes())?;
+        write_whole(&out.join("motion.png"), &png)?;
+    }
+    Ok(account)
+}

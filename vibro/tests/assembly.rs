@@ -1,0 +1,205 @@
+//! Runs the real `vibro assembly`: what it says of a machine, the files of a motion, what it refuses.
+
+#[path = "common/mod.rs"]
+mod command;
+
+use command::{command, drawn, folder, pixels, refused, table};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use vibro_assembly::{Assembly, Motion};
+
+fn example(name: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly")).join(name)
+}
+
+/// A file beside, and not in, the folder of the output.
+fn file(name: &str, text: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+fn machine(name: &str) -> String {
+    example(name).display().to_string()
+}
+
+#[test]
+fn check_tells_bodies_elements_equilibrium_and_frequencies() {
+    let text = drawn(&folder("assembly-check"), &["assembly", "check", &machine("damper_with_buffer.toml")]);
+    for words in [
+        "3 bodies, 2 springs, 2 stops, 1 frictions, 0 links, 1 loads; 3 degrees of freedom",
+        "box: 12 kg; s = -0.00293278 m",
+        "stop.steel: rigid, open",
+        "stop.buffer: compliant, pressed; e = 0.00600172 m, f = 3.4335 N",
+        "friction.guide: sticks",
+        "equilibrium under the loads at time 0: box = -0.00293278 m",
+        "9.03537 Hz, damping ratio 0.0338977",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+#[test]
+fn closed_form_frequencies_of_the_start() {
+    let text = "name = \"M\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = \"800 N/m\"\ndamping = \"8 N s/m\"\n";
+    let path = file("assembly-oscillator.toml", text).display().to_string();
+    let text = drawn(&folder("assembly-frequencies"), &["assembly", "check", &path]);
+    // ω = 20, f = 3.1831 Hz, D = 8/(2 √(800·2)) = 0.1.
+    assert!(
+        text.contains("3.1831 Hz, damping ratio 0.1\n") || text.ends_with("3.1831 Hz, damping ratio 0.1\n"),
+        "{text}"
+    );
+    let text =
+        drawn(&folder("assembly-frequencies"), &["assembly", "check", &path, "--set", "body.a.mass=8kg"]);
+    assert!(text.contains("1.59155 Hz, damping ratio 0.05"), "{text}");
+}
+
+#[test]
+fn golden_files_of_a_motion_are_the_librarys_numbers() {
+    let out = folder("assembly-run");
+    let text = drawn(
+        &out,
+        &["assembly", "run", &machine("damper_with_buffer.toml"), "--until", "500ms", "--samples", "50"],
+    );
+    assert!(
+        text.contains("followed DamperWithBuffer up to 0.5 s") && text.contains("× impact stop.steel"),
+        "{text}"
+    );
+    let description = vibro_assembly::file::read(&example("damper_with_buffer.toml")).unwrap();
+    let mut motion = Motion::new(Arc::new(Assembly::new(description).unwrap())).unwrap();
+    let mut events = Vec::new();
+    let rows = table(&out, "states.csv");
+    assert_eq!(rows.len(), 51);
+    let same = |cell: &str, value: f64| cell.parse::<f64>().unwrap().to_bits() == (value + 0.0).to_bits();
+    for (k, row) in rows.iter().enumerate() {
+        let time = if k == 50 { 0.5 } else { 0.5 * k as f64 / 50.0 };
+        motion.advance_observed(time, &mut |event| events.push(event.clone())).unwrap();
+        assert!(same(&row["time"], time), "{row:?}");
+        for (names, values) in [
+            (["block.s", "block.v", "block.a"], motion.body(1)),
+            (["mount.e", "mount.rate", "mount.f"], motion.spring(0)),
+            (["buffer.e", "buffer.rate", "buffer.f"], motion.stop(1)),
+            (["guide.e", "guide.rate", "guide.f"], motion.friction(0)),
+        ] {
+            for (name, value) in names.iter().zip(values) {
+                assert!(same(&row[*name], value), "{k} {name} {} {value}", row[*name]);
+            }
+        }
+        assert!(same(&row["shaker.f"], motion.load(0)));
+    }
+    let told = table(&out, "events.csv");
+    assert_eq!(told.len(), events.len());
+    assert!(told.iter().zip(&events).all(|(row, event)| same(&row["time"], event.time)));
+    let impact = told.iter().find(|row| row["kind"] == "impact").expect("an impact");
+    assert!(
+        impact["element"] == "stop.steel"
+            && impact["stops"] == "1"
+            && impact["value"].parse::<f64>().unwrap() > 0.0
+    );
+    let account = std::fs::read_to_string(out.join("account.txt")).unwrap();
+    assert!(text.ends_with(&account) && account.contains("balance off by"), "{account}");
+    let (width, height, _) = pixels(&out.join("motion.png"));
+    assert!(width > 900 && height > 900);
+    // The same again overwrites it; another machine does not.
+    drawn(
+        &out,
+        &["assembly", "run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"],
+    );
+    let arguments = [
+        "assembly",
+        "run",
+        &machine("damper_with_buffer.toml"),
+        "--until",
+        "0.5",
+        "--samples",
+        "50",
+        "--set",
+        "body.box.mass=13",
+    ];
+    let other = command(&out, &arguments).output().unwrap();
+    let error = String::from_utf8(other.stderr).unwrap();
+    assert!(other.status.code() == Some(2) && error.contains("body.box.mass: 12 there, 13 here"), "{error}");
+}
+
+#[test]
+fn times_from_a_file_are_the_rows() {
+    let times = file("assembly-times.txt", "# s\n0\n\n0.1\n0.1\n0.30000000000000004\n").display().to_string();
+    let out = folder("assembly-times");
+    drawn(&out, &["assembly", "run", &machine("bouncing_ball.toml"), "--times", &times]);
+    let rows = table(&out, "states.csv");
+    assert_eq!(
+        rows.iter().map(|r| r["time"].as_str()).collect::<Vec<_>>(),
+        ["0", "0.1", "0.1", "0.30000000000000004"]
+    );
+    let times = file("assembly-falling.txt", "0\n2\n1\n").display().to_string();
+    let (code, error) = refused(&["assembly", "run", &machine("bouncing_ball.toml"), "--times", &times]);
+    assert!(code == 2 && error.contains("line 3: 1: allowed is a time in s, not before 2.0"), "{error}");
+}
+
+#[test]
+fn bad_files_and_parameters_are_refused_by_line_and_name() {
+    let text = "name = \"M\"\n[body.box]\nmass = \"12 kg\"\n[spring.mount]\nbetween = [\"ground\", \"boks\"]\nstiffness = \"5 mN\"\n";
+    let path = file("assembly-bad.toml", text).display().to_string();
+    for command in [vec!["assembly", "check", &path], vec!["assembly", "run", &path, "--until", "1"]] {
+        let (code, error) = refused(&command);
+        assert!(code == 2, "{error}");
+        for words in [
+            "assembly-bad.toml:5: spring.mount.between[1] = \"boks\": no body has this name; the nearest is `box`",
+            "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": allowed is",
+        ] {
+            assert!(error.contains(words), "{words}: {error}");
+        }
+    }
+    let ball = machine("bouncing_ball.toml");
+    for (set, words) in [
+        ("stop.flor.restitution=0.5", "the nearest is `stop.floor.restitution`"),
+        ("stop.floor.restitution=1.5", "stop.floor.restitution = \"1.5\": allowed is a number from 0 to 1"),
+        ("stop.floor.restitution", "NAME=VALUE"),
+    ] {
+        let (code, error) = refused(&["assembly", "check", &ball, "--set", set]);
+        assert!(code == 2 && error.contains(words), "{error}");
+    }
+    for (arguments, words) in [
+        (vec!["assembly", "run", &ball], "--until"),
+        (vec!["assembly", "run", &ball, "--until", "2 Hz"], "allowed is a finite time above 0"),
+        (vec!["assembly", "run", "nowhere.toml", "--until", "2"], "nowhere.toml: cannot be read"),
+    ] {
+        let (code, error) = refused(&arguments);
+        assert!(code == 2 && error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn a_jam_ends_the_run_by_name_and_what_was_computed_is_written() {
+    let text = "name = \"Jam\"\n[body.press]\nmotion = { rate = \"1 m/s\" }\n[body.block]\nmass = \"1 kg\"\n\
+        [stop.front]\nbetween = [\"block\", \"press\"]\ngap = \"0.2 m\"\nrestitution = 0.5\n\
+        [stop.wall]\nbetween = [\"ground\", \"block\"]\ngap = \"0.1 m\"\nrestitution = 0.0\n";
+    let path = file("assembly-jam.toml", text).display().to_string();
+    let out = folder("assembly-jam");
+    let run =
+        command(&out, &["assembly", "run", &path, "--until", "1", "--samples", "100"]).output().unwrap();
+    let error = String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.code() == Some(1), "{error}");
+    assert!(
+        error.contains("jammed at t = 0.3") && error.contains("stop.front") && error.contains("stop.wall"),
+        "{error}"
+    );
+    let rows = table(&out, "states.csv");
+    assert!(rows.len() > 20 && rows.len() < 50, "{}", rows.len());
+    assert!(std::fs::read_to_string(out.join("account.txt")).unwrap().contains("ended early: jammed"));
+}
+
+#[test]
+fn every_example_of_the_repository_moves() {
+    let files = std::fs::read_dir(example("")).unwrap().map(|entry| entry.unwrap().path());
+    let files: Vec<_> = files.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    assert!(files.len() > 20);
+    for path in files {
+        let description = vibro_assembly::file::read(&path).unwrap_or_else(|e| panic!("{e}"));
+        let times = vibro::assembly::even_times(0.5, 20).unwrap();
+        let record = vibro::assembly::record(description, &times, &mut |_| true)
+            .unwrap_or_else(|e| panic!("{path:?}: {e}"));
+        assert!(record.ended.is_none() && record.rows.len() == 21, "{path:?} {:?}", record.ended);
+        assert!(record.rows.iter().flatten().all(|x| x.is_finite()), "{path:?}");
+    }
+}
