@@ -3,6 +3,7 @@
 use super::structure;
 use super::units::{ENUMERATION_TYPES, REAL_TYPES, UNITS};
 use super::variables::{VARIABLES, Variable};
+pub use fmi_doors::identifier::{fnv1a, identifier};
 use std::fmt::Write;
 use vibro_impact::parameters::Parameters;
 
@@ -15,6 +16,9 @@ pub const MODEL_IDENTIFIER: &str = "VibroImpact3DOF";
 /// What the model is.
 pub const MODEL_DESCRIPTION: &str = "Three-degree-of-freedom vibro-impact system: a driven box, a block free between two stops inside it, \
      and a secondary oscillator coupled to the block; exact event-driven simulation and closed-form steady states";
+
+/// What is logged of events.
+pub const EVENTS: &str = "Each impact, rest and release";
 
 /// Who made it.
 pub const AUTHOR: &str = "the vibro-impact contributors";
@@ -47,19 +51,6 @@ pub struct Experiment {
 pub fn default_experiment() -> Experiment {
     let period = Parameters::default().period();
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }
-}
-
-/// A hash in the form of a globally unique identifier.
-pub fn identifier(text: &str) -> String {
-    let hash = fnv1a(text.as_bytes());
-    format!(
-        "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
-        (hash >> 96) as u32,
-        (hash >> 80) as u16,
-        (hash >> 64) as u16,
-        (hash >> 48) as u16,
-        hash & 0xffff_ffff_ffff
-    )
 }
 
 /// The number of this build. Computed anew on each call, so that the library keeps nothing between loads.
@@ -99,13 +90,6 @@ pub fn text() -> String {
     text
 }
 
-/// FNV-1a, 128 bit.
-pub fn fnv1a(bytes: &[u8]) -> u128 {
-    const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    bytes.iter().fold(OFFSET, |hash, byte| (hash ^ u128::from(*byte)).wrapping_mul(PRIME))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,12 +98,5 @@ mod tests {
     fn the_default_experiment_has_a_whole_number_of_intervals() {
         let Experiment { start_time, stop_time, step_size, .. } = default_experiment();
         assert_eq!((stop_time - start_time) / step_size, 20000.0);
-    }
-
-    /// Test vectors of the hash's authors.
-    #[test]
-    fn golden_values_of_fnv1a() {
-        assert_eq!(fnv1a(b""), 0x6c62272e07bb014262b821756295c58d);
-        assert_eq!(fnv1a(b"a"), 0xd228cb696f1a8caf78912b704e4a8964);
     }
 }

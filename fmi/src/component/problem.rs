@@ -139,4 +139,7 @@ pub enum Problem {
         /// Why.
         what: String,
     },
+    /// What a door refuses in the component's name.
+    #[error(transparent)]
+    Door(#[from] fmi_doors::Problem),
 }

@@ -24,10 +24,10 @@ use super::closed_form;
 use super::continuous;
 use super::event_state::EventState;
 use super::identity;
-use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
 use super::settings::Settings;
 use super::values::Tick;
+use fmi_doors::{Experiment, Interface, Phase};
 use serde::{Deserialize, Serialize};
 use vibro_impact::simulator::Snapshot;
 

@@ -2,13 +2,14 @@
 //! default experiment.
 
 use crate::component::identity;
+use crate::component::identity::EVENTS;
 pub use crate::component::identity::{
     AUTHOR, COPYRIGHT, LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, default_experiment,
 };
 pub use crate::component::structure::EVENT_INDICATORS;
 pub use crate::component::variables::Edition;
 use crate::component::variables::{Numbering, Variable, of_edition};
-use crate::messages::{Category, log_categories};
+use fmi_doors::messages::{Category, log_categories};
 
 /// `version` of the model.
 pub const MODEL_VERSION: &str = identity::VERSION;
@@ -61,7 +62,7 @@ pub const MODEL_EXCHANGE: bool = true;
 
 /// The log categories, all of standard names.
 pub const LOG_CATEGORIES: [Category; 6] =
-    log_categories("Why a step ended early or a status is not available");
+    log_categories(EVENTS, "Why a step ended early or a status is not available");
 
 /// The value references: the table's own.
 pub const NUMBERING: Numbering = Numbering::EVERY;

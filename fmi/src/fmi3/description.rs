@@ -2,6 +2,7 @@
 //! and the two descriptions of one library.
 
 use crate::component::identity;
+use crate::component::identity::EVENTS;
 pub use crate::component::identity::{
     AUTHOR, COPYRIGHT, LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, VERSION,
     default_experiment,
@@ -10,7 +11,7 @@ use crate::component::settings::Settings;
 use crate::component::structure::STATES;
 pub use crate::component::variables::Edition;
 use crate::component::variables::{Access, Causality, Initial, Kind, Numbering, Variability, Variable};
-use crate::messages::{Category, log_categories};
+use fmi_doors::messages::{Category, log_categories};
 
 /// The description of the archive that every importer can read.
 pub const MAIN: Edition = Edition::Extended;
@@ -69,7 +70,7 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 };
 
 /// The log categories.
-pub const LOG_CATEGORIES: [Category; 6] = log_categories("Why a value was not taken");
+pub const LOG_CATEGORIES: [Category; 6] = log_categories(EVENTS, "Why a value was not taken");
 
 /// What an instance starts from: the settings of every description, but a step returns at an event where the importer allows
 /// it, since FMI 3.0 has a protocol for that.

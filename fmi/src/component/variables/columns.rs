@@ -6,6 +6,7 @@ use crate::component::jets::Jet;
 use crate::component::settings::{Derived, Settings};
 use crate::component::units::{EnumerationType, RealType};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick, Varied};
+pub use fmi_doors::DependencyKind;
 use vibro_impact::parameters::Range;
 
 /// Who sets a variable, and what it is for.
@@ -119,21 +120,6 @@ pub enum Access {
     Step(fn(&StepMatrices, usize) -> f64),
     /// What the clock of impacts shows.
     Tick(fn(&Tick) -> f64),
-}
-
-/// How an unknown depends on a known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DependencyKind {
-    /// No particular structure.
-    Dependent,
-    /// A constant factor.
-    Constant,
-    /// A factor of fixed parameters.
-    Fixed,
-    /// A factor of tunable parameters.
-    Tunable,
-    /// A factor that changes at events.
-    Discrete,
 }
 
 /// Knowns by name, and how an unknown depends on each.

@@ -3,7 +3,7 @@
 /// What a message is about; a door maps it to the log categories and statuses of its standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
-    /// Impact, rest, release.
+    /// What happens in the motion, event by event.
     Events,
     /// Worth knowing; nothing was refused.
     Warnings,
@@ -19,7 +19,7 @@ pub enum Category {
 pub const CATEGORIES: [Category; 5] =
     [Category::Events, Category::Warnings, Category::Incomplete, Category::Refusals, Category::Failures];
 
-/// Where messages of the component go.
+/// Where messages of a component go.
 pub trait Log {
     /// Whether messages of this category are wanted; others need not be made.
     fn wants(&self, category: Category) -> bool;

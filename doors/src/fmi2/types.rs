@@ -1,7 +1,7 @@
 //! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), by the names that std has for the C
 //! types.
 
-use crate::component::Handled;
+use crate::events::Handled;
 use std::ffi::c_int;
 
 /// `fmi2Boolean`.
@@ -28,11 +28,13 @@ pub struct FmiEventInfo {
 }
 
 impl FmiEventInfo {
-    /// After an event: one call does all that happens at an instant, nothing ends the simulation, and there are no time events.
-    pub fn after_event(changed: Handled) -> Self {
+    /// After an event: one call does all that happens at an instant, and nothing ends the simulation.
+    pub fn after_event(changed: Handled, next_event_time: Option<f64>) -> Self {
         Self {
             values_of_continuous_states_changed: changed.states.into(),
             nominals_of_continuous_states_changed: changed.nominals.into(),
+            next_event_time_defined: next_event_time.is_some().into(),
+            next_event_time: next_event_time.unwrap_or_default(),
             ..Self::default()
         }
     }

@@ -1,9 +1,8 @@
 //! Kinds of status, and what FMI 2.0 alone says of log messages (FMI 2.0, 2.1.5 and 4.2.3).
 
-use super::problem::Problem;
-use crate::component::log::{Categories, Category};
-use crate::component::{self, Outcome};
+use crate::log::{Categories, Category};
 use crate::messages::c_text;
+use crate::problem::Problem;
 use std::ffi::CString;
 
 /// `fmi2StatusKind` (FMI 2.0, 4.2.3).
@@ -23,30 +22,28 @@ impl StatusKind {
     /// From the C enumeration.
     ///
     /// # Errors
-    /// [`Problem::Value`](component::Problem::Value) for any other number.
-    pub fn from_number(number: i32) -> Outcome<Self> {
+    /// [`Problem::Value`] for any other number.
+    pub fn from_number(number: i32) -> Result<Self, Problem> {
         match number {
             0 => Ok(Self::DoStepStatus),
             1 => Ok(Self::PendingStatus),
             2 => Ok(Self::LastSuccessfulTime),
             3 => Ok(Self::Terminated),
-            _ => Err(component::Problem::Value {
-                name: "fmi2StatusKind",
-                value: f64::from(number),
-                allowed: "0 (fmi2DoStepStatus), 1 (fmi2PendingStatus), 2 (fmi2LastSuccessfulTime) or 3 (fmi2Terminated)",
-            }),
+            _ => Err(Problem::value(
+                "fmi2StatusKind",
+                f64::from(number),
+                "0 (fmi2DoStepStatus), 1 (fmi2PendingStatus), 2 (fmi2LastSuccessfulTime) or 3 (fmi2Terminated)",
+            )),
         }
     }
 
     /// The answer to one who asks with the wrong function.
-    pub fn not_available(self) -> Problem {
-        Problem::StatusNotAvailable {
-            what: match self {
-                Self::DoStepStatus => "fmi2DoStepStatus is not available: steps are synchronous",
-                Self::PendingStatus => "fmi2PendingStatus is not available: steps are synchronous",
-                Self::LastSuccessfulTime => "fmi2LastSuccessfulTime is a Real: use fmi2GetRealStatus",
-                Self::Terminated => "fmi2Terminated is a Boolean: use fmi2GetBooleanStatus",
-            },
+    pub fn not_available(self) -> &'static str {
+        match self {
+            Self::DoStepStatus => "fmi2DoStepStatus is not available: steps are synchronous",
+            Self::PendingStatus => "fmi2PendingStatus is not available: steps are synchronous",
+            Self::LastSuccessfulTime => "fmi2LastSuccessfulTime is a Real: use fmi2GetRealStatus",
+            Self::Terminated => "fmi2Terminated is a Boolean: use fmi2GetBooleanStatus",
         }
     }
 }

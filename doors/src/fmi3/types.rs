@@ -1,6 +1,7 @@
 //! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.2 and 2.2.3), by the names that std has for the C types.
 
-use crate::component::Handled;
+use crate::events::Handled;
+use crate::values::DependencyKind;
 use std::ffi::c_int;
 
 /// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte there.
@@ -11,6 +12,17 @@ pub type FmiStatus = c_int;
 pub type FmiDependencyKind = c_int;
 /// `fmi3IntervalQualifier`, as an integer.
 pub type FmiIntervalQualifier = c_int;
+
+/// `fmi3DependencyKind` of a kind.
+pub fn dependency_kind(kind: DependencyKind) -> FmiDependencyKind {
+    match kind {
+        DependencyKind::Constant => 1,
+        DependencyKind::Fixed => 2,
+        DependencyKind::Tunable => 3,
+        DependencyKind::Discrete => 4,
+        DependencyKind::Dependent => 5,
+    }
+}
 
 /// The returned arguments of `fmi3UpdateDiscreteStates` (FMI 3.0.2, 2.3.5).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Which function may be called in which state: the common states, those of Model Exchange and those of Co-Simulation as one
 //! table (FMI 3.0.2, 2.3, 3.2 and 4.2).
 
-use crate::component::{Interface, Phase};
+use crate::life::{Interface, Phase};
 
 /// The states of both state machines, as the standard names them. Configuration Mode and Reconfiguration Mode are never met,
 /// since there are no structural parameters.

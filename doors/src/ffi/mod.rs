@@ -1,6 +1,7 @@
 //! What every C interface needs, whatever it exports: pointers that are checked before they are followed, panics that do
-//! not leave the library, and handles that are looked up. Nothing here knows FMI or the component.
+//! not leave the library, and handles that are looked up. Nothing here knows FMI or a component.
 
+mod arguments;
 pub mod handles;
 pub mod panics;
 pub mod pointers;

@@ -23,7 +23,7 @@ struct Returned<'a> {
 impl Returned<'_> {
     /// Refuses a step whose end could not be told.
     #[inline]
-    fn check(&self) -> Outcome {
+    fn check(&self) -> Result<(), Fault> {
         let Self { event_handling_needed, terminate_simulation, early_return, last_successful_time } = self;
         let argument = match (event_handling_needed, terminate_simulation, early_return, last_successful_time)
         {
@@ -33,7 +33,7 @@ impl Returned<'_> {
             (_, _, None, _) => "earlyReturn",
             (.., None) => "lastSuccessfulTime",
         };
-        Err(Fault::Pointer { argument }.into())
+        Err(Fault::Pointer { argument })
     }
 
     #[inline]
@@ -52,53 +52,47 @@ fn put<T>(place: Place<'_, T>, value: T) {
     }
 }
 
-/// `fmi3DoStep` (FMI 3.0.2, 4.2.1). `lastSuccessfulTime` is given in any case, also beside an error.
+/// `fmi3DoStep` (FMI 3.0.2, 4.2.1) of a point and a size. `last_successful_time` is given in any case, also beside an error.
 ///
 /// # Safety
-/// The instance is null or from an instantiation and not freed, and no call on it is running in another thread. Every other
-/// pointer is null or valid for one element.
-#[unsafe(no_mangle)]
-#[allow(clippy::too_many_arguments)] // the standard's
-pub unsafe extern "C" fn fmi3DoStep(
+/// The instance is null or from an instantiation of the same component and not freed, and no call on it is running in another
+/// thread. Every other pointer is null or valid for one element.
+#[inline]
+pub unsafe fn do_step<C: Component>(
     instance: FmiInstance,
-    currentCommunicationPoint: f64,
-    communicationStepSize: f64,
-    _noSetFMUStatePriorToCurrentPoint: FmiBoolean,
-    eventHandlingNeeded: *mut FmiBoolean,
-    terminateSimulation: *mut FmiBoolean,
-    earlyReturn: *mut FmiBoolean,
-    lastSuccessfulTime: *mut f64,
+    (point, size): (f64, f64),
+    [event_handling_needed, terminate_simulation, early_return]: [*mut FmiBoolean; 3],
+    last_successful_time: *mut f64,
 ) -> FmiStatus {
     // SAFETY: null or valid for one element, as the caller says; the instance likewise.
     let (returned, callback) = unsafe {
         let returned = Returned {
-            event_handling_needed: variable(eventHandlingNeeded),
-            terminate_simulation: variable(terminateSimulation),
-            early_return: variable(earlyReturn),
-            last_successful_time: variable(lastSuccessfulTime),
+            event_handling_needed: variable(event_handling_needed),
+            terminate_simulation: variable(terminate_simulation),
+            early_return: variable(early_return),
+            last_successful_time: variable(last_successful_time),
         };
         let callback =
-            shared(instance).and_then(|shared| Some((shared.intermediate_update?, shared.environment)));
+            shared::<C>(instance).and_then(|shared| Some((shared.intermediate_update?, shared.environment)));
         (returned, callback)
     };
-    let (point, size) = (currentCommunicationPoint, communicationStepSize);
     let mut end = StepEnd::default();
     // SAFETY: as above.
     let status = unsafe {
         match callback {
-            None => call(instance, Function::DoStep, |instance, host| {
+            None => call::<C>(instance, Function::DoStep, |instance, host| {
                 returned.check()?;
                 end = instance.do_step(point, size, host)?;
                 Ok(())
             }),
             Some(callback) => {
-                step_with_callback(instance, (point, size), callback, || returned.check(), &mut end)
+                step_with_callback::<C>(instance, (point, size), callback, || returned.check(), &mut end)
             }
         }
     };
     if status == Status::Error as FmiStatus {
         // SAFETY: as above.
-        let Some(time) = (unsafe { present_time(instance) }) else { return status };
+        let Some(time) = (unsafe { present_time::<C>(instance) }) else { return status };
         end = StepEnd { last_successful_time: time, ..StepEnd::default() };
     }
     returned.put(end);
@@ -110,9 +104,9 @@ pub unsafe extern "C" fn fmi3DoStep(
 /// # Safety
 /// `instance` is null or from an instantiation and not freed.
 #[cold]
-unsafe fn present_time(instance: FmiInstance) -> Option<f64> {
+unsafe fn present_time<C: Component>(instance: FmiInstance) -> Option<f64> {
     // SAFETY: as above.
-    let borrowed = unsafe { shared(instance) }?.instance.try_borrow().ok()?;
+    let borrowed = unsafe { shared::<C>(instance) }?.instance.try_borrow().ok()?;
     Some(borrowed.0.component.time())
 }
 
@@ -121,17 +115,17 @@ unsafe fn present_time(instance: FmiInstance) -> Option<f64> {
 /// # Safety
 /// As for [`call`]; the callback is the host's.
 #[inline(never)] // it would make the step without a callback slower
-unsafe fn step_with_callback(
+unsafe fn step_with_callback<C: Component>(
     instance: FmiInstance,
     (point, size): (f64, f64),
     (callback, environment): (FmiIntermediateUpdate, *mut c_void),
-    check: impl FnOnce() -> Outcome,
+    check: impl FnOnce() -> Result<(), Fault>,
     end: &mut StepEnd,
 ) -> FmiStatus {
-    let mut step: Option<(Progress, Turn)> = None;
+    let mut step: Option<(Progress<C>, Turn)> = None;
     // SAFETY: as above.
     let mut status = unsafe {
-        call(instance, Function::DoStep, |instance, host| {
+        call::<C>(instance, Function::DoStep, |instance, host| {
             check()?;
             step = Some(instance.begin_step(point, size, host)?);
             Ok(())
@@ -150,7 +144,7 @@ unsafe fn step_with_callback(
         let answer = unsafe { ask(callback, environment, update) };
         // SAFETY: as above.
         status = unsafe {
-            go_on(instance, Function::DoStep, |instance, host| {
+            go_on::<C>(instance, Function::DoStep, |instance, host| {
                 let until = answer.inspect_err(|_| instance.callback_failed())?;
                 *turn = instance.answered(progress, until, host)?;
                 Ok(())

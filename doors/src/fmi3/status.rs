@@ -1,6 +1,6 @@
 //! What FMI 3.0 alone says of log messages (FMI 3.0.2, 2.3.1).
 
-use crate::component::log::{Categories, Category};
+use crate::log::{Categories, Category};
 use crate::messages::c_text;
 use std::ffi::CString;
 

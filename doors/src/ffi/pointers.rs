@@ -9,10 +9,6 @@ use std::ffi::{CStr, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::ptr;
 
-/// More elements than this in one call are taken for a mistake (there are fewer than 100 variables): it keeps a wrong
-/// count from walking through the host's memory.
-const MAX_COUNT: usize = 4096;
-
 /// Whether a pointer can be followed, as far as its address tells.
 #[inline]
 fn can_be_followed<T>(pointer: *const T) -> bool {
@@ -37,14 +33,19 @@ pub fn aligned<T>(pointer: *mut T, argument: &'static str) -> Result<*mut T, Fau
     if pointer.is_aligned() { Ok(pointer) } else { Err(Fault::Pointer { argument }) }
 }
 
-/// Refuses an array that cannot be; one without elements may have any pointer.
+/// Refuses an array that cannot be; one without elements may have any pointer. More elements than `limit` are taken for a
+/// mistake: that keeps a wrong count from walking through the host's memory.
 ///
 /// # Errors
 /// [`Fault`] for more elements than any call has, or a pointer that cannot be followed.
 #[inline]
-pub fn check_array<T>(pointer: *const T, count: usize, argument: &'static str) -> Result<(), Fault> {
-    if count > MAX_COUNT {
-        let allowed = format!("up to {MAX_COUNT}");
+pub fn check_array<T>(
+    pointer: *const T,
+    count: usize,
+    (argument, limit): (&'static str, usize),
+) -> Result<(), Fault> {
+    if count > limit {
+        let allowed = format!("up to {limit}");
         return Err(Fault::Count { argument: "number of elements", value: count, allowed });
     }
     if count == 0 { Ok(()) } else { check_pointer(pointer, argument) }
@@ -59,7 +60,8 @@ pub fn check_count(number: &'static str, value: usize, count: usize) -> Result<(
     if value == count { Ok(()) } else { Err(problem()) }
 }
 
-/// The host's array as a slice; empty when `count` is 0, whatever the pointer.
+/// The host's array as a slice; empty when `count` is 0, whatever the pointer. The argument is given by name, with the largest
+/// number of elements of any call.
 ///
 /// # Errors
 /// [`Fault`] for a pointer or a count that cannot be.
@@ -70,29 +72,30 @@ pub fn check_count(number: &'static str, value: usize, count: usize) -> Result<(
 pub unsafe fn array<'a, T>(
     pointer: *const T,
     count: usize,
-    argument: &'static str,
+    argument: (&'static str, usize),
 ) -> Result<&'a [T], Fault> {
     check_array(pointer, count, argument)?;
     // SAFETY: not null, aligned, of `count` elements as the caller says.
     Ok(if count == 0 { &[] } else { unsafe { std::slice::from_raw_parts(pointer, count) } })
 }
 
-/// The host's array, which must have `N` elements; both arguments are given by name.
+/// The host's array, which must have `expected` elements; both arguments are given by name.
 ///
 /// # Errors
 /// [`Fault`] for a pointer or a count that cannot be.
 ///
 /// # Safety
 /// As [`array()`].
-pub unsafe fn vector<'a, T, const N: usize>(
+#[inline]
+pub unsafe fn vector<'a, T>(
     pointer: *const T,
     count: usize,
+    expected: usize,
     (argument, number): (&'static str, &'static str),
-) -> Result<&'a [T; N], Fault> {
-    check_count(number, count, N)?;
-    check_pointer(pointer, argument)?;
-    // SAFETY: not null, aligned, of N elements as the caller says.
-    Ok(unsafe { &*pointer.cast() })
+) -> Result<&'a [T], Fault> {
+    check_count(number, count, expected)?;
+    // SAFETY: of so many elements as the caller says.
+    unsafe { array(pointer, count, (argument, count)) }
 }
 
 /// The host's C string.
@@ -116,7 +119,11 @@ pub unsafe fn c_str<'a>(pointer: *const c_char, argument: &'static str) -> Resul
 /// # Safety
 /// `pointer` is null or points to `count` elements that live and are not read while this is used.
 #[inline]
-pub unsafe fn out<'a, T>(pointer: *mut T, count: usize, argument: &'static str) -> Result<Out<'a, T>, Fault> {
+pub unsafe fn out<'a, T>(
+    pointer: *mut T,
+    count: usize,
+    argument: (&'static str, usize),
+) -> Result<Out<'a, T>, Fault> {
     // SAFETY: as above; any bytes are valid as these cells.
     Ok(Out(unsafe { array(pointer.cast::<Cell<MaybeUninit<T>>>(), count, argument) }?))
 }

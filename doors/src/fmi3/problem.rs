@@ -1,18 +1,20 @@
 //! Why a call was refused, and the status that says so.
 
 use super::states::{Function, Stage};
-use crate::component::{self, Interface};
+use crate::component::Component;
 use crate::ffi::Fault;
+use crate::life::Interface;
 use crate::messages::Status;
+use crate::problem::Refusal;
 
-/// Outcome of a call.
-pub type Outcome<T = ()> = Result<T, Problem>;
+/// Outcome of a call on a component `C`.
+pub type Outcome<C, T = ()> = Result<T, Problem<<C as Component>::Problem>>;
 
 /// Why a call was refused. Each text names the thing, its value and what is allowed; the function's name is put before it
 /// when it is logged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Problem {
+pub enum Problem<P: Refusal> {
     /// The call is not allowed in this state (FMI 3.0.2, 2.3, 3.2 and 4.2).
     #[error("not allowed in state {stage:?} of {}{}{}", interface.name(), led_there(*failed), way_on(*stage))]
     State {
@@ -25,10 +27,10 @@ pub enum Problem {
     },
     /// The component refuses.
     #[error(transparent)]
-    Component(#[from] component::Problem),
+    Component(P),
     /// An argument that cannot be, or a panic.
     #[error(transparent)]
-    Fault(#[from] Fault),
+    Fault(Fault),
     /// Something must be done first, or is never possible.
     #[error("{what}")]
     Sequence {
@@ -45,6 +47,18 @@ pub enum Problem {
     },
 }
 
+impl<P: Refusal> From<P> for Problem<P> {
+    fn from(problem: P) -> Self {
+        Self::Component(problem)
+    }
+}
+
+impl<P: Refusal> From<Fault> for Problem<P> {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
 /// What has led to the state, where it was an error.
 fn led_there(failed: Option<Function>) -> String {
     failed.map_or_else(String::new, |function| format!(", after an error in {}", function.name()))
@@ -58,19 +72,13 @@ fn way_on(stage: Stage) -> &'static str {
     }
 }
 
-impl Problem {
+impl<P: Refusal> Problem<P> {
     /// The status to return from a function. What the model cannot take as a value is discarded, with all as it was, since
     /// the host may go on with another value (FMI 3.0.2, 2.2.3); everything else is a mistake in the call.
     pub fn status(&self, function: Function) -> Status {
-        use component::Problem as Refusal;
         match self {
             Self::Fault(Fault::Panic { .. }) => Status::Fatal,
-            Self::Component(
-                Refusal::Value { .. }
-                | Refusal::Model(_)
-                | Refusal::ClosedForm { .. }
-                | Refusal::Overflow { .. },
-            ) if function.takes_values() => Status::Discard,
+            Self::Component(problem) if problem.is_of_a_value() && function.takes_values() => Status::Discard,
             _ => Status::Error,
         }
     }

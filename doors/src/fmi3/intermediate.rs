@@ -8,14 +8,14 @@
 //!                                                                                          └─ event ─ outputs shown
 //! ```
 
-use super::description::intermediate_update;
-use super::instance::{Instance, Update};
+use super::instance::{FLOAT64, Instance, Update};
 use super::problem::{Outcome, Problem};
 use super::states::Function;
 use super::types::StepEnd;
-use crate::component::log::Category;
-use crate::component::variables::Edition;
-use crate::component::{self, Advance, Piece, Pieces};
+use crate::component::Component;
+use crate::events::{Advance, Piece};
+use crate::life::Phase;
+use crate::log::Category;
 use crate::messages::{Sink, Status};
 
 /// What comes next in a step.
@@ -29,13 +29,13 @@ pub enum Turn {
 
 /// A step in progress.
 #[derive(Debug)]
-pub struct Progress {
-    pieces: Pieces,
+pub struct Progress<C: Component> {
+    pieces: C::Pieces,
     /// Length, s.
     span: f64,
     begin: f64,
-    /// Values of the loads at 0, 1/3, 2/3 and 3/3 of the step, by body.
-    loads: [[f64; 4]; 3],
+    /// Values of the required inputs at 0, 1/3, 2/3 and 3/3 of the step.
+    inputs: Vec<[f64; 4]>,
     /// What was asked last.
     asked: Asked,
     /// Where the host wants it to end, s.
@@ -53,7 +53,7 @@ enum Asked {
     End,
 }
 
-impl Instance {
+impl<C: Component> Instance<C> {
     /// Takes note of `requiredIntermediateVariables` (FMI 3.0.2, 2.3.1).
     ///
     /// # Errors
@@ -63,13 +63,17 @@ impl Instance {
         references: &[u32],
         has_callback: bool,
         sink: &mut dyn Sink,
-    ) -> Outcome {
+    ) -> Outcome<C> {
         for &reference in references {
             let variable = self.component.variable(reference)?;
-            if let Some(body) = variable.body {
-                self.required.inputs[body] = has_callback;
+            if variable.continuous_input
+                && has_callback
+                && C::INTERMEDIATE_UPDATE
+                && !self.required.contains(&reference)
+            {
+                self.required.push(reference);
             }
-            if !intermediate_update(variable) && self.enabled().contains(Category::Warnings) {
+            if !variable.intermediate_update && self.enabled().contains(Category::Warnings) {
                 let text = format!(
                     "fmi3InstantiateCoSimulation: {} is required for intermediate update, but has no intermediateUpdate = \
                      \"true\": it can be read there, not set",
@@ -79,19 +83,6 @@ impl Instance {
             }
         }
         Ok(())
-    }
-
-    /// Warns of a clock that can never tick, since it does so in Event Mode (FMI 3.0.2, 2.3.1: FMUs with clocks need
-    /// `eventModeUsed`).
-    pub fn warn_of_clocks(&self, sink: &mut dyn Sink) {
-        let clocked = self.edition() == Edition::Clocked;
-        if clocked
-            && !self.component.event_handling().event_mode
-            && self.enabled().contains(Category::Warnings)
-        {
-            let text = "fmi3InstantiateCoSimulation: eventModeUsed is false, so impacts.clock never ticks; all else is right";
-            sink.send(Status::Warning, Category::Warnings, text);
-        }
     }
 
     /// Whether the host's callback runs.
@@ -104,7 +95,7 @@ impl Instance {
     /// # Errors
     /// [`Problem::Intermediate`].
     #[inline]
-    pub(super) fn check_get(&self) -> Outcome {
+    pub(super) fn check_get(&self) -> Outcome<C> {
         match self.update {
             Some(update) if update.set_requested => Err(Problem::Intermediate {
                 what: "a variable is read".to_owned(),
@@ -119,7 +110,7 @@ impl Instance {
     /// # Errors
     /// [`Problem::Intermediate`]; a reference that is no variable's.
     #[inline]
-    pub(super) fn check_set(&self, references: &[u32]) -> Outcome {
+    pub(super) fn check_set(&self, references: &[u32]) -> Outcome<C> {
         match self.update {
             None => Ok(()),
             Some(update) => self.check_set_inside(references, update),
@@ -127,10 +118,10 @@ impl Instance {
     }
 
     #[cold]
-    fn check_set_inside(&self, references: &[u32], update: Update) -> Outcome {
+    fn check_set_inside(&self, references: &[u32], update: Update) -> Outcome<C> {
         for &reference in references {
             let variable = self.component.variable(reference)?;
-            if !variable.body.is_some_and(|body| update.set_requested && self.required.inputs[body]) {
+            if !(update.set_requested && self.required.contains(&reference)) {
                 return Err(Problem::Intermediate {
                     what: format!("{} is set", variable.name),
                     allowed: "to set inputs in requiredIntermediateVariables, where intermediateVariableSetRequested is true",
@@ -143,38 +134,50 @@ impl Instance {
     /// `fmi3DoStep` with a callback: begins the step.
     ///
     /// # Errors
-    /// As [`advance`](component::Instance::advance); nothing has changed then.
-    pub fn begin_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<(Progress, Turn)> {
+    /// As [`advance`](Component::advance); nothing has changed then.
+    pub fn begin_step(
+        &mut self,
+        point: f64,
+        size: f64,
+        sink: &mut dyn Sink,
+    ) -> Outcome<C, (Progress<C>, Turn)> {
         let pieces = self.component.begin_pieces(point, size)?;
         let mut progress = Progress {
             span: self.component.left(&pieces),
             begin: self.component.time(),
-            loads: std::array::from_fn(|body| [self.component.load(body); 4]),
+            inputs: vec![[0.0; 4]; self.required.len()],
             pieces,
             asked: Asked::Inputs(0),
             until: None,
         };
-        let turn = if self.required.inputs == [false; 3] {
+        let turn = if self.required.is_empty() {
             self.start(&mut progress, sink)?
         } else {
+            self.read_inputs(&mut progress, 0)?;
             self.ask_inputs(&mut progress, 1)
         };
         Ok((progress, turn))
     }
 
+    /// Takes the required inputs as they are set for their values from the `n`th on.
+    fn read_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Outcome<C> {
+        let inputs = &mut progress.inputs;
+        Ok(self.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)
+    }
+
     /// Goes on after the callback, with the time at which the host wants the step to end, if it does.
     ///
     /// # Errors
-    /// As [`advance`](component::Instance::advance), and when a call inside the callback was refused; the step has been taken
+    /// As [`advance`](Component::advance), and when a call inside the callback was refused; the step has been taken
     /// back then.
     pub fn answered(
         &mut self,
-        progress: &mut Progress,
+        progress: &mut Progress<C>,
         until: Option<f64>,
         sink: &mut dyn Sink,
-    ) -> Outcome<Turn> {
+    ) -> Outcome<C, Turn> {
         self.update = None;
-        if self.component.phase() == component::Phase::Terminated {
+        if self.component.life().phase == Phase::Terminated {
             self.component.take_pieces_back(&progress.pieces)?;
             return Err(Problem::Sequence {
                 what: "a call inside the callback was refused: the step has been taken back",
@@ -187,14 +190,12 @@ impl Instance {
         }
         match progress.asked {
             Asked::Inputs(n) => {
-                for (body, values) in progress.loads.iter_mut().enumerate() {
-                    values[n..].fill(self.component.load(body));
-                }
+                self.read_inputs(progress, n)?;
                 if n < 3 {
                     return Ok(self.ask_inputs(progress, n + 1));
                 }
-                for body in (0..3).filter(|body| self.required.inputs[*body]) {
-                    self.component.interpolate_load(body, progress.loads[body], progress.span);
+                for (input, values) in self.required.iter().zip(&progress.inputs) {
+                    self.component.interpolate_input(*input, *values, progress.span);
                 }
                 self.start(progress, sink)
             }
@@ -209,19 +210,19 @@ impl Instance {
     }
 
     fn ask(&mut self, time: f64, set_requested: bool) -> Turn {
-        let can_return_early = !set_requested && self.component.event_handling().early_return;
+        let can_return_early = !set_requested && self.component.life().handling.early_return;
         let update = Update { time, set_requested, can_return_early };
         self.update = Some(update);
         Turn::Ask(update)
     }
 
-    fn ask_inputs(&mut self, progress: &mut Progress, n: usize) -> Turn {
+    fn ask_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Turn {
         progress.asked = Asked::Inputs(n);
         let part = if n == 3 { progress.span } else { progress.span * n as f64 / 3.0 };
         self.ask(progress.begin + part, true)
     }
 
-    fn start(&mut self, progress: &mut Progress, sink: &mut dyn Sink) -> Outcome<Turn> {
+    fn start(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
         match self.component.start_pieces(&mut progress.pieces)? {
             Piece::Event => Ok(self.end_step(progress)),
             Piece::End => self.go_on(progress, sink),
@@ -229,7 +230,7 @@ impl Instance {
     }
 
     /// To the next event or the end.
-    fn go_on(&mut self, progress: &mut Progress, sink: &mut dyn Sink) -> Outcome<Turn> {
+    fn go_on(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
         let mut log = self.log(sink, Function::DoStep);
         let piece = self.component.next_piece(&mut progress.pieces, progress.until, &mut log)?;
         let event = piece == Piece::Event;
@@ -240,10 +241,10 @@ impl Instance {
         Ok(self.ask(self.component.time(), false))
     }
 
-    fn end_step(&mut self, progress: &Progress) -> Turn {
+    fn end_step(&mut self, progress: &Progress<C>) -> Turn {
         let Advance { time, event, early } = self.component.end_pieces(&progress.pieces);
-        for body in (0..3).filter(|body| self.required.inputs[*body] && !early) {
-            self.component.hold_load(body, progress.loads[body][3]);
+        for (input, values) in self.required.iter().zip(&progress.inputs).filter(|_| !early) {
+            self.component.hold_input(*input, values[3]);
         }
         Turn::Done(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
     }

@@ -1,20 +1,19 @@
 //! Which function may be called in which state: the two state machines as one table (FMI 2.0, 3.2.3 and 4.2.4).
 
-use crate::component::{self, Interface, Phase};
+use crate::life::{Interface, Phase};
+use crate::problem::Problem;
 
 /// The interface type of a `fmi2Type` (FMI 2.0, 2.1.5).
 ///
 /// # Errors
-/// [`Problem::Value`](component::Problem::Value) for any other number.
-pub fn interface(number: i32) -> component::Outcome<Interface> {
+/// [`Problem::Value`] for any other number.
+pub fn interface(number: i32) -> Result<Interface, Problem> {
     match number {
         0 => Ok(Interface::ModelExchange),
         1 => Ok(Interface::CoSimulation),
-        _ => Err(component::Problem::Value {
-            name: "fmuType",
-            value: f64::from(number),
-            allowed: "0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)",
-        }),
+        _ => {
+            Err(Problem::value("fmuType", f64::from(number), "0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)"))
+        }
     }
 }
 
@@ -124,7 +123,7 @@ functions! {
     GetInteger:                   GET_EXCHANGE,       GET_COSIMULATION;
     GetBoolean:                   GET_EXCHANGE,       GET_COSIMULATION;
     GetString:                    GET_EXCHANGE,       GET_COSIMULATION;
-    // After Discard the standard wants a saved state to be put back. Here the motion stands at the impact, and what is
+    // After Discard the standard wants a saved state to be put back. Here the motion stands at the event, and what is
     // allowed at a communication point is allowed there too: some hosts just go on, from fmi2LastSuccessfulTime.
     SetReal:                      I | N | E | C,      I | N | S | F;
     SetInteger:                   I | N | E,          I | N | S | F;
