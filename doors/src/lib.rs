@@ -15,6 +15,7 @@
 //! moves; [`ffi`] knows nothing of FMI; the doors [`fmi2`] and [`fmi3`] stand beside each other, and neither imports the other.
 
 pub mod component;
+pub mod description;
 pub mod events;
 pub mod ffi;
 pub mod fmi2;

@@ -94,7 +94,7 @@ impl Experiment {
 }
 
 /// What a host does about events; agreed when the component is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventHandling {
     /// It handles events itself: what changes at events only is shown from the event's handling on.
     pub event_mode: bool,
@@ -107,7 +107,7 @@ pub struct EventHandling {
 pub const TIME_TOLERANCE: f64 = 1e-9;
 
 /// What every component keeps of its dealings with a host.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Life {
     /// How it is used.
     pub interface: Interface,
@@ -142,6 +142,25 @@ impl Life {
             Interface::CoSimulation => Phase::Step,
             Interface::ModelExchange => Phase::Continuous,
         };
+    }
+
+    /// Takes over phase and experiment of a saved state. Where that was saved by a host with another handling of events and this one
+    /// has no such phase, the motion goes on from there.
+    ///
+    /// # Errors
+    /// [`Problem::SavedState`] for one of the other interface type; nothing has changed then.
+    pub fn take_over(&mut self, saved: &Self) -> Result<(), Problem> {
+        if saved.interface != self.interface {
+            let (its, own) = (saved.interface.name(), self.interface.name());
+            let what = format!("it is of {its}, this instance is of {own}").into();
+            return Err(Problem::SavedState { what });
+        }
+        (self.phase, self.experiment) = (saved.phase, saved.experiment);
+        let stepping = self.interface == Interface::CoSimulation && !self.handling.event_mode;
+        if stepping && self.phase == Phase::Event {
+            self.phase = Phase::Step;
+        }
+        Ok(())
     }
 
     /// Refuses a step that does not begin at `own`, the component's time, but for rounding, has no length, or goes past the stop

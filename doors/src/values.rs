@@ -75,6 +75,19 @@ pub enum DependencyKind {
     Discrete,
 }
 
+impl DependencyKind {
+    /// As the standard writes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Dependent => "dependent",
+            Self::Constant => "constant",
+            Self::Fixed => "fixed",
+            Self::Tunable => "tunable",
+            Self::Discrete => "discrete",
+        }
+    }
+}
+
 /// An entry of the dependencies of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dependency {
