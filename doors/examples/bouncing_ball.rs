@@ -21,8 +21,8 @@ const SPEED: u32 = 5;
 const HEIGHT_RATE: u32 = 6;
 const SPEED_RATE: u32 = 7;
 const BOUNCES: u32 = 8;
-/// A rebound slower than this, m/s, is the last: the ball stays on the floor.
-const REST: f64 = 1e-4;
+/// A flight shorter than this, s, is none: the ball stays on the floor.
+const REST: f64 = 1e-5;
 
 /// The ball; before initialization ends, its motion is the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,7 +77,7 @@ impl Ball {
     fn bounce(&mut self, log: &mut dyn Log) {
         self.bounces += 1;
         (self.height, self.speed) = (0.0, -self.restitution * self.speed);
-        if self.speed < REST {
+        if 2.0 * self.speed < REST * self.gravity {
             (self.speed, self.resting) = (0.0, true);
         }
         if log.wants(Category::Events) {

@@ -1,7 +1,7 @@
 //! What `modelDescription.xml` says of a component, as plain data, and the text of it for both versions (FMI 2.0, 2.2; FMI 3.0.2,
 //! 2.4).
 //!
-//! A component fills in a [`Description`]; [`xml`](Description::xml) writes it for a [`Version`](crate::Version). Names and texts
+//! A component fills in a [`Description`]; [`xml`](Description::xml) writes it for a [`Version`]. Names and texts
 //! may be known at run time only.
 
 mod element;
@@ -11,7 +11,7 @@ mod variable;
 
 pub use variable::{Causality, Initial, Kind, Unknown, Variability, Variable};
 
-use crate::component::Version;
+use crate::instantiation::Version;
 use crate::messages::Category;
 use std::borrow::Cow;
 

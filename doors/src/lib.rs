@@ -131,14 +131,16 @@ pub mod ffi;
 pub mod fmi2;
 pub mod fmi3;
 pub mod identifier;
+pub mod instantiation;
 pub mod life;
 pub mod log;
 pub mod messages;
 pub mod problem;
 pub mod values;
 
-pub use component::{Component, Instantiation, Named, Version};
+pub use component::Component;
 pub use events::{Advance, EarlyEnd, Handled, Piece, StepOutcome, StepReason};
+pub use instantiation::{Instantiation, Named, Version};
 pub use life::{EventHandling, Experiment, Interface, Life, Phase};
 pub use problem::{Problem, Refusal};
 pub use values::{Base, Bases, Dependency, DependencyKind};

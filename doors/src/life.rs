@@ -168,6 +168,7 @@ impl Life {
     ///
     /// # Errors
     /// [`Problem::Value`], [`Problem::Time`], [`Problem::StopTime`].
+    #[inline]
     pub fn check_step(&self, point: f64, size: f64, own: f64) -> Result<(), Problem> {
         if !point.is_finite() {
             return Err(Problem::value("currentCommunicationPoint", point, "a finite number"));

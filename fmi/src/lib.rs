@@ -13,9 +13,10 @@
 //! ```
 //!
 //! [`component`] knows no version of FMI. What the versions differ in for this machine stands in `exported`, [`fmi2`] and
-//! [`fmi3`], of which neither imports the other.
+//! [`fmi3`], of which neither imports the other; what their descriptions have in common in `description`.
 
 pub mod component;
+mod description;
 mod exported;
 pub mod fmi2;
 pub mod fmi3;

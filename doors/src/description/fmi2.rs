@@ -127,9 +127,10 @@ fn index(reference: u32, of: &Description) -> Option<usize> {
 fn variable(v: &Variable, of: &Description) -> Element {
     let whole = v.start.map(|start| start as i32);
     let kind = match &v.kind {
-        Kind::Real { unit, nominal, derivative_of, reinit } => Element::new("Real")
+        Kind::Real { unit, display_unit, nominal, derivative_of, reinit } => Element::new("Real")
             .maybe("declaredType", v.declared_type.as_ref())
             .maybe("unit", unit.as_ref())
+            .maybe("displayUnit", display_unit.as_ref())
             .maybe("min", v.min)
             .maybe("max", v.max)
             .maybe("nominal", *nominal)

@@ -84,11 +84,13 @@ fn variable(v: &Variable) -> Element {
         Kind::Enumeration => "Enumeration",
         Kind::Clock => "Clock",
     };
-    let (mut own_unit, mut nominal_value, mut derivative, mut reinitialized) = (None, None, None, None);
-    if let Kind::Real { unit, nominal, derivative_of, reinit } = &v.kind {
-        // A declared type says the unit, and 1 is the nominal value where none is given: fmi-sim (fmi-schema 0.8) opens no
-        // archive in which a variable has one of the two.
+    let (mut own_unit, mut own_display, mut nominal_value, mut derivative, mut reinitialized) =
+        (None, None, None, None, None);
+    if let Kind::Real { unit, display_unit, nominal, derivative_of, reinit } = &v.kind {
+        // A declared type says both units, and 1 is the nominal value where none is given: fmi-sim (fmi-schema 0.8) opens no
+        // archive in which a variable has one of the three.
         own_unit = unit.as_ref().filter(|_| v.declared_type.is_none());
+        own_display = display_unit.as_ref().filter(|_| v.declared_type.is_none());
         nominal_value = nominal.filter(|nominal| *nominal != 1.0);
         derivative = *derivative_of;
         reinitialized = reinit.then_some(true);
@@ -108,6 +110,7 @@ fn variable(v: &Variable) -> Element {
         .maybe("initial", v.initial.filter(|_| !clock).map(super::Initial::name))
         .maybe("declaredType", v.declared_type.as_ref())
         .maybe("unit", own_unit)
+        .maybe("displayUnit", own_display)
         .maybe("min", v.min)
         .maybe("max", v.max)
         .maybe("nominal", nominal_value)

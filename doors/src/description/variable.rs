@@ -85,6 +85,8 @@ pub enum Kind {
     Real {
         /// Name of its unit, which a declared type may say instead in FMI 3.0.
         unit: Option<Text>,
+        /// Display unit to show it in by default, likewise.
+        display_unit: Option<Text>,
         /// Nominal value.
         nominal: Option<f64>,
         /// Value reference of the state whose time derivative this is.
@@ -159,7 +161,13 @@ impl Variable {
             causality,
             variability,
             initial,
-            kind: Kind::Real { unit: Some(unit.into()), nominal: None, derivative_of: None, reinit: false },
+            kind: Kind::Real {
+                unit: Some(unit.into()),
+                display_unit: None,
+                nominal: None,
+                derivative_of: None,
+                reinit: false,
+            },
             declared_type: None,
             min: None,
             max: None,

@@ -14,6 +14,7 @@
 pub mod abi;
 pub mod instance;
 mod intermediate;
+mod model;
 pub mod problem;
 pub mod states;
 pub mod status;

@@ -162,25 +162,9 @@ impl Instance {
     /// When to begin, and the time past which no step may go; `tolerance` is only checked: the flow is exact.
     ///
     /// # Errors
-    /// [`Problem::Value`] for a tolerance that is negative, a start that is not finite, a stop before the start.
+    /// As [`Experiment::new`].
     pub fn set_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
-        let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
-        match tolerance {
-            Some(value) if !(value.is_finite() && value >= 0.0) => {
-                return refuse("tolerance", value, "a finite number >= 0");
-            }
-            _ => {}
-        }
-        if !start.is_finite() {
-            return refuse("startTime", start, "a finite number");
-        }
-        match stop {
-            Some(value) if !(value.is_finite() && value >= start) => {
-                return refuse("stopTime", value, "a finite number not before startTime");
-            }
-            _ => {}
-        }
-        self.life.experiment = Some(Experiment { start, stop });
+        self.life.experiment = Some(Experiment::new(tolerance, start, stop)?);
         Ok(())
     }
 

@@ -2,7 +2,6 @@
 
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::log::{Category, Log};
-use fmi_doors::life::TIME_TOLERANCE;
 use fmi_doors::{StepOutcome, StepReason};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -46,19 +45,12 @@ impl Instance {
         if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
             return Err(Problem::Sequence { what: "the instance is not initialized" });
         }
-        check_times(point, size, self.time()).map_err(|problem| match problem {
-            Problem::Time { given, own } if self.life.phase == Phase::StoppedEarly => {
+        self.life.check_step(point, size, self.time()).map_err(|problem| match problem {
+            fmi_doors::Problem::Time { given, own } if self.life.phase == Phase::StoppedEarly => {
                 Problem::Stopped { given, own }
             }
-            problem => problem,
-        })?;
-        let end = point + size;
-        match self.life.experiment.and_then(|experiment| experiment.stop) {
-            Some(stop) if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) => {
-                Err(Problem::StopTime { end, stop })
-            }
-            _ => Ok(()),
-        }
+            problem => problem.into(),
+        })
     }
 
     /// What a step leaves behind: nothing pending, and the loads as they have become.
@@ -143,20 +135,6 @@ fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>)
         AdvanceOutcome::Impact => Ok(()),
         AdvanceOutcome::End | AdvanceOutcome::EventDue => simulator.restore(&before),
     }
-}
-
-fn check_times(point: f64, size: f64, own: f64) -> Outcome {
-    let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
-    if !point.is_finite() {
-        return refuse("currentCommunicationPoint", point, "a finite number");
-    }
-    if !(size > 0.0 && size.is_finite()) {
-        return refuse("communicationStepSize", size, "a finite number > 0");
-    }
-    if (point - own).abs() > TIME_TOLERANCE * point.abs().max(1.0) {
-        return Err(Problem::Time { given: point, own });
-    }
-    Ok(())
 }
 
 /// Tells how many impacts of a steady state a long step has not listed.
