@@ -4,7 +4,7 @@
 //! `cargo build --example bouncing_ball` makes the library that hosts load; `cargo run --example describe` writes its descriptions.
 
 use fmi_doors::description::{Capabilities, Causality, CoSimulation, Description, Experiment, ModelExchange};
-use fmi_doors::description::{Unit, Unknown, Variable};
+use fmi_doors::description::{Type, Unit, Unknown, Variable};
 use fmi_doors::log::{Category, Log};
 use fmi_doors::{Advance, Bases, Component, Handled, Instantiation, Life, Named, Phase, Problem};
 use serde::{Deserialize, Serialize};
@@ -304,28 +304,35 @@ fn token() -> String {
 
 /// What `modelDescription.xml` says, of both versions.
 pub fn description() -> Description {
-    let real = |reference: u32, unit, causality, text| {
-        Variable::real(reference, NAMES[reference as usize - 1], unit, causality, text)
+    let time = Type::real("Time", "Time", "s");
+    let length = Type::real("Position", "Length", "m");
+    let velocity = Type::real("Velocity", "Velocity", "m/s");
+    let acceleration = Type::real("Acceleration", "Acceleration", "m/s2");
+    let number = Type::real("Number", "DimensionlessRatio", "1");
+    let real = |reference: u32, declared, causality, text| {
+        Variable::real(reference, NAMES[reference as usize - 1], declared, causality, text)
     };
     let variables = vec![
-        real(TIME, "s", Causality::Independent, "Time"),
+        real(TIME, &time, Causality::Independent, "Time"),
         Variable {
             min: Some(0.0),
-            ..real(GRAVITY, "m/s2", Causality::Parameter, "Gravity").starting_at(9.81)
+            ..real(GRAVITY, &acceleration, Causality::Parameter, "Gravity").starting_at(9.81)
         },
         Variable {
             min: Some(0.0),
             max: Some(1.0),
-            ..real(RESTITUTION, "1", Causality::Parameter, "Restitution coefficient").starting_at(0.7)
+            ..real(RESTITUTION, &number, Causality::Parameter, "Restitution coefficient").starting_at(0.7)
         },
         Variable {
             min: Some(0.0),
-            ..real(HEIGHT, "m", Causality::Output, "Height above the floor").starting_at(1.0).reinitialized()
+            ..real(HEIGHT, &length, Causality::Output, "Height above the floor")
+                .starting_at(1.0)
+                .reinitialized()
         },
-        real(SPEED, "m/s", Causality::Output, "Speed upwards").starting_at(0.0).reinitialized(),
-        real(HEIGHT_RATE, "m/s", Causality::Local, "Rate of the height").derivative_of(HEIGHT),
-        real(SPEED_RATE, "m/s2", Causality::Local, "Acceleration upwards").derivative_of(SPEED),
-        real(BOUNCES, "1", Causality::Output, "Bounces so far").counting(),
+        real(SPEED, &velocity, Causality::Output, "Speed upwards").starting_at(0.0).reinitialized(),
+        real(HEIGHT_RATE, &velocity, Causality::Local, "Rate of the height").derivative_of(HEIGHT),
+        real(SPEED_RATE, &acceleration, Causality::Local, "Acceleration upwards").derivative_of(SPEED),
+        real(BOUNCES, &number, Causality::Output, "Bounces so far").counting(),
     ];
     let unit = |name: &'static str, m, s| Unit {
         name: name.into(),
@@ -365,7 +372,7 @@ pub fn description() -> Description {
             unit("m/s2", 1, -2),
             unit("1", 0, 0),
         ],
-        types: vec![],
+        types: vec![time, length, velocity, acceleration, number],
         log_categories: fmi_doors::messages::log_categories("Each bounce", "Why a value was not taken")
             .to_vec(),
         experiment: Experiment { start_time: 0.0, stop_time: 3.0, tolerance: 1e-6, step_size: 0.01 },

@@ -341,6 +341,15 @@ pub trait Component: Sized + Debug + 'static {
         not_offered("saved states")
     }
 
+    /// The same into the place of a saved state that is no longer wanted.
+    ///
+    /// # Errors
+    /// As [`save`](Self::save).
+    fn save_into(&self, place: &mut Self::State) -> Result<(), Self::Problem> {
+        *place = self.save()?;
+        Ok(())
+    }
+
     /// `fmi2SetFMUstate`, `fmi3SetFMUState`: goes back to a saved state of this instance or one that was read from bytes; also
     /// where it was never initialized. Continuing gives the same bits as not having left.
     ///

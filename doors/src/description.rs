@@ -178,6 +178,24 @@ pub struct Type {
     pub kind: TypeKind,
 }
 
+impl Type {
+    /// A Real with a quantity and a unit.
+    pub fn real(name: impl Into<Text>, quantity: impl Into<Text>, unit: impl Into<Text>) -> Self {
+        let name = name.into();
+        let kind =
+            TypeKind::Real { quantity: Some(quantity.into()), unit: Some(unit.into()), display_unit: None };
+        Self { description: name.clone(), name, kind }
+    }
+
+    /// Unit and display unit of a Real.
+    fn units(&self) -> (Option<Text>, Option<Text>) {
+        match &self.kind {
+            TypeKind::Real { unit, display_unit, .. } => (unit.clone(), display_unit.clone()),
+            TypeKind::Enumeration(_) => (None, None),
+        }
+    }
+}
+
 /// The type specific part of a declared type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TypeKind {

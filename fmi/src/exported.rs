@@ -131,7 +131,7 @@ impl Component for Instance {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn get(
         &mut self,
         bases: Bases,
@@ -141,7 +141,7 @@ impl Component for Instance {
         Self::get(self, bases, references, write)
     }
 
-    #[inline]
+    #[inline(always)]
     fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Result<(), Problem> {
         Self::set(self, bases, references, read)
     }
@@ -256,9 +256,14 @@ impl Component for Instance {
         Self::nominals(self)
     }
 
-    #[inline]
     fn save(&self) -> Result<SavedState, Problem> {
         Ok(Self::save(self))
+    }
+
+    #[inline]
+    fn save_into(&self, place: &mut SavedState) -> Result<(), Problem> {
+        *place = Self::save(self);
+        Ok(())
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Variables and what they depend on.
 
-use super::Text;
+use super::{Text, Type};
 use crate::values::DependencyKind;
 
 /// Who sets a variable, and what it is for.
@@ -140,14 +140,15 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// A Real with a unit; without range, start value, or anything that is not said here.
+    /// A Real of a declared type, whose unit it has; without range, start value, or anything that is not said here.
     pub fn real(
         reference: u32,
         name: impl Into<Text>,
-        unit: impl Into<Text>,
+        declared: &Type,
         causality: Causality,
         description: impl Into<Text>,
     ) -> Self {
+        let (unit, display_unit) = declared.units();
         let (variability, initial) = match causality {
             Causality::Parameter => (Variability::Fixed, Some(Initial::Exact)),
             Causality::CalculatedParameter => (Variability::Fixed, Some(Initial::Calculated)),
@@ -161,14 +162,8 @@ impl Variable {
             causality,
             variability,
             initial,
-            kind: Kind::Real {
-                unit: Some(unit.into()),
-                display_unit: None,
-                nominal: None,
-                derivative_of: None,
-                reinit: false,
-            },
-            declared_type: None,
+            kind: Kind::Real { unit, display_unit, nominal: None, derivative_of: None, reinit: false },
+            declared_type: Some(declared.name.clone()),
             min: None,
             max: None,
             start: None,
@@ -208,7 +203,7 @@ impl Variable {
     #[must_use]
     pub fn counting(self) -> Self {
         let variability = Variability::Discrete;
-        Self { kind: Kind::Integer, variability, intermediate_update: false, ..self }
+        Self { kind: Kind::Integer, declared_type: None, variability, intermediate_update: false, ..self }
     }
 }
 

@@ -58,6 +58,15 @@ impl<T> Handles<T> {
         Ok(&self.given[self.place(handle)?])
     }
 
+    /// The value of that handle, to be changed.
+    ///
+    /// # Errors
+    /// [`Fault::Handle`] when there is none.
+    pub fn get_mut(&mut self, handle: usize) -> Result<&mut T, Fault> {
+        let place = self.place(handle)?;
+        Ok(&mut self.given[place])
+    }
+
     /// Frees the value of that handle.
     ///
     /// # Errors

@@ -210,7 +210,11 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// For a handle that is neither zero nor this instance's.
     pub fn save(&mut self, handle: usize) -> Outcome<C, usize> {
-        Ok(self.states.keep(self.component.save()?, handle)?)
+        if handle == 0 {
+            return Ok(self.states.keep(self.component.save()?, 0)?);
+        }
+        self.component.save_into(self.states.get_mut(handle)?)?;
+        Ok(handle)
     }
 
     /// `fmi2SetFMUstate` (FMI 2.0, 2.1.8).
@@ -385,7 +389,7 @@ impl<C: Component> Instance<C> {
     ///
     /// # Errors
     /// As [`get`](Component::get).
-    #[inline]
+    #[inline(always)]
     pub fn get(&mut self, bases: Bases, references: &[u32], write: impl FnMut(usize, f64)) -> Outcome<C> {
         Ok(self.component.get(bases, references, write)?)
     }
@@ -394,7 +398,7 @@ impl<C: Component> Instance<C> {
     ///
     /// # Errors
     /// As [`set`](Component::set).
-    #[inline]
+    #[inline(always)]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome<C> {
         Ok(self.component.set(bases, references, read)?)
     }

@@ -316,7 +316,11 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// For a handle that is neither zero nor this instance's.
     pub fn save(&mut self, handle: usize) -> Outcome<C, usize> {
-        Ok(self.states.keep(self.component.save()?, handle)?)
+        if handle == 0 {
+            return Ok(self.states.keep(self.component.save()?, 0)?);
+        }
+        self.component.save_into(self.states.get_mut(handle)?)?;
+        Ok(handle)
     }
 
     /// `fmi3SetFMUState` (FMI 3.0.2, 2.2.6.4).
