@@ -211,7 +211,8 @@ fn closed_form_of_the_bounces_in_model_exchange() {
 #[test]
 fn states_are_kept_as_bytes_and_go_on_with_the_same_bits() {
     let mut messages = Vec::new();
-    let (a, b) = (of_fmi3(0, 0, &mut messages), of_fmi3(0, 0, &mut Vec::new()));
+    let mut others = Vec::new(); // the logger's, as long as the instance lives
+    let (a, b) = (of_fmi3(0, 0, &mut messages), of_fmi3(0, 0, &mut others));
     let step = |c, time: f64, size| unsafe {
         let (mut flags, mut reached) = ([7; 3], 0.0);
         let [event, terminate, early] = &mut flags;
