@@ -1,6 +1,5 @@
 //! `documentation/index.html`: one self-contained page, its variables from the table.
 
-use crate::describe::{causality, variability};
 use crate::recipes::recipes;
 use std::fmt::Write;
 use vibro_figures::html::escape;
@@ -74,7 +73,7 @@ fn row(v: &Variable) -> String {
         escape(kind) + &lengths(v),
         escape(&start),
         range(v),
-        format!("{}, {}{}", causality(v.causality), variability(v.variability), edition(v.edition)),
+        format!("{}, {}{}", v.causality.name(), v.variability.name(), edition(v.edition)),
     ];
     format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"))
 }

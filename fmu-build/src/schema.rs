@@ -1,7 +1,6 @@
 //! `modelDescription.xml` of FMI 2.0 (chapters 2.2, 3.3 and 4.3) as plain structs; field order is the schema's.
 
 use serde::{Deserialize, Serialize};
-use vibro_fmi::fmi2::description::{Capabilities, MODEL_IDENTIFIER};
 
 /// Root element.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,21 +72,6 @@ macro_rules! interface {
                 "@canGetAndSetFMUstate" get_and_set_state: bool,
                 "@canSerializeFMUstate" serialize_state: bool,
                 "@providesDirectionalDerivative" directional_derivative: bool,
-            }
-        }
-        impl $name {
-            /// As the capabilities say, with its own attributes.
-            pub fn new(can: &Capabilities, $($field: $type,)*) -> Self {
-                Self {
-                    model_identifier: MODEL_IDENTIFIER.to_owned(),
-                    needs_execution_tool: can.needs_execution_tool,
-                    $($field,)*
-                    only_once_per_process: can.can_be_instantiated_only_once_per_process,
-                    no_memory_functions: can.can_not_use_memory_management_functions,
-                    get_and_set_state: can.can_get_and_set_fmu_state,
-                    serialize_state: can.can_serialize_fmu_state,
-                    directional_derivative: can.provides_directional_derivative,
-                }
             }
         }
     };

@@ -5,7 +5,8 @@ use crate::compile::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 use crate::error::{Error, Result};
 use crate::{check, describe, fmi3};
 use std::path::{Path, PathBuf};
-use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, Edition, MAIN, MODEL_IDENTIFIER};
+use vibro_fmi::fmi2;
+use vibro_fmi::fmi3::description::{self, ARRAYS, CLOCKED, Edition, MAIN, MODEL_IDENTIFIER};
 
 /// Path inside every archive of what describes its model.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
@@ -87,20 +88,12 @@ impl Version {
     pub fn description(self, date: Option<String>) -> Result<String> {
         let (text, problems) = match self.edition() {
             None => {
-                let model = describe::model_description();
-                let text = describe::to_xml(&crate::schema::ModelDescription {
-                    generation_date_and_time: date,
-                    ..model
-                })?;
+                let text = describe::text(fmi2::description::description(), fmi_doors::Version::Fmi2, date);
                 let problems = check::problems(&text)?;
                 (text, problems)
             }
             Some(edition) => {
-                let model = fmi3::model_description(edition);
-                let text = describe::to_xml(&fmi3::schema::ModelDescription {
-                    generation_date_and_time: date,
-                    ..model
-                })?;
+                let text = describe::text(description::description(edition), fmi_doors::Version::Fmi3, date);
                 let problems = fmi3::check::problems(&text)?;
                 (text, problems)
             }

@@ -18,7 +18,7 @@ fn committed_files_are_what_is_generated() {
 
 #[test]
 fn text_and_structs_say_the_same() {
-    let model = model_description();
+    let model = model_description().unwrap();
     let text = to_xml(&model).unwrap();
     assert_eq!(from_xml(&text).unwrap(), model);
     assert_eq!(problems(&text).unwrap(), [""; 0]);
@@ -115,7 +115,7 @@ const DAMAGES: [(&str, Damage); 34] = [
 #[test]
 fn every_check_notices_its_damage() {
     for (word, damage) in DAMAGES {
-        let mut model = model_description();
+        let mut model = model_description().unwrap();
         damage(&mut model);
         let found = problems_of(&model);
         assert!(found.iter().any(|problem| problem.contains(word)), "{word}: {found:?}");

@@ -11,7 +11,7 @@ use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, Edition, MAIN, instantiation
 #[test]
 fn text_and_structs_say_the_same() {
     for edition in [MAIN, ARRAYS, CLOCKED] {
-        let model = model_description(edition);
+        let model = model_description(edition).unwrap();
         let text = to_xml(&model).unwrap();
         assert_eq!(from_xml(&text).unwrap(), model);
         assert_eq!(problems(&text).unwrap(), [""; 0]);
@@ -77,7 +77,7 @@ const DAMAGES: [(&str, Damage); 33] = [
 #[test]
 fn every_check_notices_its_damage() {
     for (word, damage) in DAMAGES {
-        let mut model = model_description(CLOCKED);
+        let mut model = model_description(CLOCKED).unwrap();
         damage(&mut model);
         let found = problems_of(&model);
         assert!(found.iter().any(|problem| problem.contains(word)), "{word}: {found:?}");
@@ -88,7 +88,7 @@ fn every_check_notices_its_damage() {
 /// indicators' that of `fmi3GetEventIndicators`.
 #[test]
 fn states_and_indicators_are_listed_in_the_order_of_their_functions() {
-    let model = model_description(MAIN);
+    let model = model_description(MAIN).unwrap();
     let attributes = |reference: u32| model.model_variables.variables[reference as usize - 1].attributes();
     let states =
         model.model_structure.derivatives.iter().map(|u| attributes(u.value_reference).derivative.unwrap());
@@ -108,7 +108,7 @@ fn names(model: &ModelDescription) -> Vec<(String, bool)> {
 /// break on clocks.
 #[test]
 fn arrays_and_the_clock_are_in_descriptions_of_their_own() {
-    let model = |edition: Edition| model_description(edition);
+    let model = |edition: Edition| model_description(edition).unwrap();
     let [main, arrays, clocked] = [MAIN, ARRAYS, CLOCKED].map(|edition| names(&model(edition)));
     assert!(main.iter().all(|(_, array)| !array), "{main:?}");
     let beyond = |more: &[(String, bool)], less: &[(String, bool)]| -> Vec<String> {

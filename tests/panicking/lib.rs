@@ -1,6 +1,7 @@
 //! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`: the packaged one has no way to.
 #![allow(unsafe_code)] // exported by name
 
+use vibro_fmi::component;
 use vibro_fmi::ffi::panics::{guarded, silence};
 use vibro_fmi::fmi2::problem::Problem;
 
@@ -10,6 +11,6 @@ pub extern "C" fn provoke_panic() -> i32 {
     silence();
     match guarded(|| -> i32 { panic!("provoked") }) {
         Ok(status) => status,
-        Err(fault) => Problem::from(fault).status() as i32,
+        Err(fault) => Problem::<component::Problem>::from(fault).status() as i32,
     }
 }

@@ -3,6 +3,7 @@
 use super::structure;
 use super::units::{ENUMERATION_TYPES, REAL_TYPES, UNITS};
 use super::variables::{VARIABLES, Variable};
+pub use fmi_doors::identifier::identifier;
 use std::fmt::Write;
 use vibro_impact::numerics::digest::fnv1a_128;
 use vibro_impact::parameters::Parameters;
@@ -16,6 +17,9 @@ pub const MODEL_IDENTIFIER: &str = "VibroImpact3DOF";
 /// What the model is.
 pub const MODEL_DESCRIPTION: &str = "Three-degree-of-freedom vibro-impact system: a driven box, a block free between two stops inside it, \
      and a secondary oscillator coupled to the block; exact event-driven simulation and closed-form steady states";
+
+/// What is logged of events.
+pub const EVENTS: &str = "Each impact, rest and release";
 
 /// Who made it.
 pub const AUTHOR: &str = "the vibro-impact contributors";
@@ -48,19 +52,6 @@ pub struct Experiment {
 pub fn default_experiment() -> Experiment {
     let period = Parameters::default().period();
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }
-}
-
-/// A hash in the form of a globally unique identifier.
-pub fn identifier(text: &str) -> String {
-    let hash = fnv1a_128(text.as_bytes());
-    format!(
-        "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
-        (hash >> 96) as u32,
-        (hash >> 80) as u16,
-        (hash >> 64) as u16,
-        (hash >> 48) as u16,
-        hash & 0xffff_ffff_ffff
-    )
 }
 
 /// The number of this build. Computed anew on each call, so that the library keeps nothing between loads.

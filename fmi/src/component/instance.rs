@@ -24,23 +24,19 @@ use super::closed_form::ClosedForm;
 use super::continuous::Continuous;
 use super::event_state::EventState;
 use super::log::{Category, Log};
-use super::phase::{Experiment, Interface, Phase};
 use super::problem::{Outcome, Problem};
-use super::protocol::{EventHandling, Protocol};
+use super::protocol::Protocol;
 use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings, SolutionMode};
 use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
 use super::variables::{Access, Edition, Numbering, VARIABLES};
 use events::Present;
+use fmi_doors::{EventHandling, Experiment, Interface, Life, Phase};
 use last_step::LastStep;
 use vibro_impact::simulator::Simulator;
 
-pub use advance::Advance;
-pub use dependencies::Dependency;
-pub use events::Handled;
-pub use pieces::{Piece, Pieces};
-pub use step::{StepOutcome, StepReason};
+pub use pieces::Pieces;
 
 /// What moves.
 #[derive(Debug)]
@@ -58,15 +54,12 @@ enum Engine {
 /// One component.
 #[derive(Debug)]
 pub struct Instance {
-    interface: Interface,
+    life: Life,
     numbering: Numbering,
-    handling: EventHandling,
     edition: Edition,
     /// What settings start from.
     initial: Settings,
-    phase: Phase,
     settings: Settings,
-    experiment: Option<Experiment>,
     engine: Engine,
     /// Which loads had their derivatives set since the last step: a value set after them does not clear them.
     slopes_set: [bool; 3],
@@ -102,14 +95,11 @@ impl Instance {
     pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
         let Protocol { numbering, handling, start, edition } = protocol;
         Self {
-            interface,
+            life: Life::new(interface, handling),
             numbering,
-            handling,
             edition,
             initial: start,
-            phase: Phase::Instantiated,
             settings: start,
-            experiment: None,
             engine: Engine::None,
             slopes_set: [false; 3],
             parameters_set: false,
@@ -128,9 +118,24 @@ impl Instance {
         }
     }
 
+    /// Its dealings with the host.
+    pub fn life(&self) -> &Life {
+        &self.life
+    }
+
+    /// The same, to be changed.
+    pub fn life_mut(&mut self) -> &mut Life {
+        &mut self.life
+    }
+
+    /// Which description it is of.
+    pub fn edition(&self) -> Edition {
+        self.edition
+    }
+
     /// How it is used.
     pub fn interface(&self) -> Interface {
-        self.interface
+        self.life.interface
     }
 
     /// What is set.
@@ -140,53 +145,37 @@ impl Instance {
 
     /// Present phase.
     pub fn phase(&self) -> Phase {
-        self.phase
+        self.life.phase
     }
 
     /// Puts the component into any phase, to visit every cell of a door's state machine.
     #[cfg(test)]
     pub(crate) fn force(&mut self, phase: Phase) {
-        self.phase = phase;
+        self.life.phase = phase;
     }
 
     /// Marks the component unusable after a panic.
     pub fn break_down(&mut self) {
-        self.phase = Phase::Broken;
+        self.life.phase = Phase::Broken;
     }
 
     /// When to begin, and the time past which no step may go; `tolerance` is only checked: the flow is exact.
     ///
     /// # Errors
-    /// [`Problem::Value`] for a tolerance that is negative, a start that is not finite, a stop before the start.
+    /// As [`Experiment::new`].
     pub fn set_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
-        let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
-        match tolerance {
-            Some(value) if !(value.is_finite() && value >= 0.0) => {
-                return refuse("tolerance", value, "a finite number >= 0");
-            }
-            _ => {}
-        }
-        if !start.is_finite() {
-            return refuse("startTime", start, "a finite number");
-        }
-        match stop {
-            Some(value) if !(value.is_finite() && value >= start) => {
-                return refuse("stopTime", value, "a finite number not before startTime");
-            }
-            _ => {}
-        }
-        self.experiment = Some(Experiment { start, stop });
+        self.life.experiment = Some(Experiment::new(tolerance, start, stop)?);
         Ok(())
     }
 
     /// Whether [`set_experiment`](Self::set_experiment) was called.
     pub fn has_experiment(&self) -> bool {
-        self.experiment.is_some()
+        self.life.experiment.is_some()
     }
 
     /// From now on outputs show the start that the settings describe.
     pub fn enter_initialization(&mut self) {
-        self.phase = Phase::Initialization;
+        self.life.phase = Phase::Initialization;
         self.invalidate();
     }
 
@@ -211,24 +200,24 @@ impl Instance {
         (self.parameters_set, self.loads_set) = (false, false);
         self.slopes_set = [false; 3];
         self.invalidate();
-        if self.interface == Interface::ModelExchange || self.handling.event_mode {
+        if self.life.interface == Interface::ModelExchange || self.life.handling.event_mode {
             self.begin_event();
         } else {
-            self.phase = Phase::Step;
+            self.life.phase = Phase::Step;
         }
         Ok(())
     }
 
     /// Ends the simulation.
     pub fn terminate(&mut self) {
-        self.phase = Phase::Terminated;
+        self.life.phase = Phase::Terminated;
     }
 
     /// As just made.
     pub fn reset(&mut self) {
-        self.phase = Phase::Instantiated;
+        self.life.phase = Phase::Instantiated;
         self.settings = self.initial;
-        self.experiment = None;
+        self.life.experiment = None;
         self.events = EventState::default();
         self.engine = Engine::None;
         self.slopes_set = [false; 3];
@@ -253,10 +242,10 @@ impl Instance {
     /// Everything it needs to continue from here.
     pub fn save(&self) -> SavedState {
         SavedState {
-            interface: self.interface,
-            phase: self.phase,
+            interface: self.life.interface,
+            phase: self.life.phase,
             settings: self.settings,
-            experiment: self.experiment,
+            experiment: self.life.experiment,
             slopes_set: self.slopes_set,
             parameters_set: self.parameters_set,
             loads_set: self.loads_set,
@@ -279,8 +268,8 @@ impl Instance {
     /// [`Problem::SavedState`] for one of the other interface type, [`Problem::Model`] for one that is not possible;
     /// nothing has changed then.
     pub fn restore(&mut self, saved: &SavedState) -> Outcome {
-        if saved.interface != self.interface {
-            let (its, own) = (saved.interface.name(), self.interface.name());
+        if saved.interface != self.life.interface {
+            let (its, own) = (saved.interface.name(), self.life.interface.name());
             return Err(Problem::SavedState { what: format!("it is of {its}, this instance is of {own}") });
         }
         match (&mut self.engine, &saved.engine) {
@@ -304,13 +293,13 @@ impl Instance {
                 *engine = Engine::Continuous(Box::new(Continuous::of(*data)?));
             }
         }
-        self.phase = saved.phase;
+        self.life.phase = saved.phase;
         self.derived_stale |= self.settings.parameters != saved.settings.parameters;
         self.settings = saved.settings;
         if saved.settings.stop_at_impact == saved.stop_by_default {
             self.settings.stop_at_impact = self.initial.stop_at_impact;
         }
-        self.experiment = saved.experiment;
+        self.life.experiment = saved.experiment;
         self.slopes_set = saved.slopes_set;
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
@@ -325,11 +314,11 @@ impl Instance {
     /// Of a state that a host with another handling of events has saved: where this one has no such phase, the motion goes on
     /// from there, an event that is due with its next step.
     fn meet_own_protocol(&mut self) {
-        if self.interface == Interface::CoSimulation && !self.handling.event_mode {
+        if self.life.interface == Interface::CoSimulation && !self.life.handling.event_mode {
             self.events = EventState::default();
             self.tick.active = false;
-            if self.phase == Phase::Event {
-                self.phase = Phase::Step;
+            if self.life.phase == Phase::Event {
+                self.life.phase = Phase::Step;
             }
         }
     }

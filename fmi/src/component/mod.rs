@@ -17,8 +17,6 @@ mod event_state;
 pub mod identity;
 pub mod instance;
 pub mod jets;
-pub mod log;
-pub mod phase;
 pub mod problem;
 pub mod protocol;
 pub mod saved_state;
@@ -31,7 +29,10 @@ pub mod values;
 pub mod variables;
 mod variation;
 
-pub use instance::{Advance, Dependency, Handled, Instance, Piece, Pieces, StepOutcome, StepReason};
-pub use phase::{Interface, Phase};
+pub use fmi_doors::log;
+pub use fmi_doors::{
+    Advance, Dependency, EventHandling, Handled, Interface, Phase, Piece, StepOutcome, StepReason,
+};
+pub use instance::{Instance, Pieces};
 pub use problem::{Outcome, Problem};
-pub use protocol::{EventHandling, Protocol};
+pub use protocol::Protocol;

@@ -45,16 +45,6 @@ pub enum Problem {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// The host's time is not the component's.
-    #[error(
-        "currentCommunicationPoint = {given} s, but the instance is at t = {own} s: allowed is a difference of 1e-9 max(1, |t|)"
-    )]
-    Time {
-        /// The host's time.
-        given: f64,
-        /// The component's time.
-        own: f64,
-    },
     /// A step that begins neither where the last one stopped at an impact nor, after a restore, where that one began.
     #[error(
         "currentCommunicationPoint = {given} s, but the last step ended at the impact at t = {own} s: restore the state saved \
@@ -78,16 +68,6 @@ pub enum Problem {
         value: f64,
         /// When, s.
         time: f64,
-    },
-    /// A step beyond the stop time.
-    #[error(
-        "step to t = {end} s: allowed is up to the stop time {stop} s, which was given before initialization"
-    )]
-    StopTime {
-        /// End of the step.
-        end: f64,
-        /// Stop time.
-        stop: f64,
     },
     /// A step with more work than one step may have; it has been taken back.
     #[error(
@@ -139,4 +119,7 @@ pub enum Problem {
         /// Why.
         what: String,
     },
+    /// What a door refuses in the component's name.
+    #[error(transparent)]
+    Door(#[from] fmi_doors::Problem),
 }

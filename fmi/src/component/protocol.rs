@@ -2,15 +2,7 @@
 
 use super::settings::Settings;
 use super::variables::{Edition, Numbering};
-
-/// What a host does about events; agreed when the component is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct EventHandling {
-    /// It handles events itself: what changes at events only is shown from the event's handling on.
-    pub event_mode: bool,
-    /// It takes steps that end before their end.
-    pub early_return: bool,
-}
+use fmi_doors::EventHandling;
 
 /// What protocols differ in.
 #[derive(Clone, Copy, Debug, PartialEq)]

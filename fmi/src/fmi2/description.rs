@@ -2,13 +2,17 @@
 //! default experiment.
 
 use crate::component::identity;
+use crate::component::identity::EVENTS;
 pub use crate::component::identity::{
     AUTHOR, COPYRIGHT, LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, default_experiment,
 };
+use crate::component::settings::Settings;
 pub use crate::component::structure::EVENT_INDICATORS;
 pub use crate::component::variables::Edition;
-use crate::component::variables::{Numbering, Variable, of_edition};
-use crate::messages::{Category, log_categories};
+use crate::component::variables::{Kind, Numbering, Variable};
+use crate::description::Table;
+use fmi_doors::description::{self, CoSimulation, Description, ModelExchange};
+use fmi_doors::messages::{Category, log_categories};
 
 /// `version` of the model.
 pub const MODEL_VERSION: &str = identity::VERSION;
@@ -61,7 +65,7 @@ pub const MODEL_EXCHANGE: bool = true;
 
 /// The log categories, all of standard names.
 pub const LOG_CATEGORIES: [Category; 6] =
-    log_categories("Why a step ended early or a status is not available");
+    log_categories(EVENTS, "Why a step ended early or a status is not available");
 
 /// The value references: the table's own.
 pub const NUMBERING: Numbering = Numbering::EVERY;
@@ -71,18 +75,56 @@ pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {
     NUMBERING.variables()
 }
 
-/// `ScalarVariable` index of the variable at a place of the table (FMI 2.0, 2.2.8): they count from 1, without those of other
-/// versions.
-pub fn index(place: usize) -> u32 {
-    let before = of_edition(Edition::Every).take_while(|(other, _)| *other < place);
-    1 + before.count() as u32
-}
-
 /// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0, 2.2.1).
 /// Computed anew on each call, so that the library keeps nothing between loads.
 pub fn guid() -> String {
     let own = format!("{MODEL_IDENTIFIER} {CAPABILITIES:?} {MODEL_EXCHANGE} {LOG_CATEGORIES:?}\n");
     identity::identifier(&(own + &identity::text()))
+}
+
+/// Everything that the model description says.
+pub fn description() -> Description {
+    let Capabilities {
+        needs_execution_tool: _,
+        completed_integrator_step_not_needed,
+        can_handle_variable_communication_step_size,
+        can_interpolate_inputs,
+        max_output_derivative_order,
+        can_run_asynchronuously: _,
+        can_be_instantiated_only_once_per_process,
+        can_not_use_memory_management_functions: _,
+        can_get_and_set_fmu_state,
+        can_serialize_fmu_state,
+        provides_directional_derivative,
+    } = CAPABILITIES;
+    let derivative: fn(&Variable) -> _ = |variable| match variable.kind {
+        Kind::Real { derivative_of, .. } => derivative_of,
+        _ => None,
+    };
+    let table =
+        Table { edition: Edition::Every, numbering: NUMBERING, start: Settings::default(), derivative };
+    Description {
+        token: guid().into(),
+        model_exchange: MODEL_EXCHANGE.then_some(ModelExchange {
+            needs_completed_integrator_step: !completed_integrator_step_not_needed,
+            number_of_event_indicators: EVENT_INDICATORS,
+        }),
+        co_simulation: Some(CoSimulation {
+            can_handle_variable_communication_step_size,
+            can_interpolate_inputs,
+            max_output_derivative_order,
+            ..CoSimulation::default()
+        }),
+        capabilities: description::Capabilities {
+            can_get_and_set_fmu_state,
+            can_serialize_fmu_state,
+            provides_directional_derivatives: provides_directional_derivative,
+            can_be_instantiated_only_once_per_process,
+            ..description::Capabilities::default()
+        },
+        log_categories: LOG_CATEGORIES.to_vec(),
+        ..table.description()
+    }
 }
 
 #[cfg(test)]

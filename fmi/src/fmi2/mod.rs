@@ -1,20 +1,6 @@
-//! The FMI 2.0 door: it maps the functions, states and statuses of the standard to the [component](crate::component).
-//!
-//! ```text
-//! host ── fmi2XXX ──▶ abi         arguments checked (ffi), state checked (states), panics caught (ffi), nothing decided
-//!                      │
-//!                      ▼
-//!                     instance    what a function of the standard means for the component
-//!                      │
-//!                     states, status, types, description, problem: what the standard says
-//! ```
-//!
-//! Clauses are those of *Functional Mock-up Interface for Model Exchange and Co-Simulation*, version 2.0.x.
+//! FMI 2.0: the functions of the door for this component, and what its description says.
 
 pub mod abi;
 pub mod description;
-pub mod instance;
-pub mod problem;
-pub mod states;
-pub mod status;
-pub mod types;
+
+pub use fmi_doors::fmi2::{instance, problem, states, status, types};

@@ -2,15 +2,18 @@
 //! and the two descriptions of one library.
 
 use crate::component::identity;
+use crate::component::identity::EVENTS;
 pub use crate::component::identity::{
     AUTHOR, COPYRIGHT, LICENSE, MODEL_DESCRIPTION, MODEL_IDENTIFIER, NAMING_CONVENTION, VERSION,
     default_experiment,
 };
 use crate::component::settings::Settings;
-use crate::component::structure::STATES;
+use crate::component::structure::{self, STATES};
 pub use crate::component::variables::Edition;
 use crate::component::variables::{Access, Causality, Initial, Kind, Numbering, Variability, Variable};
-use crate::messages::{Category, log_categories};
+use crate::description::Table;
+use fmi_doors::description::{self, CoSimulation, Description, ModelExchange};
+use fmi_doors::messages::{Category, log_categories};
 
 /// The description of the archive that every importer can read.
 pub const MAIN: Edition = Edition::Extended;
@@ -69,7 +72,7 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 };
 
 /// The log categories.
-pub const LOG_CATEGORIES: [Category; 6] = log_categories("Why a value was not taken");
+pub const LOG_CATEGORIES: [Category; 6] = log_categories(EVENTS, "Why a value was not taken");
 
 /// What an instance starts from: the settings of every description, but a step returns at an event where the importer allows
 /// it, since FMI 3.0 has a protocol for that.
@@ -131,6 +134,67 @@ pub fn instantiation_token(edition: Edition) -> String {
 /// The description that a token belongs to.
 pub fn edition_of(token: &str) -> Option<Edition> {
     [MAIN, ARRAYS, CLOCKED].into_iter().find(|edition| instantiation_token(*edition) == token)
+}
+
+/// Name of the clock of impacts.
+const CLOCK: &str = "impacts.clock";
+
+/// `modelName`: further descriptions have names of their own; the library's name is `modelIdentifier`.
+pub fn model_name(edition: Edition) -> String {
+    let suffix = match edition {
+        ARRAYS => "Arrays",
+        CLOCKED => "Clocked",
+        _ => "",
+    };
+    format!("{MODEL_IDENTIFIER}{suffix}")
+}
+
+/// Everything that a model description says. What belongs to a clock is not among the unknowns of initialization (FMI 3.0.2,
+/// 2.4.8); the clock itself is, although it cannot have the attribute `initial`: validators ask for it.
+pub fn description(edition: Edition) -> Description {
+    let can = CAPABILITIES;
+    let table = Table { edition, numbering: numbering(edition), start: start_settings(), derivative };
+    let clock = table.reference(CLOCK);
+    let mut description = table.description();
+    for (described, (_, variable)) in description.variables.iter_mut().zip(variables(edition)) {
+        described.intermediate_update = intermediate_update(variable);
+        described.clock = clock.filter(|_| is_clocked(variable));
+        described.alias = alias(variable).map(Into::into);
+    }
+    let clocked: Vec<u32> = variables(edition)
+        .filter(|(_, variable)| is_clocked(variable))
+        .map(|(reference, _)| reference)
+        .collect();
+    description.initial_unknowns.retain(|unknown| !clocked.contains(&unknown.reference));
+    Description {
+        model_name: model_name(edition).into(),
+        token: instantiation_token(edition).into(),
+        model_exchange: Some(ModelExchange {
+            needs_completed_integrator_step: can.needs_completed_integrator_step,
+            number_of_event_indicators: structure::EVENT_INDICATORS,
+        }),
+        co_simulation: Some(CoSimulation {
+            can_handle_variable_communication_step_size: can.can_handle_variable_communication_step_size,
+            can_interpolate_inputs: false,
+            max_output_derivative_order: can.max_output_derivative_order,
+            recommended_intermediate_input_smoothness: can.recommended_intermediate_input_smoothness,
+            provides_intermediate_update: can.provides_intermediate_update,
+            might_return_early_from_do_step: can.might_return_early_from_do_step,
+            can_return_early_after_intermediate_update: can.can_return_early_after_intermediate_update,
+            has_event_mode: can.has_event_mode,
+        }),
+        capabilities: description::Capabilities {
+            can_get_and_set_fmu_state: can.can_get_and_set_fmu_state,
+            can_serialize_fmu_state: can.can_serialize_fmu_state,
+            provides_directional_derivatives: can.provides_directional_derivatives,
+            provides_adjoint_derivatives: can.provides_adjoint_derivatives,
+            provides_per_element_dependencies: can.provides_per_element_dependencies,
+            can_be_instantiated_only_once_per_process: false,
+        },
+        log_categories: LOG_CATEGORIES.to_vec(),
+        event_indicators: structure::event_indicators().iter().filter_map(|row| table.unknown(row)).collect(),
+        ..description
+    }
 }
 
 #[cfg(test)]

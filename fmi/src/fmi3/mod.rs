@@ -1,23 +1,6 @@
-//! The FMI 3.0 door: it maps the functions, states and statuses of the standard to the [component](crate::component).
-//!
-//! ```text
-//! host ── fmi3XXX ──▶ abi         arguments checked (ffi), state checked (states), panics caught (ffi), nothing decided
-//!                      │
-//!                      ▼
-//!                     instance    what a function of the standard means for the component
-//!                      │
-//!                     states, status, types, description, problem: what the standard says
-//! ```
-//!
-//! Clauses are those of *Functional Mock-up Interface Specification*, version 3.0.2. A value reference is a variable's place in
-//! the table, counted from 1.
+//! FMI 3.0: the functions of the door for this component, and what its descriptions say.
 
 pub mod abi;
-pub mod derivatives;
 pub mod description;
-pub mod instance;
-mod intermediate;
-pub mod problem;
-pub mod states;
-pub mod status;
-pub mod types;
+
+pub use fmi_doors::fmi3::{instance, problem, states, status, types};

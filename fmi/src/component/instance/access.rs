@@ -120,7 +120,7 @@ impl Instance {
         self.events.carried_out &= references.is_empty();
         // A host's solver sees a set at once, not with the next step.
         let before =
-            (self.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
+            (self.life.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
             self.assign(&WRITERS[numbering.place(reference)], read(i));
         }
@@ -190,17 +190,19 @@ impl Instance {
             self.derived_stale = true;
         }
         self.prediction = None;
-        if matches!(self.engine, Engine::None) || self.phase == Phase::Event {
+        if matches!(self.engine, Engine::None) || self.life.phase == Phase::Event {
             self.invalidate();
         }
     }
 
     /// The present phase's bit of [`Writer`].
     fn when(&self) -> u8 {
-        match self.phase {
+        match self.life.phase {
             Phase::Instantiated | Phase::Initialization => Writer::INITIAL,
             Phase::Continuous => Writer::CONTINUOUS,
-            Phase::Event if self.interface == Interface::ModelExchange && self.handling.event_mode => {
+            Phase::Event
+                if self.life.interface == Interface::ModelExchange && self.life.handling.event_mode =>
+            {
                 Writer::EVENT | Writer::UNCHANGED_STATES
             }
             _ => Writer::EVENT,
@@ -217,7 +219,7 @@ impl Instance {
             Writer::CONTINUOUS => "inputs and continuous states",
             _ => "inputs and tunable parameters",
         };
-        Err(Problem::NotSettable { name: variable.name, phase: self.phase.words(), allowed })
+        Err(Problem::NotSettable { name: variable.name, phase: words(self.life.phase), allowed })
     }
 
     /// Time derivatives of inputs, orders 1 to 3, at the coming step's start.
@@ -303,6 +305,14 @@ impl Instance {
             }
         };
         Ok(jets(&Course { values: &values, motion: &motion, parameters: &parameters, loads: &loads, theta }))
+    }
+}
+
+/// A phase in words: a step ends early at impacts alone.
+fn words(phase: Phase) -> &'static str {
+    match phase {
+        Phase::StoppedEarly => "at the impact at which the step ended",
+        phase => phase.words(),
     }
 }
 

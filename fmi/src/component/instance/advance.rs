@@ -7,20 +7,10 @@ use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::event_state::Discrete;
 use crate::component::log::{Category, Log};
+use fmi_doors::Advance;
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Contact, Event, EventObserver, Pause, Simulator};
-
-/// How an advance ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Advance {
-    /// The time reached, s.
-    pub time: f64,
-    /// Whether the host must handle an event there.
-    pub event: bool,
-    /// Whether it is before the end asked for.
-    pub early: bool,
-}
 
 /// What a step does at an event inside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +63,7 @@ impl Instance {
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.
     pub fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Outcome<Advance> {
         self.check_advance(point, size)?;
-        let (at_event, event_mode) = (self.at_event(), self.handling.event_mode);
+        let (at_event, event_mode) = (self.at_event(), self.life.handling.event_mode);
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut show) } else { None };
@@ -101,7 +91,7 @@ impl Instance {
             Engine::None | Engine::Continuous(_) => unreachable_step()?,
         };
         log_left_out(stand.left_out, point + size, log);
-        self.phase = Phase::Step;
+        self.life.phase = Phase::Step;
         self.events.pending = stand.event;
         self.events.latched = if stand.event { shown } else { None };
         self.events.side = stand.side;
@@ -123,8 +113,8 @@ impl Instance {
     }
 
     pub(super) fn at_event(&self) -> AtEvent {
-        let stop = self.handling.early_return && self.settings.stop_at_impact;
-        match (self.handling.event_mode, stop) {
+        let stop = self.life.handling.early_return && self.settings.stop_at_impact;
+        match (self.life.handling.event_mode, stop) {
             (false, false) => AtEvent::Pass,
             (false, true) => AtEvent::EndAfter,
             (true, true) => AtEvent::EndBefore,

@@ -5,20 +5,10 @@ use crate::component::continuous::Continuous;
 use crate::component::settings::Settings;
 use crate::component::structure::{self, Unknown};
 use crate::component::values::OutputValues;
-use crate::component::variables::{Access, Causality, DependencyKind, VARIABLES, Variable};
+use crate::component::variables::{Access, Causality, VARIABLES, Variable};
+use fmi_doors::Dependency;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{Contact, State};
-
-/// An entry of the dependencies of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dependency {
-    /// The element that depends, counted from 1; 0 means the whole variable.
-    pub element: usize,
-    /// Value reference of what it depends on.
-    pub reference: u32,
-    /// How.
-    pub kind: DependencyKind,
-}
 
 /// Contacts, flight first.
 const CONTACTS: [Contact; 3] = [Contact::Flight, Contact::RestUpper, Contact::RestLower];

@@ -9,6 +9,7 @@ use crate::component::event_state::EventState;
 use crate::component::log::{Category, Log};
 use crate::component::values::Tick;
 use crate::component::variables::Edition;
+use fmi_doors::Handled;
 use std::borrow::Cow;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, DueEvent, Event, EventObserver, ImpactRecord, Loads, Simulator};
@@ -46,15 +47,6 @@ impl Changes<'_> {
     }
 }
 
-/// What an event has changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Handled {
-    /// The continuous states.
-    pub states: bool,
-    /// Their nominal values.
-    pub nominals: bool,
-}
-
 /// All impacts of a record.
 fn impacts(record: &ImpactRecord) -> u64 {
     record.upper + record.lower
@@ -63,7 +55,7 @@ fn impacts(record: &ImpactRecord) -> u64 {
 impl Instance {
     /// What the host does about events.
     pub fn event_handling(&self) -> EventHandling {
-        self.handling
+        self.life.handling
     }
 
     /// What was set and not yet taken over.
@@ -76,7 +68,7 @@ impl Instance {
 
     /// Whether what is read now is what comes after the event at which the host stands.
     fn looks_past_the_event(&self) -> bool {
-        self.phase == Phase::Event && self.handling.event_mode && !self.events.carried_out
+        self.life.phase == Phase::Event && self.life.handling.event_mode && !self.events.carried_out
     }
 
     /// What is to be read now.
@@ -145,9 +137,9 @@ impl Instance {
     pub(super) fn begin_event(&mut self) {
         let (shown, side) =
             ((self.edition == Edition::Clocked).then(|| self.impacts_shown()), self.events.side);
-        self.phase = Phase::Event;
+        self.life.phase = Phase::Event;
         self.events = EventState::default();
-        if self.handling.event_mode {
+        if self.life.handling.event_mode {
             self.invalidate();
         }
         // Where the values cannot be had, getters will say why.
@@ -261,10 +253,7 @@ impl Instance {
                 log.log(Category::Warnings, what);
             }
         }
-        self.phase = match self.interface {
-            super::Interface::CoSimulation => Phase::Step,
-            super::Interface::ModelExchange => Phase::Continuous,
-        };
+        self.life.go_on();
         Ok(())
     }
 }

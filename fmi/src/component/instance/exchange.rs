@@ -11,7 +11,7 @@ use vibro_impact::simulator;
 impl Instance {
     /// The host's solver goes on from here.
     pub fn enter_continuous(&mut self) {
-        self.phase = Phase::Continuous;
+        self.life.phase = Phase::Continuous;
     }
 
     /// Accepts a step of the host's solver: the energy accounts are carried on. Returns whether the host has passed over an
@@ -36,7 +36,7 @@ impl Instance {
         if !time.is_finite() {
             return refuse("a finite number");
         }
-        if self.phase == Phase::Event && time != self.continuous_mut()?.time() {
+        if self.life.phase == Phase::Event && time != self.continuous_mut()?.time() {
             return refuse("the present time in Event Mode");
         }
         self.continuous_mut()?.set_time(time)?;
@@ -98,7 +98,7 @@ impl Instance {
     /// Whether the nominal values differ from those at the last event, which are from now on the present ones. Of interest to a
     /// host's solver alone.
     pub(super) fn nominals_changed(&mut self) -> bool {
-        if self.interface != Interface::ModelExchange {
+        if self.life.interface != Interface::ModelExchange {
             return false;
         }
         let now = self.nominals();

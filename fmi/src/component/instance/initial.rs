@@ -12,7 +12,7 @@ use vibro_impact::simulator::{Simulator, State};
 impl Instance {
     /// Start time.
     pub(super) fn start_time(&self) -> f64 {
-        self.experiment.unwrap_or_default().start
+        self.life.experiment.unwrap_or_default().start
     }
 
     /// What will move, with what speaks against a steady state that is played or started on.
@@ -23,7 +23,7 @@ impl Instance {
         let settings = &self.settings;
         if settings.mode == SolutionMode::EventDriven {
             let (simulator, objections) = self.initial_simulator(settings)?;
-            let engine = match self.interface {
+            let engine = match self.life.interface {
                 Interface::CoSimulation => Engine::Simulation(Box::new(simulator)),
                 Interface::ModelExchange => {
                     Engine::Continuous(Box::new(Continuous::start(&simulator, forces(settings))?))
@@ -31,7 +31,7 @@ impl Instance {
             };
             return Ok((engine, objections));
         }
-        if self.interface == Interface::ModelExchange {
+        if self.life.interface == Interface::ModelExchange {
             return Err(Problem::Value {
                 name: "mode",
                 value: f64::from(settings.mode.number()),

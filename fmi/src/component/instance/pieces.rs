@@ -4,9 +4,10 @@ use super::advance::{AtEvent, advance, is_at_end, side_of};
 use super::events::Changes;
 use super::last_step::LastStep;
 use super::step::{describe, rounding, take_back};
-use super::{Advance, Engine, Instance, Outcome, Phase, Problem, SavedState};
+use super::{Engine, Instance, Outcome, Phase, Problem, SavedState};
 use crate::component::event_state::Discrete;
 use crate::component::log::{Category, Log};
+use fmi_doors::{Advance, Piece};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, EventObserver, Pause};
 
@@ -24,15 +25,6 @@ pub struct Pieces {
     side: i8,
     /// To take the step back.
     before: SavedState,
-}
-
-/// Where a piece ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Piece {
-    /// Before the law of an event.
-    Event,
-    /// At its end.
-    End,
 }
 
 impl Instance {
@@ -202,7 +194,7 @@ impl Instance {
             Engine::Closed(form) => form.is_due(),
             Engine::None | Engine::Continuous(_) => false,
         };
-        let event = self.handling.event_mode && (due || pieces.events > 0);
+        let event = self.life.handling.event_mode && (due || pieces.events > 0);
         let early = pieces.end_value - time > rounding(pieces.end_value);
         if let Engine::Simulation(simulator) = &self.engine {
             let now = simulator.loads().derivatives;
@@ -213,7 +205,7 @@ impl Instance {
                 }
             }
         }
-        self.phase = Phase::Step;
+        self.life.phase = Phase::Step;
         self.events.pending = event;
         self.events.latched = event.then_some(pieces.shown);
         self.events.side = if due { 0 } else { pieces.side };

@@ -39,7 +39,7 @@ impl Instance {
     }
 
     fn next_event(&self, horizon: f64) -> Outcome<Option<f64>> {
-        if self.interface == Interface::ModelExchange {
+        if self.life.interface == Interface::ModelExchange {
             return Ok(None);
         }
         match &self.engine {

@@ -2,32 +2,11 @@
 
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::log::{Category, Log};
+use fmi_doors::{StepOutcome, StepReason};
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Loads, Pause, Simulator, Snapshot};
-
-/// How far a master's time may be off ours, relative to max(1, |t|): masters add step sizes up and drift by about 1e-14 a
-/// step, which stays below this for 1e5 steps; anything larger is a mistake.
-const TIME_TOLERANCE: f64 = 1e-9;
-
-/// How a step ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepOutcome {
-    /// The time reached, s.
-    pub time: f64,
-    /// Why it ended there.
-    pub reason: StepReason,
-}
-
-/// Why a step ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepReason {
-    /// It reached its end.
-    EndReached,
-    /// It stands at its first impact, whose law has been applied, before its end (`stopAtImpact`).
-    Impact,
-}
 
 impl Instance {
     /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off by rounding. Where the
@@ -66,19 +45,12 @@ impl Instance {
         if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
             return Err(Problem::Sequence { what: "the instance is not initialized" });
         }
-        check_times(point, size, self.time()).map_err(|problem| match problem {
-            Problem::Time { given, own } if self.phase == Phase::StoppedEarly => {
+        self.life.check_step(point, size, self.time()).map_err(|problem| match problem {
+            fmi_doors::Problem::Time { given, own } if self.life.phase == Phase::StoppedEarly => {
                 Problem::Stopped { given, own }
             }
-            problem => problem,
-        })?;
-        let end = point + size;
-        match self.experiment.and_then(|experiment| experiment.stop) {
-            Some(stop) if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) => {
-                Err(Problem::StopTime { end, stop })
-            }
-            _ => Ok(()),
-        }
+            problem => problem.into(),
+        })
     }
 
     /// What a step leaves behind: nothing pending, and the loads as they have become.
@@ -94,8 +66,8 @@ impl Instance {
         }
         let time = self.time();
         let early = reason == AdvanceOutcome::Impact && time < end;
-        self.phase = if early { Phase::StoppedEarly } else { Phase::Step };
-        StepOutcome { time, reason: if early { StepReason::Impact } else { StepReason::EndReached } }
+        self.life.phase = if early { Phase::StoppedEarly } else { Phase::Step };
+        StepOutcome { time, reason: if early { StepReason::Stopped } else { StepReason::EndReached } }
     }
 }
 
@@ -163,20 +135,6 @@ fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>)
         AdvanceOutcome::Impact => Ok(()),
         AdvanceOutcome::End | AdvanceOutcome::EventDue => simulator.restore(&before),
     }
-}
-
-fn check_times(point: f64, size: f64, own: f64) -> Outcome {
-    let refuse = |name, value, allowed| Err(Problem::Value { name, value, allowed });
-    if !point.is_finite() {
-        return refuse("currentCommunicationPoint", point, "a finite number");
-    }
-    if !(size > 0.0 && size.is_finite()) {
-        return refuse("communicationStepSize", size, "a finite number > 0");
-    }
-    if (point - own).abs() > TIME_TOLERANCE * point.abs().max(1.0) {
-        return Err(Problem::Time { given: point, own });
-    }
-    Ok(())
 }
 
 /// Tells how many impacts of a steady state a long step has not listed.

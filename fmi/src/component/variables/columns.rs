@@ -6,46 +6,9 @@ use crate::component::jets::Jet;
 use crate::component::settings::{Derived, Settings};
 use crate::component::units::{EnumerationType, RealType};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick, Varied};
+pub use fmi_doors::DependencyKind;
+pub use fmi_doors::description::{Causality, Initial, Variability};
 use vibro_impact::parameters::Range;
-
-/// Who sets a variable, and what it is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Causality {
-    /// Set by the environment, constant during simulation.
-    Parameter,
-    /// Follows from parameters.
-    CalculatedParameter,
-    /// Set by the environment.
-    Input,
-    /// Read by the environment.
-    Output,
-    /// Read by the environment, but not meant to be connected.
-    Local,
-    /// Time.
-    Independent,
-}
-
-/// When a variable changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Variability {
-    /// Constant after initialization.
-    Fixed,
-    /// Constant between communication points or external events.
-    Tunable,
-    /// Changes at events only.
-    Discrete,
-    /// Changes any time.
-    Continuous,
-}
-
-/// Where the initial value comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Initial {
-    /// Has a start value that is its initial value.
-    Exact,
-    /// Computed.
-    Calculated,
-}
 
 /// The type specific part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,21 +82,6 @@ pub enum Access {
     Step(fn(&StepMatrices, usize) -> f64),
     /// What the clock of impacts shows.
     Tick(fn(&Tick) -> f64),
-}
-
-/// How an unknown depends on a known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DependencyKind {
-    /// No particular structure.
-    Dependent,
-    /// A constant factor.
-    Constant,
-    /// A factor of fixed parameters.
-    Fixed,
-    /// A factor of tunable parameters.
-    Tunable,
-    /// A factor that changes at events.
-    Discrete,
 }
 
 /// Knowns by name, and how an unknown depends on each.

@@ -1,8 +1,13 @@
+#![allow(unsafe_code)] // the C interface
+
 use super::*;
 use crate::component::Interface;
 use crate::component::variables::reference;
 use crate::fmi2::description;
-use std::ffi::CStr;
+use crate::fmi2::states::Function;
+use crate::fmi2::types::{FmiEventInfo, FmiStatus};
+use fmi_doors::fmi2::abi::{Shared, call};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 
 mod random;
@@ -363,7 +368,7 @@ fn a_host_goes_on_from_an_impact_where_the_motion_stands() {
 #[test]
 fn a_panic_makes_the_instance_fatal() {
     let host = Host::initialized();
-    let status = unsafe { call(host.c, Function::GetReal, |_, _| panic!("50 % of nothing")) };
+    let status = unsafe { call::<Instance>(host.c, Function::GetReal, |_, _| panic!("50 % of nothing")) };
     assert_eq!(status, 4);
     assert!(host.last().contains("4 logStatusFatal fmi2GetReal: internal error: 50 %% of nothing;"));
     unsafe {

@@ -1,7 +1,12 @@
+#![allow(unsafe_code)] // the C interface
+
 use super::*;
 use crate::component::Interface;
 use crate::fmi3::description;
-use std::ffi::{CStr, CString};
+use crate::fmi3::states::Function;
+use crate::fmi3::types::{FmiBoolean, FmiStatus};
+use fmi_doors::fmi3::abi::{Shared, call};
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
 
 mod callback;
@@ -104,7 +109,7 @@ fn null_and_misaligned_instances_are_errors() {
 #[test]
 fn a_panic_makes_the_instance_fatal() {
     let host = Box3::new(Interface::CoSimulation);
-    let status = unsafe { call(host.c, Function::GetFloat64, |_, _| panic!("50 % of nothing")) };
+    let status = unsafe { call::<Instance>(host.c, Function::GetFloat64, |_, _| panic!("50 % of nothing")) };
     assert_eq!(status, FATAL);
     assert!(host.last().contains("4 logStatusFatal fmi3GetFloat64: internal error: 50 % of nothing;"));
     unsafe {

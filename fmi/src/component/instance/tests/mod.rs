@@ -5,6 +5,7 @@ use crate::component::structure;
 use crate::component::variables::{
     Base, Bases, Causality, Edition, VARIABLES, Variability, place, reference,
 };
+use fmi_doors::{Advance, StepOutcome, StepReason};
 
 mod closed;
 mod dependencies;

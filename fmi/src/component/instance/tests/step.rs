@@ -99,7 +99,7 @@ fn stop_at_impact_ends_the_step_there_and_can_be_redone() {
     let mut fmu = initialize(fmu);
     let before = fmu.save();
     let StepOutcome { time, reason } = step(&mut fmu, 0.0, 40.0).unwrap();
-    assert_eq!((reason, fmu.phase(), fmu.time()), (StepReason::Impact, Phase::StoppedEarly, time));
+    assert_eq!((reason, fmu.phase(), fmu.time()), (StepReason::Stopped, Phase::StoppedEarly, time));
     assert!(time > 0.0 && time < 40.0);
     assert_eq!(get(&mut fmu, "impacts.lastTime"), time);
     // As masters do it: back to the step's start, then a step that ends at the impact.
@@ -124,7 +124,7 @@ fn a_master_gets_from_impact_to_impact() {
         let outcome = step(&mut fmu, time, size).unwrap();
         match outcome.reason {
             StepReason::EndReached => time += size,
-            StepReason::Impact => {
+            StepReason::Stopped => {
                 let impact = outcome.time;
                 assert!(impact > time, "the step from t = {time} s does not get on");
                 fmu.restore(&before).unwrap();

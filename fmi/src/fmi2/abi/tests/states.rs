@@ -93,7 +93,7 @@ fn brought_to(interface: Interface, phase: Phase) -> Host {
     for function in way {
         assert_eq!(unsafe { play(host.c, *function) }, OK, "{function:?}: {}", host.last());
     }
-    let component = unsafe { &*host.c.cast::<Component>() };
+    let component = unsafe { &*host.c.cast::<Shared<Instance>>() };
     component.borrow_mut().0.component.force(phase);
     host
 }
@@ -119,7 +119,7 @@ fn every_cell_of_both_state_machines() {
                 }
                 let host = brought_to(interface, phase);
                 let instance =
-                    |host: &Host| unsafe { &*host.c.cast::<Component>() }.borrow().0.component.save();
+                    |host: &Host| unsafe { &*host.c.cast::<Shared<Instance>>() }.borrow().0.component.save();
                 let before = instance(&host);
                 let status = unsafe { play(host.c, *function) };
                 let refusal =

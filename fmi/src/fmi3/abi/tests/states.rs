@@ -125,7 +125,7 @@ fn brought_to(interface: Interface, stage: Stage) -> Option<Box3> {
     for function in way {
         assert_eq!(unsafe { play(host.c, function) }, OK, "{function:?}: {}", host.last());
     }
-    let shared = unsafe { &*host.c.cast::<Shared>() };
+    let shared = unsafe { &*host.c.cast::<Shared<Instance>>() };
     let instance = &mut shared.instance.borrow_mut().0;
     instance.component.force(phase);
     if stage == Stage::IntermediateUpdateMode {
@@ -144,7 +144,7 @@ fn every_cell_of_both_state_machines() {
                     continue; // every instance is freed, in every state but inside a callback
                 }
                 let saved = |host: &Box3| {
-                    let shared = unsafe { &*host.c.cast::<Shared>() };
+                    let shared = unsafe { &*host.c.cast::<Shared<Instance>>() };
                     let instance = &mut shared.instance.borrow_mut().0;
                     let phase = instance.component.phase();
                     instance.component.force(Phase::Instantiated);
@@ -167,7 +167,7 @@ fn every_cell_of_both_state_machines() {
                     assert_eq!(now, terminated, "{refusal}");
                 }
                 // Where it is not freed below.
-                unsafe { &*host.c.cast::<Shared>() }.instance.borrow_mut().0.update = None;
+                unsafe { &*host.c.cast::<Shared<Instance>>() }.instance.borrow_mut().0.update = None;
             }
         }
     }

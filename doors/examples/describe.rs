@@ -1,0 +1,20 @@
+//! Writes what hosts need beside the library of the bouncing ball: `modelDescription.xml` of both versions, in folders laid out as
+//! the archives are. With the library in `binaries/` each folder, zipped, is an FMU.
+//!
+//! `cargo run --example describe FOLDER`
+
+#[path = "bouncing_ball.rs"]
+mod bouncing_ball;
+
+use fmi_doors::Version;
+use std::path::Path;
+
+fn main() -> std::io::Result<()> {
+    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
+    for (name, version) in [("fmi2", Version::Fmi2), ("fmi3", Version::Fmi3)] {
+        let folder = Path::new(&folder).join(name);
+        std::fs::create_dir_all(&folder)?;
+        std::fs::write(folder.join("modelDescription.xml"), bouncing_ball::description().xml(version))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,225 @@
+//! Variables and what they depend on.
+
+use super::{Text, Type};
+use crate::values::DependencyKind;
+
+/// Who sets a variable, and what it is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Set by the environment, constant during simulation.
+    Parameter,
+    /// Follows from parameters.
+    CalculatedParameter,
+    /// Set by the environment.
+    Input,
+    /// Read by the environment.
+    Output,
+    /// Read by the environment, but not meant to be connected.
+    Local,
+    /// Time.
+    Independent,
+}
+
+impl Causality {
+    /// As the standard writes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Parameter => "parameter",
+            Self::CalculatedParameter => "calculatedParameter",
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Local => "local",
+            Self::Independent => "independent",
+        }
+    }
+}
+
+/// When a variable changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variability {
+    /// Constant after initialization.
+    Fixed,
+    /// Constant between communication points or external events.
+    Tunable,
+    /// Changes at events only.
+    Discrete,
+    /// Changes any time.
+    Continuous,
+}
+
+impl Variability {
+    /// As the standard writes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Tunable => "tunable",
+            Self::Discrete => "discrete",
+            Self::Continuous => "continuous",
+        }
+    }
+}
+
+/// Where the initial value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Initial {
+    /// Has a start value that is its initial value.
+    Exact,
+    /// Computed.
+    Calculated,
+}
+
+impl Initial {
+    /// As the standard writes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Calculated => "calculated",
+        }
+    }
+}
+
+/// The type specific part of a variable.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// A Real.
+    Real {
+        /// Name of its unit, which a declared type may say instead in FMI 3.0.
+        unit: Option<Text>,
+        /// Display unit to show it in by default, likewise.
+        display_unit: Option<Text>,
+        /// Nominal value.
+        nominal: Option<f64>,
+        /// Value reference of the state whose time derivative this is.
+        derivative_of: Option<u32>,
+        /// Whether events may change this continuous state.
+        reinit: bool,
+    },
+    /// An Integer.
+    Integer,
+    /// A Boolean.
+    Boolean,
+    /// An Enumeration.
+    Enumeration,
+    /// FMI 3.0: a clock that ticks at events of the component.
+    Clock,
+}
+
+/// A variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Name.
+    pub name: Text,
+    /// Value reference: one of its own.
+    pub reference: u32,
+    /// What it is.
+    pub description: Text,
+    /// Causality.
+    pub causality: Causality,
+    /// Variability.
+    pub variability: Variability,
+    /// Where the initial value comes from; none for inputs and time.
+    pub initial: Option<Initial>,
+    /// Type.
+    pub kind: Kind,
+    /// Name of its declared type.
+    pub declared_type: Option<Text>,
+    /// Smallest value that may be set.
+    pub min: Option<f64>,
+    /// Largest value that may be set.
+    pub max: Option<f64>,
+    /// Start value: what can be set has one. Booleans are 0 and 1.
+    pub start: Option<f64>,
+    /// FMI 3.0: lengths of an array, the slowest index first; none of a scalar.
+    pub dimensions: Vec<usize>,
+    /// FMI 3.0: whether it can be read or set within a step.
+    pub intermediate_update: bool,
+    /// FMI 3.0: value reference of the clock that it belongs to.
+    pub clock: Option<u32>,
+    /// FMI 3.0: another name.
+    pub alias: Option<Text>,
+}
+
+impl Variable {
+    /// A Real of a declared type, whose unit it has; without range, start value, or anything that is not said here.
+    pub fn real(
+        reference: u32,
+        name: impl Into<Text>,
+        declared: &Type,
+        causality: Causality,
+        description: impl Into<Text>,
+    ) -> Self {
+        let (unit, display_unit) = declared.units();
+        let (variability, initial) = match causality {
+            Causality::Parameter => (Variability::Fixed, Some(Initial::Exact)),
+            Causality::CalculatedParameter => (Variability::Fixed, Some(Initial::Calculated)),
+            Causality::Input | Causality::Independent => (Variability::Continuous, None),
+            Causality::Output | Causality::Local => (Variability::Continuous, Some(Initial::Calculated)),
+        };
+        Self {
+            name: name.into(),
+            reference,
+            description: description.into(),
+            causality,
+            variability,
+            initial,
+            kind: Kind::Real { unit, display_unit, nominal: None, derivative_of: None, reinit: false },
+            declared_type: Some(declared.name.clone()),
+            min: None,
+            max: None,
+            start: None,
+            dimensions: Vec::new(),
+            intermediate_update: matches!(causality, Causality::Input | Causality::Output),
+            clock: None,
+            alias: None,
+        }
+    }
+
+    /// With a start value, which is its initial value unless it is an input.
+    #[must_use]
+    pub fn starting_at(self, start: f64) -> Self {
+        let initial = if self.causality == Causality::Input { None } else { Some(Initial::Exact) };
+        Self { start: Some(start), initial, ..self }
+    }
+
+    /// The derivative of a state, by the state's value reference.
+    #[must_use]
+    pub fn derivative_of(mut self, state: u32) -> Self {
+        if let Kind::Real { derivative_of, .. } = &mut self.kind {
+            *derivative_of = Some(state);
+        }
+        self
+    }
+
+    /// A state that events change.
+    #[must_use]
+    pub fn reinitialized(mut self) -> Self {
+        if let Kind::Real { reinit, .. } = &mut self.kind {
+            *reinit = true;
+        }
+        self
+    }
+
+    /// An Integer that changes at events only.
+    #[must_use]
+    pub fn counting(self) -> Self {
+        let variability = Variability::Discrete;
+        Self { kind: Kind::Integer, declared_type: None, variability, intermediate_update: false, ..self }
+    }
+}
+
+/// An unknown and what it depends on, by value references.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    /// Its value reference.
+    pub reference: u32,
+    /// What it depends on, and how.
+    pub dependencies: Vec<(u32, DependencyKind)>,
+}
+
+impl Unknown {
+    /// One that depends on these, in no particular way.
+    pub fn on(reference: u32, knowns: impl IntoIterator<Item = u32>) -> Self {
+        let dependencies = knowns.into_iter().map(|known| (known, DependencyKind::Dependent)).collect();
+        Self { reference, dependencies }
+    }
+}

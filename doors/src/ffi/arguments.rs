@@ -1,0 +1,49 @@
+//! Kinds of arguments of the exported functions: their C types, and how they become safe types. The macros are expanded where a
+//! component is exported, and are of use there alone.
+
+/// C type of an argument of this kind.
+#[doc(hidden)]
+#[macro_export]
+#[rustfmt::skip]
+macro_rules! __c_type {
+    (flag $type:ty) => { $type };
+    (value $type:ty) => { $type };
+    (array $type:ty) => { *const $type };
+    (states $type:ty) => { *const $type };
+    (out $type:ty) => { *mut $type };
+    (texts) => { *const *const ::std::ffi::c_char };
+    (state) => { *mut ::std::ffi::c_void };
+    (handle) => { *mut *mut ::std::ffi::c_void };
+}
+
+/// An argument of this kind in safe types; to be used where `?` is. Before it stands the instance whose call it is.
+#[doc(hidden)]
+#[macro_export]
+#[rustfmt::skip]
+macro_rules! __checked {
+    ($instance:ident flag $name:ident) => { $name != 0 };
+    ($instance:ident value $name:ident) => { $name };
+    ($instance:ident state $name:ident) => { $name.addr() };
+    // SAFETY (all below): null or valid for that count, as the exported function's caller says.
+    ($instance:ident array $name:ident $count:expr) => {
+        unsafe { $crate::ffi::pointers::array($name, $count, (stringify!($name), $instance.max_count())) }?
+    };
+    ($instance:ident states $name:ident $count:expr) => {
+        unsafe {
+            $crate::ffi::pointers::vector(
+                $name, $count, $instance.number_of_states(), (stringify!($name), stringify!($count)),
+            )
+        }?
+    };
+    ($instance:ident out $name:ident $count:expr) => {
+        unsafe { $crate::ffi::pointers::out($name, $count, (stringify!($name), $instance.max_count())) }?
+    };
+    ($instance:ident handle $name:ident) => {
+        unsafe { $crate::ffi::pointers::handle($name, stringify!($name)) }?
+    };
+    ($instance:ident texts $name:ident $count:expr) => {
+        unsafe { $crate::ffi::pointers::array($name, $count, (stringify!($name), $instance.max_count())) }?
+            .iter()
+            .map(|name| Ok(unsafe { $crate::ffi::pointers::c_str(*name, "category") }?.to_string_lossy()))
+    };
+}

@@ -1,0 +1,107 @@
+//! Values given out to a host by handle. A handle is the address of a value on the heap; it is looked up among those given
+//! out and never followed, so a wrong one is an error and not a crash.
+
+use super::Fault;
+
+/// Values of one type that a host holds handles of; they are freed with it.
+#[derive(Debug)]
+pub struct Handles<T> {
+    /// Boxed, since their addresses are the handles.
+    #[allow(clippy::vec_box)]
+    given: Vec<Box<T>>,
+}
+
+impl<T> Default for Handles<T> {
+    fn default() -> Self {
+        Self { given: Vec::new() }
+    }
+}
+
+#[allow(clippy::borrowed_box)] // the heap address is meant
+fn address<T>(value: &Box<T>) -> usize {
+    std::ptr::from_ref::<T>(value).addr()
+}
+
+impl<T> Handles<T> {
+    /// Keeps a value, in the place of `handle` where that is not zero, and returns its handle. A value that replaces
+    /// another takes no new memory.
+    ///
+    /// # Errors
+    /// [`Fault::Handle`] for a handle that is neither zero nor one given out.
+    pub fn keep(&mut self, value: T, handle: usize) -> Result<usize, Fault> {
+        if handle != 0 {
+            let place = self.place(handle)?;
+            *self.given[place] = value;
+            return Ok(handle);
+        }
+        let kept = Box::new(value);
+        let handle = address(&kept);
+        self.given.push(kept);
+        Ok(handle)
+    }
+
+    /// As [`keep`](Self::keep), but any handle that was not given out stands for none: what a host has in a variable that
+    /// is only written to may be anything.
+    ///
+    /// # Errors
+    /// None.
+    pub fn keep_new(&mut self, value: T, handle: usize) -> Result<usize, Fault> {
+        let known = self.place(handle).is_ok();
+        self.keep(value, if known { handle } else { 0 })
+    }
+
+    /// The value of that handle.
+    ///
+    /// # Errors
+    /// [`Fault::Handle`] when there is none.
+    pub fn get(&self, handle: usize) -> Result<&T, Fault> {
+        Ok(&self.given[self.place(handle)?])
+    }
+
+    /// The value of that handle, to be changed.
+    ///
+    /// # Errors
+    /// [`Fault::Handle`] when there is none.
+    pub fn get_mut(&mut self, handle: usize) -> Result<&mut T, Fault> {
+        let place = self.place(handle)?;
+        Ok(&mut self.given[place])
+    }
+
+    /// Frees the value of that handle.
+    ///
+    /// # Errors
+    /// [`Fault::Handle`] when there is none.
+    pub fn free(&mut self, handle: usize) -> Result<(), Fault> {
+        let place = self.place(handle)?;
+        self.given.swap_remove(place);
+        Ok(())
+    }
+
+    /// Place of a handle; the last ones first, since hosts mostly come back to where they just were.
+    fn place(&self, handle: usize) -> Result<usize, Fault> {
+        self.given.iter().rposition(|kept| address(kept) == handle).ok_or(Fault::Handle)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn handles_are_looked_up_and_never_followed() {
+        let (mut handles, mut others) = (Handles::default(), Handles::default());
+        let first = handles.keep(1, 0).unwrap();
+        let second = handles.keep(2, 0).unwrap();
+        assert_ne!(first, second);
+        assert_eq!(handles.keep(3, second), Ok(second));
+        assert_eq!((handles.get(first), handles.get(second)), (Ok(&1), Ok(&3)));
+        assert_eq!(handles.free(first), Ok(()));
+        assert_eq!(handles.free(first), Err(Fault::Handle));
+        assert_eq!(handles.get(first), Err(Fault::Handle));
+        assert_eq!(handles.get(12345), Err(Fault::Handle));
+        assert_eq!(others.keep(4, second), Err(Fault::Handle));
+        // A variable that is only written to may hold anything.
+        let new = others.keep_new(5, second).unwrap();
+        assert_eq!(others.get(new), Ok(&5));
+    }
+}

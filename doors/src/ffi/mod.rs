@@ -1,0 +1,47 @@
+//! What every C interface needs, whatever it exports: pointers that are checked before they are followed, panics that do
+//! not leave the library, and handles that are looked up. Nothing here knows FMI or a component.
+
+mod arguments;
+pub mod handles;
+pub mod panics;
+pub mod pointers;
+
+/// Why an argument was refused, or what went wrong in the library.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// A pointer that is null, or not aligned for what it should point to.
+    #[error("{argument} is null or misaligned: allowed is a valid pointer")]
+    Pointer {
+        /// The argument.
+        argument: &'static str,
+    },
+    /// A count that is not possible.
+    #[error("{argument} = {value}: allowed is {allowed}")]
+    Count {
+        /// The argument.
+        argument: &'static str,
+        /// Its value.
+        value: usize,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// Text that is not what it must be.
+    #[error("{argument} = \"{value}\": allowed is {allowed}")]
+    Text {
+        /// The argument.
+        argument: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A handle that is not one the library has given out.
+    #[error("the pointer is not one this instance has given out, or it was freed")]
+    Handle,
+    /// A panic inside the library.
+    #[error("internal error: {what}; the instance can no longer be used")]
+    Panic {
+        /// The panic's message.
+        what: String,
+    },
+}

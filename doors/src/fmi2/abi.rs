@@ -1,0 +1,385 @@
+//! The C interface of FMI 2.0: every `extern "C"` of this door (FMI 2.0, 2.1, 3.2 and 4.2).
+//!
+//! The macro [`export_fmi2!`](crate::export_fmi2) makes the functions for one component, in the library of the component, since
+//! their names are the library's. It declares a function of the standard as in its C prototype, with the kind of each argument;
+//! from that it checks handle, state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose
+//! outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function: one becomes
+//! `fmi2Fatal` and marks the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust
+//! enums.
+
+#![allow(unsafe_code)]
+#![deny(unsafe_op_in_unsafe_fn)]
+
+use super::instance::Instance;
+use super::problem::{Outcome, Problem};
+use super::states::Function;
+use super::status;
+use super::types::{FmiBoolean, FmiStatus};
+use crate::component::Component;
+use crate::ffi::panics::{guarded, silence};
+use crate::ffi::pointers::{aligned, c_str};
+use crate::log::{Categories, Category};
+use crate::messages::{self, Sink, Status, c_text, report};
+use std::cell::RefCell;
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::ptr;
+
+/// `fmi2Component`: opaque to the host.
+pub type FmiComponent = *mut c_void;
+
+/// `fmi2CallbackLogger`: variadic in C; called here with a finished message and no further arguments.
+pub type FmiLogger =
+    unsafe extern "C" fn(*mut c_void, *const c_char, FmiStatus, *const c_char, *const c_char, ...);
+
+/// `fmi2CallbackFunctions` (FMI 2.0, 2.1.5). Only the logger is used; every member may be null.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct FmiCallbackFunctions {
+    /// Takes log messages.
+    pub logger: Option<FmiLogger>,
+    /// Not used (`canNotUseMemoryManagementFunctions`).
+    pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
+    /// Not used.
+    pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
+    /// Not used: steps are synchronous.
+    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, FmiStatus)>,
+    /// Handed to the logger.
+    pub component_environment: *mut c_void,
+}
+
+/// What a host's `fmi2Component` points to; borrowed while a call runs, so that a call from inside the logger is refused.
+#[doc(hidden)]
+pub type Shared<C> = RefCell<(Instance<C>, Host)>;
+
+/// Where log messages go.
+#[derive(Debug)]
+pub struct Host {
+    name: CString,
+    logger: Option<FmiLogger>,
+    environment: *mut c_void,
+}
+
+impl Sink for Host {
+    fn send(&mut self, status: Status, category: Category, message: &str) {
+        let Some(logger) = self.logger else { return };
+        let (category, message) = (c_text(messages::name(category)), status::finished(message));
+        // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI 2.0, 2.1.5); all
+        // strings live until it returns; no % in the message asks for a further argument.
+        unsafe {
+            let (name, category, message) = (self.name.as_ptr(), category.as_ptr(), message.as_ptr());
+            logger(self.environment, name, status as c_int, category, message);
+        }
+    }
+}
+
+/// Runs `body` on the instance behind `c`: handle, state machine, unwind guard, status and log message.
+///
+/// # Safety
+/// `c` is null or from [`instantiate`] of the same component and not freed, and no call on it is running in another thread.
+#[inline]
+pub unsafe fn call<C: Component>(
+    c: FmiComponent,
+    function: Function,
+    body: impl FnOnce(&mut Instance<C>, &mut Host) -> Outcome<C>,
+) -> FmiStatus {
+    // SAFETY: null or from `Box::into_raw` in `instantiate`; only shared, so a second call at a time finds it borrowed.
+    let component = aligned(c.cast::<Shared<C>>(), "c").map(|c| unsafe { c.as_ref() });
+    let Ok(Some(Ok(mut component))) = component.map(|c| c.map(RefCell::try_borrow_mut)) else {
+        return Status::Error as FmiStatus;
+    };
+    let (instance, host) = &mut *component;
+    let outcome = guarded(|| {
+        instance.guard(function)?;
+        body(instance, host)
+    });
+    match outcome {
+        Ok(Ok(())) => Status::Ok as FmiStatus,
+        Ok(Err(problem)) => refuse(instance, host, function, &problem),
+        Err(panic) => {
+            instance.component.break_down();
+            refuse(instance, host, function, &panic.into())
+        }
+    }
+}
+
+/// Logs a problem and returns its status.
+#[cold]
+fn refuse<C: Component>(
+    instance: &Instance<C>,
+    host: &mut Host,
+    function: Function,
+    problem: &Problem<C::Problem>,
+) -> FmiStatus {
+    report(instance.enabled(), host, function.name(), problem.status(), problem);
+    problem.status() as FmiStatus
+}
+
+/// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Name, GUID and the place of the resources are
+/// handed to the component; visibility is not used.
+///
+/// # Safety
+/// `name`, `guid` and `resources` are null or C strings; `functions` is null or points to the callbacks, of which logger
+/// and environment stay valid until the instance is freed.
+pub unsafe fn instantiate<C: Component>(
+    (name, kind, guid, resources): (*const c_char, c_int, *const c_char, *const c_char),
+    functions: *const FmiCallbackFunctions,
+    logging_on: FmiBoolean,
+) -> FmiComponent {
+    silence();
+    // SAFETY: null or valid.
+    let functions = aligned(functions.cast_mut(), "functions").ok().and_then(|f| unsafe { f.as_ref() });
+    let mut host = Host {
+        name: CString::default(),
+        logger: functions.and_then(|functions| functions.logger),
+        environment: functions.map_or(ptr::null_mut(), |functions| functions.component_environment),
+    };
+    let outcome = guarded(|| {
+        // SAFETY: null or C strings.
+        let (name, guid, resources) = unsafe {
+            (
+                c_str(name, "instanceName")?,
+                c_str(guid, "fmuGUID")?,
+                c_str(resources, "fmuResourceLocation").ok(),
+            )
+        };
+        host.name = name.to_owned();
+        let resources = resources.map(|resources| resources.to_string_lossy());
+        let files = (&*guid.to_string_lossy(), resources.as_deref());
+        let instance = Instance::<C>::new(&name.to_string_lossy(), kind, files, logging_on != 0)?;
+        instance.tell(&mut host);
+        Ok(instance)
+    });
+    match outcome.map_err(Problem::from).flatten() {
+        Ok(instance) => Box::into_raw(Box::new(Shared::<C>::new((instance, host)))).cast(),
+        Err(problem) => {
+            report(Categories::ALL, &mut host, "fmi2Instantiate", problem.status(), &problem);
+            ptr::null_mut()
+        }
+    }
+}
+
+/// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is ignored, and so is a call from inside
+/// the instance's own logger.
+///
+/// # Safety
+/// `c` is null or from [`instantiate`] of the same component and not freed; nothing uses it or its FMU states afterwards.
+pub unsafe fn free<C: Component>(c: FmiComponent) {
+    let component = c.cast::<Shared<C>>();
+    // SAFETY: null or from `Box::into_raw` in `instantiate`.
+    if unsafe { component.as_ref() }.is_some_and(|component| component.try_borrow_mut().is_ok()) {
+        // SAFETY: as above, and no call is running.
+        let component = unsafe { Box::from_raw(component) };
+        let _ = guarded(|| drop(component));
+    }
+}
+
+/// Makes the functions of a table, for `export_fmi2!`: by the standard's clauses name, row of the state tables, arguments after
+/// the component as `kind name: type[count]`, and what is done with them.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __functions_of_fmi2 {
+    ($component:ty; $($clause:literal: $($(#[$doc:meta])* $name:ident, $function:ident
+        ($($kind:ident $argument:ident $(: $type:ty)? $([$count:expr])?),*)
+        |$instance:ident, $host:pat_param| $body:expr;)*)*) => {$($(
+        #[doc = concat!("`", stringify!($name), "` (FMI 2.0, ", $clause, ").")]
+        $(#[$doc])*
+        ///
+        /// # Safety
+        /// The component is null or from [`fmi2Instantiate`] and not freed, and no call on it is running in another thread.
+        /// Every other pointer is null or valid for what the standard has there, with as many elements as the count says.
+        #[unsafe(no_mangle)]
+        #[allow(unsafe_code, non_snake_case)]
+        pub unsafe extern "C" fn $name(
+            c: $crate::fmi2::abi::FmiComponent,
+            $($argument: $crate::__c_type!($kind $($type)?),)*
+        ) -> $crate::fmi2::types::FmiStatus {
+            let body = |$instance: &mut $crate::fmi2::instance::Instance<$component>,
+                $host: &mut $crate::fmi2::abi::Host| -> $crate::fmi2::problem::Outcome<$component> {
+                $(#[allow(unused_mut, unused_variables)]
+                let mut $argument = $crate::__checked!($instance $kind $argument $($count)?);)*
+                Ok($body?)
+            };
+            // SAFETY: as above.
+            unsafe { $crate::fmi2::abi::call(c, $crate::fmi2::states::Function::$function, body) }
+        }
+    )*)*};
+}
+
+/// Exports a [`Component`] by FMI 2.0: the 44 functions of the standard, each a public function by its C name. The macro belongs
+/// into a module of the library that hosts load, where the type is in scope.
+#[macro_export]
+macro_rules! export_fmi2 {
+    ($component:ty) => {
+        /// `fmi2GetTypesPlatform` (FMI 2.0, 2.1.4).
+        #[unsafe(no_mangle)]
+        #[allow(unsafe_code, non_snake_case)]
+        pub extern "C" fn fmi2GetTypesPlatform() -> *const ::std::ffi::c_char {
+            c"default".as_ptr()
+        }
+
+        /// `fmi2GetVersion` (FMI 2.0, 2.1.4).
+        #[unsafe(no_mangle)]
+        #[allow(unsafe_code, non_snake_case)]
+        pub extern "C" fn fmi2GetVersion() -> *const ::std::ffi::c_char {
+            c"2.0".as_ptr()
+        }
+
+        /// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Instances are independent of each other
+        /// and may be used from different threads, each from one at a time.
+        ///
+        /// # Safety
+        /// `instanceName`, `fmuGUID` and `fmuResourceLocation` are null or C strings; `functions` is null or points to the
+        /// callbacks, of which logger and environment stay valid until the instance is freed.
+        #[unsafe(no_mangle)]
+        #[allow(unsafe_code, non_snake_case)]
+        pub unsafe extern "C" fn fmi2Instantiate(
+            instanceName: *const ::std::ffi::c_char,
+            fmuType: ::std::ffi::c_int,
+            fmuGUID: *const ::std::ffi::c_char,
+            fmuResourceLocation: *const ::std::ffi::c_char,
+            functions: *const $crate::fmi2::abi::FmiCallbackFunctions,
+            _visible: $crate::fmi2::types::FmiBoolean,
+            loggingOn: $crate::fmi2::types::FmiBoolean,
+        ) -> $crate::fmi2::abi::FmiComponent {
+            let who = (instanceName, fmuType, fmuGUID, fmuResourceLocation);
+            // SAFETY: as the caller says.
+            unsafe { $crate::fmi2::abi::instantiate::<$component>(who, functions, loggingOn) }
+        }
+
+        /// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is ignored, and so is a call from inside
+        /// the instance's own logger.
+        ///
+        /// # Safety
+        /// `c` is null or from [`fmi2Instantiate`] and not freed; nothing uses it or its FMU states afterwards.
+        #[unsafe(no_mangle)]
+        #[allow(unsafe_code, non_snake_case)]
+        pub unsafe extern "C" fn fmi2FreeInstance(c: $crate::fmi2::abi::FmiComponent) {
+            // SAFETY: as the caller says.
+            unsafe { $crate::fmi2::abi::free::<$component>(c) }
+        }
+
+        $crate::__functions_of_fmi2! {
+            $component;
+            "2.1.5":
+            fmi2SetDebugLogging, SetDebugLogging(flag loggingOn: $crate::fmi2::types::FmiBoolean, value nCategories: usize, texts categories[nCategories])
+                |instance, _| instance.set_debug_logging(loggingOn, categories);
+
+            "2.1.6":
+            fmi2SetupExperiment, SetupExperiment(flag toleranceDefined: $crate::fmi2::types::FmiBoolean, value tolerance: f64, value startTime: f64,
+                flag stopTimeDefined: $crate::fmi2::types::FmiBoolean, value stopTime: f64)
+                |instance, _| instance.setup_experiment(
+                    toleranceDefined.then_some(tolerance), startTime, stopTimeDefined.then_some(stopTime));
+            fmi2EnterInitializationMode, EnterInitializationMode() |instance, _| instance.enter_initialization_mode();
+            fmi2ExitInitializationMode, ExitInitializationMode() |instance, host| instance.exit_initialization_mode(host);
+            fmi2Terminate, Terminate() |instance, _| instance.terminate();
+            fmi2Reset, Reset() |instance, _| instance.reset();
+
+            "2.1.7":
+            fmi2GetReal, GetReal(array vr: u32[nvr], value nvr: usize, out value: f64[nvr])
+                |instance, _| instance.get($crate::fmi2::instance::REAL, vr, |i, x| value.put(i, x));
+            fmi2GetInteger, GetInteger(array vr: u32[nvr], value nvr: usize, out value: ::std::ffi::c_int[nvr])
+                |instance, _| instance.get($crate::fmi2::instance::INTEGER, vr, |i, x| value.put(i, x as ::std::ffi::c_int));
+            fmi2GetBoolean, GetBoolean(array vr: u32[nvr], value nvr: usize, out value: $crate::fmi2::types::FmiBoolean[nvr])
+                |instance, _| instance.get($crate::fmi2::instance::BOOLEAN, vr, |i, x| value.put(i, (x != 0.0).into()));
+            /// There are no String variables, so any reference is an error.
+            fmi2GetString, GetString(array vr: u32[nvr], value nvr: usize, out value: *const ::std::ffi::c_char[nvr])
+                |instance, _| instance.get($crate::fmi2::instance::STRING, vr, |i, _| value.put(i, c"".as_ptr()));
+            fmi2SetReal, SetReal(array vr: u32[nvr], value nvr: usize, array value: f64[nvr])
+                |instance, _| instance.set($crate::fmi2::instance::REAL, vr, |i| value[i]);
+            fmi2SetInteger, SetInteger(array vr: u32[nvr], value nvr: usize, array value: ::std::ffi::c_int[nvr])
+                |instance, _| instance.set($crate::fmi2::instance::INTEGER, vr, |i| value[i].into());
+            fmi2SetBoolean, SetBoolean(array vr: u32[nvr], value nvr: usize, array value: $crate::fmi2::types::FmiBoolean[nvr])
+                |instance, _| instance.set($crate::fmi2::instance::BOOLEAN, vr, |i| value[i].into());
+            /// There are no String variables, so any reference is an error.
+            fmi2SetString, SetString(array vr: u32[nvr], value nvr: usize, array value: *const ::std::ffi::c_char[nvr])
+                |instance, _| instance.set($crate::fmi2::instance::STRING, vr, |_| 0.0);
+
+            "2.1.8":
+            /// Writes into a new FMU state, or over one that this instance gave out.
+            fmi2GetFMUstate, GetFMUstate(handle FMUstate)
+                |instance, _| FMUstate.replace(|old| instance.save(old));
+            /// Any address is safe: only those this instance gave out are accepted.
+            fmi2SetFMUstate, SetFMUstate(state FMUstate) |instance, _| instance.restore(FMUstate);
+            /// A null state is ignored.
+            fmi2FreeFMUstate, FreeFMUstate(handle FMUstate) |instance, _| FMUstate.free(|old| instance.free(old));
+            fmi2SerializedFMUstateSize, SerializedFMUstateSize(state FMUstate, out size: usize[1])
+                |instance, _| size.give(instance.serialized(FMUstate).map(|bytes| bytes.len()));
+            /// Into as many bytes as `fmi2SerializedFMUstateSize` says.
+            fmi2SerializeFMUstate, SerializeFMUstate(state FMUstate, out serializedState: u8[size], value size: usize)
+                |instance, _| serializedState.copy(&instance.serialized(FMUstate)?, "size");
+            /// Writes into a new FMU state, or over one that this instance gave out.
+            fmi2DeSerializeFMUstate, DeSerializeFMUstate(array serializedState: u8[size], value size: usize, handle FMUstate)
+                |instance, _| FMUstate.replace(|old| instance.deserialize(serializedState, old));
+
+            "2.1.9":
+            fmi2GetDirectionalDerivative, GetDirectionalDerivative(
+                array vUnknown_ref: u32[nUnknown], value nUnknown: usize,
+                array vKnown_ref: u32[nKnown], value nKnown: usize,
+                array dvKnown: f64[nKnown], out dvUnknown: f64[nUnknown])
+                |instance, _| instance.directional_derivative(
+                    vUnknown_ref, vKnown_ref, dvKnown, |i, x| dvUnknown.put(i, x));
+
+            "3.2.2":
+            fmi2EnterEventMode, EnterEventMode() |instance, _| instance.enter_event_mode();
+            fmi2NewDiscreteStates, NewDiscreteStates(out eventInfo: $crate::fmi2::types::FmiEventInfo[1])
+                |instance, host| eventInfo.give(instance.new_discrete_states(host));
+            fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| instance.enter_continuous_time_mode();
+            fmi2CompletedIntegratorStep, CompletedIntegratorStep(flag noSetFMUStatePriorToCurrentPoint: $crate::fmi2::types::FmiBoolean,
+                out enterEventMode: $crate::fmi2::types::FmiBoolean[1], out terminateSimulation: $crate::fmi2::types::FmiBoolean[1])
+                |instance, _| {
+                    enterEventMode.give(instance.completed_integrator_step().map(Into::into))?;
+                    terminateSimulation.put(0, 0);
+                    Ok::<(), $crate::ffi::Fault>(())
+                };
+
+            "3.2.1":
+            fmi2SetTime, SetTime(value time: f64) |instance, _| instance.set_time(time);
+            fmi2SetContinuousStates, SetContinuousStates(states x: f64[nx], value nx: usize)
+                |instance, _| instance.set_continuous_states(x);
+
+            "3.2.2":
+            fmi2GetDerivatives, GetDerivatives(out derivatives: f64[nx], value nx: usize)
+                |instance, _| derivatives.copy(instance.derivatives()?.as_ref(), "nx");
+            fmi2GetEventIndicators, GetEventIndicators(out eventIndicators: f64[ni], value ni: usize)
+                |instance, _| eventIndicators.copy(instance.event_indicators()?.as_ref(), "ni");
+            fmi2GetContinuousStates, GetContinuousStates(out x: f64[nx], value nx: usize)
+                |instance, _| x.copy(instance.continuous_states()?.as_ref(), "nx");
+            fmi2GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out x_nominal: f64[nx], value nx: usize)
+                |instance, _| x_nominal.copy(instance.nominals().as_ref(), "nx");
+
+            "4.2.1":
+            fmi2SetRealInputDerivatives, SetRealInputDerivatives(
+                array vr: u32[nvr], value nvr: usize, array order: ::std::ffi::c_int[nvr], array value: f64[nvr])
+                |instance, _| instance.set_real_input_derivatives(vr, order, value);
+            fmi2GetRealOutputDerivatives, GetRealOutputDerivatives(
+                array vr: u32[nvr], value nvr: usize, array order: ::std::ffi::c_int[nvr], out value: f64[nvr])
+                |instance, _| instance.real_output_derivatives(vr, order, |i, x| value.put(i, x));
+
+            "4.2.2":
+            /// Whether the host may come back to an earlier time makes no difference here: nothing
+            /// is buffered.
+            fmi2DoStep, DoStep(value currentCommunicationPoint: f64, value communicationStepSize: f64,
+                flag noSetFMUStatePriorToCurrentPoint: $crate::fmi2::types::FmiBoolean)
+                |instance, host| instance.do_step(currentCommunicationPoint, communicationStepSize, host);
+            /// Never allowed, since steps are synchronous.
+            fmi2CancelStep, CancelStep() |instance, _| instance.cancel_step();
+
+            "4.2.3":
+            /// The status of asynchronous steps, of which there are none.
+            fmi2GetStatus, GetStatus(value s: ::std::ffi::c_int, out value: $crate::fmi2::types::FmiStatus[1])
+                |instance, _| instance.no_status(s);
+            /// `fmi2LastSuccessfulTime`.
+            fmi2GetRealStatus, GetRealStatus(value s: ::std::ffi::c_int, out value: f64[1])
+                |instance, _| value.give(instance.real_status(s));
+            /// There is no status of this type.
+            fmi2GetIntegerStatus, GetIntegerStatus(value s: ::std::ffi::c_int, out value: ::std::ffi::c_int[1])
+                |instance, _| instance.no_status(s);
+            /// `fmi2Terminated`.
+            fmi2GetBooleanStatus, GetBooleanStatus(value s: ::std::ffi::c_int, out value: $crate::fmi2::types::FmiBoolean[1])
+                |instance, _| value.give(instance.boolean_status(s).map(Into::into));
+            /// The status of asynchronous steps, of which there are none.
+            fmi2GetStringStatus, GetStringStatus(value s: ::std::ffi::c_int, out value: *const ::std::ffi::c_char[1])
+                |instance, _| instance.no_status(s);
+        }
+    };
+}

@@ -1,0 +1,90 @@
+//! Why a call was refused, and the status that says so.
+
+use super::states::{Function, Stage};
+use crate::component::Component;
+use crate::events::EarlyEnd;
+use crate::ffi::Fault;
+use crate::life::Interface;
+use crate::messages::Status;
+use crate::problem::Refusal;
+
+/// Outcome of a call on a component `C`.
+pub type Outcome<C, T = ()> = Result<T, Problem<<C as Component>::Problem>>;
+
+/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's name is put before it
+/// when it is logged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem<P: Refusal> {
+    /// The call is not allowed in this state (FMI 2.0, 3.2.3 and 4.2.4).
+    #[error("not allowed in state {stage:?} of {}{}", interface.name(), way_on(*stage, early))]
+    State {
+        /// The call.
+        function: Function,
+        /// The state it met.
+        stage: Stage,
+        /// Interface type.
+        interface: Interface,
+        /// What the component says of steps that end early.
+        early: EarlyEnd,
+    },
+    /// The component refuses.
+    #[error(transparent)]
+    Component(P),
+    /// An argument that cannot be, or a panic.
+    #[error(transparent)]
+    Fault(Fault),
+    /// Something must be done first, or is never possible.
+    #[error("{what}")]
+    Sequence {
+        /// What.
+        what: &'static str,
+    },
+    /// The step ended at an event before its end.
+    #[error("the step ended at the {} at t = {time} s{}", early.event, early.because)]
+    Stopped {
+        /// Time of the event.
+        time: f64,
+        /// What the component says of it.
+        early: EarlyEnd,
+    },
+    /// A status that is not available (FMI 2.0, 4.2.3).
+    #[error("{what}")]
+    StatusNotAvailable {
+        /// Which and why.
+        what: &'static str,
+    },
+}
+
+impl<P: Refusal> From<P> for Problem<P> {
+    fn from(problem: P) -> Self {
+        Self::Component(problem)
+    }
+}
+
+impl<P: Refusal> From<Fault> for Problem<P> {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
+/// How a host gets on from a state in which little is allowed.
+fn way_on(stage: Stage, early: &EarlyEnd) -> String {
+    match stage {
+        Stage::StepFailed => {
+            format!(": restore the state saved before the {}, or go on from lastSuccessfulTime", early.event)
+        }
+        _ => String::new(),
+    }
+}
+
+impl<P: Refusal> Problem<P> {
+    /// The status to return.
+    pub fn status(&self) -> Status {
+        match self {
+            Self::Stopped { .. } | Self::StatusNotAvailable { .. } => Status::Discard,
+            Self::Fault(Fault::Panic { .. }) => Status::Fatal,
+            _ => Status::Error,
+        }
+    }
+}

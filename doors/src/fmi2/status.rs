@@ -1,0 +1,77 @@
+//! Kinds of status, and what FMI 2.0 alone says of log messages (FMI 2.0, 2.1.5 and 4.2.3).
+
+use crate::log::{Categories, Category};
+use crate::messages::c_text;
+use crate::problem::Problem;
+use std::ffi::CString;
+
+/// `fmi2StatusKind` (FMI 2.0, 4.2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StatusKind {
+    /// Of an asynchronous step; there are none.
+    DoStepStatus,
+    /// Of an asynchronous step; there are none.
+    PendingStatus,
+    /// Time up to which the last step was computed.
+    LastSuccessfulTime,
+    /// Whether the instance wants to end the simulation; it never does.
+    Terminated,
+}
+
+impl StatusKind {
+    /// From the C enumeration.
+    ///
+    /// # Errors
+    /// [`Problem::Value`] for any other number.
+    pub fn from_number(number: i32) -> Result<Self, Problem> {
+        match number {
+            0 => Ok(Self::DoStepStatus),
+            1 => Ok(Self::PendingStatus),
+            2 => Ok(Self::LastSuccessfulTime),
+            3 => Ok(Self::Terminated),
+            _ => Err(Problem::value(
+                "fmi2StatusKind",
+                f64::from(number),
+                "0 (fmi2DoStepStatus), 1 (fmi2PendingStatus), 2 (fmi2LastSuccessfulTime) or 3 (fmi2Terminated)",
+            )),
+        }
+    }
+
+    /// The answer to one who asks with the wrong function.
+    pub fn not_available(self) -> &'static str {
+        match self {
+            Self::DoStepStatus => "fmi2DoStepStatus is not available: steps are synchronous",
+            Self::PendingStatus => "fmi2PendingStatus is not available: steps are synchronous",
+            Self::LastSuccessfulTime => "fmi2LastSuccessfulTime is a Real: use fmi2GetRealStatus",
+            Self::Terminated => "fmi2Terminated is a Boolean: use fmi2GetBooleanStatus",
+        }
+    }
+}
+
+/// Which categories are enabled at instantiation: all when debug logging is on; else what a user should be shown in any
+/// case (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
+pub fn enabled_at_start(logging_on: bool) -> Categories {
+    if logging_on {
+        return Categories::ALL;
+    }
+    let always = [Category::Warnings, Category::Refusals, Category::Failures];
+    always.into_iter().fold(Categories::NONE, |set, category| set.with(category, true))
+}
+
+/// A message as the host's logger takes it: the host formats it as printf does, with no arguments, and reads # as the
+/// start of a variable reference (FMI 2.0, 2.1.5).
+pub fn finished(message: &str) -> CString {
+    c_text(&message.replace('%', "%%").replace('#', "##"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn invariant_what_a_user_should_see_in_any_case_is_enabled_at_start() {
+        let quiet = enabled_at_start(false);
+        assert!(quiet.contains(Category::Refusals) && !quiet.contains(Category::Events));
+        assert_eq!(enabled_at_start(true), Categories::ALL);
+    }
+}

@@ -1,0 +1,357 @@
+//! What the functions of FMI 3.0 mean for the component. Whether a function may be called in the present state is checked
+//! in one place, before any of these: [`guard`](Instance::guard), which the C interface calls.
+
+use super::problem::{Outcome, Problem};
+use super::states::{Function, Stage};
+use super::types::{DiscreteStates, StepEnd};
+use crate::component::Component;
+use crate::events::Advance;
+use crate::ffi::Fault;
+use crate::ffi::handles::Handles;
+use crate::ffi::pointers::check_count;
+use crate::instantiation::{Instantiation, Version};
+use crate::life::{EventHandling, Interface, Phase};
+use crate::log::Categories;
+use crate::messages::{self, Logger, Sink, Status};
+use crate::values::{Base, Bases};
+
+/// Variables of the type `Float64` (FMI 3.0.2, 2.4.7).
+pub const FLOAT64: Bases = Bases::new("Float64", &[Base::Real]);
+/// Variables of the type `Int32`.
+pub const INT32: Bases = Bases::new("Int32", &[Base::Integer]);
+/// Variables that `fmi3GetInt64` and `fmi3SetInt64` access: enumerations.
+pub const INT64: Bases = Bases::new("Int64 or Enumeration", &[Base::Enumeration]);
+/// Variables of the type `Boolean`.
+pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
+/// Variables of the type `Clock`.
+pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]);
+
+/// By how much an announced event must be later than the present, relative to max(1, |t|): fmusim takes one that is nearer for
+/// one in the past, and stops.
+const LATER: f64 = 1e-9;
+
+/// Types of which there is no variable.
+pub const fn none(name: &'static str) -> Bases {
+    Bases::new(name, &[])
+}
+
+/// What the host may do while its callback runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Update {
+    /// `intermediateUpdateTime`, s.
+    pub time: f64,
+    /// `intermediateVariableSetRequested`; otherwise `intermediateVariableGetAllowed` and `intermediateStepFinished`.
+    pub set_requested: bool,
+    /// `canReturnEarly`.
+    pub can_return_early: bool,
+}
+
+/// One instance.
+#[derive(Debug)]
+pub struct Instance<C: Component> {
+    /// What it is an instance of.
+    pub component: C,
+    enabled: Categories,
+    states: Handles<C::State>,
+    /// The inputs that the host intends to set inside a step.
+    pub(super) required: Vec<u32>,
+    /// What it may do now, while its callback runs.
+    #[doc(hidden)]
+    pub update: Option<Update>,
+    /// The function whose error has terminated it, if one has.
+    failed: Option<Function>,
+}
+
+impl<C: Component> Instance<C> {
+    /// `fmi3InstantiateModelExchange` and `fmi3InstantiateCoSimulation` (FMI 3.0.2, 2.3.1).
+    ///
+    /// # Errors
+    /// When the name is blank, or the component refuses.
+    pub fn new(
+        name: &str,
+        interface: Interface,
+        (token, resources): (&str, Option<&str>),
+        handling: EventHandling,
+        enabled: Categories,
+    ) -> Outcome<C, Self> {
+        if name.trim().is_empty() {
+            return Err(Fault::Text {
+                argument: "instanceName",
+                value: name.to_owned(),
+                allowed: "text with at least one character that is no white space".to_owned(),
+            }
+            .into());
+        }
+        let version = Version::Fmi3;
+        let request = Instantiation { version, interface, handling, name, token, resources };
+        Ok(Self {
+            component: C::instantiate(&request)?,
+            enabled,
+            states: Handles::default(),
+            required: Vec::new(),
+            update: None,
+            failed: None,
+        })
+    }
+
+    /// Lets the component tell what is worth knowing about the way in which `function` has made it.
+    pub fn tell(&self, function: &'static str, sink: &mut dyn Sink) {
+        let mut log = Logger { sink, enabled: self.enabled, function };
+        self.component.tell_at_instantiation(&mut log);
+    }
+
+    /// More elements than this in one call are taken for a mistake.
+    #[inline]
+    pub fn max_count(&self) -> usize {
+        C::MAX_COUNT
+    }
+
+    /// Number of continuous states.
+    #[inline]
+    pub fn number_of_states(&self) -> usize {
+        self.component.number_of_continuous_states()
+    }
+
+    /// Number of event indicators.
+    pub fn number_of_event_indicators(&self) -> usize {
+        self.component.number_of_event_indicators()
+    }
+
+    /// Which log categories are enabled.
+    pub fn enabled(&self) -> Categories {
+        self.enabled
+    }
+
+    /// Where it is in the standard's state machine.
+    pub fn stage(&self) -> Stage {
+        match (Stage::of(self.component.life().phase), self.update) {
+            (Stage::StepMode, Some(_)) => Stage::IntermediateUpdateMode,
+            (stage, _) => stage,
+        }
+    }
+
+    /// Refuses `function` in a state in which it is not allowed (FMI 3.0.2, 2.3, 3.2 and 4.2).
+    ///
+    /// # Errors
+    /// [`Problem::State`].
+    #[inline]
+    pub fn guard(&self, function: Function) -> Outcome<C> {
+        let (interface, stage) = (self.component.life().interface, self.stage());
+        if function.allowed(interface, stage) {
+            return Ok(());
+        }
+        let failed = self.failed.filter(|_| stage == Stage::Terminated);
+        Err(Problem::State { stage, interface, failed })
+    }
+
+    /// What a status of a function leaves behind: after an error the instance is Terminated (FMI 3.0.2, 2.3.1).
+    pub fn after(&mut self, function: Function, status: Status) {
+        match status {
+            Status::Error if self.component.life().phase != Phase::Broken => {
+                if self.component.life().phase != Phase::Terminated {
+                    self.failed = Some(function);
+                }
+                self.component.terminate();
+            }
+            Status::Fatal => self.component.break_down(),
+            _ => {}
+        }
+    }
+
+    pub(super) fn log<'a>(&self, sink: &'a mut dyn Sink, function: Function) -> Logger<'a> {
+        Logger { sink, enabled: self.enabled, function: function.name() }
+    }
+
+    /// `fmi3Terminate` (FMI 3.0.2, 2.3.4).
+    ///
+    /// # Errors
+    /// None.
+    pub fn terminate(&mut self) -> Outcome<C> {
+        self.failed = None;
+        self.component.terminate();
+        Ok(())
+    }
+
+    /// `fmi3Reset` (FMI 3.0.2, 2.3.1).
+    ///
+    /// # Errors
+    /// None.
+    pub fn reset(&mut self) -> Outcome<C> {
+        self.component.reset();
+        Ok(())
+    }
+
+    /// `fmi3SetDebugLogging` (FMI 3.0.2, 2.3.1); no names means all categories.
+    ///
+    /// # Errors
+    /// [`Fault::Text`] for an unknown category; nothing has changed then.
+    pub fn set_debug_logging<S: AsRef<str>>(
+        &mut self,
+        on: bool,
+        categories: impl IntoIterator<Item = Outcome<C, S>>,
+    ) -> Outcome<C> {
+        let (mut enabled, mut any) = (self.enabled, false);
+        for name in categories {
+            any = true;
+            enabled = messages::with_category(enabled, name?.as_ref(), on)?;
+        }
+        let all = if on { Categories::ALL } else { Categories::NONE };
+        self.enabled = if any { enabled } else { all };
+        Ok(())
+    }
+
+    /// `fmi3EnterInitializationMode` (FMI 3.0.2, 2.3.2).
+    ///
+    /// # Errors
+    /// As [`set_experiment`](Component::set_experiment).
+    pub fn enter_initialization_mode(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Outcome<C> {
+        self.component.set_experiment(tolerance, start, stop)?;
+        self.component.enter_initialization();
+        Ok(())
+    }
+
+    /// `fmi3ExitInitializationMode` (FMI 3.0.2, 2.3.3).
+    ///
+    /// # Errors
+    /// As [`exit_initialization`](Component::exit_initialization).
+    pub fn exit_initialization_mode(&mut self, sink: &mut dyn Sink) -> Outcome<C> {
+        let mut log = self.log(sink, Function::ExitInitializationMode);
+        Ok(self.component.exit_initialization(&mut log)?)
+    }
+
+    /// `fmi3Get{VariableType}` (FMI 3.0.2, 2.2.6.2): hands value `i` to `write`.
+    ///
+    /// # Errors
+    /// For another number of values than the variables have; else as [`get`](Component::get).
+    #[inline]
+    pub fn get(
+        &mut self,
+        bases: Bases,
+        references: &[u32],
+        count: usize,
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome<C> {
+        self.check_get()?;
+        let mut written = 0;
+        self.component.get(bases, references, |i, value| {
+            written = i + 1;
+            write(i, value);
+        })?;
+        Ok(check_count("nValues", count, written)?)
+    }
+
+    /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.6.2): takes value `i` from `read`.
+    ///
+    /// # Errors
+    /// For another number of values than the variables have; else as [`set`](Component::set).
+    #[inline]
+    pub fn set(
+        &mut self,
+        bases: Bases,
+        references: &[u32],
+        count: usize,
+        read: impl Fn(usize) -> f64,
+    ) -> Outcome<C> {
+        check_count("nValues", count, references.len())?;
+        self.check_set(references)?;
+        Ok(self.component.set(bases, references, read)?)
+    }
+
+    /// `fmi3EnterEventMode` (FMI 3.0.2, 3.2.1 and 4.2.1).
+    ///
+    /// # Errors
+    /// [`Problem::Sequence`] in Co-Simulation where `eventModeUsed` is false.
+    pub fn enter_event_mode(&mut self) -> Outcome<C> {
+        if !self.component.life().handling.event_mode {
+            return Err(Problem::Sequence { what: "eventModeUsed was false at the instantiation" });
+        }
+        Ok(self.component.enter_event()?)
+    }
+
+    /// `fmi3UpdateDiscreteStates` (FMI 3.0.2, 2.3.5).
+    ///
+    /// # Errors
+    /// As [`handle_events`](Component::handle_events).
+    pub fn update_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<C, DiscreteStates> {
+        let mut log = self.log(sink, Function::UpdateDiscreteStates);
+        let changed = self.component.handle_events(&mut log)?;
+        Ok(DiscreteStates { changed, next_event_time: self.next_event_time() })
+    }
+
+    /// `nextEventTime`: that of the next event, where it is later than the present also for a host that compares times with a
+    /// tolerance.
+    fn next_event_time(&mut self) -> Option<f64> {
+        let time = self.component.next_event_time()?;
+        let now = self.component.time();
+        (time > now + LATER * now.abs().max(1.0)).then_some(time)
+    }
+
+    /// `fmi3EnterStepMode` (FMI 3.0.2, 2.3.5) and `fmi3EnterContinuousTimeMode`.
+    ///
+    /// # Errors
+    /// As [`leave_event`](Component::leave_event).
+    pub fn leave_event_mode(&mut self, function: Function, sink: &mut dyn Sink) -> Outcome<C> {
+        let mut log = self.log(sink, function);
+        Ok(self.component.leave_event(&mut log)?)
+    }
+
+    /// `fmi3DoStep` (FMI 3.0.2, 4.2.1).
+    ///
+    /// # Errors
+    /// As [`advance`](Component::advance).
+    #[inline]
+    pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C, StepEnd> {
+        let mut log = self.log(sink, Function::DoStep);
+        let Advance { time, event, early } = self.component.advance(point, size, &mut log)?;
+        Ok(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
+    }
+
+    /// `fmi3GetFMUState` (FMI 3.0.2, 2.2.6.4): saves into the place of `handle`, or a new one where that is zero.
+    ///
+    /// # Errors
+    /// For a handle that is neither zero nor this instance's.
+    pub fn save(&mut self, handle: usize) -> Outcome<C, usize> {
+        if handle == 0 {
+            return Ok(self.states.keep(self.component.save()?, 0)?);
+        }
+        self.component.save_into(self.states.get_mut(handle)?)?;
+        Ok(handle)
+    }
+
+    /// `fmi3SetFMUState` (FMI 3.0.2, 2.2.6.4).
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's, and as [`restore`](Component::restore).
+    pub fn restore(&mut self, handle: usize) -> Outcome<C> {
+        Ok(self.component.restore(self.states.get(handle)?)?)
+    }
+
+    /// `fmi3FreeFMUState` (FMI 3.0.2, 2.2.6.4).
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's.
+    pub fn free(&mut self, handle: usize) -> Outcome<C> {
+        Ok(self.states.free(handle)?)
+    }
+
+    /// `fmi3SerializeFMUState` (FMI 3.0.2, 2.2.6.4).
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's.
+    pub fn serialized(&self, handle: usize) -> Outcome<C, Vec<u8>> {
+        Ok(self.component.serialize(self.states.get(handle)?)?)
+    }
+
+    /// `fmi3DeserializeFMUState` (FMI 3.0.2, 2.2.6.4): into the place of `handle` where that is this instance's, else a new one.
+    ///
+    /// # Errors
+    /// As [`deserialize`](Component::deserialize).
+    pub fn deserialize(&mut self, serialized: &[u8], handle: usize) -> Outcome<C, usize> {
+        Ok(self.states.keep_new(self.component.deserialize(serialized)?, handle)?)
+    }
+}

@@ -1,0 +1,256 @@
+//! Intermediate update: a step that asks the host's callback for inputs in its course, and shows it outputs at its events and
+//! its end (FMI 3.0.2, 4.2.2).
+//!
+//! ```text
+//! start ─ an input required? ─▶ values at 1/3, 2/3 and 3/3 of the step ─▶ cubic loads ─▶ to the next event or the end
+//!                                                                                          │            ▲
+//!                                    the step's end ◀── end ── outputs shown at it ◀───────┤            │ law applied
+//!                                                                                          └─ event ─ outputs shown
+//! ```
+
+use super::instance::{FLOAT64, Instance, Update};
+use super::problem::{Outcome, Problem};
+use super::states::Function;
+use super::types::StepEnd;
+use crate::component::Component;
+use crate::events::{Advance, Piece};
+use crate::life::Phase;
+use crate::log::Category;
+use crate::messages::{Sink, Status};
+
+/// What comes next in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn {
+    /// The callback is to be called; [`Instance::answered`] goes on.
+    Ask(Update),
+    /// The step is over.
+    Done(StepEnd),
+}
+
+/// A step in progress.
+#[derive(Debug)]
+pub struct Progress<C: Component> {
+    pieces: C::Pieces,
+    /// Length, s.
+    span: f64,
+    begin: f64,
+    /// Values of the required inputs at 0, 1/3, 2/3 and 3/3 of the step.
+    inputs: Vec<[f64; 4]>,
+    /// What was asked last.
+    asked: Asked,
+    /// Where the host wants it to end, s.
+    until: Option<f64>,
+}
+
+/// What the callback was called for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Asked {
+    /// Inputs, so many times.
+    Inputs(usize),
+    /// Outputs before an event.
+    Event,
+    /// Outputs at the end.
+    End,
+}
+
+impl<C: Component> Instance<C> {
+    /// Takes note of `requiredIntermediateVariables` (FMI 3.0.2, 2.3.1).
+    ///
+    /// # Errors
+    /// For a reference that is no variable's.
+    pub fn require_intermediate_variables(
+        &mut self,
+        references: &[u32],
+        has_callback: bool,
+        sink: &mut dyn Sink,
+    ) -> Outcome<C> {
+        for &reference in references {
+            let variable = self.component.variable(reference)?;
+            if variable.continuous_input
+                && has_callback
+                && C::INTERMEDIATE_UPDATE
+                && !self.required.contains(&reference)
+            {
+                self.required.push(reference);
+            }
+            if !variable.intermediate_update && self.enabled().contains(Category::Warnings) {
+                let text = format!(
+                    "fmi3InstantiateCoSimulation: {} is required for intermediate update, but has no intermediateUpdate = \
+                     \"true\": it can be read there, not set",
+                    variable.name
+                );
+                sink.send(Status::Warning, Category::Warnings, &text);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the host's callback runs.
+    pub fn in_callback(&self) -> bool {
+        self.update.is_some()
+    }
+
+    /// Whether variables may be read now: not while inputs are asked for.
+    ///
+    /// # Errors
+    /// [`Problem::Intermediate`].
+    #[inline]
+    pub(super) fn check_get(&self) -> Outcome<C> {
+        match self.update {
+            Some(update) if update.set_requested => Err(Problem::Intermediate {
+                what: "a variable is read".to_owned(),
+                allowed: "to set inputs: intermediateVariableGetAllowed is false",
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether these variables may be set now: inside a step only the inputs that were required, and when asked for.
+    ///
+    /// # Errors
+    /// [`Problem::Intermediate`]; a reference that is no variable's.
+    #[inline]
+    pub(super) fn check_set(&self, references: &[u32]) -> Outcome<C> {
+        match self.update {
+            None => Ok(()),
+            Some(update) => self.check_set_inside(references, update),
+        }
+    }
+
+    #[cold]
+    fn check_set_inside(&self, references: &[u32], update: Update) -> Outcome<C> {
+        for &reference in references {
+            let variable = self.component.variable(reference)?;
+            if !(update.set_requested && self.required.contains(&reference)) {
+                return Err(Problem::Intermediate {
+                    what: format!("{} is set", variable.name),
+                    allowed: "to set inputs in requiredIntermediateVariables, where intermediateVariableSetRequested is true",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// `fmi3DoStep` with a callback: begins the step.
+    ///
+    /// # Errors
+    /// As [`advance`](Component::advance); nothing has changed then.
+    pub fn begin_step(
+        &mut self,
+        point: f64,
+        size: f64,
+        sink: &mut dyn Sink,
+    ) -> Outcome<C, (Progress<C>, Turn)> {
+        let pieces = self.component.begin_pieces(point, size)?;
+        let mut progress = Progress {
+            span: self.component.left(&pieces),
+            begin: self.component.time(),
+            inputs: vec![[0.0; 4]; self.required.len()],
+            pieces,
+            asked: Asked::Inputs(0),
+            until: None,
+        };
+        let turn = if self.required.is_empty() {
+            self.start(&mut progress, sink)?
+        } else {
+            self.read_inputs(&mut progress, 0)?;
+            self.ask_inputs(&mut progress, 1)
+        };
+        Ok((progress, turn))
+    }
+
+    /// Takes the required inputs as they are set for their values from the `n`th on.
+    fn read_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Outcome<C> {
+        let inputs = &mut progress.inputs;
+        Ok(self.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)
+    }
+
+    /// Goes on after the callback, with the time at which the host wants the step to end, if it does.
+    ///
+    /// # Errors
+    /// As [`advance`](Component::advance), and when a call inside the callback was refused; the step has been taken
+    /// back then.
+    pub fn answered(
+        &mut self,
+        progress: &mut Progress<C>,
+        until: Option<f64>,
+        sink: &mut dyn Sink,
+    ) -> Outcome<C, Turn> {
+        self.update = None;
+        if self.component.life().phase == Phase::Terminated {
+            self.component.take_pieces_back(&progress.pieces)?;
+            return Err(Problem::Sequence {
+                what: "a call inside the callback was refused: the step has been taken back",
+            });
+        }
+        if let (Some(time), Asked::Event | Asked::End) = (until, progress.asked) {
+            let now = self.component.time();
+            let end = now + self.component.left(&progress.pieces);
+            progress.until = Some(if time > now { time } else { now }).filter(|time| *time < end);
+        }
+        match progress.asked {
+            Asked::Inputs(n) => {
+                self.read_inputs(progress, n)?;
+                if n < 3 {
+                    return Ok(self.ask_inputs(progress, n + 1));
+                }
+                for (input, values) in self.required.iter().zip(&progress.inputs) {
+                    self.component.interpolate_input(*input, *values, progress.span);
+                }
+                self.start(progress, sink)
+            }
+            Asked::Event => {
+                let ends =
+                    self.component.pass_event(&mut progress.pieces, &mut self.log(sink, Function::DoStep));
+                let here = progress.until.is_some_and(|until| until <= self.component.time());
+                if ends || here { Ok(self.end_step(progress)) } else { self.go_on(progress, sink) }
+            }
+            Asked::End => Ok(self.end_step(progress)),
+        }
+    }
+
+    fn ask(&mut self, time: f64, set_requested: bool) -> Turn {
+        let can_return_early = !set_requested && self.component.life().handling.early_return;
+        let update = Update { time, set_requested, can_return_early };
+        self.update = Some(update);
+        Turn::Ask(update)
+    }
+
+    fn ask_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Turn {
+        progress.asked = Asked::Inputs(n);
+        let part = if n == 3 { progress.span } else { progress.span * n as f64 / 3.0 };
+        self.ask(progress.begin + part, true)
+    }
+
+    fn start(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
+        match self.component.start_pieces(&mut progress.pieces)? {
+            Piece::Event => Ok(self.end_step(progress)),
+            Piece::End => self.go_on(progress, sink),
+        }
+    }
+
+    /// To the next event or the end.
+    fn go_on(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
+        let mut log = self.log(sink, Function::DoStep);
+        let piece = self.component.next_piece(&mut progress.pieces, progress.until, &mut log)?;
+        let event = piece == Piece::Event;
+        if event && self.component.ends_before_event(&progress.pieces) || !event && progress.until.is_some() {
+            return Ok(self.end_step(progress));
+        }
+        progress.asked = if event { Asked::Event } else { Asked::End };
+        Ok(self.ask(self.component.time(), false))
+    }
+
+    fn end_step(&mut self, progress: &Progress<C>) -> Turn {
+        let Advance { time, event, early } = self.component.end_pieces(&progress.pieces);
+        for (input, values) in self.required.iter().zip(&progress.inputs).filter(|_| !early) {
+            self.component.hold_input(*input, values[3]);
+        }
+        Turn::Done(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
+    }
+
+    /// After a panic in the callback.
+    pub fn callback_failed(&mut self) {
+        self.update = None;
+    }
+}

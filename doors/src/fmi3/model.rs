@@ -1,0 +1,135 @@
+//! The model's numbers: Model Exchange, derivatives and dependencies (FMI 3.0.2, 2.2.9, 2.2.12, 3.2.1 and 4.1.2).
+
+use super::instance::Instance;
+use super::problem::Outcome;
+use crate::component::Component;
+use crate::ffi::pointers::check_count;
+use crate::values::Dependency;
+
+impl<C: Component> Instance<C> {
+    /// `fmi3CompletedIntegratorStep` (FMI 3.0.2, 3.2.1): whether the host must enter Event Mode.
+    ///
+    /// # Errors
+    /// As [`complete_integrator_step`](Component::complete_integrator_step).
+    pub fn completed_integrator_step(&mut self) -> Outcome<C, bool> {
+        Ok(self.component.complete_integrator_step()?)
+    }
+
+    /// `fmi3SetTime` (FMI 3.0.2, 3.2.1).
+    ///
+    /// # Errors
+    /// As [`set_time`](Component::set_time).
+    pub fn set_time(&mut self, time: f64) -> Outcome<C> {
+        Ok(self.component.set_time(time)?)
+    }
+
+    /// `fmi3SetContinuousStates` (FMI 3.0.2, 3.2.1).
+    ///
+    /// # Errors
+    /// As [`set_continuous_states`](Component::set_continuous_states).
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Outcome<C> {
+        Ok(self.component.set_continuous_states(states)?)
+    }
+
+    /// `fmi3GetContinuousStates` (FMI 3.0.2, 3.2.1).
+    ///
+    /// # Errors
+    /// As [`continuous_states`](Component::continuous_states).
+    pub fn continuous_states(&self) -> Outcome<C, impl AsRef<[f64]>> {
+        Ok(self.component.continuous_states()?)
+    }
+
+    /// `fmi3GetContinuousStateDerivatives` (FMI 3.0.2, 3.2.1).
+    ///
+    /// # Errors
+    /// As [`state_derivatives`](Component::state_derivatives).
+    pub fn derivatives(&self) -> Outcome<C, impl AsRef<[f64]>> {
+        Ok(self.component.state_derivatives()?)
+    }
+
+    /// `fmi3GetEventIndicators` (FMI 3.0.2, 3.2.1).
+    ///
+    /// # Errors
+    /// As [`event_indicators`](Component::event_indicators).
+    pub fn event_indicators(&self) -> Outcome<C, impl AsRef<[f64]>> {
+        Ok(self.component.event_indicators()?)
+    }
+
+    /// `fmi3GetNominalsOfContinuousStates` (FMI 3.0.2, 3.2.1).
+    pub fn nominals(&self) -> impl AsRef<[f64]> {
+        self.component.nominals()
+    }
+
+    /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and sensitivity.
+    ///
+    /// # Errors
+    /// For other numbers of elements than there are knowns and unknowns; else as
+    /// [`directional_derivative`](Component::directional_derivative).
+    pub fn directional_derivative(
+        &mut self,
+        (unknowns, knowns): (&[u32], &[u32]),
+        (seed, sensitivity): (&[f64], usize),
+        write: impl FnMut(usize, f64),
+    ) -> Outcome<C> {
+        check_count("nSeed", seed.len(), knowns.len())?;
+        check_count("nSensitivity", sensitivity, unknowns.len())?;
+        Ok(self.component.directional_derivative(unknowns, knowns, seed, write)?)
+    }
+
+    /// `fmi3GetAdjointDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and sensitivity.
+    ///
+    /// # Errors
+    /// As [`directional_derivative`](Self::directional_derivative).
+    pub fn adjoint_derivative(
+        &mut self,
+        (unknowns, knowns): (&[u32], &[u32]),
+        (seed, sensitivity): (&[f64], usize),
+        write: impl FnMut(usize, f64),
+    ) -> Outcome<C> {
+        check_count("nSeed", seed.len(), unknowns.len())?;
+        check_count("nSensitivity", sensitivity, knowns.len())?;
+        Ok(self.component.adjoint_derivative(unknowns, knowns, seed, write)?)
+    }
+
+    /// `fmi3GetOutputDerivatives` (FMI 3.0.2, 4.1.2).
+    ///
+    /// # Errors
+    /// As [`output_derivatives`](Component::output_derivatives).
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        count: usize,
+        write: impl FnMut(usize, f64),
+    ) -> Outcome<C> {
+        check_count("nValues", count, references.len())?;
+        self.check_get()?;
+        Ok(self.component.output_derivatives(references, orders, write)?)
+    }
+
+    /// What a variable depends on now, by `fmi3GetVariableDependencies` (FMI 3.0.2, 2.2.9).
+    ///
+    /// # Errors
+    /// As [`dependencies`](Component::dependencies).
+    pub fn dependencies(&self, reference: u32) -> Outcome<C, Vec<Dependency>> {
+        Ok(self.component.dependencies(reference)?)
+    }
+
+    /// The same where there is room for so many.
+    ///
+    /// # Errors
+    /// For another number than there are.
+    pub fn dependencies_counted(&self, reference: u32, count: usize) -> Outcome<C, Vec<Dependency>> {
+        let list = self.dependencies(reference)?;
+        check_count("nDependencies", count, list.len())?;
+        Ok(list)
+    }
+
+    /// A function that is never allowed, whatever it is called with.
+    ///
+    /// # Errors
+    /// None: [`guard`](Self::guard) has refused it.
+    pub fn never(&self) -> Outcome<C> {
+        Ok(())
+    }
+}

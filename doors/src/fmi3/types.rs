@@ -1,0 +1,45 @@
+//! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.2 and 2.2.3), by the names that std has for the C types.
+
+use crate::events::Handled;
+use crate::values::DependencyKind;
+use std::ffi::c_int;
+
+/// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte there.
+pub type FmiBoolean = u8;
+/// `fmi3Status`, as an integer.
+pub type FmiStatus = c_int;
+/// `fmi3DependencyKind`, as an integer.
+pub type FmiDependencyKind = c_int;
+/// `fmi3IntervalQualifier`, as an integer.
+pub type FmiIntervalQualifier = c_int;
+
+/// `fmi3DependencyKind` of a kind.
+pub fn dependency_kind(kind: DependencyKind) -> FmiDependencyKind {
+    match kind {
+        DependencyKind::Constant => 1,
+        DependencyKind::Fixed => 2,
+        DependencyKind::Tunable => 3,
+        DependencyKind::Discrete => 4,
+        DependencyKind::Dependent => 5,
+    }
+}
+
+/// The returned arguments of `fmi3UpdateDiscreteStates` (FMI 3.0.2, 2.3.5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiscreteStates {
+    /// What the event has changed.
+    pub changed: Handled,
+    /// The time of the next event, s, where it is known.
+    pub next_event_time: Option<f64>,
+}
+
+/// The returned arguments of `fmi3DoStep` (FMI 3.0.2, 4.2.1).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepEnd {
+    /// The host must enter Event Mode.
+    pub event_handling_needed: bool,
+    /// The step ended before its end.
+    pub early_return: bool,
+    /// The time reached, s.
+    pub last_successful_time: f64,
+}

@@ -1,0 +1,171 @@
+//! What a host asks for when it makes an instance, and what a door asks of a variable.
+
+use crate::ffi::Fault;
+use crate::life::{EventHandling, Interface, Life};
+use crate::problem::Problem;
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+/// A version of FMI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    Fmi2,
+    /// FMI 3.0.
+    Fmi3,
+}
+
+/// What a host asks for when it makes an instance (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1).
+#[derive(Clone, Copy, Debug)]
+pub struct Instantiation<'a> {
+    /// By which version it asks.
+    pub version: Version,
+    /// How the instance will be used.
+    pub interface: Interface,
+    /// What the host does about events.
+    pub handling: EventHandling,
+    /// Name of the instance: not blank.
+    pub name: &'a str,
+    /// What tells descriptions apart: `fmuGUID`, `instantiationToken`.
+    pub token: &'a str,
+    /// Where the files of the FMU's folder `resources` are, as the host says it: a URI in FMI 2.0, a path in FMI 3.0; none where
+    /// it says nothing.
+    pub resources: Option<&'a str>,
+}
+
+impl Instantiation<'_> {
+    /// Refuses a token that is not `own`, by the name that the version has for it.
+    ///
+    /// # Errors
+    /// [`Problem::Fault`].
+    pub fn check_token(&self, own: &str) -> Result<(), Problem> {
+        if self.token == own { Ok(()) } else { Err(self.wrong_token(own)) }
+    }
+
+    /// That the token is none of this library's.
+    pub fn wrong_token(&self, allowed: &str) -> Problem {
+        let argument = match self.version {
+            Version::Fmi2 => "fmuGUID",
+            Version::Fmi3 => "instantiationToken",
+        };
+        let (value, allowed) = (self.token.to_owned(), allowed.to_owned());
+        Problem::Fault(Fault::Text { argument, value, allowed })
+    }
+
+    /// The folder of the FMU's resources: in FMI 2.0 from a URI of a file, with or without a host, its characters by percent codes
+    /// or not, or from a path, which some hosts give; in FMI 3.0 from a path, with a separator at its end or not. Whether it is
+    /// there shows when it is read.
+    ///
+    /// # Errors
+    /// [`Problem::Fault`] where the host says nothing, or names no file.
+    pub fn resource_folder(&self) -> Result<PathBuf, Problem> {
+        let (argument, form) = match self.version {
+            Version::Fmi2 => ("fmuResourceLocation", "the URI of a folder, file:///…"),
+            Version::Fmi3 => ("resourcePath", "the path of a folder"),
+        };
+        let given = self.resources.unwrap_or_default();
+        let path = match self.version {
+            Version::Fmi2 => path_of_uri(given),
+            Version::Fmi3 => Some(given.to_owned()),
+        };
+        let refused = || Fault::Text { argument, value: given.to_owned(), allowed: form.to_owned() };
+        let path = path.filter(|path| !path.is_empty()).ok_or_else(refused)?;
+        Ok(PathBuf::from(path))
+    }
+
+    /// The life of the instance that is to be made.
+    pub fn life(&self) -> Life {
+        Life::new(self.interface, self.handling)
+    }
+}
+
+/// What a door must know of a variable.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named<'a> {
+    /// Its name.
+    pub name: Cow<'a, str>,
+    /// Whether it is a continuous input, which may be set within a step.
+    pub continuous_input: bool,
+    /// Whether its description has `intermediateUpdate="true"` (FMI 3.0.2, 4.2.2).
+    pub intermediate_update: bool,
+}
+
+/// The path that a URI names (RFC 8089); none for another scheme than that of files, or codes that are no UTF-8.
+fn path_of_uri(uri: &str) -> Option<String> {
+    let Some(scheme) = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("file:")) else {
+        return (!uri.contains("://")).then(|| uri.to_owned());
+    };
+    let path = decoded(&uri[scheme.len()..])?;
+    let Some(of_host) = path.strip_prefix("//") else { return Some(path) };
+    let (host, rest) = of_host.split_at(of_host.find('/')?);
+    let drive = rest.as_bytes().get(2) == Some(&b':');
+    Some(match host {
+        // A path of Windows begins with its drive.
+        "" | "localhost" if drive => rest[1..].to_owned(),
+        "" | "localhost" => rest.to_owned(),
+        // A folder of another machine.
+        _ => path,
+    })
+}
+
+/// Text with its percent codes decoded; a percent sign that begins none stands for itself.
+fn decoded(text: &str) -> Option<String> {
+    let (mut bytes, mut rest) = (Vec::with_capacity(text.len()), text.as_bytes());
+    while let Some((&first, after)) = rest.split_first() {
+        let code = after.first_chunk::<2>().filter(|_| first == b'%');
+        let code = code.and_then(|code| std::str::from_utf8(code).ok());
+        let hexadecimal = |code: &&str| code.bytes().all(|byte| byte.is_ascii_hexdigit());
+        match code.filter(hexadecimal).and_then(|code| u8::from_str_radix(code, 16).ok()) {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = &after[2..];
+            }
+            None => {
+                bytes.push(first);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8(bytes).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(version: Version, resources: Option<&str>) -> Result<PathBuf, Problem> {
+        let (interface, handling) = (Interface::CoSimulation, EventHandling::default());
+        Instantiation { version, interface, handling, name: "a", token: "", resources }.resource_folder()
+    }
+
+    #[test]
+    fn resources_are_found_by_what_hosts_say() {
+        for (uri, path) in [
+            ("file:///tmp/a%20b/resources", "/tmp/a b/resources"),
+            ("file:/tmp/resources/", "/tmp/resources/"),
+            ("file://localhost/tmp/%C3%BC", "/tmp/ü"),
+            ("FILE:///C:/Temp/resources", "C:/Temp/resources"),
+            ("file://server/share/resources", "//server/share/resources"),
+            ("file:///tmp/100%", "/tmp/100%"),
+            ("/tmp/resources", "/tmp/resources"),
+        ] {
+            assert_eq!(folder(Version::Fmi2, Some(uri)), Ok(PathBuf::from(path)), "{uri}");
+        }
+        let own = "/tmp/a%20b/";
+        assert_eq!(folder(Version::Fmi3, Some(own)), Ok(PathBuf::from(own)));
+    }
+
+    #[test]
+    fn resources_that_are_no_folder_are_refused_by_name() {
+        for (version, resources, text) in [
+            (Version::Fmi2, None, "fmuResourceLocation = \"\": allowed is the URI of a folder"),
+            (Version::Fmi2, Some("https://a/b"), "fmuResourceLocation = \"https://a/b\": allowed"),
+            (Version::Fmi2, Some("file:///%ff"), "fmuResourceLocation = \"file:///%ff\""),
+            (Version::Fmi2, Some("file://server"), "fmuResourceLocation"),
+            (Version::Fmi3, None, "resourcePath = \"\": allowed is the path of a folder"),
+        ] {
+            let problem = folder(version, resources).unwrap_err().to_string();
+            assert!(problem.starts_with(text), "{problem}");
+        }
+    }
+}

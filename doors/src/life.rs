@@ -1,0 +1,223 @@
+//! How a component is used, where it stands in its life, and what was agreed with its host when it was made.
+
+use crate::problem::Problem;
+use serde::{Deserialize, Serialize};
+
+/// How a component is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Interface {
+    /// The host brings the solver.
+    ModelExchange,
+    /// The component steps itself.
+    CoSimulation,
+}
+
+impl Interface {
+    /// Name for messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ModelExchange => "Model Exchange",
+            Self::CoSimulation => "Co-Simulation",
+        }
+    }
+}
+
+/// Where a component stands in its life, whatever a version of FMI calls it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// Just made or reset.
+    Instantiated,
+    /// The start is being set and looked at.
+    Initialization,
+    /// At an event, between two pieces of a motion.
+    Event,
+    /// A host's solver integrates.
+    Continuous,
+    /// At a communication point.
+    Step,
+    /// At the event at which a step ended early: the next step may begin here, or the state saved before be put back.
+    StoppedEarly,
+    /// The simulation is over; outputs can still be read.
+    Terminated,
+    /// A panic has left it in an unknown state.
+    Broken,
+}
+
+impl Phase {
+    /// In words, for messages.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Instantiated => "before initialization",
+            Self::Initialization => "in initialization",
+            Self::Event => "at an event",
+            Self::Continuous => "between events",
+            Self::Step => "at a communication point",
+            Self::StoppedEarly => "where the step ended early",
+            Self::Terminated => "after the end",
+            Self::Broken => "after an internal error",
+        }
+    }
+}
+
+/// When the simulation begins, and where it ends at the latest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Experiment {
+    /// Start, s.
+    pub start: f64,
+    /// Stop, s, where it is known.
+    pub stop: Option<f64>,
+}
+
+impl Experiment {
+    /// What a host says of its experiment, checked.
+    ///
+    /// # Errors
+    /// [`Problem::Value`] for a tolerance that is negative, a start that is not finite, a stop before the start.
+    pub fn new(tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Self, Problem> {
+        match tolerance {
+            Some(value) if !(value.is_finite() && value >= 0.0) => {
+                return Err(Problem::value("tolerance", value, "a finite number >= 0"));
+            }
+            _ => {}
+        }
+        if !start.is_finite() {
+            return Err(Problem::value("startTime", start, "a finite number"));
+        }
+        match stop {
+            Some(value) if !(value.is_finite() && value >= start) => {
+                return Err(Problem::value("stopTime", value, "a finite number not before startTime"));
+            }
+            _ => {}
+        }
+        Ok(Self { start, stop })
+    }
+}
+
+/// What a host does about events; agreed when the component is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EventHandling {
+    /// It handles events itself: what changes at events only is shown from the event's handling on.
+    pub event_mode: bool,
+    /// It takes steps that end before their end.
+    pub early_return: bool,
+}
+
+/// How far a master's time may be off a component's own, relative to max(1, |t|): masters add step sizes up and drift by about
+/// 1e-14 a step, which stays below this for 1e5 steps; anything larger is a mistake.
+pub const TIME_TOLERANCE: f64 = 1e-9;
+
+/// What every component keeps of its dealings with a host.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Life {
+    /// How it is used.
+    pub interface: Interface,
+    /// What its host does about events.
+    pub handling: EventHandling,
+    /// Where it stands.
+    pub phase: Phase,
+    /// Start and stop, once they were given.
+    pub experiment: Option<Experiment>,
+}
+
+impl Life {
+    /// Of a component that has just been made.
+    pub fn new(interface: Interface, handling: EventHandling) -> Self {
+        Self { interface, handling, phase: Phase::Instantiated, experiment: None }
+    }
+
+    /// Start time, s: 0 where none was given.
+    pub fn start_time(&self) -> f64 {
+        self.experiment.unwrap_or_default().start
+    }
+
+    /// The phase in which a motion begins: that of an event where the host handles events, else that of a communication point.
+    pub fn begin(&mut self) {
+        let event = self.interface == Interface::ModelExchange || self.handling.event_mode;
+        self.phase = if event { Phase::Event } else { Phase::Step };
+    }
+
+    /// The phase in which a motion goes on after an event.
+    pub fn go_on(&mut self) {
+        self.phase = match self.interface {
+            Interface::CoSimulation => Phase::Step,
+            Interface::ModelExchange => Phase::Continuous,
+        };
+    }
+
+    /// Takes over phase and experiment of a saved state. Where that was saved by a host with another handling of events and this one
+    /// has no such phase, the motion goes on from there.
+    ///
+    /// # Errors
+    /// [`Problem::SavedState`] for one of the other interface type; nothing has changed then.
+    pub fn take_over(&mut self, saved: &Self) -> Result<(), Problem> {
+        if saved.interface != self.interface {
+            let (its, own) = (saved.interface.name(), self.interface.name());
+            let what = format!("it is of {its}, this instance is of {own}").into();
+            return Err(Problem::SavedState { what });
+        }
+        (self.phase, self.experiment) = (saved.phase, saved.experiment);
+        let stepping = self.interface == Interface::CoSimulation && !self.handling.event_mode;
+        if stepping && self.phase == Phase::Event {
+            self.phase = Phase::Step;
+        }
+        Ok(())
+    }
+
+    /// Refuses a step that does not begin at `own`, the component's time, but for rounding, has no length, or goes past the stop
+    /// time.
+    ///
+    /// # Errors
+    /// [`Problem::Value`], [`Problem::Time`], [`Problem::StopTime`].
+    #[inline]
+    pub fn check_step(&self, point: f64, size: f64, own: f64) -> Result<(), Problem> {
+        if !point.is_finite() {
+            return Err(Problem::value("currentCommunicationPoint", point, "a finite number"));
+        }
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(Problem::value("communicationStepSize", size, "a finite number > 0"));
+        }
+        if (point - own).abs() > TIME_TOLERANCE * point.abs().max(1.0) {
+            return Err(Problem::Time { given: point, own });
+        }
+        let end = point + size;
+        match self.experiment.and_then(|experiment| experiment.stop) {
+            Some(stop) if end > stop + TIME_TOLERANCE * stop.abs().max(1.0) => {
+                Err(Problem::StopTime { end, stop })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_that_cannot_be_made_are_refused_by_name() {
+        let mut life = Life::new(Interface::CoSimulation, EventHandling::default());
+        life.experiment = Some(Experiment::new(None, 0.0, Some(2.0)).unwrap());
+        for (point, size, text) in [
+            (f64::NAN, 1.0, "currentCommunicationPoint = NaN: allowed is a finite number"),
+            (1.0, 0.0, "communicationStepSize = 0: allowed is a finite number > 0"),
+            (1.1, 0.5, "currentCommunicationPoint = 1.1 s, but the instance is at t = 1 s"),
+            (1.0, 1.5, "step to t = 2.5 s: allowed is up to the stop time 2 s"),
+        ] {
+            let problem = life.check_step(point, size, 1.0).unwrap_err().to_string();
+            assert!(problem.starts_with(text), "{problem}");
+        }
+        assert_eq!(life.check_step(1.0 + 1e-10, 1.0, 1.0), Ok(()));
+    }
+
+    #[test]
+    fn experiments_that_cannot_be_are_refused_by_name() {
+        for (tolerance, start, stop, text) in [
+            (Some(-1.0), 0.0, None, "tolerance = -1"),
+            (None, f64::INFINITY, None, "startTime = inf"),
+            (None, 1.0, Some(0.5), "stopTime = 0.5: allowed is a finite number not before startTime"),
+        ] {
+            let problem = Experiment::new(tolerance, start, stop).unwrap_err().to_string();
+            assert!(problem.starts_with(text), "{problem}");
+        }
+    }
+}

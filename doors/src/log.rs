@@ -1,0 +1,66 @@
+//! What is worth telling a host's user, and which of it was asked for.
+
+/// What a message is about; a door maps it to the log categories and statuses of its standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Category {
+    /// What happens in the motion, event by event.
+    Events,
+    /// Worth knowing; nothing was refused.
+    Warnings,
+    /// Less was done than asked for: a step that ended early, a value that is not available.
+    Incomplete,
+    /// Refused calls.
+    Refusals,
+    /// The instance can no longer be used.
+    Failures,
+}
+
+/// All categories.
+pub const CATEGORIES: [Category; 5] =
+    [Category::Events, Category::Warnings, Category::Incomplete, Category::Refusals, Category::Failures];
+
+/// Where messages of a component go.
+pub trait Log {
+    /// Whether messages of this category are wanted; others need not be made.
+    fn wants(&self, category: Category) -> bool;
+
+    /// Takes one finished message without trailing line break.
+    fn log(&mut self, category: Category, message: &str);
+}
+
+/// A set of categories.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Categories(u8);
+
+impl Categories {
+    /// Every category.
+    pub const ALL: Self = Self((1 << CATEGORIES.len()) - 1);
+    /// No category.
+    pub const NONE: Self = Self(0);
+
+    /// Whether a category is in the set.
+    pub const fn contains(self, category: Category) -> bool {
+        self.0 & (1 << category as u8) != 0
+    }
+
+    /// The set with a category put in or taken out.
+    #[must_use]
+    pub const fn with(self, category: Category, on: bool) -> Self {
+        let bit = 1 << category as u8;
+        Self(if on { self.0 | bit } else { self.0 & !bit })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn invariant_each_category_is_in_the_set_once() {
+        let all = CATEGORIES.iter().fold(Categories::NONE, |set, category| set.with(*category, true));
+        assert_eq!(all, Categories::ALL);
+        let events = Categories::NONE.with(Category::Events, true);
+        assert!(events.contains(Category::Events) && !events.contains(Category::Refusals));
+        assert_eq!(events.with(Category::Events, false), Categories::NONE);
+    }
+}

@@ -1,0 +1,109 @@
+//! Why a component refuses.
+
+use crate::ffi::Fault;
+use std::borrow::Cow;
+
+/// What a component's own type of refusals must tell a door. What the doors refuse in a component's name, such as what it does
+/// not offer, it takes up as a [`Problem`].
+pub trait Refusal: std::error::Error + From<Problem> + 'static {
+    /// Whether it is a value that the model cannot take, with everything as it was before: the host may go on with another.
+    /// FMI 3.0 has the status Discard for it (FMI 3.0.2, 2.2.3).
+    fn is_of_a_value(&self) -> bool {
+        false
+    }
+}
+
+/// Why a call was refused; the component is then as it was. Each text names the thing, its value and what is allowed. A component
+/// that has nothing of its own to say can take this as its type of refusals.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// No variable of the wanted types has that reference.
+    #[error("value reference {reference} is no {wanted} variable: {found}")]
+    Reference {
+        /// The reference.
+        reference: u32,
+        /// The wanted types, in words.
+        wanted: &'static str,
+        /// What is there.
+        found: String,
+    },
+    /// The variable can never be set, or not now.
+    #[error("{name} cannot be set {phase}: allowed are {allowed}")]
+    NotSettable {
+        /// The variable.
+        name: Cow<'static, str>,
+        /// Present phase, in words.
+        phase: &'static str,
+        /// What may be set.
+        allowed: &'static str,
+    },
+    /// A value outside its range.
+    #[error("{name} = {value}: allowed is {allowed}")]
+    Value {
+        /// What was to be set.
+        name: Cow<'static, str>,
+        /// The value.
+        value: f64,
+        /// What is allowed.
+        allowed: Cow<'static, str>,
+    },
+    /// The host's time is not the component's.
+    #[error(
+        "currentCommunicationPoint = {given} s, but the instance is at t = {own} s: allowed is a difference of 1e-9 max(1, |t|)"
+    )]
+    Time {
+        /// The host's time.
+        given: f64,
+        /// The component's time.
+        own: f64,
+    },
+    /// A step beyond the stop time.
+    #[error(
+        "step to t = {end} s: allowed is up to the stop time {stop} s, which was given before initialization"
+    )]
+    StopTime {
+        /// End of the step.
+        end: f64,
+        /// Stop time.
+        stop: f64,
+    },
+    /// Something must be done first.
+    #[error("{what}")]
+    Sequence {
+        /// What.
+        what: Cow<'static, str>,
+    },
+    /// A saved state that does not fit or is not intact.
+    #[error("saved state refused: {what}")]
+    SavedState {
+        /// Why.
+        what: Cow<'static, str>,
+    },
+    /// What this component does not offer.
+    #[error("this FMU does not offer {what}: its model description says so")]
+    NotOffered {
+        /// What.
+        what: &'static str,
+    },
+    /// An argument that cannot be.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+impl Problem {
+    /// A value outside its range.
+    pub fn value(
+        name: impl Into<Cow<'static, str>>,
+        value: f64,
+        allowed: impl Into<Cow<'static, str>>,
+    ) -> Self {
+        Self::Value { name: name.into(), value, allowed: allowed.into() }
+    }
+}
+
+impl Refusal for Problem {
+    fn is_of_a_value(&self) -> bool {
+        matches!(self, Self::Value { .. })
+    }
+}
