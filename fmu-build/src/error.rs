@@ -66,9 +66,6 @@ pub enum Error {
     /// The simulator refused.
     #[error("native run: {0}")]
     Native(#[from] vibro_impact::Error),
-    /// A set of parameters is not possible.
-    #[error(transparent)]
-    Set(#[from] vibro_analysis::Error),
     /// The archives do not hold the same library.
     #[error("{} and {} hold different libraries; build both again with `cargo run -p fmu-build`", first.display(), second.display())]
     Binaries {

@@ -5,14 +5,12 @@
 use crate::archive::Content;
 use crate::error::Result;
 use std::fmt::Write;
-use vibro_analysis::stroboscopic::moving_block;
-use vibro_analysis::{ParameterSet, find_group};
 use vibro_figures::html::escape;
 use vibro_fmi::component::identity::{Experiment, default_experiment};
 use vibro_fmi::component::log::{Category, Log};
 use vibro_fmi::component::variables::{Bases, reference};
 use vibro_fmi::component::{Instance, Interface, structure};
-use vibro_impact::parameters::FIELDS;
+use vibro_impact::parameters::{FIELDS, Groups, Scales};
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
@@ -98,46 +96,46 @@ fn parameters(p: &Parameters) -> Vec<(&'static str, f64)> {
     FIELDS.iter().map(|field| (field.name, (field.get)(p))).collect()
 }
 
+/// The set of a machine, which starts at rest in the middle but for the block, which moves towards the upper stop with the speed
+/// L ω10: the start of the studies.
+fn set(name: String, description: String, groups: &Groups) -> Result<Set> {
+    let p = groups.to_parameters(Scales::default())?;
+    let start = [0.0, 0.0, 0.0, 0.0, p.stop_gap * p.box_frequency(), 0.0];
+    let start = structure::STATES.into_iter().zip(start);
+    Ok(Set { name, description, values: parameters(&p).into_iter().chain(start).collect() })
+}
+
 /// The sets: one for each figure that shows motions, by the values of `vibro reproduce`.
 fn sets() -> Result<Vec<Set>> {
-    let basic = ParameterSet::basic();
-    let set = |name: String, description: String, set: &ParameterSet| {
-        let State { x, v } = moving_block(set.parameters());
-        let start = structure::STATES.into_iter().zip(x.into_iter().chain(v));
-        Set { name, description, values: parameters(set.parameters()).into_iter().chain(start).collect() }
-    };
+    let basic = Groups::basic();
+    let force = |f10: f64| Groups { f10, ..basic };
     let mut sets = vec![Set {
         name: "settled".into(),
         description: "Start values on the settled motion of the default parameters".into(),
         values: structure::STATES.into_iter().zip(SETTLED).collect(),
     }];
-    sets.push(set(
-        "figure-8".into(),
-        "The basic set: symmetric motion with two impacts a period".into(),
-        &basic,
-    ));
+    let text = "The basic set: symmetric motion with two impacts a period".to_owned();
+    sets.push(set("figure-8".into(), text, &basic)?);
     let text = "Modulated motion at the drive amplitude f10 = 0.6 (figure 13)".to_owned();
-    sets.push(set("figure-13-f10-0.6".into(), text, &basic.with(find_group("f10")?, 0.6)?));
+    sets.push(set("figure-13-f10-0.6".into(), text, &force(0.6))?);
     for f10 in [1.2, 2.5] {
         let text =
             format!("A motion with the drive amplitude f10 = {f10}, whose fixed points figure 9 shows");
-        sets.push(set(format!("figure-9-f10-{f10}"), text, &basic.with(find_group("f10")?, f10)?));
+        sets.push(set(format!("figure-9-f10-{f10}"), text, &force(f10))?);
     }
     for f10 in [2.2, 2.44, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9] {
         let text = format!("A motion with the drive amplitude f10 = {f10} (figure 15)");
-        sets.push(set(format!("figure-15-f10-{f10}"), text, &basic.with(find_group("f10")?, f10)?));
+        sets.push(set(format!("figure-15-f10-{f10}"), text, &force(f10))?);
     }
     for epsilon in [0.05, 0.02, 0.01, 0.005] {
         let text = format!("A motion with the mass ratio epsilon = {epsilon} (figure 17)");
-        sets.push(set(
-            format!("figure-17-epsilon-{epsilon}"),
-            text,
-            &basic.with(find_group("epsilon")?, epsilon)?,
-        ));
+        // With the coupling's order of the weakly coupled machine.
+        let groups = Groups { epsilon, beta2: epsilon * basic.alpha23, mu13: 1.0 / epsilon, ..basic };
+        sets.push(set(format!("figure-17-epsilon-{epsilon}"), text, &groups)?);
     }
-    if let Ok(strong) = ParameterSet::strong() {
-        sets.push(set("figure-19".into(), "Strong coupling; numbers of this program's own".into(), &strong));
-    }
+    let strong = Groups { beta2: 0.3, alpha23: 3.0, mu13: 1.0, sigma30: 0.5, ..basic };
+    let text = "Strong coupling; numbers of this program's own".to_owned();
+    sets.push(set("figure-19".into(), text, &strong)?);
     Ok(sets)
 }
 

@@ -1,10 +1,10 @@
 //! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts over time.
 
 use super::Record;
-use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use vibro_assembly::description::Dimension;
 use vibro_assembly::motion::EventKind;
+use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 
 /// Colours of curves; more curves than these are in no panel.
 const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];

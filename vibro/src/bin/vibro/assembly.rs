@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::assembly::{self, Ended, Record};
-use vibro_figures::canvas;
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
+use vibro_figures::canvas;
 use vibro_impact::quantities::quantity_in;
 
 /// Stem of the manifest of a motion.
