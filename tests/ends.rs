@@ -81,6 +81,16 @@ fn invariant_every_end_near_an_event_can_be_restored() {
     }
 }
 
+/// Goes on to the next release, which is carried out.
+fn advance_to_release(simulator: &mut Simulator) {
+    let mut released = false;
+    while !released {
+        let end = simulator.time() + 20.0 * simulator.parameters().period();
+        simulator.advance_until(end, Pause::BeforeEvent, None).unwrap();
+        simulator.apply_due_event(Some(&mut |event| released = matches!(event, Event::Release { .. })));
+    }
+}
+
 /// A block that lets go of a stop has no speed there, and its acceleration is zero but for rounding, which must not bring it back
 /// however short the steps are.
 #[test]
@@ -89,16 +99,8 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     for f10 in [2.0, 2.5, 3.0, 3.5, 4.0, 4.5] {
         let p = machine(f10, 0.0);
         let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
-        let mut releases = 0;
-        while releases < 12 {
-            let mut released = false;
-            let end = simulator.time() + 20.0 * p.period();
-            simulator.advance_until(end, Pause::BeforeEvent, None).unwrap();
-            simulator.apply_due_event(Some(&mut |event| released = matches!(event, Event::Release { .. })));
-            if !released {
-                continue;
-            }
-            releases += 1;
+        for _ in 0..12 {
+            advance_to_release(&mut simulator);
             let mut whole = simulator.clone();
             let later = simulator.time() + 1e-3;
             whole.advance_to(later).unwrap();
@@ -136,16 +138,8 @@ fn invariant_loads_set_right_after_a_release_move_nothing() {
     for f10 in [2.0, 3.0, 4.0] {
         let p = machine(f10, 0.0);
         let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
-        let mut releases = 0;
-        while releases < 12 {
-            let mut released = false;
-            let end = simulator.time() + 20.0 * p.period();
-            simulator.advance_until(end, Pause::BeforeEvent, None).unwrap();
-            simulator.apply_due_event(Some(&mut |event| released = matches!(event, Event::Release { .. })));
-            if !released {
-                continue;
-            }
-            releases += 1;
+        for _ in 0..12 {
+            advance_to_release(&mut simulator);
             let later = simulator.time() + 1e-3;
             let mut whole = simulator.clone();
             whole.advance_to(later).unwrap();

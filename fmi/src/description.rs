@@ -5,7 +5,7 @@ use crate::component::settings::Settings;
 use crate::component::structure;
 use crate::component::units;
 use crate::component::variables::{self, Edition, Numbering};
-use fmi_doors::description::{self, Description, Experiment, Item, Type, TypeKind, Unit, Unknown, Variable};
+use fmi_doors::description::{self, Description, Item, Type, TypeKind, Unit, Unknown, Variable};
 
 /// The descriptions of one version and edition.
 pub(crate) struct Table {
@@ -20,8 +20,6 @@ pub(crate) struct Table {
 impl Table {
     /// What the table and the identity say: interface types, capabilities, log categories and token are the version's.
     pub(crate) fn description(&self) -> Description {
-        let identity::Experiment { start_time, stop_time, tolerance, step_size } =
-            identity::default_experiment();
         let unknowns =
             |list: Vec<structure::Unknown>| list.iter().filter_map(|row| self.unknown(row)).collect();
         Description {
@@ -42,7 +40,7 @@ impl Table {
             units: units::UNITS.iter().map(unit).collect(),
             types: self.types(),
             log_categories: Vec::new(),
-            experiment: Experiment { start_time, stop_time, tolerance, step_size },
+            experiment: identity::default_experiment(),
             variables: self.numbering.variables().map(|row| self.variable(row)).collect(),
             outputs: unknowns(structure::outputs(self.edition)),
             derivatives: unknowns(structure::derivatives(self.edition)),

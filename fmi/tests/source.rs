@@ -1,39 +1,18 @@
 //! What the source promises about itself.
 
+#[path = "../../doors/tests/common/sources.rs"]
+mod sources;
+
+use sources::{sources, with_unsafe_code};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-fn files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            files(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
-        }
-    }
-}
-
-/// Every source file of a folder under `src`, by its path from there, with its text.
-fn sources(under: &str) -> Vec<(String, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut found = Vec::new();
-    files(&root.join(under), &mut found);
-    let name = |path: &Path| path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
-    let mut found: Vec<_> =
-        found.iter().map(|path| (name(path), fs::read_to_string(path).unwrap())).collect();
-    found.sort();
-    found
-}
+/// The folder of this package.
+const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
 
 #[test]
 fn unsafe_code_stands_in_the_tests_alone() {
-    const WORDS: [&str; 5] = ["unsafe ", "unsafe(", "unsafe{", "unsafe_code", "extern \"C\""];
-    let with = |(_, text): &(String, String)| {
-        let mut code = text.lines().map(|line| line.split("//").next().unwrap_or(""));
-        code.any(|line| WORDS.iter().any(|word| line.contains(word)))
-    };
-    let with: Vec<String> = sources("").into_iter().filter(with).map(|(name, _)| name).collect();
+    let with = with_unsafe_code(PACKAGE);
     // Callers of the interface, which the doors' macros export.
     assert!(with.len() == 7 && with.iter().all(|name| name.contains("/tests")), "{with:?}");
 }
@@ -41,7 +20,7 @@ fn unsafe_code_stands_in_the_tests_alone() {
 #[test]
 fn neither_version_imports_the_other() {
     for (version, other) in [("fmi2", "fmi3"), ("fmi3", "fmi2")] {
-        let files = sources(version);
+        let files = sources(PACKAGE, version);
         assert!(files.len() > 4, "{version}: {}", files.len());
         for (name, text) in files {
             assert!(!text.contains(&format!("{other}::")), "{name} imports {other}");
@@ -69,7 +48,7 @@ fn the_component_knows_no_version_of_fmi_and_nothing_imports_upward() {
     ];
     const FOREIGN: [&str; 5] =
         ["crate::ffi", "crate::fmi", "crate::exported", "crate::messages", "fmi_doors::ffi"];
-    let files = sources("component");
+    let files = sources(PACKAGE, "component");
     assert!(files.len() > 2, "{}", files.len());
     for (name, text) in files {
         for (number, line) in (1..).zip(text.lines()) {

@@ -4,9 +4,10 @@
 
 use crate::archive::Content;
 use crate::error::Result;
+use fmi_doors::description::Experiment;
 use std::fmt::Write;
 use vibro_figures::html::escape;
-use vibro_fmi::component::identity::{Experiment, default_experiment};
+use vibro_fmi::component::identity::default_experiment;
 use vibro_fmi::component::log::{Category, Log};
 use vibro_fmi::component::variables::{Bases, reference};
 use vibro_fmi::component::{Instance, Interface, structure};

@@ -3,9 +3,10 @@
 use super::structure;
 use super::units::{ENUMERATION_TYPES, REAL_TYPES, UNITS};
 use super::variables::{VARIABLES, Variable};
+use fmi_doors::description::Experiment;
+use fmi_doors::identifier::fnv1a;
 pub use fmi_doors::identifier::identifier;
 use std::fmt::Write;
-use vibro_impact::numerics::digest::fnv1a_128;
 use vibro_impact::parameters::Parameters;
 
 /// Version of the component.
@@ -33,22 +34,9 @@ pub const LICENSE: &str = env!("CARGO_PKG_LICENSE");
 /// How the names of the variables are made: dots between the levels.
 pub const NAMING_CONVENTION: &str = "structured";
 
-/// The experiment that a host takes where nobody says otherwise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Experiment {
-    /// Start, s.
-    pub start_time: f64,
-    /// Stop, s: 100 periods of the default drive.
-    pub stop_time: f64,
-    /// Relative tolerance for solvers of Model Exchange.
-    pub tolerance: f64,
-    /// Step, s: 200 a period. The step is a reporting interval in Co-Simulation, but hosts take it for that of their solver in Model
-    /// Exchange, and Euler's rule wants it short (docs/theory.md, section 12). The quotient of duration and step is a whole
-    /// number, as some hosts demand.
-    pub step_size: f64,
-}
-
-/// The default experiment.
+/// The experiment that a host takes where nobody says otherwise: 100 periods of the default drive, in 200 steps each. The step is a
+/// reporting interval in Co-Simulation, but hosts take it for that of their solver in Model Exchange, and Euler's rule wants it
+/// short (docs/theory.md, section 12). The quotient of duration and step is a whole number, as some hosts demand.
 pub fn default_experiment() -> Experiment {
     let period = Parameters::default().period();
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }
@@ -56,7 +44,7 @@ pub fn default_experiment() -> Experiment {
 
 /// The number of this build. Computed anew on each call, so that the library keeps nothing between loads.
 pub fn number() -> u128 {
-    fnv1a_128(text().as_bytes())
+    fnv1a(text().as_bytes())
 }
 
 /// The table as text, without its function pointers.
