@@ -68,7 +68,8 @@ impl Simulator {
         }
     }
 
-    #[inline(always)]
+    /// A piece that ends at a point of a series. Stands once, as it is called where every sub-step of any kind may end.
+    #[inline(never)]
     pub(super) fn account<const LOADS: usize, const N: usize>(
         &mut self,
         start: &SubstepStart<LOADS>,

@@ -43,7 +43,7 @@ impl Simulator {
         let interval = self.interval();
         let samples = self.sample_displacement(simd, z, bound);
         if samples.first {
-            let found = self.first_interval::<ACCOUNTS>(*z, bound, interval.min(remaining));
+            let found = self.first_interval(*z, bound, interval.min(remaining));
             if let Some((arrived, side)) = found {
                 *z = arrived;
                 return Some(side);
@@ -63,7 +63,7 @@ impl Simulator {
             }
         }
         if whole {
-            self.advance_whole_substep::<0, ACCOUNTS>(z, &SubstepStart { z: *z, forces: [], bound });
+            self.advance_whole_substep(z, &SubstepStart::<0> { z: *z, forces: [], bound });
         } else {
             let index = ((remaining / interval) as usize).min(INTERVALS - 1);
             let u = (remaining - (index as f64 + 0.5) * interval) / (0.5 * interval);
@@ -230,18 +230,13 @@ impl Simulator {
     /// Searches the first interval, in which the block may just be leaving a stop, and moves to its first event if it has one:
     /// the state there and the stop.
     #[cold]
-    fn first_interval<const ACCOUNTS: bool>(
-        &mut self,
-        mut z: Augmented,
-        bound: f64,
-        span: f64,
-    ) -> Option<(Augmented, f64)> {
+    fn first_interval(&mut self, mut z: Augmented, bound: f64, span: f64) -> Option<(Augmented, f64)> {
         self.work.expansions += 1;
         let start = SubstepStart::<0> { z, forces: [], bound };
         let series = Series::<ANCHORED>::expand(&self.model, SmoothMode::Flight, &z, None, span);
         let (u, side) = self.first_event_from_start(&series, &start, [true; 2], span)?;
         let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
-        self.advance_to_point::<0, ACCOUNTS, _>(&mut z, &start, &arrival);
+        self.advance_to_point(&mut z, &start, &arrival);
         Some((z, side))
     }
 }

@@ -52,7 +52,7 @@ impl<const LOADS: usize> SubstepStart<LOADS> {
 impl Simulator {
     /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all machines.
     #[inline(never)]
-    pub(super) fn general_substep<const LOADS: usize, const ACCOUNTS: bool>(
+    pub(super) fn general_substep<const LOADS: usize>(
         &mut self,
         mut z: Augmented,
         remaining: f64,
@@ -73,22 +73,16 @@ impl Simulator {
         let interval = self.interval();
         let wild = self.hybrid.contact == Contact::Flight && self.exceeds_reach(&z, start.bound);
         let side = if remaining <= interval || wild {
-            self.substep_within_interval::<LOADS, ACCOUNTS>(
-                &mut z,
-                &start,
-                remaining.min(interval),
-                remaining,
-                end,
-            )
+            self.substep_within_interval(&mut z, &start, remaining.min(interval), remaining, end)
         } else {
-            self.substep_by_tables::<LOADS, ACCOUNTS>(&mut z, &start, remaining, end)
+            self.substep_by_tables(&mut z, &start, remaining, end)
         };
         (z, side)
     }
 
     /// A step within one interval, on a series anchored at its start.
     #[inline(always)]
-    fn substep_within_interval<const LOADS: usize, const ACCOUNTS: bool>(
+    fn substep_within_interval<const LOADS: usize>(
         &mut self,
         z: &mut Augmented,
         start: &SubstepStart<LOADS>,
@@ -120,7 +114,7 @@ impl Simulator {
         let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
         let order = self.hybrid.departing;
-        self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+        self.advance_to_point(z, start, &arrival);
         if order > 0 && side.is_none() {
             self.hybrid.departing = self.order_still_departing(z, &series, order, start.z[RELATIVE].signum());
         }
@@ -159,7 +153,7 @@ impl Simulator {
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
     #[inline(always)]
-    fn substep_by_tables<const LOADS: usize, const ACCOUNTS: bool>(
+    fn substep_by_tables<const LOADS: usize>(
         &mut self,
         z: &mut Augmented,
         start: &SubstepStart<LOADS>,
@@ -189,21 +183,18 @@ impl Simulator {
             let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
             (now > margin, now > margin && least > margin)
         };
-        if !clear
-            && let Some(side) =
-                self.search_intervals::<LOADS, ACCOUNTS>(z, start, &g, margin, first, remaining)
-        {
+        if !clear && let Some(side) = self.search_intervals(z, start, &g, margin, first, remaining) {
             return Some(side);
         }
         if whole {
-            self.advance_whole_substep::<LOADS, ACCOUNTS>(z, start);
+            self.advance_whole_substep(z, start);
         } else {
             let index = ((remaining / interval) as usize).min(INTERVALS - 1);
             let (series, base) = self.centred(start, index);
             let u = (remaining - base) / (0.5 * interval);
             let arrival =
                 SeriesPoint { series: &series, base, radius: 0.5 * interval, u, interval: Some(index) };
-            self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+            self.advance_to_point(z, start, &arrival);
             self.hybrid.time = end;
         }
         None
@@ -211,7 +202,7 @@ impl Simulator {
 
     /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
     #[inline(always)]
-    fn search_intervals<const LOADS: usize, const ACCOUNTS: bool>(
+    fn search_intervals<const LOADS: usize>(
         &mut self,
         z: &mut Augmented,
         start: &SubstepStart<LOADS>,
@@ -231,7 +222,7 @@ impl Simulator {
             let series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
             if let Some((u, side)) = self.first_event_from_start(&series, start, [true; 2], span) {
                 let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
-                self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+                self.advance_to_point(z, start, &arrival);
                 return Some(side);
             }
         }
@@ -248,7 +239,7 @@ impl Simulator {
             let near = [g[i - 1].max(g[i]) >= limit, g[i - 1].min(g[i]) <= -limit];
             if let Some((u, side)) = self.first_event(&series.functional(self.mode()), -1.0, hi, near) {
                 let arrival = SeriesPoint { series: &series, base, radius, u, interval: Some(i) };
-                self.advance_to_point::<LOADS, ACCOUNTS, _>(z, start, &arrival);
+                self.advance_to_point(z, start, &arrival);
                 return Some(side);
             }
         }
@@ -348,13 +339,13 @@ impl Simulator {
 
     /// Moves to a point of a series: state, time and energy accounts.
     #[inline(always)]
-    pub(super) fn advance_to_point<const LOADS: usize, const ACCOUNTS: bool, const N: usize>(
+    pub(super) fn advance_to_point<const LOADS: usize, const N: usize>(
         &mut self,
         z: &mut Augmented,
         start: &SubstepStart<LOADS>,
         to: &SeriesPoint<N>,
     ) {
-        if ACCOUNTS {
+        if self.keeps_energy_accounts {
             self.account(start, to);
         }
         *z = to.series.at(to.u);
@@ -367,12 +358,12 @@ impl Simulator {
 
     /// Passes over a whole sub-step without event.
     #[inline(always)]
-    pub(super) fn advance_whole_substep<const LOADS: usize, const ACCOUNTS: bool>(
+    pub(super) fn advance_whole_substep<const LOADS: usize>(
         &mut self,
         z: &mut Augmented,
         start: &SubstepStart<LOADS>,
     ) {
-        if ACCOUNTS {
+        if self.keeps_energy_accounts {
             self.account_whole(start);
         }
         let tables = self.tables();

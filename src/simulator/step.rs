@@ -287,7 +287,7 @@ impl Simulator {
                 }
             }
         }
-        let (arrived, side) = self.general_substep::<LOADS, ACCOUNTS>(*z, remaining, end);
+        let (arrived, side) = self.general_substep::<LOADS>(*z, remaining, end);
         *z = arrived;
         side
     }
