@@ -5,7 +5,8 @@ use crate::table::{Quantity, Role, Row};
 use crate::units::{self, Declared};
 use fmi_doors::Base;
 use fmi_doors::description::{
-    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, Unknown, Variability, Variable,
+    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, Unknown, Variability,
+    Variable,
 };
 use vibro_assembly::description::{BodyKind, Harmonic};
 
@@ -20,7 +21,8 @@ impl Plan {
     /// What the model description says of this machine.
     pub fn description(&self) -> Description {
         let machine = &self.assembly.description;
-        let declared = || units::DECLARED.iter().filter(|d| self.table.rows.iter().any(|row| row.unit == d.unit));
+        let declared =
+            || units::DECLARED.iter().filter(|d| self.table.rows.iter().any(|row| row.unit == d.unit));
         let types = declared().map(Declared::declared_type).chain(units::enumerations()).collect();
         let outputs = || self.references(|row| matches!(row.role, Role::Output | Role::Discrete));
         Description {
@@ -55,7 +57,10 @@ impl Plan {
             )
             .to_vec(),
             experiment: self.experiment(),
-            variables: (1..).zip(&self.table.rows).map(|(reference, row)| self.variable(reference, row)).collect(),
+            variables: (1..)
+                .zip(&self.table.rows)
+                .map(|(reference, row)| self.variable(reference, row))
+                .collect(),
             outputs: outputs().map(|(reference, row)| self.unknown(reference, row)).collect(),
             derivatives: Vec::new(),
             initial_unknowns: outputs().map(|(reference, _)| Unknown::on_anything(reference)).collect(),
@@ -83,7 +88,8 @@ impl Plan {
         match (row.quantity, row.base) {
             (Quantity::Parameter(place), _) => {
                 let parameter = &self.table.parameters[place];
-                let bound = |bound: f64| Some(bound).filter(|bound| bound.is_finite() && bound.abs() < f64::MAX);
+                let bound =
+                    |bound: f64| Some(bound).filter(|bound| bound.is_finite() && bound.abs() < f64::MAX);
                 let range = parameter.range();
                 Variable { min: bound(range.min), max: bound(range.max), ..real.starting_at(parameter.value) }
             }
@@ -92,7 +98,12 @@ impl Plan {
                 let stop = matches!(quantity, Quantity::StopState(_));
                 let name = if stop { units::STOP_STATE } else { units::FRICTION_STATE };
                 let declared_type = Some(name.into());
-                Variable { kind: Kind::Enumeration, declared_type, variability: Variability::Discrete, ..real }
+                Variable {
+                    kind: Kind::Enumeration,
+                    declared_type,
+                    variability: Variability::Discrete,
+                    ..real
+                }
             }
             (_, Base::Integer) => real.counting(),
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
@@ -119,7 +130,8 @@ impl Plan {
             BodyKind::Prescribed { motion, .. } => Some(motion),
             BodyKind::Free(_) => None,
         });
-        let harmonics = motions.chain(machine.loads.iter().map(|load| &load.force)).flat_map(|s| &s.harmonics);
+        let harmonics =
+            motions.chain(machine.loads.iter().map(|load| &load.force)).flat_map(|s| &s.harmonics);
         let frequencies = harmonics.map(|Harmonic { frequency, .. }| *frequency);
         let slowest = frequencies.min_by(f64::total_cmp);
         let stop_time = slowest.map_or(DURATION, |frequency| PERIODS / frequency);

@@ -147,7 +147,13 @@ impl Table {
         for (i, body) in machine.bodies.iter().enumerate() {
             let (name, d) = (&body.name, body.dimension);
             let mut push = |what: &str, meaning: &str, units, k| {
-                self.push(format!("{name}.{what}"), meaning, of(d, units), Role::Output, Quantity::Body(i, k));
+                self.push(
+                    format!("{name}.{what}"),
+                    meaning,
+                    of(d, units),
+                    Role::Output,
+                    Quantity::Body(i, k),
+                );
             };
             push("s", "Coordinate", LENGTH, 0);
             push("v", "Rate of the coordinate", RATE, 1);

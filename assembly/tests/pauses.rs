@@ -28,7 +28,8 @@ fn invariant_pausing_before_events_changes_no_bit() {
     let (mut passed, mut before) = (Vec::new(), Vec::new());
     whole.advance_observed(3.0, &mut |event| passed.push(event.clone())).unwrap();
     let mut pauses = 0;
-    while paused.advance_before_event(3.0, &mut |event| before.push(event.clone())).unwrap() == Outcome::Event {
+    while paused.advance_before_event(3.0, &mut |event| before.push(event.clone())).unwrap() == Outcome::Event
+    {
         let (known, speed) = (before.len(), paused.body(0)[1]);
         assert!(paused.is_event_due());
         // The ball still falls, or the load has not jumped yet; the law comes when it is asked for, once.

@@ -2,6 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
+use fmu_build::assembly::{self, Kit};
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
 use fmu_build::release::{self, notes};
@@ -53,6 +54,15 @@ enum Task {
         #[arg(long)]
         description: bool,
     },
+    /// Packs NAME.fmu (FMI 2.0) and NAME-FMI3.fmu of a machine of your own that a file describes (docs/assemblies.md). Nothing is
+    /// compiled but, once, the library that serves all machines
+    Assembly {
+        /// The machine's file
+        file: PathBuf,
+        /// File of the FMU of FMI 2.0 [default: NAME.fmu here]. That of FMI 3.0 goes beside it
+        #[arg(long, short)]
+        output: Option<PathBuf>,
+    },
     /// Prints the native library's states at communication points as CSV, for comparison with hosts
     Native {
         /// Communication step, s
@@ -87,6 +97,7 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Some(Task::Refresh { description: true }) => package::described().and_then(write),
         Some(Task::Refresh { description: false }) => refresh(),
+        Some(Task::Assembly { ref file, ref output }) => pack(file, output.as_deref()),
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         Some(Task::Release { tag, preview, platform, output }) => {
             assemble(&Intent { tag, preview }, &platform, output)
@@ -126,6 +137,14 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     }
     for part in left_out {
         println!("{part}");
+    }
+    Ok(())
+}
+
+/// Packs a machine and names its archives.
+fn pack(file: &Path, output: Option<&Path>) -> fmu_build::Result<()> {
+    for path in assembly::write(file, output, &Kit::own()?)? {
+        println!("{}", path.display());
     }
     Ok(())
 }

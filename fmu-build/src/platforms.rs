@@ -1,6 +1,6 @@
 //! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
 
-use crate::compile::{Compiler, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
+use crate::compile::{Compiler, Library, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 use crate::error::{Error, Result};
 use crate::version::Version;
 use std::collections::BTreeMap;
@@ -8,6 +8,7 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
 /// A platform of the archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +70,13 @@ impl Binaries {
 
     /// Path inside the archive of a version → bytes.
     pub fn of(&self, version: Version) -> BTreeMap<String, Vec<u8>> {
-        self.0.iter().map(|b| (version.binary((b.folder, b.tuple), b.ending), b.bytes.clone())).collect()
+        self.named(version, MODEL_IDENTIFIER)
+    }
+
+    /// The same of another model.
+    pub fn named(&self, version: Version, model_identifier: &str) -> BTreeMap<String, Vec<u8>> {
+        let place = |b: &Binary| version.binary_named(model_identifier, (b.folder, b.tuple), b.ending);
+        self.0.iter().map(|b| (place(b), b.bytes.clone())).collect()
     }
 
     /// Names of the folders in the archive of a version, this machine's own first.
@@ -115,7 +122,15 @@ fn read(library: &PathBuf) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
 pub fn own() -> Result<Binaries> {
-    Ok(Binaries::own(read(&Compiler::default().library()?)?))
+    own_of(Library::Vibro)
+}
+
+/// The same of another library.
+///
+/// # Errors
+/// [`Error::Cargo`], [`Error::File`].
+pub fn own_of(library: Library) -> Result<Binaries> {
+    Ok(Binaries::own(read(&Compiler::from(library).library()?)?))
 }
 
 /// The binaries of the platforms that can be built here, and a list of those that cannot. This machine's own is always among them; of the

@@ -197,7 +197,10 @@ impl Component for Machine {
         let saved = SavedState::from_bytes(bytes, self.plan.token())?;
         // Whether it fits shows when it is restored, which changes nothing where it does not.
         let mut trial = Self::new(self.plan.clone(), self.life);
-        trial.restore(&SavedState { life: Life { interface: self.life.interface, ..saved.life }, ..saved.clone() })?;
+        trial.restore(&SavedState {
+            life: Life { interface: self.life.interface, ..saved.life },
+            ..saved.clone()
+        })?;
         Ok(saved)
     }
 }

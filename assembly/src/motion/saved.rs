@@ -27,7 +27,9 @@ impl Hybrid {
         let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());
         let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
         let known = |watch: &Watch| match *watch {
-            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => i < stops,
+            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+                i < stops
+            }
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => i < frictions,
         };
         let there = |contact: &Contact| match *contact {
@@ -61,4 +63,3 @@ impl Hybrid {
             && due
     }
 }
-

@@ -173,7 +173,8 @@ pub(super) fn with_dependencies<T: ToString>(
     name: impl Fn(u32) -> Option<T>,
 ) -> Element {
     let Some(dependencies) = &unknown.dependencies else { return element };
-    let knowns = dependencies.iter().filter_map(|(known, kind)| Some((name(*known)?.to_string(), kind.name())));
+    let knowns =
+        dependencies.iter().filter_map(|(known, kind)| Some((name(*known)?.to_string(), kind.name())));
     let (knowns, kinds): (Vec<_>, Vec<_>) = knowns.unzip();
     element.with("dependencies", knowns.join(" ")).with("dependenciesKind", kinds.join(" "))
 }
