@@ -38,13 +38,14 @@ fn kit() -> Kit {
 fn native(path: &Path, to: &Path) {
     let assembly = Arc::new(Assembly::new(file::read(path).expect("an example")).expect("it has matrices"));
     let experiment = Plan::of(&assembly.description).expect("an example").description().experiment;
+    // A power of two, in which sums of steps are exact whoever makes them.
+    let step = experiment.step_size.log2().round().exp2();
     let mut motion = Motion::new(assembly.clone()).expect("it has a start");
     let names: Vec<_> = assembly.description.bodies.iter().map(|body| body.name.as_str()).collect();
     let columns = names.iter().flat_map(|name| ["s", "v", "a"].map(|what| format!(",{name}.{what}")));
     let mut csv = format!("time{}\n", columns.collect::<String>());
     for k in 0..=1000 {
-        // As FMPy counts the steps.
-        let time = f64::from(k) * experiment.step_size;
+        let time = f64::from(k) * step;
         motion.advance_to(time).expect("it moves");
         write!(csv, "{time}").expect("a String takes all");
         for value in (0..names.len()).flat_map(|i| motion.body(i)) {
