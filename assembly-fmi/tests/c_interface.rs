@@ -124,19 +124,18 @@ impl<'a> Instance<'a> {
         (event != 0, early != 0, time)
     }
 
-    /// Handles the events of this instant.
-    fn handle(&self) -> bool {
-        let mut changed = 0;
+    /// Handles the events of this instant; whether something has changed, and the time of the next event where it is known.
+    fn handle(&self) -> (bool, Option<f64>) {
+        let (mut changed, mut defined, mut next) = (0, 0, 0.0);
         unsafe {
-            let (mut again, mut end, mut nominals, mut defined, mut next) = (0, 0, 0, 0, 0.0);
-            let (again, end) = (&mut again, &mut end);
-            let (nominals, defined) = (&mut nominals, &mut defined);
-            let status =
-                fmi3UpdateDiscreteStates(self.c, again, end, nominals, &mut changed, defined, &mut next);
+            let (mut again, mut end, mut nominals) = (0, 0, 0);
+            let (again, end, nominals) = (&mut again, &mut end, &mut nominals);
+            let (defined, next) = (&mut defined, &mut next);
+            let status = fmi3UpdateDiscreteStates(self.c, again, end, nominals, &mut changed, defined, next);
             assert_eq!(status, OK, "{:?}", self.messages);
             assert_eq!(fmi3EnterStepMode(self.c), OK);
         }
-        changed != 0
+        (changed != 0, (defined != 0).then_some(next))
     }
 }
 
@@ -234,7 +233,7 @@ fn invariant_event_mode_sees_every_event_of_the_native_run() {
         time = reached;
         if event {
             assert_eq!(unsafe { fmi3EnterEventMode(machine.c) }, OK);
-            assert!(machine.handle());
+            assert!(machine.handle().0);
             seen.push(time);
         }
     }
@@ -245,6 +244,31 @@ fn invariant_event_mode_sees_every_event_of_the_native_run() {
         [machine.get("block.s"), machine.get("block.v")],
         [native.body(1)[0] + 0.0, native.body(1)[1] + 0.0]
     );
+}
+
+#[test]
+fn closed_form_both_sides_of_a_load_that_jumps_at_a_time_that_is_told() {
+    let text =
+        "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\nsteps = [[0.25, 8.0]]\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let sled = Instance::of("pushed", &plan, true);
+    sled.begin();
+    assert_eq!(sled.handle(), (false, Some(0.25)));
+    assert_eq!(sled.step(0.0, 1.0), (true, true, 0.25));
+    unsafe { assert_eq!(fmi3EnterEventMode(sled.c), OK) };
+    assert_eq!([sled.get("push.f"), sled.get("sled.a")], [0.0, 0.0]);
+    // What is saved before the event goes on as if it had not been left.
+    let mut state = null_mut();
+    unsafe { assert_eq!(fmi3GetFMUState(sled.c, &mut state), OK) };
+    for _ in 0..2 {
+        assert_eq!(sled.handle(), (true, None));
+        assert_eq!([sled.get("push.f"), sled.get("sled.a")], [8.0, 2.0]);
+        assert_eq!(sled.step(0.25, 0.5), (false, false, 0.75));
+        // Rounding of a flight of half a second.
+        assert!((sled.get("sled.v") - 1.0).abs() < 1e-15 && (sled.get("sled.s") - 0.25).abs() < 1e-15);
+        unsafe { assert_eq!(fmi3SetFMUState(sled.c, state), OK) };
+    }
+    unsafe { assert_eq!(fmi3FreeFMUState(sled.c, &mut state), OK) };
 }
 
 #[test]
@@ -332,4 +356,50 @@ fn another_machines_file_or_description_is_refused_at_instantiation() {
         unsafe { fmi3InstantiateModelExchange(name, token.as_ptr(), path.as_ptr(), 0, 1, environment, log) };
     assert!(none.is_null());
     assert!(messages[0].contains("does not offer Model Exchange"), "{messages:?}");
+}
+
+#[test]
+fn closed_form_inputs_with_their_derivatives() {
+    // Of half a second.
+    const ROUNDING: f64 = 1e-15;
+    let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\nconstant = 1.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let uri = CString::new(format!("file://{}/", resources("sled", &plan).display())).unwrap();
+    let token = CString::new(plan.token()).unwrap();
+    let reference = |name: &str| plan.table.reference(name).unwrap();
+    let get = |c, name: &str| {
+        let mut value = f64::NAN;
+        unsafe { assert_eq!(fmi2GetReal(c, &reference(name), 1, &mut value), OK) };
+        value
+    };
+    unsafe {
+        let c = fmi2Instantiate(c"a".as_ptr(), 1, token.as_ptr(), uri.as_ptr(), null(), 0, 0);
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 3.0, 0, 0.0), OK);
+        assert_eq!(fmi2EnterInitializationMode(c), OK);
+        let input = reference("load.push.input");
+        assert_eq!(fmi2SetReal(c, &input, 1, &3.0), OK);
+        // What was set shows at once, and time is that of the host.
+        assert_eq!([get(c, "sled.a"), get(c, "push.f"), get(c, "time")], [1.0, 4.0, 3.0]);
+        assert_eq!(fmi2ExitInitializationMode(c), OK);
+        assert_eq!(fmi2SetReal(c, &input, 1, &1.0), OK);
+        assert_eq!(
+            fmi2SetRealInputDerivatives(c, [input; 2].as_ptr(), 2, [1, 2].as_ptr(), [6.0, 4.0].as_ptr()),
+            OK
+        );
+        assert_eq!(fmi2DoStep(c, 3.0, 0.5, 1), OK);
+        let t = 0.5_f64;
+        // The sum of 1 and 1 + 6 t + 4 t²/2 over 4 kg, once and twice integrated.
+        let v = (2.0 * t + 3.0 * t.powi(2) + 2.0 / 3.0 * t.powi(3)) / 4.0;
+        let s = (t.powi(2) + t.powi(3) + t.powi(4) / 6.0) / 4.0;
+        assert!((get(c, "sled.v") - v).abs() < ROUNDING && (get(c, "sled.s") - s).abs() < ROUNDING);
+        assert_eq!(get(c, "load.push.input"), 1.0 + 6.0 * t + 2.0 * t * t);
+        // A value alone holds.
+        assert_eq!(fmi2SetReal(c, &input, 1, &-1.0), OK);
+        assert_eq!(fmi2DoStep(c, 3.5, 0.5, 1), OK);
+        assert!((get(c, "sled.v") - v).abs() < ROUNDING, "{}", get(c, "sled.v") - v);
+        assert!(get(c, "energy.residual").abs() < ROUNDING, "{}", get(c, "energy.residual"));
+        let order = fmi2SetRealInputDerivatives(c, &input, 1, &4, &1.0);
+        assert_eq!(order, ERROR);
+        fmi2FreeInstance(c);
+    }
 }

@@ -4,7 +4,7 @@
 use crate::archive::{self, Content};
 use crate::compile::Library;
 use crate::error::Result;
-use crate::platforms::{self, Binaries};
+use crate::platforms::{self, Binaries, LeftOut};
 use crate::version::{MODEL_DESCRIPTION, Version};
 use crate::{date, licences};
 use std::path::{Path, PathBuf};
@@ -27,11 +27,21 @@ impl Kit {
     /// # Errors
     /// [`Error::Cargo`](crate::Error::Cargo), [`Error::File`](crate::Error::File).
     pub fn own() -> Result<Self> {
-        Ok(Self {
-            binaries: platforms::own_of(Library::Machine)?,
-            licences: licences::texts_of(Library::Machine, false)?,
-            date: date::of_sources(),
-        })
+        Self::with(platforms::own_of(Library::Machine)?)
+    }
+
+    /// That of every platform that can be built here, and a list of the others.
+    ///
+    /// # Errors
+    /// As [`own`](Self::own).
+    pub fn all() -> Result<(Self, Vec<LeftOut>)> {
+        let (binaries, left_out) = platforms::all_of(Library::Machine, &[])?;
+        Ok((Self::with(binaries)?, left_out))
+    }
+
+    fn with(binaries: Binaries) -> Result<Self> {
+        let licences = licences::texts_of(Library::Machine, false)?;
+        Ok(Self { binaries, licences, date: date::of_sources() })
     }
 }
 

@@ -62,6 +62,9 @@ enum Task {
         /// File of the FMU of FMI 2.0 [default: NAME.fmu here]. That of FMI 3.0 goes beside it
         #[arg(long, short)]
         output: Option<PathBuf>,
+        /// Pack a binary for every platform that can be built here, and say what the others need
+        #[arg(long)]
+        all_platforms: bool,
     },
     /// Prints the native library's states at communication points as CSV, for comparison with hosts
     Native {
@@ -97,7 +100,9 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Some(Task::Refresh { description: true }) => package::described().and_then(write),
         Some(Task::Refresh { description: false }) => refresh(),
-        Some(Task::Assembly { ref file, ref output }) => pack(file, output.as_deref()),
+        Some(Task::Assembly { ref file, ref output, all_platforms }) => {
+            pack(file, output.as_deref(), arguments.all_platforms || all_platforms)
+        }
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         Some(Task::Release { tag, preview, platform, output }) => {
             assemble(&Intent { tag, preview }, &platform, output)
@@ -142,9 +147,13 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
 }
 
 /// Packs a machine and names its archives.
-fn pack(file: &Path, output: Option<&Path>) -> fmu_build::Result<()> {
-    for path in assembly::write(file, output, &Kit::own()?)? {
+fn pack(file: &Path, output: Option<&Path>, all_platforms: bool) -> fmu_build::Result<()> {
+    let (kit, left_out) = if all_platforms { Kit::all()? } else { (Kit::own()?, Vec::new()) };
+    for path in assembly::write(file, output, &kit)? {
         println!("{}", path.display());
+    }
+    for part in left_out {
+        println!("{part}");
     }
     Ok(())
 }

@@ -139,12 +139,20 @@ pub fn own_of(library: Library) -> Result<Binaries> {
 /// # Errors
 /// Where not even this machine's own can be built.
 pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
+    all_of(Library::Vibro, only)
+}
+
+/// The same of another library.
+///
+/// # Errors
+/// As [`all`].
+pub fn all_of(library: Library, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
     let wanted = |p: &Platform| p.folder == PLATFORM || is_asked_for(p.tuple, only);
     for platform in PLATFORMS.into_iter().filter(wanted) {
         let Platform { folder, tuple, ending, .. } = platform;
-        match platform.build() {
+        match platform.build(library) {
             Ok(bytes) => binaries.push(Binary { folder, tuple, ending, bytes }),
             Err(reason) => {
                 let replaced = platform.folder == PLATFORM;
@@ -153,7 +161,7 @@ pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
         }
     }
     if !binaries.iter().any(|binary| binary.folder == PLATFORM) {
-        binaries.extend(own()?.0);
+        binaries.extend(own_of(library)?.0);
     }
     Ok((Binaries(binaries), left_out))
 }
@@ -170,7 +178,7 @@ impl Platform {
     }
 
     /// Compiles its binary; the error says what to install.
-    fn build(&self) -> std::result::Result<Vec<u8>, String> {
+    fn build(&self, library: Library) -> std::result::Result<Vec<u8>, String> {
         if !runs("cargo-zigbuild", &["--version"]) {
             return Err(TOOLS.into());
         }
@@ -178,15 +186,16 @@ impl Platform {
         if !missing.is_empty() {
             return Err(format!("run `rustup target add {}`", missing.join(" ")));
         }
-        let slices: Result<Vec<Vec<u8>>> = self.targets.iter().map(|target| self.compile(target)).collect();
+        let slices: Result<Vec<Vec<u8>>> =
+            self.targets.iter().map(|target| self.compile(library, target)).collect();
         let mut slices = slices.map_err(|e| format!("{e}; {TOOLS}"))?;
         Ok(if slices.len() == 1 { slices.remove(0) } else { universal(&slices) })
     }
 
-    fn compile(&self, target: &str) -> Result<Vec<u8>> {
+    fn compile(&self, library: Library, target: &str) -> Result<Vec<u8>> {
         eprintln!("{}: {target}", self.folder);
         let target = self.glibc.map_or_else(|| target.to_owned(), |version| format!("{target}.{version}"));
-        read(&Compiler::default().library_for(&target)?)
+        read(&Compiler::from(library).library_for(&target)?)
     }
 }
 

@@ -145,6 +145,12 @@ impl Component for Machine {
         self.handle(log)
     }
 
+    /// The next knot of a signal; impacts and the like are not known before.
+    fn next_event_time(&mut self) -> Option<f64> {
+        let motion = &self.moving.as_ref()?.motion;
+        motion.assembly().system().signals.next_knot(motion.time())
+    }
+
     fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, MachineProblem> {
         self.go(point, size, log)
     }
