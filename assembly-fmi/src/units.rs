@@ -10,7 +10,7 @@ pub(crate) struct Declared {
     pub unit: &'static str,
     /// Exponents of kg, m, s and rad.
     exponents: [i32; 4],
-    /// Display units, and what a value is multiplied with to be shown in them; the first is the usual one.
+    /// Display units, and what a value is multiplied with to be shown in them.
     display: &'static [(&'static str, f64)],
     name: &'static str,
     quantity: &'static str,
@@ -52,6 +52,9 @@ pub(crate) const DECLARED: &[Declared] = &[
     declared("1", [0, 0, 0, 0], &[], "Number", "DimensionlessRatio"),
 ];
 
+/// Units whose values people read in the first display unit where nobody says otherwise.
+const SHOWN: [&str; 2] = ["m", "rad"];
+
 impl Declared {
     /// The one of a unit; of a unit that none has, the number's.
     pub fn of(unit: &str) -> &'static Self {
@@ -69,7 +72,8 @@ impl Declared {
     pub fn declared_type(&self) -> Type {
         let mut declared = Type::real(self.name, self.quantity, self.unit);
         if let TypeKind::Real { display_unit, .. } = &mut declared.kind {
-            *display_unit = self.display.first().map(|(name, _)| (*name).into());
+            let usual = self.display.first().filter(|_| SHOWN.contains(&self.unit));
+            *display_unit = usual.map(|(name, _)| (*name).into());
         }
         declared
     }

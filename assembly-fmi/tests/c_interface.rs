@@ -41,6 +41,7 @@ unsafe extern "C-unwind" fn keep(text: *mut c_void, _: c_int, _: *const c_char, 
 struct Instance<'a> {
     c: FmiInstance,
     plan: &'a Plan,
+    #[allow(clippy::box_collection)] // the callback has its address
     messages: Box<Vec<String>>,
 }
 
