@@ -5,6 +5,7 @@ use crate::flow::Table;
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Abscissas and weights of Gauss's rule with ten nodes on [0, 1] (Abramowitz and Stegun, table 25.4). The powers are
@@ -29,7 +30,7 @@ pub const NODES: [(f64, f64); 10] = {
 };
 
 /// Sums since the start, J. Losses are positive.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accounts {
     enabled: bool,
     /// Work of each load.

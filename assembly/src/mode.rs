@@ -5,9 +5,10 @@ use crate::law::ZERO;
 use crate::law::box_qp::{independent, triangle};
 use crate::system::{Elongation, Row, System};
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// The state of a stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum StopState {
     /// A rigid stop with e < gap, or leaving it.
     Open,
@@ -24,7 +25,7 @@ pub enum StopState {
 }
 
 /// The state of a friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum FrictionState {
     /// Its level is not positive.
     Off,
@@ -57,7 +58,7 @@ impl FrictionState {
 }
 
 /// A contact that keeps e'' at zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Contact {
     /// A rigid stop, by its place.
     Stop(usize),
@@ -66,7 +67,7 @@ pub enum Contact {
 }
 
 /// The state of every element, and the independent contacts whose forces are found.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Mode {
     /// By stop.
     pub stops: Vec<StopState>,
@@ -77,7 +78,7 @@ pub struct Mode {
 }
 
 /// What a watched functional tells when it passes from below zero to above.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Watch {
     /// A rigid stop meets its gap.
     Meets(usize),

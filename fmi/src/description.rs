@@ -54,7 +54,7 @@ impl Table {
         let knowns = row.dependencies.iter();
         let dependencies =
             knowns.filter_map(|(place, kind)| Some((self.numbering.reference(*place)?, *kind))).collect();
-        Some(Unknown { reference: self.numbering.reference(row.place)?, dependencies })
+        Some(Unknown { reference: self.numbering.reference(row.place)?, dependencies: Some(dependencies) })
     }
 
     /// Value reference of the variable of that name, where the description has it.

@@ -87,19 +87,54 @@ pub fn library() -> Result<PathBuf> {
 pub struct Compiler {
     workspace: PathBuf,
     target: PathBuf,
+    library: Library,
+}
+
+/// A library that hosts load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Library {
+    /// Of the 3-DOF machine.
+    Vibro,
+    /// Of any machine that a file describes.
+    Machine,
+}
+
+impl Library {
+    /// The package that it is made of.
+    pub fn package(self) -> &'static str {
+        match self {
+            Self::Vibro => "vibro-fmi",
+            Self::Machine => "vibro-machine",
+        }
+    }
+
+    /// Its name, without what a platform puts before and behind it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Vibro => "vibro_fmi",
+            Self::Machine => "vibro_machine",
+        }
+    }
 }
 
 impl Default for Compiler {
     /// The nested cargo has a target folder of its own, so that it never waits for the lock of a cargo that runs us.
     fn default() -> Self {
-        Self { workspace: workspace().into(), target: target().join("fmu") }
+        Self { workspace: workspace().into(), target: target().join("fmu"), library: Library::Vibro }
+    }
+}
+
+impl From<Library> for Compiler {
+    /// As by default, for another library.
+    fn from(library: Library) -> Self {
+        Self { library, ..Self::default() }
     }
 }
 
 impl Compiler {
     /// Compiles the workspace in one folder into another one; what comes out must not depend on either.
     pub fn in_folders(workspace: &Path, target: &Path) -> Self {
-        Self { workspace: workspace.into(), target: target.into() }
+        Self { workspace: workspace.into(), target: target.into(), library: Library::Vibro }
     }
 
     /// Compiles the library for this machine and returns its path.
@@ -112,7 +147,7 @@ impl Compiler {
         if let Some(folder) = self.static_unwinder()? {
             cargo.args(["--", "-C"]).arg(format!("link-arg=-L{}", folder.display()));
         }
-        made(&mut cargo, LIBRARY_NAME)
+        made(&mut cargo, self.library.name())
     }
 
     /// Compiles the library for another target, linked by zig, and returns its path.
@@ -126,13 +161,13 @@ impl Compiler {
         if target.contains("windows") {
             zigbuild.args(["--", "-C"]).arg(format!("link-arg={}", self.definitions()?.display()));
         }
-        made(&mut zigbuild, LIBRARY_NAME)
+        made(&mut zigbuild, self.library.name())
     }
 
     /// Everything after the name of the program.
     fn arguments(&self, cargo: &mut Command, what: &[&str]) {
         cargo.current_dir(&self.workspace).args(what);
-        cargo.args(["--package", "vibro-fmi", "--profile", "fmu", "--locked"]);
+        cargo.args(["--package", self.library.package(), "--profile", "fmu", "--locked"]);
         cargo.args(["--message-format", "json-render-diagnostics", "--target-dir"]);
         cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
         // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
@@ -191,9 +226,6 @@ pub(crate) fn cargo_home() -> Option<PathBuf> {
 
 /// 1980-01-01 in seconds since 1970, the time of all entries of archives.
 pub(crate) const EPOCH: &str = "315532800";
-
-/// Name of the library's crate.
-const LIBRARY_NAME: &str = "vibro_fmi";
 
 /// `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
 const LIBRARY: [&str; 4] = ["rustc", "--lib", "--crate-type", "cdylib"];

@@ -90,6 +90,12 @@ pub enum Error {
         /// Value from the native run.
         native: f64,
     },
+    /// A machine's file says nothing that is a machine.
+    #[error("{0}")]
+    Refusal(#[from] vibro_assembly::Refusal),
+    /// A machine cannot be made an FMU of.
+    #[error("{0}")]
+    Machine(#[from] vibro_assembly_fmi::MachineProblem),
     /// A picture could not be drawn.
     #[error(transparent)]
     Picture(#[from] vibro_figures::Error),

@@ -8,10 +8,12 @@
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
 //!       picture ◀──┘
 //! explorer (a nested cargo runs explorer-build) ─▶ the live page in package, where asked for
+//! assembly: a user's own machine, by a library that serves all ─▶ archive ─▶ .fmu
 //! release: all of it with the Python package (maturin), checked (inspect), in one folder
 //! ```
 
 pub mod archive;
+pub mod assembly;
 pub mod check;
 pub mod compile;
 pub mod date;

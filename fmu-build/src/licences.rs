@@ -1,7 +1,7 @@
 //! Licences of everything that is linked into the packaged binary.
 
 use crate::archive::Content;
-use crate::compile::{cargo, output, workspace};
+use crate::compile::{Library, cargo, output, workspace};
 use crate::error::{Error, Result};
 use crate::platforms::PLATFORMS;
 use serde_json::Value;
@@ -43,6 +43,14 @@ pub const LIST: &str = "README.txt";
 /// # Errors
 /// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot be read.
 pub fn texts(live: bool) -> Result<Content> {
+    texts_of(Library::Vibro, live)
+}
+
+/// The same of an archive with another library.
+///
+/// # Errors
+/// As [`texts`].
+pub fn texts_of(library: Library, live: bool) -> Result<Content> {
     let mut content = Content::new();
     for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
         let path = workspace().join(name);
@@ -50,7 +58,7 @@ pub fn texts(live: bool) -> Result<Content> {
         content.insert(name.to_owned(), text);
     }
     let into = if live { "binaries and the live page" } else { "binaries" };
-    let mut names = tree("vibro-fmi")?;
+    let mut names = tree(library.package())?;
     if live {
         names.extend(tree_for("vibro-explorer", &["wasm32-unknown-unknown"])?);
     }

@@ -2,6 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
+use fmu_build::assembly::{self, Kit};
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
 use fmu_build::release::{self, notes};
@@ -53,6 +54,18 @@ enum Task {
         #[arg(long)]
         description: bool,
     },
+    /// Packs NAME.fmu (FMI 2.0) and NAME-FMI3.fmu of a machine of your own that a file describes (docs/assemblies.md). Nothing is
+    /// compiled but, once, the library that serves all machines
+    Assembly {
+        /// The machine's file
+        file: PathBuf,
+        /// File of the FMU of FMI 2.0 [default: NAME.fmu here]. That of FMI 3.0 goes beside it
+        #[arg(long, short)]
+        output: Option<PathBuf>,
+        /// Pack a binary for every platform that can be built here, and say what the others need
+        #[arg(long)]
+        all_platforms: bool,
+    },
     /// Prints the native library's states at communication points as CSV, for comparison with hosts
     Native {
         /// Communication step, s
@@ -87,6 +100,9 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Some(Task::Refresh { description: true }) => package::described().and_then(write),
         Some(Task::Refresh { description: false }) => refresh(),
+        Some(Task::Assembly { ref file, ref output, all_platforms }) => {
+            pack(file, output.as_deref(), arguments.all_platforms || all_platforms)
+        }
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         Some(Task::Release { tag, preview, platform, output }) => {
             assemble(&Intent { tag, preview }, &platform, output)
@@ -123,6 +139,18 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     }
     if !arguments.no_run {
         show(&output, arguments.periods)?;
+    }
+    for part in left_out {
+        println!("{part}");
+    }
+    Ok(())
+}
+
+/// Packs a machine and names its archives.
+fn pack(file: &Path, output: Option<&Path>, all_platforms: bool) -> fmu_build::Result<()> {
+    let (kit, left_out) = if all_platforms { Kit::all()? } else { (Kit::own()?, Vec::new()) };
+    for path in assembly::write(file, output, &kit)? {
+        println!("{}", path.display());
     }
     for part in left_out {
         println!("{part}");

@@ -1,6 +1,6 @@
 //! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
 
-use crate::compile::{Compiler, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
+use crate::compile::{Compiler, Library, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 use crate::error::{Error, Result};
 use crate::version::Version;
 use std::collections::BTreeMap;
@@ -8,6 +8,7 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
 /// A platform of the archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +70,13 @@ impl Binaries {
 
     /// Path inside the archive of a version → bytes.
     pub fn of(&self, version: Version) -> BTreeMap<String, Vec<u8>> {
-        self.0.iter().map(|b| (version.binary((b.folder, b.tuple), b.ending), b.bytes.clone())).collect()
+        self.named(version, MODEL_IDENTIFIER)
+    }
+
+    /// The same of another model.
+    pub fn named(&self, version: Version, model_identifier: &str) -> BTreeMap<String, Vec<u8>> {
+        let place = |b: &Binary| version.binary_named(model_identifier, (b.folder, b.tuple), b.ending);
+        self.0.iter().map(|b| (place(b), b.bytes.clone())).collect()
     }
 
     /// Names of the folders in the archive of a version, this machine's own first.
@@ -115,7 +122,15 @@ fn read(library: &PathBuf) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
 pub fn own() -> Result<Binaries> {
-    Ok(Binaries::own(read(&Compiler::default().library()?)?))
+    own_of(Library::Vibro)
+}
+
+/// The same of another library.
+///
+/// # Errors
+/// [`Error::Cargo`], [`Error::File`].
+pub fn own_of(library: Library) -> Result<Binaries> {
+    Ok(Binaries::own(read(&Compiler::from(library).library()?)?))
 }
 
 /// The binaries of the platforms that can be built here, and a list of those that cannot. This machine's own is always among them; of the
@@ -124,12 +139,20 @@ pub fn own() -> Result<Binaries> {
 /// # Errors
 /// Where not even this machine's own can be built.
 pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
+    all_of(Library::Vibro, only)
+}
+
+/// The same of another library.
+///
+/// # Errors
+/// As [`all`].
+pub fn all_of(library: Library, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
     let wanted = |p: &Platform| p.folder == PLATFORM || is_asked_for(p.tuple, only);
     for platform in PLATFORMS.into_iter().filter(wanted) {
         let Platform { folder, tuple, ending, .. } = platform;
-        match platform.build() {
+        match platform.build(library) {
             Ok(bytes) => binaries.push(Binary { folder, tuple, ending, bytes }),
             Err(reason) => {
                 let replaced = platform.folder == PLATFORM;
@@ -138,7 +161,7 @@ pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
         }
     }
     if !binaries.iter().any(|binary| binary.folder == PLATFORM) {
-        binaries.extend(own()?.0);
+        binaries.extend(own_of(library)?.0);
     }
     Ok((Binaries(binaries), left_out))
 }
@@ -155,7 +178,7 @@ impl Platform {
     }
 
     /// Compiles its binary; the error says what to install.
-    fn build(&self) -> std::result::Result<Vec<u8>, String> {
+    fn build(&self, library: Library) -> std::result::Result<Vec<u8>, String> {
         if !runs("cargo-zigbuild", &["--version"]) {
             return Err(TOOLS.into());
         }
@@ -163,15 +186,16 @@ impl Platform {
         if !missing.is_empty() {
             return Err(format!("run `rustup target add {}`", missing.join(" ")));
         }
-        let slices: Result<Vec<Vec<u8>>> = self.targets.iter().map(|target| self.compile(target)).collect();
+        let slices: Result<Vec<Vec<u8>>> =
+            self.targets.iter().map(|target| self.compile(library, target)).collect();
         let mut slices = slices.map_err(|e| format!("{e}; {TOOLS}"))?;
         Ok(if slices.len() == 1 { slices.remove(0) } else { universal(&slices) })
     }
 
-    fn compile(&self, target: &str) -> Result<Vec<u8>> {
+    fn compile(&self, library: Library, target: &str) -> Result<Vec<u8>> {
         eprintln!("{}: {target}", self.folder);
         let target = self.glibc.map_or_else(|| target.to_owned(), |version| format!("{target}.{version}"));
-        read(&Compiler::default().library_for(&target)?)
+        read(&Compiler::from(library).library_for(&target)?)
     }
 }
 

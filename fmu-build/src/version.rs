@@ -73,7 +73,12 @@ impl Version {
 
     /// Path inside the archive of a platform's binary, by the platform's names in FMI 2.0 and 3.0 and the library's ending.
     pub fn binary(self, names: (&'static str, &'static str), ending: &str) -> String {
-        format!("binaries/{}/{MODEL_IDENTIFIER}{ending}", self.folder(names))
+        self.binary_named(MODEL_IDENTIFIER, names, ending)
+    }
+
+    /// The same of another model.
+    pub fn binary_named(self, model: &str, names: (&'static str, &'static str), ending: &str) -> String {
+        format!("binaries/{}/{model}{ending}", self.folder(names))
     }
 
     /// Path inside the archive of this machine's own binary.

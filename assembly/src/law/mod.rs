@@ -6,13 +6,14 @@ pub mod selection;
 
 use crate::system::Row;
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 
 /// What is under this part of the sum of its terms' largest sizes so far counts as zero: some hundreds of roundings.
 pub const ZERO: f64 = 1e-13;
 
 /// The largest size of each coordinate of the augmented state so far.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sizes(pub DVector<f64>);
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64>);
 
 impl Sizes {
     /// The sum of the sizes of a row's terms.

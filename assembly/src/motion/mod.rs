@@ -2,6 +2,7 @@
 
 mod contact;
 mod event;
+pub(crate) mod saved;
 mod step;
 
 pub use event::{Event, EventKind};
@@ -13,6 +14,7 @@ use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -28,14 +30,24 @@ pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
 pub enum Outcome {
     /// At the time asked for.
     End,
-    /// After the law of an event.
+    /// At an event: after its law or, where that was asked for, before it.
     Event,
 }
 
+/// An event whose law is not applied yet.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Due {
+    /// A watched functional passes zero.
+    Passage(Watch),
+    /// A signal's knot.
+    Knot,
+}
+
 /// All that changes while a motion advances.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hybrid {
     time: DoubleDouble,
+    #[serde(with = "saved::vector")]
     z: DVector<f64>,
     mode: Mode,
     /// Orders of the zero that each watched functional has at the time of the last event, 0 for none.
@@ -49,6 +61,8 @@ pub struct Hybrid {
     chain: usize,
     /// What ended the last mode.
     last: Option<Watch>,
+    /// The event at which it stands, where its law is still to be applied.
+    due: Option<Due>,
 }
 
 /// A motion of a machine.
@@ -66,6 +80,23 @@ impl Motion {
     /// # Errors
     /// [`Error::Jammed`] where prescribed bodies drive stops together at once.
     pub fn new(assembly: Arc<Assembly>) -> Result<Self, Error> {
+        Self::starting_at(assembly, 0.0)
+    }
+
+    /// The motion from the start that the machine gives, at another time in s: there the bodies have their start values, while signals
+    /// have the values of that time.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
+    pub fn starting_at(assembly: Arc<Assembly>, time: f64) -> Result<Self, Error> {
+        if !time.is_finite() {
+            return Err(Error::OutOfRange {
+                name: "start time".into(),
+                value: time,
+                allowed: "a finite number".into(),
+            });
+        }
+        let time = DoubleDouble::new(time);
         let system = &assembly.system;
         let mut z = DVector::zeros(system.signals.size);
         let n = system.coordinates;
@@ -73,7 +104,7 @@ impl Motion {
             (z[k], z[n + k]) = assembly.starts[body];
         }
         let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
-        system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
+        system.signals.fill(time, &inputs, z.as_mut_slice());
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
         sizes.include(&z);
         for j in system.signals.one..system.signals.constant_size_until() {
@@ -83,7 +114,7 @@ impl Motion {
         let energy = crate::energy::Accounts::new(system);
         let impacts = vec![(0, 0.0); system.stops.len()];
         let hybrid = Hybrid {
-            time: DoubleDouble::default(),
+            time,
             z,
             mode,
             departing: Vec::new(),
@@ -93,6 +124,7 @@ impl Motion {
             energy,
             chain: 0,
             last: None,
+            due: None,
         };
         let empty = Arc::new(Table::new(
             crate::mode::Linear {
@@ -206,9 +238,23 @@ impl Motion {
             });
         }
         let before = self.hybrid.clone();
+        if let Err(error) = self.pass_event(&mut None) {
+            self.restore(&before);
+            return Err(error);
+        }
         self.hybrid.inputs[i] = (self.time(), derivatives);
         self.refill();
-        self.settle(&[], &mut None).inspect_err(|_| self.hybrid = before)
+        if let Err(error) = self.settle(&[], &mut None) {
+            self.restore(&before);
+            return Err(error);
+        }
+        Ok(())
+    }
+
+    /// The value and the derivatives of an input now.
+    pub fn input(&self, i: usize) -> Input {
+        let (from, input) = &self.hybrid.inputs[i];
+        crate::signals::shifted(input, self.time() - from)
     }
 
     /// All that changes, to go on from later.

@@ -1,6 +1,6 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
-use super::{Hybrid, Motion, Observer, Outcome};
+use super::{Due, Hybrid, Motion, Observer, Outcome};
 use crate::energy::NODES;
 use crate::error::Error;
 use crate::flow::{ORDERS, SAMPLES, WatchTable};
@@ -24,6 +24,14 @@ const PROGRESS: f64 = 1e-15;
 /// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
 const LEAVES_ZERO: f64 = 16.0;
 
+/// What an advance does at an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pause {
+    Never,
+    AfterEvent,
+    BeforeEvent,
+}
+
 /// The end of a sub-step: how far, and the watched functional that ends it.
 struct Passage {
     /// Part of the span.
@@ -38,7 +46,7 @@ impl Motion {
     /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`]
     /// where the motion cannot go on: the state then stands at the time reached.
     pub fn advance_to(&mut self, end: f64) -> Result<(), Error> {
-        self.advance(end, false, &mut None).map(drop)
+        self.advance(end, Pause::Never, &mut None).map(drop)
     }
 
     /// Advances to a time and reports every event on the way.
@@ -50,7 +58,7 @@ impl Motion {
         end: f64,
         observer: &mut dyn FnMut(&super::Event),
     ) -> Result<(), Error> {
-        self.advance(end, false, &mut Some(observer)).map(drop)
+        self.advance(end, Pause::Never, &mut Some(observer)).map(drop)
     }
 
     /// Advances to a time or, if it is earlier, to the state after the next event.
@@ -62,13 +70,52 @@ impl Motion {
         end: f64,
         observer: &mut dyn FnMut(&super::Event),
     ) -> Result<Outcome, Error> {
-        self.advance(end, true, &mut Some(observer))
+        self.advance(end, Pause::AfterEvent, &mut Some(observer))
     }
 
-    fn advance(&mut self, end: f64, pause: bool, observer: &mut Observer) -> Result<Outcome, Error> {
+    /// Advances to a time or, if it is earlier, to the next event, before its law: [`apply_event`](Self::apply_event) or any further
+    /// advance applies it.
+    ///
+    /// # Errors
+    /// As [`advance_to`](Self::advance_to).
+    pub fn advance_before_event(
+        &mut self,
+        end: f64,
+        observer: &mut dyn FnMut(&super::Event),
+    ) -> Result<Outcome, Error> {
+        self.advance(end, Pause::BeforeEvent, &mut Some(observer))
+    }
+
+    /// Whether it stands at an event whose law is still to be applied.
+    pub fn is_event_due(&self) -> bool {
+        self.hybrid.due.is_some()
+    }
+
+    /// Applies the law of the event before which the last advance has paused; without one nothing happens.
+    ///
+    /// # Errors
+    /// [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`] where the motion cannot go on.
+    pub fn apply_event(&mut self, observer: &mut dyn FnMut(&super::Event)) -> Result<(), Error> {
+        self.pass_event(&mut Some(observer))
+    }
+
+    /// Applies the law of an event that is due.
+    pub(super) fn pass_event(&mut self, observer: &mut Observer) -> Result<(), Error> {
+        match self.hybrid.due.take() {
+            Some(Due::Passage(watch)) => self.settle(&[watch], observer),
+            Some(Due::Knot) => {
+                self.refill();
+                self.knot(observer)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn advance(&mut self, end: f64, pause: Pause, observer: &mut Observer) -> Result<Outcome, Error> {
         if !(end.is_finite() && end >= self.time()) {
             return Err(Error::Step { time: self.time(), end });
         }
+        self.pass_event(observer)?;
         let target = DoubleDouble::new(end);
         let (mut work, mut from) = (WORK.0 as f64, self.time());
         loop {
@@ -79,8 +126,14 @@ impl Motion {
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
             let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
-            if self.substep(goal, at_knot, observer)? && pause {
-                return Ok(Outcome::Event);
+            self.hybrid.due = self.substep(goal, at_knot)?;
+            if self.hybrid.due.is_some() {
+                if pause != Pause::BeforeEvent {
+                    self.pass_event(observer)?;
+                }
+                if pause != Pause::Never {
+                    return Ok(Outcome::Event);
+                }
             }
             work -= 1.0;
             work += WORK.1 * (self.time() - from) / self.table.length;
@@ -100,8 +153,8 @@ impl Motion {
         Error::Stuck { time: self.time(), cause }
     }
 
-    /// A sub-step of at most the table's length towards `goal`; true where an event's law was applied.
-    fn substep(&mut self, goal: DoubleDouble, at_knot: bool, observer: &mut Observer) -> Result<bool, Error> {
+    /// A sub-step of at most the table's length towards `goal`, or to the event before which it ends.
+    fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
         let table = self.table.clone();
         let remaining = goal.minus(self.hybrid.time).value();
         let mut span = table.length.min(remaining);
@@ -146,16 +199,10 @@ impl Motion {
             if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
                 return Err(self.stuck("the modes change without end"));
             }
-            self.settle(&[table.watched[passage.place].watch], observer)?;
-            return Ok(true);
+            return Ok(Some(Due::Passage(table.watched[passage.place].watch)));
         }
         self.watch_again();
-        if knot {
-            self.refill();
-            self.knot(observer)?;
-            return Ok(true);
-        }
-        Ok(false)
+        Ok(knot.then_some(Due::Knot))
     }
 
     /// Watched functionals begin the next sub-step away from zero, but for those that are zero throughout the mode, of which every

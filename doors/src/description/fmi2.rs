@@ -161,14 +161,20 @@ fn variable(v: &Variable, of: &Description) -> Element {
 
 fn unknowns<'a>(list: &'a [Unknown], of: &'a Description) -> impl Iterator<Item = Element> + 'a {
     list.iter().filter_map(|unknown| {
-        let indices = unknown.dependencies.iter().filter_map(|(known, _)| index(*known, of));
         let element = Element::new("Unknown").with("index", index(unknown.reference, of)?);
-        Some(with_dependencies(element, unknown, indices.map(|index| index.to_string()).collect()))
+        Some(with_dependencies(element, unknown, |known| index(known, of)))
     })
 }
 
-/// With both lists, empty ones too, since importers exist that need them.
-pub(super) fn with_dependencies(element: Element, unknown: &Unknown, knowns: Vec<String>) -> Element {
-    let kinds: Vec<_> = unknown.dependencies.iter().map(|(_, kind)| kind.name()).collect();
+/// With both lists, empty ones too, since importers exist that need them; without any where it may depend on everything.
+pub(super) fn with_dependencies<T: ToString>(
+    element: Element,
+    unknown: &Unknown,
+    name: impl Fn(u32) -> Option<T>,
+) -> Element {
+    let Some(dependencies) = &unknown.dependencies else { return element };
+    let knowns =
+        dependencies.iter().filter_map(|(known, kind)| Some((name(*known)?.to_string(), kind.name())));
+    let (knowns, kinds): (Vec<_>, Vec<_>) = knowns.unzip();
     element.with("dependencies", knowns.join(" ")).with("dependenciesKind", kinds.join(" "))
 }

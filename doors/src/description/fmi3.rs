@@ -126,8 +126,7 @@ fn variable(v: &Variable) -> Element {
 
 fn unknowns<'a>(name: &'static str, list: &'a [Unknown]) -> impl Iterator<Item = Element> + 'a {
     list.iter().map(move |unknown| {
-        let knowns = unknown.dependencies.iter().map(|(known, _)| known.to_string()).collect();
         let element = Element::new(name).with("valueReference", unknown.reference);
-        with_dependencies(element, unknown, knowns)
+        with_dependencies(element, unknown, Some)
     })
 }

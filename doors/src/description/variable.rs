@@ -212,14 +212,19 @@ impl Variable {
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// What it depends on, and how.
-    pub dependencies: Vec<(u32, DependencyKind)>,
+    /// What it depends on, and how; none where it is not known, which stands for everything.
+    pub dependencies: Option<Vec<(u32, DependencyKind)>>,
 }
 
 impl Unknown {
     /// One that depends on these, in no particular way.
     pub fn on(reference: u32, knowns: impl IntoIterator<Item = u32>) -> Self {
         let dependencies = knowns.into_iter().map(|known| (known, DependencyKind::Dependent)).collect();
-        Self { reference, dependencies }
+        Self { reference, dependencies: Some(dependencies) }
+    }
+
+    /// One that may depend on everything.
+    pub fn on_anything(reference: u32) -> Self {
+        Self { reference, dependencies: None }
     }
 }

@@ -1,0 +1,146 @@
+//! What `modelDescription.xml` says of a machine, for both versions.
+
+use crate::plan::Plan;
+use crate::table::{Quantity, Role, Row};
+use crate::units::{self, Declared};
+use fmi_doors::Base;
+use fmi_doors::description::{
+    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, Unknown, Variability,
+    Variable,
+};
+use vibro_assembly::description::{BodyKind, Harmonic};
+
+/// Periods of the slowest harmonic that a host runs where nobody says otherwise.
+const PERIODS: f64 = 20.0;
+/// What it runs without any, s.
+const DURATION: f64 = 10.0;
+/// Steps in either.
+const STEPS: f64 = 1000.0;
+
+impl Plan {
+    /// What the model description says of this machine.
+    pub fn description(&self) -> Description {
+        let machine = &self.assembly.description;
+        let declared =
+            || units::DECLARED.iter().filter(|d| self.table.rows.iter().any(|row| row.unit == d.unit));
+        let types = declared().map(Declared::declared_type).chain(units::enumerations()).collect();
+        let outputs = || self.references(|row| matches!(row.role, Role::Output | Role::Discrete));
+        Description {
+            model_name: machine.name.clone().into(),
+            model_identifier: machine.name.clone().into(),
+            token: self.token().to_owned().into(),
+            description: format!("{}, a machine of {} bodies", machine.name, machine.bodies.len()).into(),
+            author: "".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            copyright: "".into(),
+            license: env!("CARGO_PKG_LICENSE").into(),
+            generation_tool: concat!("vibro-impact ", env!("CARGO_PKG_VERSION")).into(),
+            generation_date_and_time: None,
+            structured_names: true,
+            model_exchange: None,
+            co_simulation: Some(CoSimulation {
+                can_interpolate_inputs: true,
+                might_return_early_from_do_step: true,
+                has_event_mode: true,
+                ..CoSimulation::default()
+            }),
+            capabilities: Capabilities {
+                can_get_and_set_fmu_state: true,
+                can_serialize_fmu_state: true,
+                ..Capabilities::default()
+            },
+            units: declared().map(Declared::unit).collect(),
+            types,
+            log_categories: fmi_doors::messages::log_categories(
+                "Impacts, stops that open or close, friction that sticks or slips, knots of signals",
+                "Values that the machine cannot take, and steps that end early",
+            )
+            .to_vec(),
+            experiment: self.experiment(),
+            variables: (1..)
+                .zip(&self.table.rows)
+                .map(|(reference, row)| self.variable(reference, row))
+                .collect(),
+            outputs: outputs().map(|(reference, row)| self.unknown(reference, row)).collect(),
+            derivatives: Vec::new(),
+            initial_unknowns: outputs().map(|(reference, _)| Unknown::on_anything(reference)).collect(),
+            event_indicators: Vec::new(),
+        }
+    }
+
+    fn references(&self, wanted: impl Fn(&Row) -> bool) -> impl Iterator<Item = (u32, &Row)> {
+        (1..).zip(&self.table.rows).filter(move |(_, row)| wanted(row))
+    }
+
+    fn variable(&self, reference: u32, row: &Row) -> Variable {
+        let causality = match row.role {
+            Role::Independent => Causality::Independent,
+            Role::Parameter => Causality::Parameter,
+            Role::Input => Causality::Input,
+            Role::Output | Role::Discrete => Causality::Output,
+        };
+        let declared = Declared::of(row.unit).declared_type();
+        let (name, meaning) = (row.name.clone(), row.meaning.clone());
+        let real = Variable {
+            intermediate_update: false,
+            ..Variable::real(reference, name, &declared, causality, meaning)
+        };
+        match (row.quantity, row.base) {
+            (Quantity::Parameter(place), _) => {
+                let parameter = &self.table.parameters[place];
+                let bound =
+                    |bound: f64| Some(bound).filter(|bound| bound.is_finite() && bound.abs() < f64::MAX);
+                let range = parameter.range();
+                Variable { min: bound(range.min), max: bound(range.max), ..real.starting_at(parameter.value) }
+            }
+            (Quantity::Input(_), _) => real.starting_at(0.0),
+            (quantity, Base::Enumeration) => {
+                let stop = matches!(quantity, Quantity::StopState(_));
+                let name = if stop { units::STOP_STATE } else { units::FRICTION_STATE };
+                let declared_type = Some(name.into());
+                Variable {
+                    kind: Kind::Enumeration,
+                    declared_type,
+                    variability: Variability::Discrete,
+                    ..real
+                }
+            }
+            (_, Base::Integer) => real.counting(),
+            _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
+            _ => real,
+        }
+    }
+
+    /// An output, which inputs change at once where they move a body, or where it is a force, an acceleration or a state.
+    fn unknown(&self, reference: u32, row: &Row) -> Unknown {
+        let moved = |kind: &BodyKind| matches!(kind, BodyKind::Prescribed { motion, .. } if motion.input);
+        let at_once = self.assembly.description.bodies.iter().any(|body| moved(&body.kind))
+            || match row.quantity {
+                Quantity::Body(_, order) => order == 2,
+                Quantity::Stop(_, what) | Quantity::Friction(_, what) => what == 2,
+                Quantity::Load(_) | Quantity::StopState(_) | Quantity::FrictionState(_) => true,
+                _ => false,
+            };
+        Unknown::on(reference, self.table.inputs.iter().copied().filter(|_| at_once))
+    }
+
+    fn experiment(&self) -> Experiment {
+        let machine = &self.assembly.description;
+        let motions = machine.bodies.iter().filter_map(|body| match &body.kind {
+            BodyKind::Prescribed { motion, .. } => Some(motion),
+            BodyKind::Free(_) => None,
+        });
+        let harmonics =
+            motions.chain(machine.loads.iter().map(|load| &load.force)).flat_map(|s| &s.harmonics);
+        let frequencies = harmonics.map(|Harmonic { frequency, .. }| *frequency);
+        let slowest = frequencies.min_by(f64::total_cmp);
+        let stop_time = slowest.map_or(DURATION, |frequency| PERIODS / frequency);
+        Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size: stop_time / STEPS }
+    }
+
+    /// The text of `modelDescription.xml` of a version.
+    pub fn xml(&self, version: fmi_doors::Version, date: Option<String>) -> String {
+        let date = date.map(Into::into);
+        description::Description { generation_date_and_time: date, ..self.description() }.xml(version)
+    }
+}

@@ -1,0 +1,123 @@
+//! Steps and events.
+
+use super::Machine;
+use crate::problem::MachineProblem;
+use fmi_doors::log::{Category, Log};
+use fmi_doors::{Advance, Handled, Phase};
+use vibro_assembly::description::Description;
+use vibro_assembly::motion::{Event, EventKind, Outcome};
+use vibro_assembly::{Error, Motion};
+
+/// What a step does at an event inside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum AtEvent {
+    /// Applies its law and goes on.
+    Pass,
+    /// Ends before its law.
+    EndBefore,
+}
+
+impl Machine {
+    /// From the present time to `point + size`, or before the next event where the host handles events and takes steps that end
+    /// early. Where it handles events but takes whole steps alone, what changes at events only stays as it was until then.
+    pub(super) fn go(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, MachineProblem> {
+        let own = fmi_doors::Component::time(self);
+        self.life.check_step(point, size, own)?;
+        self.present()?;
+        // Own time may be past the end by the rounding that `point` is allowed: then nothing is left to do.
+        let end = (point + size).max(own);
+        let handling = self.life.handling;
+        let early = handling.event_mode && handling.early_return;
+        let at_event = if early { AtEvent::EndBefore } else { AtEvent::Pass };
+        let shown = self.moving.as_ref().map(|moving| moving.discrete()).filter(|_| handling.event_mode);
+        let events = match self.ahead.take() {
+            Some(mut ahead) => {
+                let events = run(&mut ahead.motion, end, at_event, log)?;
+                self.moving = Some(ahead);
+                events
+            }
+            None => match &mut self.moving {
+                Some(moving) => {
+                    let before = moving.motion.save();
+                    match run(&mut moving.motion, end, at_event, log) {
+                        Ok(events) => events,
+                        Err(error) => {
+                            moving.motion.restore(&before);
+                            return Err(error.into());
+                        }
+                    }
+                }
+                None => false,
+            },
+        };
+        self.pending.fill(None);
+        self.life.phase = Phase::Step;
+        let event = handling.event_mode && events;
+        self.latched = shown.filter(|_| event);
+        let time = fmi_doors::Component::time(self);
+        Ok(Advance { time, event, early: time < end })
+    }
+
+    /// Applies the law of the event at which it stands, and takes over inputs that were set.
+    pub(super) fn handle(&mut self, log: &mut dyn Log) -> Result<Handled, MachineProblem> {
+        self.latched = None;
+        let set = self.pending.iter().any(Option::is_some);
+        let due = self.moving.as_ref().is_some_and(|moving| moving.motion.is_event_due());
+        let Some(mut next) = self.moving.clone().filter(|_| set || due) else {
+            return Ok(Handled::default());
+        };
+        let assembly = next.motion.assembly().clone();
+        next.motion.apply_event(&mut |event| tell(&assembly.description, event, log))?;
+        next.set_inputs(&self.pending)?;
+        self.pending.fill(None);
+        (self.moving, self.ahead) = (Some(next), None);
+        Ok(Handled { states: true, nominals: false })
+    }
+}
+
+/// Runs to a time; true where events were met.
+fn run(motion: &mut Motion, end: f64, at_event: AtEvent, log: &mut dyn Log) -> Result<bool, Error> {
+    let assembly = motion.assembly().clone();
+    let mut events = 0;
+    let mut observe = |event: &Event| {
+        events += 1;
+        tell(&assembly.description, event, log);
+    };
+    match at_event {
+        AtEvent::EndBefore => Ok(motion.advance_before_event(end, &mut observe)? == Outcome::Event),
+        AtEvent::Pass => {
+            motion.advance_observed(end, &mut observe)?;
+            Ok(events > 0)
+        }
+    }
+}
+
+/// Tells an event where that is wanted.
+fn tell(machine: &Description, event: &Event, log: &mut dyn Log) {
+    if log.wants(Category::Events) {
+        log.log(Category::Events, &in_words(machine, event));
+    }
+}
+
+fn in_words(machine: &Description, event: &Event) -> String {
+    let stop = |i: usize| format!("stop.{}", machine.stops[i].name);
+    let friction = |i: usize| format!("friction.{}", machine.frictions[i].name);
+    let text = match event.kind {
+        EventKind::Impact { stop: i, speed, impulse, .. } => {
+            format!("{} is hit, closing with {speed} (SI), impulse {impulse} (SI)", stop(i))
+        }
+        EventKind::Close { stop: i } => format!("{} closes", stop(i)),
+        EventKind::Open { stop: i } => format!("{} opens", stop(i)),
+        EventKind::Press { stop: i, speed } => format!("{} is pressed, closing with {speed} (SI)", stop(i)),
+        EventKind::Free { stop: i } => format!("{} is free", stop(i)),
+        EventKind::Stick { friction: i } => format!("{} sticks", friction(i)),
+        EventKind::Slip { friction: i, direction, .. } => {
+            format!("{} slips {}", friction(i), if direction > 0.0 { "upwards" } else { "downwards" })
+        }
+        EventKind::Level { friction: i, acts } => {
+            format!("{} {}", friction(i), if acts { "acts" } else { "no longer acts" })
+        }
+        EventKind::Knot => "a signal's knot".into(),
+    };
+    format!("{text} at t = {} s", event.time)
+}

@@ -1,0 +1,104 @@
+//! What is known of a machine before it moves: its file, its variables, and what tells it apart from others.
+
+use crate::problem::MachineProblem;
+use crate::table::Table;
+use fmi_doors::Instantiation;
+use fmi_doors::identifier::identifier;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+use vibro_assembly::file::{no_records, parse};
+use vibro_assembly::{Assembly, Description, Refusal};
+
+/// The machine's file in the folder of the FMU's resources. It has its records within itself: no other file is read.
+pub const FILE: &str = "machine.toml";
+
+/// Bytes of the file, at most.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// A machine and its variables.
+#[derive(Debug)]
+pub struct Plan {
+    /// Its variables.
+    pub table: Table,
+    /// The machine with all parameters at their start values.
+    pub assembly: Arc<Assembly>,
+    token: String,
+    text: String,
+}
+
+impl Plan {
+    /// The plan of the machine in the text of a [`FILE`]. `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`MachineProblem::Machine`] with everything that is wrong; [`MachineProblem::Motion`] for a machine that has no start.
+    pub fn new(text: String, file: &str) -> Result<Self, MachineProblem> {
+        let machine = parse(&text, file, &no_records)?;
+        let assembly = Arc::new(Assembly::new(machine)?);
+        let token = token(&text);
+        Ok(Self { table: Table::new(&assembly.description), assembly, token, text })
+    }
+
+    /// The plan of a machine whatever its file looks like: records are taken into the text.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(machine: &Description) -> Result<Self, MachineProblem> {
+        Self::new(machine.to_toml(), FILE)
+    }
+
+    /// The plan that an instance is asked for: of the file in its resources, if it bears the token of the description.
+    ///
+    /// # Errors
+    /// [`MachineProblem::File`] where there is no such file; [`MachineProblem::Door`] where the host does not say where resources are,
+    /// or gives the token of another machine; else as [`new`](Self::new).
+    pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
+        let file = request.resource_folder()?.join(FILE);
+        let name = file.display().to_string();
+        let text = read(&file).map_err(|problem| MachineProblem::File { file: name.clone(), problem })?;
+        // The token first: what is wrong with another machine's file is of no use.
+        request.check_token(&token(&text))?;
+        Self::new(text, &name)
+    }
+
+    /// What tells this machine's description and file apart from others.
+    pub fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// The text of the [`FILE`].
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The machine's name: that of the model, and of the library's file.
+    pub fn name(&self) -> &str {
+        &self.assembly.description.name
+    }
+
+    /// The machine with these values of all parameters, in their order.
+    ///
+    /// # Errors
+    /// A refusal of what the values together are.
+    pub(crate) fn machine(&self, values: &[f64]) -> Result<Description, Refusal> {
+        let parameters = self.table.parameters.iter().zip(values);
+        let changed = parameters.filter(|(parameter, value)| parameter.value != **value);
+        self.assembly.description.with(changed.map(|(parameter, value)| (parameter.name.as_str(), *value)))
+    }
+}
+
+/// Hash of a file and of this version of the library, whose numbering of variables it goes with.
+fn token(text: &str) -> String {
+    identifier(&format!("{} {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
+}
+
+fn read(file: &Path) -> Result<String, String> {
+    let mut text = String::new();
+    let opened = std::fs::File::open(file);
+    let read = opened.and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+    match read {
+        Ok(_) if text.len() as u64 > MOST_BYTES => Err(format!("it has more than {MOST_BYTES} bytes")),
+        Ok(_) => Ok(text),
+        Err(error) => Err(error.to_string()),
+    }
+}

@@ -1,0 +1,36 @@
+//! Why a described machine refuses.
+
+use fmi_doors::{Problem, Refusal};
+
+/// Why a call was refused; the instance is then as it was.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MachineProblem {
+    /// What every component may say.
+    #[error(transparent)]
+    Door(#[from] Problem),
+    /// The machine's file cannot be read.
+    #[error("{file}: {problem}; the FMU's archive has it among its resources")]
+    File {
+        /// Where it was looked for.
+        file: String,
+        /// What is the matter.
+        problem: String,
+    },
+    /// The file says nothing that is a machine, or the parameters together are none.
+    #[error("{0}")]
+    Machine(#[from] vibro_assembly::Refusal),
+    /// The machine has no motion, or its motion cannot go on.
+    #[error("{0}")]
+    Motion(#[from] vibro_assembly::Error),
+}
+
+impl Refusal for MachineProblem {
+    fn is_of_a_value(&self) -> bool {
+        match self {
+            Self::Door(problem) => problem.is_of_a_value(),
+            Self::Machine(_) | Self::Motion(_) => true,
+            Self::File { .. } => false,
+        }
+    }
+}

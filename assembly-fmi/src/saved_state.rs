@@ -1,0 +1,60 @@
+//! Saved states, and how they are laid out as bytes: "VIBROMCH", a checksum of what follows (FNV-1a, 64 bit, little-endian), then
+//! the machine's token and the state in postcard's format. The token holds the library's version, so that the layout may change
+//! with it. The checksum notices accidents; it is no signature, and what the bytes say is checked as well.
+
+use crate::machine::Shown;
+use fmi_doors::{Life, Problem};
+use serde::{Deserialize, Serialize};
+use vibro_assembly::motion::Hybrid;
+use vibro_assembly::signals::Input;
+use vibro_impact::numerics::digest::fnv1a;
+
+/// First bytes of a serialized state.
+const MAGIC: [u8; 8] = *b"VIBROMCH";
+
+/// Everything that a machine needs to continue.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedState {
+    pub(crate) life: Life,
+    /// Of all parameters.
+    pub(crate) values: Vec<f64>,
+    /// What was set of each input and not yet taken over.
+    pub(crate) pending: Vec<Option<Input>>,
+    /// The motion, with the mechanical energy that it would have without work and losses.
+    pub(crate) moving: Option<(Hybrid, f64)>,
+    pub(crate) latched: Option<Shown>,
+}
+
+pub(crate) fn refused(what: impl Into<String>) -> Problem {
+    Problem::SavedState { what: what.into().into() }
+}
+
+impl SavedState {
+    /// Its bytes, of the machine of this token.
+    ///
+    /// # Errors
+    /// [`Problem::SavedState`], which would be a mistake of ours.
+    pub(crate) fn to_bytes(&self, token: &str) -> Result<Vec<u8>, Problem> {
+        let payload = postcard::to_stdvec(&(token, self)).map_err(|error| refused(error.to_string()))?;
+        let sum = fnv1a(&payload).to_le_bytes();
+        Ok([&MAGIC[..], &sum[..], &payload[..]].concat())
+    }
+
+    /// The state of bytes that were written of the machine of this token.
+    ///
+    /// # Errors
+    /// [`Problem::SavedState`] for bytes that are truncated, altered or of another machine.
+    pub(crate) fn from_bytes(bytes: &[u8], token: &str) -> Result<Self, Problem> {
+        let rest = bytes.strip_prefix(&MAGIC).ok_or_else(|| refused("it is not of a described machine"))?;
+        let (sum, payload) = rest.split_first_chunk().ok_or_else(|| refused("it ends too early"))?;
+        if *sum != fnv1a(payload).to_le_bytes() {
+            return Err(refused("its checksum does not fit: it is truncated or altered"));
+        }
+        let (written, rest) =
+            postcard::take_from_bytes::<String>(payload).map_err(|error| refused(error.to_string()))?;
+        if written != token {
+            return Err(refused("it is of another machine, or of another version"));
+        }
+        postcard::from_bytes(rest).map_err(|error| refused(error.to_string()))
+    }
+}

@@ -1,0 +1,262 @@
+//! The variables of a machine by value reference, in the order of its file.
+//!
+//! | names | causality |
+//! |---|---|
+//! | `time` | independent |
+//! | dotted names of the file, such as `stop.upper.gap` | parameter |
+//! | `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`, `friction.NAME.static.input` | input |
+//! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
+//! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
+//! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
+//!
+//! Names of bodies and of elements are unique each, and what follows them differs: no two variables share a name.
+
+use fmi_doors::{Base, Bases, Problem};
+use vibro_assembly::description::{BodyKind, Dimension, Signal, StopLaw};
+use vibro_assembly::{Description, Parameter};
+
+/// What a variable is read from, by the places of bodies and elements in the description.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Time.
+    Time,
+    /// A parameter, by its place among all.
+    Parameter(usize),
+    /// An input, by its place among all.
+    Input(usize),
+    /// A body's coordinate, rate or acceleration.
+    Body(usize, usize),
+    /// A spring's elongation, its rate or its force.
+    Spring(usize, usize),
+    /// A stop's elongation, its rate or its force.
+    Stop(usize, usize),
+    /// A friction's elongation, its rate or its force.
+    Friction(usize, usize),
+    /// A load's force.
+    Load(usize),
+    /// The state of a stop.
+    StopState(usize),
+    /// Impacts of a stop so far.
+    Impacts(usize),
+    /// The impulse of a stop's last impact.
+    Impulse(usize),
+    /// The state of a friction.
+    FrictionState(usize),
+    /// A part of the energy balance.
+    Energy(Energy),
+}
+
+/// A part of the energy balance, J.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Energy {
+    /// Of motion.
+    Kinetic,
+    /// In springs, compliant stops and weight.
+    Stored,
+    /// Put in by loads and prescribed motions since the start.
+    Work,
+    /// Lost in dashpots, stops and friction since the start.
+    Lost,
+    /// Mechanical energy less what it must be by work and losses: rounding.
+    Residual,
+}
+
+/// Who sets a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Time.
+    Independent,
+    /// A number of the file, set before the motion begins.
+    Parameter,
+    /// Added to a signal.
+    Input,
+    /// Follows from the motion and changes at any time.
+    Output,
+    /// Follows from the motion and changes at events only.
+    Discrete,
+}
+
+/// A variable.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its name.
+    pub name: String,
+    /// What it is, for people.
+    pub meaning: String,
+    /// SI unit; of whole numbers `1`.
+    pub unit: &'static str,
+    /// Its type.
+    pub base: Base,
+    /// Who sets it.
+    pub role: Role,
+    /// What it is read from.
+    pub quantity: Quantity,
+}
+
+/// The variables of a machine.
+#[derive(Debug)]
+pub struct Table {
+    /// By value reference less 1.
+    pub rows: Vec<Row>,
+    /// The parameters, in the order of their rows.
+    pub parameters: Vec<Parameter>,
+    /// The value references of the inputs, in their order.
+    pub inputs: Vec<u32>,
+}
+
+/// In a unit of translation or of rotation.
+fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
+    units[usize::from(dimension == Dimension::Rotation)]
+}
+
+const LENGTH: [&str; 2] = ["m", "rad"];
+const RATE: [&str; 2] = ["m/s", "rad/s"];
+const ACCELERATION: [&str; 2] = ["m/s2", "rad/s2"];
+const FORCE: [&str; 2] = ["N", "N.m"];
+const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
+
+impl Table {
+    /// The variables of a machine.
+    pub fn new(machine: &Description) -> Self {
+        let mut table = Self { rows: Vec::new(), parameters: machine.parameters(), inputs: Vec::new() };
+        table.push("time".into(), "Time", "s", Role::Independent, Quantity::Time);
+        for place in 0..table.parameters.len() {
+            let Parameter { name, meaning, unit, .. } = table.parameters[place].clone();
+            table.push(name, meaning, unit, Role::Parameter, Quantity::Parameter(place));
+        }
+        for (place, (name, unit)) in inputs(machine).into_iter().enumerate() {
+            table.push(name, "Added to the signal", unit, Role::Input, Quantity::Input(place));
+            table.inputs.push(table.rows.len() as u32);
+        }
+        table.bodies(machine);
+        table.elements(machine);
+        table.energies();
+        table
+    }
+
+    fn push(&mut self, name: String, meaning: &str, unit: &'static str, role: Role, quantity: Quantity) {
+        let base = match quantity {
+            Quantity::Impacts(_) => Base::Integer,
+            Quantity::StopState(_) | Quantity::FrictionState(_) => Base::Enumeration,
+            _ => Base::Real,
+        };
+        self.rows.push(Row { name, meaning: meaning.into(), unit, base, role, quantity });
+    }
+
+    fn bodies(&mut self, machine: &Description) {
+        for (i, body) in machine.bodies.iter().enumerate() {
+            let (name, d) = (&body.name, body.dimension);
+            let mut push = |what: &str, meaning: &str, units, k| {
+                self.push(
+                    format!("{name}.{what}"),
+                    meaning,
+                    of(d, units),
+                    Role::Output,
+                    Quantity::Body(i, k),
+                );
+            };
+            push("s", "Coordinate", LENGTH, 0);
+            push("v", "Rate of the coordinate", RATE, 1);
+            push("a", "Acceleration", ACCELERATION, 2);
+        }
+    }
+
+    fn element(&mut self, name: &str, d: Dimension, quantity: impl Fn(usize) -> Quantity) {
+        let texts = [
+            ("e", "Elongation", LENGTH),
+            ("rate", "Rate of the elongation", RATE),
+            ("f", "Force against the elongation", FORCE),
+        ];
+        for (k, (what, meaning, units)) in texts.into_iter().enumerate() {
+            self.push(format!("{name}.{what}"), meaning, of(d, units), Role::Output, quantity(k));
+        }
+    }
+
+    fn elements(&mut self, machine: &Description) {
+        for (i, spring) in machine.springs.iter().enumerate() {
+            self.element(&spring.name, spring.arms.dimension, |k| Quantity::Spring(i, k));
+        }
+        for (i, stop) in machine.stops.iter().enumerate() {
+            let (name, d) = (&stop.name, stop.arms.dimension);
+            self.element(name, d, |k| Quantity::Stop(i, k));
+            let mut push = |what: &str, meaning: &str, unit, quantity| {
+                self.push(format!("{name}.{what}"), meaning, unit, Role::Discrete, quantity);
+            };
+            push("state", "State of the stop", "1", Quantity::StopState(i));
+            if let StopLaw::Rigid { .. } = stop.law {
+                push("impacts", "Impacts so far", "1", Quantity::Impacts(i));
+                push("impulse", "Impulse of the last impact", of(d, IMPULSE), Quantity::Impulse(i));
+            }
+        }
+        for (i, friction) in machine.frictions.iter().enumerate() {
+            self.element(&friction.name, friction.arms.dimension, |k| Quantity::Friction(i, k));
+            let name = format!("{}.state", friction.name);
+            self.push(name, "State of the friction", "1", Role::Discrete, Quantity::FrictionState(i));
+        }
+        for (i, load) in machine.loads.iter().enumerate() {
+            let d = machine.bodies.get(load.body).map_or(Dimension::Translation, |body| body.dimension);
+            let name = format!("{}.f", load.name);
+            self.push(name, "Force or torque", of(d, FORCE), Role::Output, Quantity::Load(i));
+        }
+    }
+
+    fn energies(&mut self) {
+        for (what, meaning, energy) in [
+            ("kinetic", "Kinetic energy", Energy::Kinetic),
+            ("stored", "Energy in springs, compliant stops and weight", Energy::Stored),
+            ("work", "Work of loads and prescribed motions since the start", Energy::Work),
+            ("lost", "Lost in dashpots, stops and friction since the start", Energy::Lost),
+            ("residual", "Energy that work and losses do not account for: rounding", Energy::Residual),
+        ] {
+            self.push(format!("energy.{what}"), meaning, "J", Role::Output, Quantity::Energy(energy));
+        }
+    }
+
+    /// The value reference of a name, where there is one.
+    pub fn reference(&self, name: &str) -> Option<u32> {
+        self.rows.iter().position(|row| row.name == name).map(|place| place as u32 + 1)
+    }
+
+    /// The variable of a value reference that has one of the types.
+    ///
+    /// # Errors
+    /// [`Problem::Reference`].
+    pub fn row(&self, reference: u32, bases: Bases) -> Result<&Row, Problem> {
+        let row = self.rows.get((reference as usize).wrapping_sub(1));
+        if let Some(row) = row.filter(|row| bases.contains(row.base)) {
+            return Ok(row);
+        }
+        let found = match row {
+            Some(row) => format!("{} is {}", row.name, row.base.name()),
+            None => format!("allowed are those of the model description, from 1 to {}", self.rows.len()),
+        };
+        Err(Problem::Reference { reference, wanted: bases.name, found })
+    }
+}
+
+/// Names and units of the inputs, in the engine's order: motions of bodies, loads, levels of friction.
+fn inputs(machine: &Description) -> Vec<(String, &'static str)> {
+    let mut all = Vec::new();
+    let mut add = |name: String, signal: &Signal, unit| {
+        if signal.input {
+            all.push((format!("{name}.input"), unit));
+        }
+    };
+    for body in &machine.bodies {
+        if let BodyKind::Prescribed { motion, .. } = &body.kind {
+            add(format!("body.{}.motion", body.name), motion, of(body.dimension, LENGTH));
+        }
+    }
+    for load in &machine.loads {
+        let d = machine.bodies.get(load.body).map_or(Dimension::Translation, |body| body.dimension);
+        add(format!("load.{}", load.name), &load.force, of(d, FORCE));
+    }
+    for friction in &machine.frictions {
+        let unit = of(friction.arms.dimension, FORCE);
+        add(format!("friction.{}.force", friction.name), &friction.force, unit);
+        if let Some(level) = &friction.static_force {
+            add(format!("friction.{}.static", friction.name), level, unit);
+        }
+    }
+    all
+}

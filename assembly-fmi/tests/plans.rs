@@ -1,0 +1,57 @@
+//! The variables and descriptions of all example machines.
+
+use fmi_doors::Version;
+use std::collections::HashSet;
+use std::path::Path;
+use vibro_assembly::file;
+use vibro_assembly_fmi::Plan;
+
+fn plans() -> Vec<Plan> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    let plans: Vec<_> = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap()).collect();
+    assert!(plans.len() > 20, "{}", plans.len());
+    plans
+}
+
+#[test]
+fn invariant_names_are_unique_and_inputs_are_the_engines() {
+    for plan in plans() {
+        let names: HashSet<_> = plan.table.rows.iter().map(|row| row.name.as_str()).collect();
+        assert_eq!(names.len(), plan.table.rows.len(), "{}", plan.name());
+        assert_eq!(plan.table.inputs.len(), plan.assembly.system().signals.inputs, "{}", plan.name());
+    }
+}
+
+#[test]
+fn invariant_both_descriptions_have_every_variable_with_a_unit_that_is_defined() {
+    for plan in plans() {
+        let description = plan.description();
+        for row in &plan.table.rows {
+            assert!(description.units.iter().any(|unit| unit.name == row.unit), "{} {}", row.name, row.unit);
+        }
+        for version in [Version::Fmi2, Version::Fmi3] {
+            let text = plan.xml(version, None);
+            let count = plan.table.rows.iter().filter(|row| text.contains(&format!("name=\"{}\"", row.name)));
+            assert_eq!(count.count(), plan.table.rows.len(), "{}", plan.name());
+        }
+    }
+}
+
+#[test]
+fn invariant_the_token_follows_every_byte_of_the_file() {
+    let text =
+        "name = \"A\"\n[body.b]\nmass = 1.0\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n";
+    let token = |text: &str| Plan::new(text.into(), "a.toml").unwrap().token().to_owned();
+    assert_eq!(token(text), token(text));
+    assert_ne!(token(text), token(&text.replace("stiffness = 1.0", "stiffness = 2.0")));
+    assert_ne!(token(text), token(&format!("{text}\n")));
+}
+
+#[test]
+fn a_file_reaches_no_other_file() {
+    let text = "name = \"A\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\ntable = \"../../secret.csv\"\n";
+    let refused = Plan::new(text.into(), "machine.toml").unwrap_err().to_string();
+    assert!(refused.starts_with("machine.toml:6: load.l.table = "), "{refused}");
+}

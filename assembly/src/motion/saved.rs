@@ -1,0 +1,65 @@
+//! Saved states: whether one that comes from elsewhere fits a machine.
+
+use super::{Due, Hybrid};
+use crate::assembly::Assembly;
+use crate::description::StopLaw;
+use crate::mode::{Contact, StopState, Watch};
+
+/// A vector as a sequence of numbers.
+pub(crate) mod vector {
+    use nalgebra::DVector;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(vector: &DVector<f64>, to: S) -> Result<S::Ok, S::Error> {
+        vector.as_slice().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<DVector<f64>, D::Error> {
+        Ok(DVector::from_vec(Vec::deserialize(from)?))
+    }
+}
+
+impl Hybrid {
+    /// Whether it can be a state of a motion of this machine: as many numbers, all of them finite, and elements that are there, in
+    /// states that their law has. Whoever reads a state from bytes must ask before [`restore`](super::Motion::restore).
+    pub fn fits(&self, assembly: &Assembly) -> bool {
+        let system = assembly.system();
+        let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());
+        let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+        let known = |watch: &Watch| match *watch {
+            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+                i < stops
+            }
+            Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => i < frictions,
+        };
+        let there = |contact: &Contact| match *contact {
+            Contact::Stop(i) => self.mode.stops.get(i) == Some(&StopState::Closed),
+            Contact::Friction(i) => self.mode.frictions.get(i).is_some_and(|state| state.sticks()),
+        };
+        let of_its_law = self.mode.stops.iter().zip(&system.stops).all(|(state, stop)| {
+            let rigid = matches!(state, StopState::Open | StopState::Closed);
+            rigid == matches!(stop.law, StopLaw::Rigid { .. })
+        });
+        let due = match &self.due {
+            Some(Due::Passage(watch)) => known(watch),
+            Some(Due::Knot) | None => true,
+        };
+        let energy = &self.energy;
+        [self.z.len(), self.sizes.0.len()] == [size; 2]
+            && [self.mode.stops.len(), self.impacts.len(), energy.stops.len()] == [stops; 3]
+            && [self.mode.frictions.len(), energy.frictions.len()] == [frictions; 2]
+            && self.inputs.len() == system.signals.inputs
+            && [energy.loads.len(), energy.dashpots.len()] == [system.loads.len(), system.springs.len()]
+            && self.time.value().is_finite()
+            && finite(self.z.as_slice())
+            && finite(self.sizes.0.as_slice())
+            && self.inputs.iter().all(|(from, input)| from.is_finite() && finite(input))
+            && self.impacts.iter().all(|(_, impulse)| impulse.is_finite())
+            && energy.balance().is_finite()
+            && self.mode.basis.is_sorted_by(|a, b| a < b)
+            && self.mode.basis.iter().all(there)
+            && of_its_law
+            && self.last.as_ref().is_none_or(known)
+            && due
+    }
+}

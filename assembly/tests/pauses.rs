@@ -1,0 +1,74 @@
+//! A motion that pauses before its events, is saved as bytes, or begins at another time.
+
+mod common;
+
+use common::*;
+use vibro_assembly::Motion;
+use vibro_assembly::description::*;
+use vibro_assembly::motion::{Hybrid, Outcome};
+
+/// A ball that falls a metre, with a load that jumps in flight.
+fn ball() -> Description {
+    let jump = Signal { steps: vec![Step { time: 0.3, height: 0.05 }], ..Signal::default() };
+    Description {
+        gravity: 9.81,
+        bodies: vec![heavy("ball", 0.02, 1.0, 0.0, 0.0)],
+        stops: vec![rigid("floor", &[(0, 1.0)], 1.0, 0.9)],
+        loads: vec![Load { name: "wind".into(), body: 0, force: jump }],
+        ..Description::default()
+    }
+}
+
+/// Of a flight of a second.
+const ROUNDING: f64 = 1e-15;
+
+#[test]
+fn invariant_pausing_before_events_changes_no_bit() {
+    let (mut whole, mut paused) = (motion(ball()), motion(ball()));
+    let (mut passed, mut before) = (Vec::new(), Vec::new());
+    whole.advance_observed(3.0, &mut |event| passed.push(event.clone())).unwrap();
+    let mut pauses = 0;
+    while paused.advance_before_event(3.0, &mut |event| before.push(event.clone())).unwrap() == Outcome::Event
+    {
+        let (known, speed) = (before.len(), paused.body(0)[1]);
+        assert!(paused.is_event_due());
+        // The ball still falls, or the load has not jumped yet; the law comes when it is asked for, once.
+        assert_eq!(paused.load(0), if paused.time() > 0.3 { 0.05 } else { 0.0 });
+        assert!(speed > 0.0, "{speed}");
+        paused.apply_event(&mut |event| before.push(event.clone())).unwrap();
+        assert!(before.len() > known && !paused.is_event_due());
+        pauses += 1;
+    }
+    assert_eq!(before, passed);
+    assert_eq!(paused.save(), whole.save());
+    assert!(pauses > 3, "{pauses}");
+}
+
+#[test]
+fn invariant_a_state_goes_through_bytes_before_an_event_too() {
+    let mut moving = motion(ball());
+    moving.advance_before_event(3.0, &mut |_| ()).unwrap();
+    let bytes = postcard::to_stdvec(&moving.save()).unwrap();
+    let saved: Hybrid = postcard::from_bytes(&bytes).unwrap();
+    assert!(saved.fits(moving.assembly()));
+    let mut other = motion(ball());
+    other.restore(&saved);
+    moving.advance_to(2.0).unwrap();
+    other.advance_to(2.0).unwrap();
+    assert_eq!(moving.save(), other.save());
+    // It is no state of a machine with another element.
+    let machine = Description { stops: Vec::new(), ..ball() };
+    assert!(!saved.fits(motion(machine).assembly()));
+}
+
+#[test]
+fn closed_form_of_a_start_at_another_time() {
+    let machine = motion(ball()).assembly().clone();
+    let mut later = Motion::starting_at(machine.clone(), 10.0).unwrap();
+    assert_eq!((later.time(), later.body(0)[0], later.load(0)), (10.0, 0.0, 0.05));
+    later.advance_to(10.2).unwrap();
+    let (acceleration, dt) = (9.81 + 0.05 / 0.02, 10.2 - 10.0);
+    assert!((later.body(0)[0] - 0.5 * acceleration * dt * dt).abs() < ROUNDING);
+    let refused = Motion::starting_at(machine, f64::NAN).unwrap_err().to_string();
+    assert_eq!(refused, "start time = NaN: allowed is a finite number");
+}

@@ -1,0 +1,64 @@
+"""Runs archives of described machines in FMPy: as they are, bit for bit as the engine moves, and with a parameter set.
+
+`python described_machines.py FOLDER NAME...`: the folder has `NAME.fmu`, `NAME-FMI3.fmu` and `NAME.csv`, the engine's motion.
+"""
+
+import sys
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.validation import validate_fmu
+
+# A tenth of a second of the fall of a ball.
+ROUNDING = 1e-14
+
+
+def check(archive: Path, expected: np.ndarray, **how: bool) -> None:
+    """A run at the communication points of the description, against the engine's motion."""
+    names = list(expected.dtype.names[1:])
+    result = fmpy.simulate_fmu(
+        str(archive),
+        fmi_type="CoSimulation",
+        stop_time=expected["time"][-1],
+        output_interval=expected["time"][1],
+        output=names,
+        **how,
+    )
+    if how:
+        # Events are points of their own then, and split the steps in which sums are rounded.
+        assert len(result) >= len(expected), f"{archive.name} {how}: {len(result)}"
+        return
+    assert len(result) == len(expected), f"{archive.name}: {len(result)}"
+    for name in names:
+        different = np.flatnonzero(result[name] != expected[name])
+        assert not len(different), f"{archive.name} {name}: {len(different)} from {expected['time'][different[0]]}"
+
+
+def check_parameter(archive: Path) -> None:
+    """A ball that falls elsewhere."""
+    result = fmpy.simulate_fmu(
+        str(archive), start_values={"gravity": 1.62}, stop_time=0.1, output_interval=0.1, output=["ball.s"]
+    )
+    error = abs(result["ball.s"][-1] - 0.5 * 1.62 * 0.1**2)
+    assert error < ROUNDING, f"{archive.name}: {error}"
+
+
+def main(folder: Path, names: list[str]) -> None:
+    for name in names:
+        expected = np.genfromtxt(folder / f"{name}.csv", delimiter=",", names=True, deletechars="")
+        for suffix in ["", "-FMI3"]:
+            archive = folder / f"{name}{suffix}.fmu"
+            problems = validate_fmu(str(archive))
+            assert not problems, problems
+            check(archive, expected)
+            if suffix:
+                check(archive, expected, use_event_mode=True)
+                check(archive, expected, use_event_mode=True, early_return_allowed=True)
+            print(archive.name)
+    for suffix in ["", "-FMI3"]:
+        check_parameter(folder / f"bouncing_ball{suffix}.fmu")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2:])
