@@ -26,7 +26,7 @@ def fmi3_beside(fmu: PathLike) -> Path:
     return Path(fmu).with_name("VibroImpact3DOF-FMI3.fmu")
 
 
-#: Where `cargo run -p fmu-build` puts the FMU, for FMI 2.0 and for FMI 3.0.
+#: Where `cargo run --bin fmu-build` puts the FMU, for FMI 2.0 and for FMI 3.0.
 FMU = Path(__file__).parents[1] / "target" / "VibroImpact3DOF.fmu"
 FMU3 = fmi3_beside(FMU)
 

@@ -1,6 +1,6 @@
 """maturin's build backend, with the FMU archives put into the package first.
 
-`cargo run -p fmu-build` makes the archives in `target/`; they are copied from there, or from the folder that the environment
+`cargo run --bin fmu-build` makes the archives in `target/`; they are copied from there, or from the folder that the environment
 variable `VIBRO_IMPACT_ARCHIVES` names. A source distribution brings them along. Where that folder lacks them the build ends with the
 command that makes them; `VIBRO_IMPACT_WITHOUT_ARCHIVES=1` builds a package without them, whose `fmu_path` says what is missing.
 """
@@ -26,7 +26,7 @@ def fetch_archives():
         if (folder / name).exists():
             shutil.copyfile(folder / name, inside / name)
         elif not (inside / name).exists():
-            message = f"{folder / name} is missing: make it by `cargo run -p fmu-build`"
+            message = f"{folder / name} is missing: make it by `cargo run --bin fmu-build`"
             if os.environ.get("VIBRO_IMPACT_WITHOUT_ARCHIVES") != "1":
                 raise SystemExit(message + ", or set VIBRO_IMPACT_WITHOUT_ARCHIVES=1 for a wheel without it")
 

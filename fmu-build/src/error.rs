@@ -40,7 +40,7 @@ pub enum Error {
         source: zip::result::ZipError,
     },
     /// The archive lacks a file.
-    #[error("archive {} has no {name}; build it again with `cargo run -p fmu-build`", path.display())]
+    #[error("archive {} has no {name}; build it again with `cargo run --bin fmu-build`", path.display())]
     Missing {
         /// The archive.
         path: PathBuf,
@@ -67,7 +67,7 @@ pub enum Error {
     #[error("native run: {0}")]
     Native(#[from] vibro_impact::Error),
     /// The archives do not hold the same library.
-    #[error("{} and {} hold different libraries; build both again with `cargo run -p fmu-build`", first.display(), second.display())]
+    #[error("{} and {} hold different libraries; build both again with `cargo run --bin fmu-build`", first.display(), second.display())]
     Binaries {
         /// One archive.
         first: PathBuf,

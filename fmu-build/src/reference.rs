@@ -338,7 +338,7 @@ mod tests {
             assert_eq!(
                 committed.lines().count(),
                 computed.lines().count(),
-                "run `cargo run -p fmu-build -- refresh`"
+                "run `cargo run --bin fmu-build -- refresh`"
             );
             for (a, b) in committed.lines().zip(computed.lines()).skip(1) {
                 for (a, b) in a.split(',').zip(b.split(',')) {

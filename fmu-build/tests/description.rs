@@ -12,7 +12,7 @@ fn committed_files_are_what_is_generated() {
     for (name, bytes) in package::committed().unwrap() {
         let committed = std::fs::read(workspace().join(&name)).unwrap_or_default();
         let option = if described.contains_key(&name) { " --description" } else { "" };
-        assert!(committed == bytes, "{name} is stale: run `cargo run -p fmu-build -- refresh{option}`");
+        assert!(committed == bytes, "{name} is stale: run `cargo run --bin fmu-build -- refresh{option}`");
     }
 }
 

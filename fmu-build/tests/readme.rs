@@ -26,18 +26,18 @@ const BY_HAND: &str = "\n## Memory and random input, by hand";
 const COVERED: [(&str, &str); 10] = [
     ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
     ("pip install \"./python[plot]\"", "the same, and tests/python/requirements.txt has matplotlib"),
-    ("cargo run -p fmu-build", "fmu-build/tests/command.rs runs the same binary"),
+    ("cargo run --bin fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     (TARGETS, "the test below compares it with the platforms"),
     (ZIG, "fmu-build/tests/platforms.rs runs with what it installs"),
     (
-        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run -p fmu-build -- --all-platforms",
+        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run --bin fmu-build -- --all-platforms",
         "fmu-build/tests/platforms.rs",
     ),
     ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
-    ("cargo run -p fmu-build -- --explorer", "fmu-build/tests/live_page.rs, run by .ci/run"),
+    ("cargo run --bin fmu-build -- --explorer", "fmu-build/tests/live_page.rs, run by .ci/run"),
     ("cargo run --release -p explorer-build", "explorer-build/tests/page.rs, run by .ci/run"),
     (
-        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run -p fmu-build -- release --preview",
+        "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run --bin fmu-build -- release --preview",
         "fmu-build/tests/release.rs, run by .ci/run",
     ),
 ];

@@ -99,7 +99,7 @@ impl Simulator {
         self.hybrid.sums.damped = self.hybrid.sums.damped.plus(damped);
     }
 
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn account_whole<const LOADS: usize>(&mut self, start: &SubstepStart<LOADS>) {
         if LOADS > 0 {
             let (input, damped) = self.account_loaded(start, INTERVALS);

@@ -247,7 +247,7 @@ impl Simulator {
     }
 
     /// The series about the centre of an interval and the time to there.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn centred<const LOADS: usize>(
         &mut self,
         start: &SubstepStart<LOADS>,
@@ -270,7 +270,7 @@ impl Simulator {
     }
 
     /// The first event between two points, with its stop, from the coefficients of the event functional.
-    #[inline(always)]
+    #[inline(never)]
     fn first_event<const N: usize>(
         &mut self,
         functional: &[f64; N],
@@ -306,7 +306,7 @@ impl Simulator {
 
     /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
     /// start are divided out, so that a return is found however soon it comes.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn first_event_from_start<const LOADS: usize>(
         &mut self,
         series: &Series<ANCHORED>,
@@ -338,7 +338,7 @@ impl Simulator {
     }
 
     /// Moves to a point of a series: state, time and energy accounts.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn advance_to_point<const LOADS: usize, const N: usize>(
         &mut self,
         z: &mut Augmented,

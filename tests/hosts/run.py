@@ -115,7 +115,7 @@ def native(step, steps, start=()):
     """The library's own states at the communication points."""
     values = dict(item.split("=") for item in start)
     numbers = ",".join(values.get(name, "0") for name in STATES)
-    return table(run(["cargo", "run", "--quiet", "--package", "fmu-build", "--", "native", f"--step={step!r}",
+    return table(run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "native", f"--step={step!r}",
                       f"--steps={steps}", f"--start={numbers}"]))
 
 
@@ -356,7 +356,7 @@ def main():
     arguments = parser.parse_args()
     TARGET.mkdir(parents=True, exist_ok=True)
     fmu = TARGET / "VibroImpact3DOF.fmu"
-    run(["cargo", "run", "--quiet", "--package", "fmu-build", "--", "--no-run", "--output", fmu])
+    run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "--no-run", "--output", fmu])
     lines, missing, failed = [], [], []
     for name, host in HOSTS:
         try:

@@ -109,5 +109,5 @@ def test_a_motion_that_does_not_get_on_says_what_to_do():
 
 def test_a_missing_archive_is_named_with_the_command(monkeypatch):
     monkeypatch.setattr(vi._fmu, "_NAMES", {2: "none.fmu", 3: "none.fmu"})
-    with pytest.raises(FileNotFoundError, match="none.fmu is missing.*cargo run -p fmu-build"):
+    with pytest.raises(FileNotFoundError, match="none.fmu is missing.*cargo run --bin fmu-build"):
         vi.fmu_path()

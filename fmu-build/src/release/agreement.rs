@@ -80,7 +80,7 @@ fn tokens() -> [(&'static str, String); 4] {
 
 /// What is wrong with version and token of a model description, of FMI 2.0 or 3.0.
 pub(super) fn description(place: &str, xml: &str, token: String, version: &str) -> Vec<String> {
-    const REMEDY: &str = "write it anew by `cargo run -p fmu-build -- refresh --description`";
+    const REMEDY: &str = "write it anew by `cargo run --bin fmu-build -- refresh --description`";
     let root = root_attributes(xml);
     let value = |names: &[&str]| {
         let named = root.iter().find(|(name, _)| names.contains(&name.as_str()));

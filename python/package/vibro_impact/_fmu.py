@@ -22,7 +22,7 @@ def fmu_path(version: int = 2) -> Path:
     path = Path(__file__).with_name("fmu") / _NAMES[whole("version", version, 2, 3)]
     if not path.exists():
         raise FileNotFoundError(
-            f"{path} is missing: the package was built without it. Make it by `cargo run -p fmu-build` and build the "
+            f"{path} is missing: the package was built without it. Make it by `cargo run --bin fmu-build` and build the "
             "package again by `pip install ./python`"
         )
     return path
