@@ -22,7 +22,7 @@ mod steady_motion;
 mod strong;
 mod sweep;
 
-pub use assembly_diagram::assembly_diagram;
+pub use assembly_diagram::{assembly_diagram, assembly_exponent};
 pub use basin::{basins, check_basins};
 pub use compare::{accuracy, force_overlay, histories};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};

@@ -6,9 +6,10 @@ use super::diagram::{DIRECTIONS, contact_panel, maxima_rows, reach, remarks, sha
 use super::sweep::letters;
 use crate::Result;
 use crate::table::{Table, exact};
-use vibro_analysis::assembly::Machine;
 use vibro_analysis::assembly::diagram::{Point, Request};
+use vibro_analysis::assembly::{Machine, Start, settled};
 use vibro_analysis::bifurcation::Diagram;
+use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 
@@ -82,6 +83,39 @@ pub fn assembly_diagram(
         ],
         figure: Some(figure),
         ..Study::without_figure(name, what).with_remarks(remarks(parameter, diagram, &apart, &told))
+    })
+}
+
+/// The largest exponent of a machine's motion after `discard` returns, over `periods` of them, as a table.
+///
+/// # Errors
+/// What the machine or its motion refuses.
+pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &str) -> Result<Study> {
+    let (motion, section) = machine.motion(&Start::default())?;
+    let mut motion = motion.without_energy_accounts();
+    vibro_analysis::assembly::discard(&mut motion, &section, discard)?;
+    let found = settled(&mut motion, &section, Some(periods))?;
+    let mut table = Table::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
+    let exponent = found.exponent;
+    let number = |x: Option<f64>| x.map_or(String::new(), exact);
+    table.rows.push(vec![
+        number(exponent.map(|e| e.value)),
+        number(exponent.map(|e| e.error)),
+        exponent.map_or(String::new(), |e| e.periods.to_string()),
+        exact(found.interval),
+        exact(found.contacts),
+        found.rests.to_string(),
+        found.class.name(),
+    ]);
+    let told = exponent.map_or(String::new(), |e| {
+        let (value, error) = (significant(e.value), significant(e.error));
+        format!("{value} 1/s, standard error {error}, over {} returns", e.periods)
+    });
+    let what = format!("largest Lyapunov exponent {told}");
+    let remarks = vec![format!("class: {}", found.class.name())];
+    Ok(Study {
+        tables: vec![(name.into(), table.csv()?)],
+        ..Study::without_figure(name, what).with_remarks(remarks)
     })
 }
 
