@@ -9,7 +9,11 @@ use std::fmt;
 
 /// The start of a described machine's motion: the one that its file gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FileStart;
+pub enum FileStart {
+    /// That one.
+    #[default]
+    File,
+}
 
 impl fmt::Display for FileStart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -5,6 +5,7 @@
 //! A motion is looked at where it returns to a [section](SectionRule): after each common period of what drives the machine, or at
 //! each event of an element. What the other modules call a drive period is here the way from one return to the next.
 
+mod columns;
 mod designs;
 pub mod diagram;
 mod flight;
@@ -15,6 +16,7 @@ mod settled;
 mod variation;
 mod watch;
 
+pub use columns::{NamedEvent, columns, named, values};
 pub use designs::FileStart;
 pub use measures::{Measure, measure};
 pub use quantity::{Place, Quantity};
@@ -155,3 +157,6 @@ pub fn now(motion: &Motion) -> Start {
     };
     Start { time: motion.time(), bodies: Some((0..count).map(body).collect()) }
 }
+
+#[cfg(test)]
+mod tests;
