@@ -98,7 +98,11 @@ fn words(error: &Error) -> String {
 }
 
 fn exception(no_answer: bool, message: &str) -> PyErr {
-    if no_answer { PyRuntimeError::new_err(message) } else { PyValueError::new_err(message) }
+    if no_answer {
+        PyRuntimeError::new_err(message.to_owned())
+    } else {
+        PyValueError::new_err(message.to_owned())
+    }
 }
 
 /// The same words with the names of parameters, coordinates and loads as Python's arguments have them: `box_m` for `box.m`.

@@ -66,7 +66,7 @@ pub fn assembly_diagram(
     );
     let figure = Figure {
         title: format!("{}: {of} over {parameter}", machine.description.name),
-        caption: vec![method, machine.caption_but(&[])],
+        caption: vec![method, format!("Elsewhere {}", machine.caption_but(&[]))],
         panels,
         columns: 1,
         panel: (2900, 1150),

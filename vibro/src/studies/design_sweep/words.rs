@@ -140,7 +140,7 @@ impl Told for assembly::Machine {
     }
 
     fn caption_but(&self, _: &[String]) -> String {
-        format!("as the file of {}", self.caption())
+        format!("as in the file of {}", self.caption())
     }
 
     fn words(measure: &assembly::Measure) -> String {
