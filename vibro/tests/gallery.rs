@@ -70,3 +70,33 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
     }
     assert!(count >= 12, "{count} pages");
 }
+
+/// Words of the tutorial's commands that are replaced so that the test is quick.
+const SHORTENED: [(&str, &str); 3] = [
+    ("10mm:200", "10mm:4 --discard 20 --keep 4"),
+    ("13mm:40", "13mm:2"),
+    ("13mm:25", "13mm:2 --discard 20 --periods 4"),
+];
+
+#[test]
+fn the_tutorial_from_file_to_choice_works() {
+    let page = std::fs::read_to_string(root().join("docs/assemblies.md")).unwrap();
+    let mut used = [false; SHORTENED.len()];
+    let mut commands = 0;
+    for block in page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()) {
+        let Some(line) = block.trim().strip_prefix("vibro ") else { continue };
+        let mut line = line.to_owned();
+        for ((long, short), used) in SHORTENED.iter().zip(&mut used) {
+            *used |= line.contains(long);
+            line = line.replace(long, short);
+        }
+        let (line, _) = line.split_once(" --out ").unwrap_or((&line, ""));
+        let out = folder(&format!("from-file-to-choice-{commands}"));
+        let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+        let vibro = vibro.args(line.split_whitespace()).arg("--out").arg(&out).current_dir(root());
+        let output = vibro.output().expect("vibro runs");
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        commands += 1;
+    }
+    assert!(commands >= 5 && used.iter().all(|used| *used), "{commands} {used:?}");
+}
