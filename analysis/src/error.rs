@@ -13,10 +13,10 @@ pub enum Error {
     /// A described machine's new values are refused.
     #[error(transparent)]
     Refusal(#[from] vibro_assembly::Refusal),
-    /// A described machine's motion has no section at which it could be looked at.
+    /// A study of a described machine is refused: what it asks for is not in the machine, or its motion has no section.
     #[error("{problem}")]
-    Section {
-        /// Why there is none, and what is allowed.
+    Described {
+        /// What was given, and what is allowed.
         problem: String,
     },
     /// No parameter has this name.

@@ -92,7 +92,7 @@ fn has_no_answer(error: &Error) -> bool {
 fn words(error: &Error) -> String {
     let text = error.to_string();
     match error {
-        Error::Assembly(_) | Error::Refusal(_) | Error::Section { .. } => text,
+        Error::Assembly(_) | Error::Refusal(_) | Error::Described { .. } => text,
         _ => in_python(&text),
     }
 }

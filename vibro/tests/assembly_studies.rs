@@ -44,7 +44,8 @@ fn second_method_a_sweep_has_the_librarys_numbers_and_shards_make_the_whole() {
         let (mut motion, section) = own.motion(&Start::default()).unwrap();
         discard(&mut motion, &section, 60).unwrap();
         let found = measure(&mut motion, &section, &measures, 6).unwrap();
-        for (name, number) in ["amplitude.box.s", "impacts.steel", "power.buffer"].iter().zip(&found.numbers) {
+        for (name, number) in ["amplitude.box.s", "impacts.steel", "power.buffer"].iter().zip(&found.numbers)
+        {
             assert_eq!(value(name).to_bits(), number.unwrap().to_bits(), "{name}");
         }
         assert_eq!(row["class"], found.class.unwrap().name());
@@ -127,7 +128,10 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
         (diagram(&["--vary", "stop.steel.gap=1:2mm"]), "a unit at every number"),
         (diagram(&["--vary", "stop.steel.gap=1mm:2mm:1"]), "allowed are 2 to 20000"),
         (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--of", "blok.s"]), "the nearest is `block.s`"),
-        (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--section", "stop.x"]), "no stop or friction has this name"),
+        (
+            diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--section", "stop.x"]),
+            "no stop or friction has this name",
+        ),
         (diagram(&["--vary", "stop.steel.restitution=0.5:1.5"]), "allowed is a number from 0 to 1"),
         (sweep(&["--vary", "stop.steel.gap=1mm:2mm:3", "--samples", "4"]), "without a count"),
         (sweep(&["--output", "amplitude.bx.s"]), "the nearest is `box.s`"),

@@ -25,7 +25,9 @@ fn block<'a>(page: &'a str, info: &str) -> &'a str {
 
 /// The numbers of a drawing.
 fn numbers(svg: &str) -> Vec<f64> {
-    svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-')).filter_map(|n| n.parse().ok()).collect()
+    svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
+        .filter_map(|n| n.parse().ok())
+        .collect()
 }
 
 #[test]
@@ -66,7 +68,10 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
         let (old, new) = (numbers(&before), numbers(&now));
         let far = old.iter().zip(&new).filter(|(a, b)| (*a - *b).abs() > MOVED).count();
         let apart = far as f64 + old.len().abs_diff(new.len()) as f64;
-        assert!(apart <= CHAOTIC * old.len() as f64, "{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
+        assert!(
+            apart <= CHAOTIC * old.len() as f64,
+            "{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew"
+        );
     }
     assert!(count >= 12, "{count} pages");
 }

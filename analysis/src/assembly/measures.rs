@@ -83,12 +83,12 @@ impl FromStr for Measure {
             .or_else(|| of("impact.speed", Self::ImpactSpeed))
             .or_else(|| of("impact.impulse", Self::ImpactImpulse))
             .or_else(|| of("power", Self::Power))
-            .ok_or_else(|| Error::UnknownMeasure {
-                name: text.into(),
-                advice: "allowed are amplitude.Q, rms.Q, peak_to_peak.Q and maximum.Q of a quantity Q such as box.s or buffer.f; impacts, \
-                         impact.rate, each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP; power.ELEMENT, power.LOAD, \
-                         power.lost; class; exponent"
-                    .into(),
+            .ok_or_else(|| Error::Described {
+                problem: format!(
+                    "no output is named `{text}`; allowed are amplitude.Q, rms.Q, peak_to_peak.Q and maximum.Q of a quantity Q such as \
+                     box.s or buffer.f; impacts, impact.rate, each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP; \
+                     power.ELEMENT, power.LOAD, power.lost; class; exponent"
+                ),
             })
     }
 }
@@ -145,7 +145,7 @@ impl Measure {
     /// Checks that a machine has what it names.
     ///
     /// # Errors
-    /// [`Error::UnknownMeasure`] with the nearest name.
+    /// [`Error::Described`] with the nearest name.
     pub fn check(&self, d: &Description) -> Result<()> {
         if let Some(quantity) = self.quantity() {
             return quantity.place(d).map(drop);
@@ -345,7 +345,7 @@ impl Window {
 /// discard.
 ///
 /// # Errors
-/// As [`Section::advance`]; [`Error::UnknownMeasure`] for what the machine does not have.
+/// As [`Section::advance`]; [`Error::Described`] for what the machine does not have.
 pub fn measure(
     motion: &mut Motion,
     section: &Section,

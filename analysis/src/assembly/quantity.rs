@@ -43,9 +43,10 @@ impl FromStr for Quantity {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let form = || Error::Form {
-            text: text.into(),
-            expected: "BODY.s, BODY.v, BODY.a, ELEMENT.e, ELEMENT.rate, ELEMENT.f or LOAD.f, e.g. box.s",
+        let form = || Error::Described {
+            problem: format!(
+                "`{text}`: expected BODY.s, BODY.v, BODY.a, ELEMENT.e, ELEMENT.rate, ELEMENT.f or LOAD.f, e.g. box.s"
+            ),
         };
         let (of, what) = text.trim().rsplit_once('.').ok_or_else(form)?;
         // The section may be named, as in parameters.
@@ -117,7 +118,7 @@ pub fn unknown(text: &str, known: &[String]) -> Error {
     let advice = nearest.map_or("the machine has none".into(), |near| {
         format!("the nearest is `{near}`; allowed are {}", known.join(", "))
     });
-    Error::UnknownMeasure { name: text.into(), advice }
+    Error::Described { problem: format!("the machine has no `{text}`; {advice}") }
 }
 
 /// A quantity of a given machine.
@@ -145,7 +146,7 @@ impl Quantity {
     /// Which quantity of a machine it is.
     ///
     /// # Errors
-    /// [`Error::UnknownMeasure`] with the nearest name.
+    /// [`Error::Described`] with the nearest name.
     pub fn place(&self, d: &Description) -> Result<Place> {
         let all = Self::all(d);
         if !all.contains(self) {

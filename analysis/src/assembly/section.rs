@@ -62,9 +62,9 @@ impl Section {
     /// The section of a machine.
     ///
     /// # Errors
-    /// [`Error::Section`] where there is none by the rule, with what to do.
+    /// [`Error::Described`] where there is none by the rule, with what to do.
     pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
-        let refused = |problem: String| Err(Error::Section { problem });
+        let refused = |problem: String| Err(Error::Described { problem });
         match rule {
             SectionRule::Period(period) if period.is_finite() && *period > 0.0 => Ok(Self::Period(*period)),
             SectionRule::Period(period) => {
@@ -117,7 +117,9 @@ impl Section {
 
     fn missed(&self, motion: &Motion) -> Error {
         let words = self.in_words(&motion.assembly().description);
-        Error::Section { problem: format!("{words}: none within {WITHIN} s before t = {} s", motion.time()) }
+        Error::Described {
+            problem: format!("{words}: none within {WITHIN} s before t = {} s", motion.time()),
+        }
     }
 
     /// The end of the next period.
@@ -128,7 +130,7 @@ impl Section {
     /// Advances to the next return and tells every event on the way.
     ///
     /// # Errors
-    /// As [`Motion::advance_to`]; [`Error::Section`] where an element has no event for 100 s.
+    /// As [`Motion::advance_to`]; [`Error::Described`] where an element has no event for 100 s.
     pub fn advance(&self, motion: &mut Motion, tell: &mut dyn FnMut(&Event)) -> Result<()> {
         if let Self::Period(period) = self {
             return Ok(motion.advance_observed(Self::next_multiple(motion.time(), *period), tell)?);
