@@ -21,7 +21,7 @@ pub const LONGEST: u32 = 32;
 /// hundreds of periods is less, except next to a bifurcation.
 pub const RETURN: f64 = 1e-5;
 /// States of one attractor that were reached in different ways agree to this; those of two attractors differ by more.
-const SAME: f64 = 1e-3;
+pub(crate) const SAME: f64 = 1e-3;
 /// An exponent (per unit of the dimensionless time τ) above this counts as positive and one below its negative as negative:
 /// over 1500 periods those that are zero stay within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
@@ -112,15 +112,23 @@ impl MotionClass {
 
     /// The class of an attractor, with the largest exponent beside the drive phase's zero where it is known.
     pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
-        match (attractor.period, largest.map(|exponent| exponent.sign(p))) {
+        let sign = largest.map(|exponent| exponent.sign(p));
+        match Self::by_sign(attractor.period, sign, attractor.approaching) {
+            // Where all is damped a motion without events has one limit.
+            Self::NotSettled if attractor.approaching && attractor.is_free() => Self::Settling,
+            class => class,
+        }
+    }
+
+    /// The class by a motion's period, the sign of its largest exponent, and whether its states come nearer to a return.
+    pub(crate) fn by_sign(period: Option<u32>, sign: Option<ExponentSign>, approaching: bool) -> Self {
+        match (period, sign) {
             (Some(n), _) => Self::Periodic(n),
             (None, Some(ExponentSign::Positive)) => Self::Chaotic,
             (None, Some(ExponentSign::Negative)) => Self::Settling,
-            (None, Some(ExponentSign::Zero)) if !attractor.approaching => Self::QuasiPeriodic,
+            (None, Some(ExponentSign::Zero)) if !approaching => Self::QuasiPeriodic,
             (None, Some(ExponentSign::Zero)) => Self::Settling,
-            // Where all is damped a motion without events has one limit.
-            (None, _) if attractor.approaching && attractor.is_free() => Self::Settling,
-            (None, _) => Self::NotSettled,
+            (None, Some(ExponentSign::Undecided) | None) => Self::NotSettled,
         }
     }
 
@@ -290,24 +298,31 @@ pub(crate) fn is_damped(p: &Parameters) -> bool {
 /// The least n for which, over the last four times n drive periods, states return after n periods and the order of impacts
 /// repeats.
 fn period(periods: &[ObservedPeriod]) -> Option<u32> {
-    (1..=LONGEST).find(|&n| {
+    least_period(periods, |a, b| a.pattern == b.pattern && distance(&a.state, &b.state) < RETURN)
+}
+
+/// The least n up to [`LONGEST`] for which, over the last four times n returns, each is the same as that n before.
+pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> Option<u32> {
+    (1..=LONGEST).take_while(|&n| 4 * n as usize <= returns.len()).find(|&n| {
         let lag = n as usize;
-        let last = &periods[periods.len() - 4 * lag..];
-        last[lag..]
-            .iter()
-            .zip(last)
-            .all(|(a, b)| a.pattern == b.pattern && distance(&a.state, &b.state) < RETURN)
+        let last = &returns[returns.len() - 4 * lag..];
+        last[lag..].iter().zip(last).all(|(a, b)| same(a, b))
     })
 }
 
 /// Whether for some lag the largest distance between a state and the one that many periods later falls from each eighth of
 /// the record to the next.
 fn approaches(periods: &[ObservedPeriod]) -> bool {
+    nears(periods, |a, b| distance(&a.state, &b.state))
+}
+
+/// The same of any returns and their distances.
+pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
     const EIGHTHS: usize = 8;
-    (1..=LONGEST as usize).any(|lag| {
-        let (later, earlier) = (&periods[lag..], &periods[..periods.len() - lag]);
+    (1..=LONGEST as usize).take_while(|lag| lag + EIGHTHS <= returns.len()).any(|lag| {
+        let (later, earlier) = (&returns[lag..], &returns[..returns.len() - lag]);
         let eighth = later.len().div_ceil(EIGHTHS);
-        let gap = |(a, b): (&ObservedPeriod, &ObservedPeriod)| distance(&a.state, &b.state);
+        let gap = |(a, b): (&R, &R)| distance(a, b);
         let mut most = later
             .chunks(eighth)
             .zip(earlier.chunks(eighth))

@@ -68,11 +68,48 @@ pub struct SweepPoint {
 
 /// Both directions; `None` where the simulator refused a value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Diagram {
+pub struct Diagram<P = SweepPoint> {
     /// With the value rising.
-    pub up: Vec<Option<SweepPoint>>,
+    pub up: Vec<Option<P>>,
     /// With the value falling, in the order of rising values.
-    pub down: Vec<Option<SweepPoint>>,
+    pub down: Vec<Option<P>>,
+}
+
+/// The motion at one value of a diagram, of whatever machine.
+pub trait DiagramPoint {
+    /// The parameter's value.
+    fn value(&self) -> f64;
+    /// What was drawn, ascending, with the times each was met.
+    fn maxima(&self) -> &[(f64, u32)];
+    /// Its class.
+    fn class(&self) -> MotionClass;
+    /// Impacts a period.
+    fn contacts(&self) -> f64;
+    /// Whether another motion has for certain ended elsewhere.
+    fn differs(&self, other: &Self) -> bool;
+}
+
+impl DiagramPoint for SweepPoint {
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn maxima(&self) -> &[(f64, u32)] {
+        &self.maxima
+    }
+
+    fn class(&self) -> MotionClass {
+        self.class
+    }
+
+    fn contacts(&self) -> f64 {
+        self.attractor.impacts[0] + self.attractor.impacts[1]
+    }
+
+    fn differs(&self, other: &Self) -> bool {
+        let settled = |p: &Self| p.class != MotionClass::NotSettled;
+        settled(self) && settled(other) && self.attractor.relation(&other.attractor) == Relation::Different
+    }
 }
 
 /// The start of what is kept at one value: the system and its state after the discarded periods, or no state where the
@@ -108,13 +145,10 @@ fn chain(
     store: &dyn PartStore,
     upward: bool,
 ) -> Result<Vec<SettledStart>> {
-    let count = sweep.axis.count;
     let mut state: Option<State> = None;
     let mut gap = set.parameters().stop_gap;
-    let mut starts = Vec::with_capacity(count);
-    for i in 0..count {
-        store.go_on()?;
-        let value = sweep.axis.value(if upward { i } else { count - 1 - i });
+    chained(sweep.axis.count, upward, store, &mut |i| {
+        let value = sweep.axis.value(i);
         let p = *set.with(sweep.axis.name, value)?.parameters();
         let first = match state {
             Some(before) => within_gap(before, gap, p.stop_gap),
@@ -129,8 +163,23 @@ fn chain(
             Ok((before, simulator.state()))
         };
         let run = run();
-        starts.push(SettledStart { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) });
+        let settled = SettledStart { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) };
         state = run.ok().map(|r| r.1);
+        Ok(settled)
+    })
+}
+
+/// One way through the values of a diagram: what `step` makes of each, in the order of rising values. The store may end it before any.
+pub(crate) fn chained<S>(
+    count: usize,
+    upward: bool,
+    store: &dyn PartStore,
+    step: &mut dyn FnMut(usize) -> Result<S>,
+) -> Result<Vec<S>> {
+    let mut starts = Vec::with_capacity(count);
+    for i in 0..count {
+        store.go_on()?;
+        starts.push(step(if upward { i } else { count - 1 - i })?);
     }
     if !upward {
         starts.reverse();
@@ -232,7 +281,12 @@ fn check(sweep: &Sweep) -> Result<()> {
 
 /// Number of parts of a sweep.
 pub fn count(sweep: &Sweep) -> usize {
-    2 * sweep.axis.count.div_ceil(BLOCK)
+    parts(sweep.axis.count)
+}
+
+/// Number of parts of a diagram over so many values.
+pub(crate) fn parts(values: usize) -> usize {
+    2 * values.div_ceil(BLOCK)
 }
 
 /// The diagram, on all threads, in [`count`] parts: `None` where parts belong to other shards. The result depends neither
@@ -242,19 +296,37 @@ pub fn count(sweep: &Sweep) -> usize {
 /// Ranges that are not allowed; [`Error::TooMany`] for more periods or values than fit; what the parts' folder refuses.
 pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
     check(sweep)?;
+    in_both_directions(
+        sweep.axis.count,
+        task,
+        &|upward| chain(set, sweep, task.store, upward),
+        &|workspace, starts| observe_all(starts, sweep, workspace),
+    )
+}
+
+/// A diagram from its chains, one for each direction, and from what is observed at some of their starts, with a workspace that is used
+/// for one part after another.
+pub(crate) fn in_both_directions<S: Send + Sync, W: Default, P>(
+    values: usize,
+    task: &Task,
+    chain: &(dyn Fn(bool) -> Result<Vec<S>> + Sync),
+    observe: &(dyn Fn(&mut W, &[S]) -> Result<Vec<Option<P>>> + Sync),
+) -> Result<Option<Diagram<P>>>
+where
+    P: Clone + Serialize + serde::de::DeserializeOwned + Send,
+{
     // A sweep of which all parts are there needs no chain.
     let starts = std::sync::OnceLock::new();
-    let chains = || -> Result<[Vec<SettledStart>; 2]> {
-        let (up, down) =
-            rayon::join(|| chain(set, sweep, task.store, true), || chain(set, sweep, task.store, false));
+    let chains = || -> Result<[Vec<S>; 2]> {
+        let (up, down) = rayon::join(|| chain(true), || chain(false));
         Ok([up?, down?])
     };
-    if task.store.missing(count(sweep)) > 0 {
+    if task.store.missing(parts(values)) > 0 {
         // Nothing else sets the cell, so that this cannot fail.
         let _ = starts.set(chains()?);
     }
-    let blocks = sweep.axis.count.div_ceil(BLOCK);
-    let make = |workspace: &mut Workspace, index: usize| -> Result<Vec<Option<SweepPoint>>> {
+    let blocks = values.div_ceil(BLOCK);
+    let make = |workspace: &mut W, index: usize| -> Result<Vec<Option<P>>> {
         let fresh;
         let both = match starts.get() {
             Some(both) => both,
@@ -267,42 +339,34 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
         let starts = &both[index / blocks];
         let from = index % blocks * BLOCK;
         let until = (from + BLOCK).min(starts.len());
-        observe_all(&starts[from..until], sweep, workspace)
+        observe(workspace, &starts[from..until])
     };
-    let Some(mut all) = task.complete_with(count(sweep), make)? else { return Ok(None) };
+    let Some(mut all) = task.complete_with(parts(values), make)? else { return Ok(None) };
     let down = all.split_off(blocks).concat();
     Ok(Some(Diagram { up: all.concat(), down }))
 }
 
-impl Diagram {
+impl<P: DiagramPoint> Diagram<P> {
     /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two without a period are two
     /// where their [means](crate::statistics) differ for certain; what has not settled is on no attractor.
     pub fn hysteresis(&self) -> Vec<bool> {
-        let settled = |p: &SweepPoint| p.class != MotionClass::NotSettled;
         let both = self.up.iter().zip(&self.down);
-        both.map(|pair| match pair {
-            (Some(a), Some(b)) => {
-                settled(a) && settled(b) && a.attractor.relation(&b.attractor) == Relation::Different
-            }
-            _ => false,
-        })
-        .collect()
+        both.map(|pair| matches!(pair, (Some(a), Some(b)) if a.differs(b))).collect()
     }
 
     /// The motion at the value of the rising direction that is nearest to `value`; `None` where the simulator refused all.
-    pub fn nearest(&self, value: f64) -> Option<&SweepPoint> {
-        let near =
-            |a: &&SweepPoint, b: &&SweepPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+    pub fn nearest(&self, value: f64) -> Option<&P> {
+        let near = |a: &&P, b: &&P| (a.value() - value).abs().total_cmp(&(b.value() - value).abs());
         self.up.iter().flatten().min_by(near)
     }
 
     /// Ranges of values with the same class, rising: from, to, class.
-    pub fn windows(points: &[Option<SweepPoint>]) -> Vec<(f64, f64, MotionClass)> {
+    pub fn windows(points: &[Option<P>]) -> Vec<(f64, f64, MotionClass)> {
         let mut found: Vec<(f64, f64, MotionClass)> = Vec::new();
         for point in points.iter().flatten() {
-            match found.last_mut().filter(|w| w.2 == point.class) {
-                Some(window) => window.1 = point.value,
-                None => found.push((point.value, point.value, point.class)),
+            match found.last_mut().filter(|w| w.2 == point.class()) {
+                Some(window) => window.1 = point.value(),
+                None => found.push((point.value(), point.value(), point.class())),
             }
         }
         found

@@ -22,19 +22,19 @@
 //! ```
 
 mod designs;
+mod three_dof;
 
 pub use designs::{Designs, ParameterInterval, SampledAxis, spread_starts};
 
 use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
-use crate::measures::{Measure, Measured, amplitude_without_block, measure};
-use crate::parameter_set::{Name, ParameterSet};
+use crate::measures::Measured;
+use crate::parameter_set::ParameterSet;
 use crate::parts::Task;
-use crate::start::StartRule;
 use rayon::prelude::*;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::Simulator;
+use std::fmt::{Debug, Display};
 
 /// Most designs.
 pub const MOST_DESIGNS: usize = 1_000_000;
@@ -43,27 +43,60 @@ pub const MOST_MOTIONS: usize = 100_000;
 /// Motions in a part, as near as whole designs come to it: about a second's work.
 const PART: usize = 1024;
 
+/// What a machine's parameters, starts and measures are for a sweep: plain data that a manifest holds.
+pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync {}
+
+impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> Plain for T {}
+
+/// A machine of which designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
+/// [described one](crate::assembly::Machine). Designs, parts, rows and what is made of them are the same for both.
+pub trait Machine: Clone + Send + Sync {
+    /// A parameter.
+    type Name: Plain;
+    /// Where a motion starts.
+    type Start: Plain + Default + Display;
+    /// What is measured.
+    type Measure: Plain + Display;
+
+    /// A parameter's name in tables.
+    fn name(name: &Self::Name) -> String;
+    /// Whether two names are one quantity.
+    fn is_same_quantity(a: &Self::Name, b: &Self::Name) -> bool;
+    /// A value of a parameter with the unit in which it is shown.
+    fn with_unit(&self, name: &Self::Name, value: f64) -> String;
+    /// The machine with other values, SI.
+    ///
+    /// # Errors
+    /// Values that make no machine.
+    fn varied(&self, values: &[(Self::Name, f64)]) -> Result<Self>;
+    /// The motions of one machine from all starts of a request, measured.
+    fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome>;
+    /// At least as many starts, spread evenly; fewer where the machine has no more.
+    fn spread_starts(count: u32) -> Vec<Self::Start>;
+}
+
 /// What to compute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Request {
+#[serde(bound = "")]
+pub struct Request<M: Machine = ParameterSet> {
     /// The designs.
-    pub designs: Designs,
+    pub designs: Designs<M::Name>,
     /// Parameters over which the motions of each design are taken together, the last one varying fastest.
-    pub over: Vec<SampledAxis>,
+    pub over: Vec<SampledAxis<M::Name>>,
     /// Where the motions start, each from every one of these.
-    pub starts: Vec<StartRule>,
+    pub starts: Vec<M::Start>,
     /// Drive periods discarded before a motion is measured.
     pub discard: u32,
     /// Drive periods over which it is measured.
     pub periods: u32,
     /// What is measured.
-    pub measures: Vec<Measure>,
+    pub measures: Vec<M::Measure>,
 }
 
-impl Default for Request {
-    /// One motion of the one design that is the parameter set itself, without measures.
+impl<M: Machine> Default for Request<M> {
+    /// One motion of the one design that is the machine itself, without measures.
     fn default() -> Self {
-        let starts = vec![StartRule::default()];
+        let starts = vec![M::Start::default()];
         let (designs, over, measures) = (Designs::Grid(Vec::new()), Vec::new(), Vec::new());
         Self { designs, over, starts, discard: 400, periods: 60, measures }
     }
@@ -97,18 +130,18 @@ pub struct Row {
     pub reason: Option<String>,
 }
 
-impl Request {
+impl<M: Machine> Request<M> {
     /// Checks what every row depends on.
     ///
     /// # Errors
     /// [`Error::Form`] for parameters that are one quantity, lists without values, too many designs or motions.
     pub fn check(&self) -> Result<()> {
         let refused = |text: String, expected| Err(Error::Form { text, expected });
-        let names: Vec<Name> =
-            self.designs.names().into_iter().chain(self.over.iter().map(|a| a.name)).collect();
+        let names: Vec<M::Name> =
+            self.designs.names().into_iter().chain(self.over.iter().map(|a| a.name.clone())).collect();
         for (i, name) in names.iter().enumerate() {
-            if let Some(other) = names[..i].iter().find(|other| other.is_same_quantity(*name)) {
-                let text = format!("{}, {}", other.name(), name.name());
+            if let Some(other) = names[..i].iter().find(|other| M::is_same_quantity(other, name)) {
+                let text = format!("{}, {}", M::name(other), M::name(name));
                 return refused(text, "parameters that vary independently, each once");
             }
         }
@@ -138,18 +171,18 @@ impl Request {
     }
 
     /// What tells a motion of a design from the others: the values of [`over`](Self::over) and the start.
-    pub fn motion(&self, index: usize) -> (Vec<f64>, StartRule) {
+    pub fn motion(&self, index: usize) -> (Vec<f64>, M::Start) {
         let starts = self.starts.len().max(1);
-        let start = self.starts.get(index % starts).copied().unwrap_or_default();
+        let start = self.starts.get(index % starts).cloned().unwrap_or_default();
         (designs::combination(&self.over, index / starts), start)
     }
 
     /// A motion in words: `drive.frequency = 10 Hz, start v2=1`, in the units in which the machine was written, without what all
     /// motions have in common.
-    pub fn motion_in_words(&self, set: &ParameterSet, index: usize) -> String {
+    pub fn motion_in_words(&self, set: &M, index: usize) -> String {
         let (values, start) = self.motion(index);
-        let told = |(axis, value): (&SampledAxis, f64)| {
-            format!("{} = {}", axis.name.name(), set.with_unit(axis.name, value))
+        let told = |(axis, value): (&SampledAxis<M::Name>, f64)| {
+            format!("{} = {}", M::name(&axis.name), set.with_unit(&axis.name, value))
         };
         let mut words: Vec<String> = self.over.iter().zip(values).map(told).collect();
         if self.starts.len() > 1 {
@@ -170,7 +203,7 @@ impl Request {
 }
 
 /// The rows of a part, on all threads.
-pub fn part(set: &ParameterSet, request: &Request, index: usize) -> Vec<Row> {
+pub fn part<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Vec<Row> {
     let size = request.part_size();
     let until = ((index + 1) * size).min(request.designs.count());
     (index * size..until).into_par_iter().map(|design| row(set, request, design)).collect()
@@ -181,7 +214,7 @@ pub fn part(set: &ParameterSet, request: &Request, index: usize) -> Vec<Row> {
 ///
 /// # Errors
 /// As [`Request::check`]; what the store refuses.
-pub fn fill(set: &ParameterSet, request: &Request, task: &Task) -> Result<bool> {
+pub fn fill<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<bool> {
     request.check()?;
     task.fill(request.count(), |index| Ok(part(set, request, index)))
 }
@@ -190,9 +223,9 @@ pub fn fill(set: &ParameterSet, request: &Request, task: &Task) -> Result<bool> 
 ///
 /// # Errors
 /// What `visit` returns; what the store refuses.
-pub fn each_row<E: From<Error>>(
-    set: &ParameterSet,
-    request: &Request,
+pub fn each_row<M: Machine, E: From<Error>>(
+    set: &M,
+    request: &Request<M>,
     task: &Task,
     mut visit: impl FnMut(Row) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {
@@ -204,13 +237,12 @@ pub fn each_row<E: From<Error>>(
 }
 
 /// One design.
-pub fn row(set: &ParameterSet, request: &Request, index: usize) -> Row {
+pub fn row<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Row {
     let values = request.designs.values(index);
     let assigned = request.designs.names().into_iter().zip(values.iter().copied());
-    let mut own = set.clone();
     let count = request.measures.len();
-    match own.assign(&assigned.collect::<Vec<_>>()) {
-        Ok(()) => summary(set, values, request, &motions(&own, request)),
+    match set.varied(&assigned.collect::<Vec<_>>()) {
+        Ok(own) => summary(set, values, request, &motions(&own, request)),
         Err(error) => {
             let reason = Some(error.to_string());
             Row { values, outputs: vec![None; count], classes: Vec::new(), reason }
@@ -219,77 +251,33 @@ pub fn row(set: &ParameterSet, request: &Request, index: usize) -> Row {
 }
 
 /// What was measured of one motion, and what there was against it.
-type Outcome = (Measured, Option<String>);
+pub type Outcome = (Measured, Option<String>);
 
 /// All motions of a design.
-fn motions(set: &ParameterSet, request: &Request) -> Vec<Outcome> {
+fn motions<M: Machine>(set: &M, request: &Request<M>) -> Vec<Outcome> {
     let mut found = Vec::with_capacity(request.motions());
     for index in 0..request.motions() / request.starts.len() {
         let values = designs::combination(&request.over, index);
-        let assigned: Vec<_> = request.over.iter().map(|a| a.name).zip(values).collect();
-        let mut own = set.clone();
-        let failed = |error: &Error| {
-            let count = request.measures.len();
-            let nothing = Measured { numbers: vec![None; count], class: None, spreads: vec![0.0; count] };
-            (nothing, Some(error.to_string()))
-        };
-        match own.assign(&assigned) {
-            Ok(()) => found.extend(from_all_starts(own.parameters(), request)),
-            Err(error) => found.extend(vec![failed(&error); request.starts.len()]),
+        let assigned: Vec<_> = request.over.iter().map(|a| a.name.clone()).zip(values).collect();
+        match set.varied(&assigned) {
+            Ok(own) => found.extend(own.outcomes(request)),
+            Err(error) => {
+                let failed = failed(&error, request.measures.len());
+                found.extend(vec![failed; request.starts.len()]);
+            }
         }
     }
     found
 }
 
-/// The motions of one machine, which share the simulator's tables.
-fn from_all_starts(p: &Parameters, request: &Request) -> Vec<Outcome> {
-    let mut shared: Option<Simulator> = None;
-    // What a closed form has no value for is said even where there is a motion.
-    let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
-    let gap = asked.then(|| amplitude_without_block(p).err().map(|e| e.to_string())).flatten();
-    let outcome = |start: &StartRule| {
-        let found = one(p, *start, request, &mut shared);
-        let refused = |error: Error| (without_motion(p, &request.measures), Some(error.to_string()));
-        found.map_or_else(refused, |measured| (measured, gap.clone()))
-    };
-    request.starts.iter().map(outcome).collect()
-}
-
-/// What can be said of a machine without its motion: closed forms.
-fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
-    let number = |m: &Measure| match m {
-        Measure::AmplitudeWithoutBlock => amplitude_without_block(p).ok(),
-        _ => None,
-    };
-    let spreads = vec![0.0; measures.len()];
-    Measured { numbers: measures.iter().map(number).collect(), class: None, spreads }
-}
-
-/// One motion: settled, then measured.
-fn one(
-    p: &Parameters,
-    start: StartRule,
-    request: &Request,
-    shared: &mut Option<Simulator>,
-) -> Result<Measured> {
-    let state = start.state(p)?;
-    let mut simulator = match shared {
-        Some(other) => other.with_state(&state, 0.0)?,
-        None => {
-            let new = Simulator::new(p, &state, 0.0)?;
-            let keeps = request.measures.contains(&Measure::PowerInput);
-            let new = if keeps { new } else { new.without_energy_accounts() };
-            shared.insert(new).clone()
-        }
-    };
-    if p.drive_frequency > 0.0 {
-        simulator.advance_to(f64::from(request.discard) * p.period())?;
-    }
-    measure(&mut simulator, &request.measures, request.periods)
+/// A motion that there is not.
+pub(crate) fn failed(error: &Error, measures: usize) -> Outcome {
+    let nothing = Measured { numbers: vec![None; measures], class: None, spreads: vec![0.0; measures] };
+    (nothing, Some(error.to_string()))
 }
 
 /// The row of all motions of a design.
-fn summary(set: &ParameterSet, values: Vec<f64>, request: &Request, motions: &[Outcome]) -> Row {
+fn summary<M: Machine>(set: &M, values: Vec<f64>, request: &Request<M>, motions: &[Outcome]) -> Row {
     let outputs = (0..request.measures.len())
         .map(|m| {
             let one = |(found, _): &Outcome| {
@@ -332,11 +320,11 @@ pub const MORE_STARTS: u32 = 8;
 /// How many times as long they are then measured.
 pub const LONGER: u32 = 10;
 
-impl Request {
+impl<M: Machine> Request<M> {
     /// Some of its designs measured again by one measure, ten times as long and from eight more starts.
-    pub fn again(&self, designs: Vec<Vec<f64>>, measure: Measure) -> Self {
+    pub fn again(&self, designs: Vec<Vec<f64>>, measure: M::Measure) -> Self {
         let mut starts = self.starts.clone();
-        for start in spread_starts(self.starts.len() as u32 + MORE_STARTS) {
+        for start in M::spread_starts(self.starts.len() as u32 + MORE_STARTS) {
             if starts.len() < self.starts.len() + MORE_STARTS as usize && !starts.contains(&start) {
                 starts.push(start);
             }
@@ -353,7 +341,7 @@ impl Request {
 }
 
 /// The rows of all designs of a request that are few, on all threads.
-pub fn rows(set: &ParameterSet, request: &Request) -> Vec<Row> {
+pub fn rows<M: Machine>(set: &M, request: &Request<M>) -> Vec<Row> {
     (0..request.designs.count()).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 

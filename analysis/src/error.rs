@@ -7,6 +7,18 @@ pub enum Error {
     /// The model or the simulator refuses.
     #[error(transparent)]
     Model(#[from] vibro_impact::Error),
+    /// A described machine or its motion is refused.
+    #[error(transparent)]
+    Assembly(#[from] vibro_assembly::Error),
+    /// A described machine's new values are refused.
+    #[error(transparent)]
+    Refusal(#[from] vibro_assembly::Refusal),
+    /// A study of a described machine is refused: what it asks for is not in the machine, or its motion has no section.
+    #[error("{problem}")]
+    Described {
+        /// What was given, and what is allowed.
+        problem: String,
+    },
     /// No parameter has this name.
     #[error("no parameter is named `{name}`; {advice}")]
     UnknownName {

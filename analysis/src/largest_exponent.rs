@@ -54,8 +54,12 @@ pub enum ExponentSign {
 impl LargestExponent {
     /// What is known of the sign.
     pub fn sign(&self, p: &Parameters) -> ExponentSign {
-        let threshold = ZERO_EXPONENT * p.box_frequency();
-        let time = f64::from(self.periods) * p.period();
+        self.sign_beyond(ZERO_EXPONENT * p.box_frequency(), p.period())
+    }
+
+    /// The same for a threshold in 1/s and a period in s.
+    pub(crate) fn sign_beyond(&self, threshold: f64, period: f64) -> ExponentSign {
+        let time = f64::from(self.periods) * period;
         let clear = self.value.abs() - CONFIDENCE * self.error > threshold;
         match (clear, self.value > 0.0) {
             (true, positive) if self.value.abs() * time > LEAST_GROWTH => {
@@ -68,6 +72,54 @@ impl LargestExponent {
             _ if self.value.abs() <= threshold && threshold * time > LEAST_GROWTH => ExponentSign::Zero,
             _ => ExponentSign::Undecided,
         }
+    }
+}
+
+/// The logarithms of a variation's growth, in blocks of [`BLOCK`] periods.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Growth {
+    /// In the block so far.
+    own: f64,
+    /// Blocks that are over, and the sums of the growth in those that count and of its square.
+    blocks: u32,
+    sums: [f64; 2],
+}
+
+impl Growth {
+    /// The variation has grown by this, as a logarithm.
+    pub(crate) fn add(&mut self, logarithm: f64) {
+        self.own += logarithm;
+    }
+
+    /// Ends the block.
+    pub(crate) fn end_block(&mut self) {
+        self.blocks += 1;
+        if self.blocks > ALIGN {
+            self.sums[0] += self.own;
+            self.sums[1] += self.own * self.own;
+        }
+        self.own = 0.0;
+    }
+
+    /// The exponent from the blocks so far, each of this many seconds.
+    pub(crate) fn exponent(&self, block: f64) -> LargestExponent {
+        let counted = self.blocks.saturating_sub(ALIGN);
+        let (count, periods) = (f64::from(counted.max(1)), counted * BLOCK);
+        if self.sums[0] == f64::NEG_INFINITY {
+            return LargestExponent { value: f64::NEG_INFINITY, error: 0.0, periods };
+        }
+        let mean = self.sums[0] / count;
+        let variance = (self.sums[1] / count - mean * mean).max(0.0);
+        let error = (variance / (count - 1.0).max(1.0)).sqrt();
+        LargestExponent { value: mean / block, error: error / block, periods }
+    }
+
+    /// Whether the exponent's sign is decided beyond a threshold in 1/s, or it has been counted over `most` periods.
+    pub(crate) fn is_decided(&self, block: f64, threshold: f64, most: u32) -> bool {
+        let LargestExponent { value, error, periods } = self.exponent(block);
+        let clear = value.abs() - CONFIDENCE * error > threshold;
+        let enough = periods >= LEAST_BLOCKS * BLOCK || self.sums[0].is_infinite();
+        periods >= most || (clear && enough && self.sums[0].abs() > LEAST_GROWTH)
     }
 }
 
@@ -85,11 +137,7 @@ pub(crate) struct Tangent {
     /// The length of a block and the end of the one under way, s.
     block: f64,
     block_end: f64,
-    /// The logarithm of the growth in the block so far.
-    growth: f64,
-    /// Blocks that are over, and the sums of the growth in those that count and of its square.
-    blocks: u32,
-    sums: [f64; 2],
+    growth: Growth,
 }
 
 impl Default for Tangent {
@@ -103,9 +151,7 @@ impl Default for Tangent {
             time: 0.0,
             block: 0.0,
             block_end: 0.0,
-            growth: 0.0,
-            blocks: 0,
-            sums: [0.0; 2],
+            growth: Growth::default(),
         }
     }
 }
@@ -121,7 +167,7 @@ impl Tangent {
         }
         (self.v, self.mode, self.time) = (START, mode, time);
         (self.block, self.block_end) = (block, from + block);
-        (self.growth, self.blocks, self.sums) = (0.0, 0, [0.0; 2]);
+        self.growth = Growth::default();
     }
 
     /// Carries the variation to an event and through its jump. `after` is the state after its law.
@@ -179,12 +225,7 @@ impl Tangent {
     fn count_blocks(&mut self, time: f64) {
         self.scale(self.square().sqrt());
         while self.block_end <= time {
-            self.blocks += 1;
-            if self.blocks > ALIGN {
-                self.sums[0] += self.growth;
-                self.sums[1] += self.growth * self.growth;
-            }
-            self.growth = 0.0;
+            self.growth.end_block();
             self.block_end += self.block;
         }
     }
@@ -197,7 +238,7 @@ impl Tangent {
 
     /// Makes the length one; a variation without length has shrunk by all.
     fn scale(&mut self, length: f64) {
-        self.growth += length.ln();
+        self.growth.add(length.ln());
         let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
         for i in 0..COORDINATES {
             self.v[i] *= scale;
@@ -206,28 +247,17 @@ impl Tangent {
 
     /// The exponent from the blocks so far.
     pub(crate) fn exponent(&self) -> LargestExponent {
-        let counted = self.blocks.saturating_sub(ALIGN);
-        let (count, periods) = (f64::from(counted.max(1)), counted * BLOCK);
-        if self.sums[0] == f64::NEG_INFINITY {
-            return LargestExponent { value: f64::NEG_INFINITY, error: 0.0, periods };
-        }
-        let mean = self.sums[0] / count;
-        let variance = (self.sums[1] / count - mean * mean).max(0.0);
-        let error = (variance / (count - 1.0).max(1.0)).sqrt();
-        LargestExponent { value: mean / self.block, error: error / self.block, periods }
+        self.growth.exponent(self.block)
     }
 
     /// Whether the exponent is positive for certain.
     pub(crate) fn is_positive(&self) -> bool {
-        self.sums[0] > 0.0 && self.is_decided(u32::MAX)
+        self.growth.sums[0] > 0.0 && self.is_decided(u32::MAX)
     }
 
     /// Whether the exponent's sign is decided, or it has been counted over `most` periods.
     pub(crate) fn is_decided(&self, most: u32) -> bool {
-        let LargestExponent { value, error, periods } = self.exponent();
-        let clear = value.abs() - CONFIDENCE * error > ZERO_EXPONENT * self.parameters.box_frequency();
-        let enough = periods >= LEAST_BLOCKS * BLOCK || self.sums[0].is_infinite();
-        periods >= most || (clear && enough && self.sums[0].abs() > LEAST_GROWTH)
+        self.growth.is_decided(self.block, ZERO_EXPONENT * self.parameters.box_frequency(), most)
     }
 }
 

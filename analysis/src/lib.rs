@@ -6,6 +6,7 @@
 //!
 //! | module | what it computes | what its tests hold it against |
 //! |---|---|---|
+//! | [`assembly`] | the same studies of described machines | the 3-DOF core on the paper's machine; closed forms |
 //! | [`ParameterSet`] | physical parameters and dimensionless groups by name, kept in step | conversion there and back |
 //! | [`stroboscopic`] | states at whole drive periods in units of L and L ω10 | – |
 //! | [`motion`] | a motion as samples cut at impacts, its amplitudes and maxima | amplitudes of the exact orbit |
@@ -50,6 +51,7 @@
 //! # Ok::<(), vibro_analysis::Error>(())
 //! ```
 
+pub mod assembly;
 pub mod attractor;
 pub mod basin;
 pub mod bifurcation;

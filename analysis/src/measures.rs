@@ -61,7 +61,7 @@ struct Impacts {
 }
 
 /// Parts of a window, by which the spread of its numbers is found, where it has as many drive periods.
-const PARTS: u32 = 6;
+pub(crate) const PARTS: u32 = 6;
 
 /// A window of whole drive periods.
 struct Window {
@@ -136,25 +136,31 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
     }
 }
 
-/// The spread of a measure over windows as long as these parts together. An extreme of a long window scatters as that of a part does,
-/// since the scale of the limit law of extremes does not depend on the number of parts, docs/studies.md (N4); a mean by as much less as
-/// there are more of them, (N5).
+/// The spread of a measure over windows as long as these parts together.
 fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
-    if parts.len() < 2 {
-        return 0.0;
-    }
     let numbers: Vec<f64> = parts.iter().map(|part| part.number(measure, p)).collect();
     match measure {
         Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock => 0.0,
-        Measure::Amplitude(_) | Measure::PeakToPeak(_) | Measure::Maximum(_) => deviation(&numbers),
-        Measure::ImpactSpeed | Measure::ImpactImpulse => deviation(&numbers),
-        _ => {
-            // Parts that follow each other are not independent; pairs are less dependent than single ones.
-            let pairs: Vec<f64> = numbers.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-            let error = |of: &[f64]| deviation(of) / (of.len() as f64).sqrt();
-            if pairs.len() < 2 { error(&numbers) } else { error(&numbers).max(error(&pairs)) }
-        }
+        Measure::Amplitude(_) | Measure::PeakToPeak(_) | Measure::Maximum(_) => spread_of(&numbers, true),
+        Measure::ImpactSpeed | Measure::ImpactImpulse => spread_of(&numbers, true),
+        _ => spread_of(&numbers, false),
     }
+}
+
+/// The spread of a number that a window's parts have, over windows as long as these parts together. An extreme of a long window scatters
+/// as that of a part does, since the scale of the limit law of extremes does not depend on the number of parts, docs/studies.md (N4); a
+/// mean by as much less as there are more of them, (N5).
+pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
+    if numbers.len() < 2 {
+        return 0.0;
+    }
+    if is_extreme {
+        return deviation(numbers);
+    }
+    // Parts that follow each other are not independent; pairs are less dependent than single ones.
+    let pairs: Vec<f64> = numbers.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let error = |of: &[f64]| deviation(of) / (of.len() as f64).sqrt();
+    if pairs.len() < 2 { error(numbers) } else { error(numbers).max(error(&pairs)) }
 }
 
 /// The standard deviation of numbers, of which there are two at least.

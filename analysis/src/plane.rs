@@ -38,10 +38,10 @@ pub enum SteadyStateClass {
 /// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the parameter's name, and checked
 /// when read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Written", into = "Written")]
-pub struct ParameterAxis {
+#[serde(try_from = "Written", into = "Written", bound = "N: AxisName")]
+pub struct ParameterAxis<N = Name> {
     /// What varies, of either form.
-    pub name: Name,
+    pub name: N,
     /// First value.
     pub from: f64,
     /// Last value.
@@ -59,17 +59,62 @@ struct Written {
     count: usize,
 }
 
-impl From<ParameterAxis> for Written {
-    fn from(axis: ParameterAxis) -> Self {
-        Self { name: axis.name.name().into(), from: axis.from, to: axis.to, count: axis.count }
+/// What names the parameter of an axis.
+pub trait AxisName: Clone + Sized {
+    /// The parameter of a name.
+    ///
+    /// # Errors
+    /// For a name that is none.
+    fn named(name: String) -> Result<Self>;
+    /// Its name.
+    fn text(&self) -> String;
+    /// Checks a value, as far as the name alone tells.
+    ///
+    /// # Errors
+    /// For one that is not allowed.
+    fn check_value(&self, value: f64) -> Result<()>;
+}
+
+impl AxisName for Name {
+    fn named(name: String) -> Result<Self> {
+        Self::find(&name)
+    }
+
+    fn text(&self) -> String {
+        self.name().into()
+    }
+
+    fn check_value(&self, value: f64) -> Result<()> {
+        Ok(self.check(value)?)
     }
 }
 
-impl TryFrom<Written> for ParameterAxis {
+/// A parameter of a described machine, which checks its values itself.
+impl AxisName for String {
+    fn named(name: String) -> Result<Self> {
+        Ok(name)
+    }
+
+    fn text(&self) -> String {
+        self.clone()
+    }
+
+    fn check_value(&self, _: f64) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl<N: AxisName> From<ParameterAxis<N>> for Written {
+    fn from(axis: ParameterAxis<N>) -> Self {
+        Self { name: axis.name.text(), from: axis.from, to: axis.to, count: axis.count }
+    }
+}
+
+impl<N: AxisName> TryFrom<Written> for ParameterAxis<N> {
     type Error = Error;
 
     fn try_from(axis: Written) -> Result<Self> {
-        Self::new(Name::find(&axis.name)?, (axis.from, axis.to), axis.count)
+        Self::of(N::named(axis.name)?, (axis.from, axis.to), axis.count)
     }
 }
 
@@ -132,16 +177,25 @@ impl ParameterAxis {
     /// An axis, checked.
     ///
     /// # Errors
+    /// As [`of`](Self::of).
+    pub fn new(name: impl Into<Name>, ends: (f64, f64), count: usize) -> Result<Self> {
+        Self::of(name.into(), ends, count)
+    }
+}
+
+impl<N: AxisName> ParameterAxis<N> {
+    /// An axis, checked.
+    ///
+    /// # Errors
     /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the parameter's own range.
-    pub fn new(name: impl Into<Name>, (from, to): (f64, f64), count: usize) -> Result<Self> {
-        let name = name.into();
+    pub fn of(name: N, (from, to): (f64, f64), count: usize) -> Result<Self> {
         if !(from < to && (to - from).is_finite() && count >= 2) {
-            let text = format!("{}={from}:{to} in {count} values", name.name());
+            let text = format!("{}={from}:{to} in {count} values", name.text());
             return Err(Error::Form { text, expected: "from < to, both finite, and at least 2 values" });
         }
         // ε = 0 and the like are left out where they end the range that pictures show.
-        name.check(from)?;
-        name.check(to)?;
+        name.check_value(from)?;
+        name.check_value(to)?;
         Ok(Self { name, from, to, count })
     }
 

@@ -50,6 +50,14 @@ impl Assembly {
         Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
     }
 
+    /// The same machine with other starts: coordinate and rate by body, m, m/s or rad, rad/s. Those of prescribed bodies, and of
+    /// bodies that follow from others by links, are not used.
+    #[must_use]
+    pub fn starting_from(mut self, starts: Vec<(f64, f64)>) -> Self {
+        self.starts = starts;
+        self
+    }
+
     /// The element of a watched functional, as `stop.NAME` or `friction.NAME`.
     pub(crate) fn name_of(&self, watch: Watch) -> String {
         match watch {

@@ -41,6 +41,18 @@ impl From<vibro_impact::Error> for Failure {
     }
 }
 
+impl From<vibro_assembly::Error> for Failure {
+    fn from(error: vibro_assembly::Error) -> Self {
+        Self::Library(Error::Assembly(error))
+    }
+}
+
+impl From<vibro_assembly::Refusal> for Failure {
+    fn from(refusal: vibro_assembly::Refusal) -> Self {
+        Self::Library(Error::Refusal(refusal))
+    }
+}
+
 impl From<std::collections::TryReserveError> for Failure {
     fn from(_: std::collections::TryReserveError) -> Self {
         Self::Memory
@@ -50,9 +62,9 @@ impl From<std::collections::TryReserveError> for Failure {
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
-            Failure::Library(error) => exception(has_no_answer(&error), &error.to_string()),
+            Failure::Library(error) => exception(has_no_answer(&error), &words(&error)),
             Failure::Motion(index, error) => {
-                let message = format!("motion {index}: {error}");
+                let message = format!("motion {index}: {}", words(&error));
                 exception(has_no_answer(&error), &message)
             }
             Failure::Memory => PyMemoryError::new_err("the result does not fit into memory"),
@@ -67,14 +79,30 @@ fn has_no_answer(error: &Error) -> bool {
     use vibro_impact::Error::{NoConvergence, WorkLimit};
     match error {
         Error::Model(error) => matches!(error, NoConvergence { .. } | WorkLimit { .. }),
+        Error::Assembly(error) => {
+            use vibro_assembly::Error::{Jammed, Stuck, Violated};
+            matches!(error, Jammed { .. } | Stuck { .. } | Violated { .. })
+        }
         Error::NoOrbit { .. } | Error::NoPeriodicMotion { .. } | Error::Store(_) => true,
         _ => false,
     }
 }
 
+/// An error's words; the names of a described machine are its own.
+fn words(error: &Error) -> String {
+    let text = error.to_string();
+    match error {
+        Error::Assembly(_) | Error::Refusal(_) | Error::Described { .. } => text,
+        _ => in_python(&text),
+    }
+}
+
 fn exception(no_answer: bool, message: &str) -> PyErr {
-    let message = in_python(message);
-    if no_answer { PyRuntimeError::new_err(message) } else { PyValueError::new_err(message) }
+    if no_answer {
+        PyRuntimeError::new_err(message.to_owned())
+    } else {
+        PyValueError::new_err(message.to_owned())
+    }
 }
 
 /// The same words with the names of parameters, coordinates and loads as Python's arguments have them: `box_m` for `box.m`.

@@ -11,11 +11,13 @@
 //! | `studies.rs` | bifurcation diagrams, exponents, basins, measures |
 //! | `steady.rs` | closed forms |
 //! | `orbits.rs` | periodic orbits and branches of them |
+//! | `assembly.rs` | described machines: their motions, measures and diagrams |
 //! | `background.rs` | the thread that computes, and the one that waits for it |
 //! | `failure.rs` | errors as Python's exceptions |
 //! | `arrays.rs` | arrays from rows |
 
 mod arrays;
+mod assembly;
 mod background;
 mod failure;
 mod motion;
@@ -29,6 +31,10 @@ mod system;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use super::assembly::{
+        Described, assembly_diagram, measure_assemblies, simulate_assemblies, simulate_assembly,
+    };
     #[pymodule_export]
     use super::motion::{poincare, simulate, simulate_many};
     #[pymodule_export]

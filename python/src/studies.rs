@@ -49,7 +49,7 @@ impl PartStore for Cancelling<'_> {
 }
 
 /// A study in `parts` parts, on all threads. All parts belong to it, so that it is whole.
-fn in_parts<T: Send>(
+pub fn in_parts<T: Send>(
     control: &Control,
     parts: usize,
     study: impl FnOnce(&Task) -> vibro_analysis::Result<Option<T>> + Send,

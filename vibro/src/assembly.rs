@@ -11,6 +11,7 @@ use crate::table::{CsvRows, exact};
 use crate::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
+use vibro_analysis::assembly::{NamedEvent, columns, named, values};
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion, file};
@@ -126,7 +127,7 @@ pub fn record(machine: Description, times: &[f64], goes_on: &mut dyn FnMut(usize
             record.ended = Some(Ended::Error(error));
             return Ok(record);
         }
-        let row = row(&record.motion);
+        let row = std::iter::once(record.motion.time()).chain(values(&record.motion)).collect();
         record.rows.push(row);
         if !goes_on(done + 1) {
             record.ended = Some(Ended::Stopped);
@@ -136,48 +137,10 @@ pub fn record(machine: Description, times: &[f64], goes_on: &mut dyn FnMut(usize
     Ok(record)
 }
 
-fn columns(d: &Description) -> Vec<String> {
-    let bodies = d.bodies.iter().flat_map(|b| ["s", "v", "a"].map(|what| format!("{}.{what}", b.name)));
-    let springs = d.springs.iter().map(|s| &s.name);
-    let elements = springs.chain(d.stops.iter().map(|s| &s.name)).chain(d.frictions.iter().map(|f| &f.name));
-    let elements = elements.flat_map(|name| ["e", "rate", "f"].map(|what| format!("{name}.{what}")));
-    let loads = d.loads.iter().map(|l| format!("{}.f", l.name));
-    bodies.chain(elements).chain(loads).collect()
-}
-
-fn row(m: &Motion) -> Vec<f64> {
-    let d = &m.assembly().description;
-    let bodies = (0..d.bodies.len()).flat_map(|i| m.body(i));
-    let springs = (0..d.springs.len()).flat_map(|i| m.spring(i));
-    let stops = (0..d.stops.len()).flat_map(|i| m.stop(i));
-    let frictions = (0..d.frictions.len()).flat_map(|i| m.friction(i));
-    let loads = (0..d.loads.len()).map(|i| m.load(i));
-    let values = bodies.chain(springs).chain(stops).chain(frictions).chain(loads);
-    // Zero without a sign.
-    std::iter::once(m.time()).chain(values.map(|x| x + 0.0)).collect()
-}
-
 /// Kind, element and value of an event, and how many stops took part: the columns of `events.csv` after the time.
 pub fn event_in_words(d: &Description, kind: &EventKind) -> [String; 4] {
-    let stop = |i: usize| format!("stop.{}", d.stops[i].name);
-    let friction = |i: usize| format!("friction.{}", d.frictions[i].name);
-    let row = |kind: &str, element: String, value: Option<f64>, stops: Option<usize>| {
-        let value = value.map_or(String::new(), exact);
-        [kind.into(), element, value, stops.map_or(String::new(), |n| n.to_string())]
-    };
-    match *kind {
-        EventKind::Impact { stop: i, speed, stops, .. } => row("impact", stop(i), Some(speed), Some(stops)),
-        EventKind::Close { stop: i } => row("close", stop(i), None, None),
-        EventKind::Open { stop: i } => row("open", stop(i), None, None),
-        EventKind::Press { stop: i, speed } => row("press", stop(i), Some(speed), None),
-        EventKind::Free { stop: i } => row("free", stop(i), None, None),
-        EventKind::Stick { friction: i } => row("stick", friction(i), None, None),
-        EventKind::Slip { friction: i, force, .. } => row("slip", friction(i), Some(force), None),
-        EventKind::Level { friction: i, acts } => {
-            row("level", friction(i), Some(f64::from(u8::from(acts))), None)
-        }
-        EventKind::Knot => row("knot", String::new(), None, None),
-    }
+    let NamedEvent { kind, element, value, stops } = named(d, kind);
+    [kind.into(), element, value.map_or(String::new(), exact), stops.map_or(String::new(), |n| n.to_string())]
 }
 
 impl Record {

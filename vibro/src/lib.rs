@@ -25,6 +25,7 @@ pub mod part_folder;
 pub mod report;
 pub mod special_points;
 pub mod studies;
+pub mod subject;
 pub mod table;
 
 pub use error::{Error, Result};

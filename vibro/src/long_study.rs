@@ -2,10 +2,12 @@
 //! mixed and several machines work on the same one.
 
 use super::studies::{self, Study};
+use super::subject::Subject;
 use crate::Result;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use vibro_analysis::ParameterSet;
+use vibro_analysis::assembly;
 use vibro_analysis::basin;
 use vibro_analysis::bifurcation::{self, Sweep};
 use vibro_analysis::design_sweep;
@@ -15,7 +17,7 @@ use vibro_orbits::{ConstantLoads, Family, Span, TreeOptions, tree_in_parts};
 
 /// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
 /// parts of another form are never put together. Before it was written down it was 1.
-pub const FORMAT: u32 = 4;
+pub const FORMAT: u32 = 5;
 
 /// One long study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,10 +29,46 @@ pub struct LongStudy {
     /// The [form of its parts](FORMAT): parts of different forms are not mixed.
     #[serde(default = "unwritten_format")]
     pub format: u32,
-    /// What is computed.
-    pub kind: StudyKind,
-    /// The parameters.
-    pub set: ParameterSet,
+    /// What is computed, and of which machine.
+    pub work: Work,
+}
+
+/// What is computed, of a machine of either kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Work {
+    /// Of the 3-DOF machine.
+    ThreeDof {
+        /// What.
+        kind: StudyKind,
+        /// The parameters.
+        set: ParameterSet,
+    },
+    /// Of one of the user's own.
+    Assembly {
+        /// What.
+        kind: AssemblyStudy,
+        /// The machine.
+        machine: assembly::Machine,
+    },
+}
+
+/// Kinds of long studies of a machine of the user's own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum AssemblyStudy {
+    /// A quantity's maxima over a parameter, classes and, if asked for, exponents.
+    Diagram(assembly::diagram::Request),
+    /// Measures of motions over any number of parameters.
+    DesignSweep(design_sweep::Request<assembly::Machine>),
+}
+
+impl Work {
+    /// The machine.
+    pub fn subject(&self) -> &dyn Subject {
+        match self {
+            Self::ThreeDof { set, .. } => set,
+            Self::Assembly { machine, .. } => machine,
+        }
+    }
 }
 
 /// Kinds of long studies.
@@ -71,17 +109,23 @@ fn unwritten_format() -> u32 {
 impl LongStudy {
     /// A study by this version of the program.
     pub fn new(name: &str, kind: StudyKind, set: &ParameterSet) -> Self {
+        Self::of(name, Work::ThreeDof { kind, set: set.clone() })
+    }
+
+    /// A study of any machine by this version of the program.
+    pub fn of(name: &str, work: Work) -> Self {
         let version = env!("CARGO_PKG_VERSION").into();
-        Self { name: name.into(), version, format: FORMAT, kind, set: set.clone() }
+        Self { name: name.into(), version, format: FORMAT, work }
     }
 
     /// Stems of the files of its results.
     pub fn results(&self) -> Vec<String> {
         let mut names = vec![self.name.clone()];
-        if let StudyKind::Sweep { orbits: Some(_), .. } = &self.kind {
+        let Work::ThreeDof { kind, .. } = &self.work else { return names };
+        if let StudyKind::Sweep { orbits: Some(_), .. } = kind {
             names.push(format!("{}-orbits", self.name));
         }
-        if let StudyKind::Sweep { sweep: Sweep { exponents: Some(_), .. }, at, .. } = &self.kind
+        if let StudyKind::Sweep { sweep: Sweep { exponents: Some(_), .. }, at, .. } = kind
             && !at.is_empty()
         {
             names.extend(["spectra", "running"].map(|what| format!("{}-{what}", self.name)));
@@ -91,7 +135,12 @@ impl LongStudy {
 
     /// Number of parts; 0 where it shows in the course of the work alone.
     pub fn count(&self) -> usize {
-        match &self.kind {
+        let kind = match &self.work {
+            Work::ThreeDof { kind, .. } => kind,
+            Work::Assembly { kind: AssemblyStudy::Diagram(request), .. } => return request.count(),
+            Work::Assembly { kind: AssemblyStudy::DesignSweep(request), .. } => return request.count(),
+        };
+        match kind {
             StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
             StudyKind::Basin(request) => basin::count(request),
             StudyKind::Isoperiodic(request) => isoperiodic::count(request),
@@ -105,9 +154,11 @@ impl LongStudy {
     /// # Errors
     /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
     pub fn check(&self) -> Result<()> {
-        match &self.kind {
-            StudyKind::Basin(request) => studies::check_basins(request),
-            StudyKind::Isoperiodic(request) => studies::check_isoperiodic(request),
+        match &self.work {
+            Work::ThreeDof { kind: StudyKind::Basin(request), .. } => studies::check_basins(request),
+            Work::ThreeDof { kind: StudyKind::Isoperiodic(request), .. } => {
+                studies::check_isoperiodic(request)
+            }
             _ => Ok(()),
         }
     }
@@ -117,8 +168,10 @@ impl LongStudy {
     /// # Errors
     /// As [`bifurcation::diagram`].
     pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
-        let StudyKind::Sweep { sweep, .. } = self.kind else { return Ok(None) };
-        Ok(bifurcation::diagram(&self.set, &sweep, task)?.map(|d| (sweep, d)))
+        let Work::ThreeDof { kind: StudyKind::Sweep { sweep, .. }, set } = &self.work else {
+            return Ok(None);
+        };
+        Ok(bifurcation::diagram(set, sweep, task)?.map(|d| (*sweep, d)))
     }
 
     /// Computes the parts of the shard; the tables and pictures too where all parts are there.
@@ -140,47 +193,71 @@ impl LongStudy {
         tell: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Option<Vec<Study>>> {
         self.check()?;
-        match &self.kind {
+        let (kind, set) = match &self.work {
+            Work::ThreeDof { kind, set } => (kind, set),
+            Work::Assembly { kind, machine } => return self.run_assembly(kind, machine, task),
+        };
+        match kind {
             StudyKind::Sweep { at, orbits, .. } => {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
-                let mut found = vec![studies::sweep(&self.set, &sweep, &diagram, &self.name)?];
-                let follow = |options| studies::DiagramOrbits::new(&self.set, &sweep, &diagram, options);
+                let mut found = vec![studies::sweep(set, &sweep, &diagram, &self.name)?];
+                let follow = |options| studies::DiagramOrbits::new(set, &sweep, &diagram, options);
                 let orbits = orbits.as_ref().map(follow).transpose()?;
                 if let Some(orbits) = &orbits {
                     let name = format!("{}-orbits", self.name);
-                    found.push(orbits.study(&self.set, &sweep, &diagram, &name)?);
+                    found.push(orbits.study(set, &sweep, &diagram, &name)?);
                 }
                 if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
                     let (along, stem) = (sweep.axis.name, &self.name);
                     let name = format!("{stem}-spectra");
-                    found.push(studies::spectra(&self.set, &sweep, &diagram, at, orbits.as_ref(), &name)?.1);
+                    found.push(studies::spectra(set, &sweep, &diagram, at, orbits.as_ref(), &name)?.1);
                     let name = format!("{stem}-running");
-                    found.push(studies::running(&self.set, along, at, sweep.discard, options, &name)?);
+                    found.push(studies::running(set, along, at, sweep.discard, options, &name)?);
                 }
                 Ok(Some(found))
             }
             StudyKind::Basin(request) => {
-                let found = basin::basin(self.set.parameters(), request, task)?;
-                let study = |b| studies::basins(&self.set, request, &b, &self.name).map(|s| vec![s]);
+                let found = basin::basin(set.parameters(), request, task)?;
+                let study = |b| studies::basins(set, request, &b, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
             StudyKind::Isoperiodic(request) => {
-                let found = isoperiodic::isoperiodic(&self.set, request, task)?;
-                let study = |p| studies::isoperiodic(&self.set, request, &p, &self.name).map(|s| vec![s]);
+                let found = isoperiodic::isoperiodic(set, request, task)?;
+                let study = |p| studies::isoperiodic(set, request, &p, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
             StudyKind::DesignSweep(request) => {
-                let is_complete = design_sweep::fill(&self.set, request, task)?;
-                let study = || studies::design_sweep(&self.set, request, task, &self.name).map(|s| vec![s]);
+                let is_complete = design_sweep::fill(set, request, task)?;
+                let study = || studies::design_sweep(set, request, task, &self.name).map(|s| vec![s]);
                 is_complete.then(study).transpose()
             }
             StudyKind::Orbits { span, loads, options } => {
-                let family = Family::new(&self.set, *loads, *span)?;
+                let family = Family::new(set, *loads, *span)?;
                 let told = |done, waiting| tell(done, done + waiting);
                 let found = tree_in_parts(&family, options, task.store, &told)?;
-                Ok(Some(vec![studies::orbits(&self.set, &family, &found.branches, Some(&found.searched))?]))
+                Ok(Some(vec![studies::orbits(set, &family, &found.branches, Some(&found.searched))?]))
             }
         }
+    }
+
+    /// The same of a machine of the user's own.
+    fn run_assembly(
+        &self,
+        kind: &AssemblyStudy,
+        machine: &assembly::Machine,
+        task: &Task,
+    ) -> Result<Option<Vec<Study>>> {
+        let study = match kind {
+            AssemblyStudy::Diagram(request) => {
+                let found = assembly::diagram::diagram(machine, request, task)?;
+                found.map(|d| studies::assembly_diagram(machine, request, &d, &self.name)).transpose()
+            }
+            AssemblyStudy::DesignSweep(request) => {
+                let is_complete = design_sweep::fill(machine, request, task)?;
+                is_complete.then(|| studies::design_sweep(machine, request, task, &self.name)).transpose()
+            }
+        };
+        Ok(study?.map(|study| vec![study]))
     }
 
     /// Writes the tables that are too long for memory from the parts of a finished study, which a [`Study`] names as its
@@ -189,9 +266,13 @@ impl LongStudy {
     /// # Errors
     /// [`Error::File`](crate::Error::File), [`Error::Output`](crate::Error::Output).
     pub fn write_tables(&self, task: &Task, out: &Path) -> Result<()> {
-        match &self.kind {
-            StudyKind::DesignSweep(request) => {
-                studies::write_design_tables(&self.set, request, task, &out.join(&self.name))
+        let stem = out.join(&self.name);
+        match &self.work {
+            Work::ThreeDof { kind: StudyKind::DesignSweep(request), set } => {
+                studies::write_design_tables(set, request, task, &stem)
+            }
+            Work::Assembly { kind: AssemblyStudy::DesignSweep(request), machine } => {
+                studies::write_design_tables(machine, request, task, &stem)
             }
             _ => Ok(()),
         }

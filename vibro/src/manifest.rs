@@ -2,13 +2,12 @@
 //! parameters apart.
 
 use crate::long_study::{FORMAT, LongStudy};
+use crate::subject::Subject;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use vibro_analysis::{GROUPS, ParameterSet};
 use vibro_impact::numerics::digest::fnv1a;
-use vibro_impact::parameters::{FIELDS, LOADS};
 
 /// The program in every manifest.
 const PROGRAM: &str = "vibro";
@@ -46,19 +45,17 @@ pub struct Manifest {
 
 impl Manifest {
     /// The manifest of a finished result.
-    pub fn of_result(study: &str, invocation: &Invocation, set: &ParameterSet) -> Self {
-        let (parameters, groups) = (set.parameters(), set.groups());
+    pub fn of_result(study: &str, invocation: &Invocation, subject: &dyn Subject) -> Self {
+        let (si, groups) = subject.numbers();
+        let mut invocation = invocation.clone();
+        invocation.options.extend(subject.structure());
         Self {
             program: PROGRAM.into(),
             version: env!("CARGO_PKG_VERSION").into(),
             study: study.into(),
-            invocation: invocation.clone(),
-            si: FIELDS
-                .iter()
-                .chain(LOADS.iter().filter(|load| (load.get)(parameters) != 0.0))
-                .map(|f| (f.name.into(), (f.get)(parameters)))
-                .collect(),
-            groups: GROUPS.iter().map(|g| (g.name.into(), (g.get)(groups))).collect(),
+            invocation,
+            si,
+            groups,
             long_study: None,
         }
     }
@@ -66,7 +63,7 @@ impl Manifest {
     /// The manifest of a folder of parts.
     pub fn of_parts(study: &LongStudy, invocation: &Invocation) -> Self {
         let long_study = Some(study.clone());
-        Self { long_study, ..Self::of_result(&study.name, invocation, &study.set) }
+        Self { long_study, ..Self::of_result(&study.name, invocation, study.work.subject()) }
     }
 
     /// Reads a manifest.
@@ -183,6 +180,7 @@ fn other_form(text: &str) -> Option<i64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vibro_analysis::ParameterSet;
 
     fn manifest(assignment: &str) -> Manifest {
         let mut set = ParameterSet::basic();

@@ -73,6 +73,7 @@ pub struct Plan {
     coarse: LongStudy,
     fine: LongStudy,
     basin: LongStudy,
+    basin_set: ParameterSet,
     orbits: TreeOptions,
 }
 
@@ -121,6 +122,7 @@ impl Plan {
                 StudyKind::Basin(basin::Request { x, y, discard, start: basin::in_the_middle() }),
                 &there,
             ),
+            basin_set: there,
             orbits: if quick { quick_orbits() } else { TreeOptions::default() },
         })
     }
@@ -142,7 +144,7 @@ impl Plan {
     pub fn results(&self) -> Result<Vec<(&'static str, ParameterSet)>> {
         let mut all: Vec<_> = NAMES.iter().map(|name| (*name, self.set.clone())).collect();
         all.push(("compare-19", ParameterSet::strong()?));
-        all.push(("basin", self.basin.set.clone()));
+        all.push(("basin", self.basin_set.clone()));
         Ok(all)
     }
 

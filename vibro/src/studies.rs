@@ -1,5 +1,6 @@
 //! The studies of the command line: each makes tables and a figure from a [`ParameterSet`].
 
+mod assembly_diagram;
 mod basin;
 mod compare;
 mod design_sweep;
@@ -21,6 +22,7 @@ mod steady_motion;
 mod strong;
 mod sweep;
 
+pub use assembly_diagram::{assembly_diagram, assembly_exponent};
 pub use basin::{basins, check_basins};
 pub use compare::{accuracy, force_overlay, histories};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};

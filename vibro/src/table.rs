@@ -1,5 +1,6 @@
 //! Tables for CSV files.
 
+use crate::subject::Subject;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -108,11 +109,12 @@ pub fn column_in(column: &str, unit: &Unit) -> String {
 ///
 /// # Errors
 /// [`Error::Output`] for what is no table.
-pub fn in_written_units<'t>(set: &ParameterSet, csv: &'t [u8]) -> Result<Cow<'t, [u8]>> {
+pub fn in_written_units<'t>(subject: &dyn Subject, csv: &'t [u8]) -> Result<Cow<'t, [u8]>> {
     let problem = Error::output("a table");
     let mut reader = csv::Reader::from_reader(csv);
     let mut header = reader.byte_headers().map_err(&problem)?.clone();
-    let unit = |(i, name): (usize, &[u8])| Some((i, written_unit(set, std::str::from_utf8(name).ok()?)?));
+    let unit =
+        |(i, name): (usize, &[u8])| Some((i, subject.unit_of_column(std::str::from_utf8(name).ok()?)?));
     let written: Vec<(usize, &Unit)> = header.iter().enumerate().filter_map(unit).collect();
     if written.is_empty() {
         return Ok(Cow::Borrowed(csv));

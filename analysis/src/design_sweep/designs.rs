@@ -7,18 +7,18 @@ use serde::{Deserialize, Serialize};
 
 /// A parameter and the values that it takes, SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SampledAxis {
+pub struct SampledAxis<N = Name> {
     /// The parameter.
-    pub name: Name,
+    pub name: N,
     /// Its values, at least one.
     pub values: Vec<f64>,
 }
 
 /// A parameter and the interval that it lies in, SI.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ParameterInterval {
+pub struct ParameterInterval<N = Name> {
     /// The parameter.
-    pub name: Name,
+    pub name: N,
     /// Lower end, which is taken.
     pub from: f64,
     /// Upper end, which is not.
@@ -27,13 +27,13 @@ pub struct ParameterInterval {
 
 /// The designs of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Designs {
+pub enum Designs<N = Name> {
     /// All combinations of the values, the last axis varying fastest.
-    Grid(Vec<SampledAxis>),
+    Grid(Vec<SampledAxis<N>>),
     /// Listed ones.
     Rows {
         /// The parameters.
-        names: Vec<Name>,
+        names: Vec<N>,
         /// Their values, design by design.
         rows: Vec<Vec<f64>>,
     },
@@ -41,19 +41,19 @@ pub enum Designs {
     /// [`DIMENSIONS`](crate::sobol::DIMENSIONS).
     Sobol {
         /// The intervals.
-        intervals: Vec<ParameterInterval>,
+        intervals: Vec<ParameterInterval<N>>,
         /// Number of points.
         count: u32,
     },
 }
 
-impl Designs {
+impl<N: Clone> Designs<N> {
     /// The parameters that vary.
-    pub fn names(&self) -> Vec<Name> {
+    pub fn names(&self) -> Vec<N> {
         match self {
-            Self::Grid(axes) => axes.iter().map(|a| a.name).collect(),
+            Self::Grid(axes) => axes.iter().map(|a| a.name.clone()).collect(),
             Self::Rows { names, .. } => names.clone(),
-            Self::Sobol { intervals, .. } => intervals.iter().map(|i| i.name).collect(),
+            Self::Sobol { intervals, .. } => intervals.iter().map(|i| i.name.clone()).collect(),
         }
     }
 
@@ -75,7 +75,7 @@ impl Designs {
             Self::Grid(axes) => combination(axes, index),
             Self::Rows { rows, .. } => rows[index].clone(),
             Self::Sobol { intervals, .. } => {
-                let value = |(dimension, i): (usize, &ParameterInterval)| {
+                let value = |(dimension, i): (usize, &ParameterInterval<N>)| {
                     let part = coordinate(index as u32, dimension);
                     i.from * (1.0 - part) + i.to * part
                 };
@@ -86,9 +86,9 @@ impl Designs {
 }
 
 /// A combination of the axes' values, the last axis varying fastest.
-pub(super) fn combination(axes: &[SampledAxis], index: usize) -> Vec<f64> {
+pub(super) fn combination<N>(axes: &[SampledAxis<N>], index: usize) -> Vec<f64> {
     let mut rest = index;
-    let value = |axis: &SampledAxis| {
+    let value = |axis: &SampledAxis<N>| {
         let count = axis.values.len();
         let own = rest % count;
         rest /= count;

@@ -1,9 +1,13 @@
 use super::*;
+use crate::measures::Measure;
 use crate::measures::measure;
 use crate::motion::settled_simulator;
+use crate::parameter_set::Name;
 use crate::parts::{PartStore, Shard};
+use crate::start::StartRule;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
+use vibro_impact::Parameters;
 
 fn name(text: &str) -> Name {
     Name::find(text).unwrap()

@@ -132,8 +132,11 @@ fn closed_form_rule_of_decision() {
     let tangent = |blocks: u32, mean: f64, scatter: f64| Tangent {
         parameters: p,
         block: f64::from(BLOCK) * p.period(),
-        blocks: ALIGN + blocks,
-        sums: [f64::from(blocks) * mean, f64::from(blocks) * (mean * mean + scatter * scatter)],
+        growth: Growth {
+            blocks: ALIGN + blocks,
+            sums: [f64::from(blocks) * mean, f64::from(blocks) * (mean * mean + scatter * scatter)],
+            ..Growth::default()
+        },
         ..Tangent::default()
     };
     let error = tangent(17, 2.0, 1.0).exponent().error * f64::from(BLOCK) * p.period();

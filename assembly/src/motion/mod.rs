@@ -150,6 +150,19 @@ impl Motion {
         self.hybrid.time.value()
     }
 
+    /// The augmented state (q, v, 1, signals) now, on which the [system](Assembly::system)'s rows act.
+    pub fn state(&self) -> &DVector<f64> {
+        &self.hybrid.z
+    }
+
+    /// What ends the mode, where it stands at an event whose law is still to be applied; `None` elsewhere and at a signal's knot.
+    pub fn due(&self) -> Option<Watch> {
+        match self.hybrid.due {
+            Some(Due::Passage(watch)) => Some(watch),
+            Some(Due::Knot) | None => None,
+        }
+    }
+
     /// The mode in force.
     pub fn mode(&self) -> &Mode {
         &self.hybrid.mode

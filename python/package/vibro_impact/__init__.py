@@ -14,6 +14,15 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 81-103; the default data set is a reconstruction, not the paper's own.
 """
 
+from ._assembly import (
+    Assembly,
+    AssemblyDiagram,
+    AssemblyDirection,
+    AssemblyEnds,
+    AssemblyRun,
+    measure_assemblies,
+    simulate_assemblies,
+)
 from ._fmu import fmu_path
 from ._machine import Machine
 from ._many import Ends, measure_many, simulate_many
@@ -31,6 +40,11 @@ __all__ = [
     "MEASURES",
     "PARAMETERS",
     "SI_NAMES",
+    "Assembly",
+    "AssemblyDiagram",
+    "AssemblyDirection",
+    "AssemblyEnds",
+    "AssemblyRun",
     "Attractor",
     "Basins",
     "Branch",
@@ -50,6 +64,8 @@ __all__ = [
     "basins",
     "bifurcation",
     "fmu_path",
+    "measure_assemblies",
     "measure_many",
+    "simulate_assemblies",
     "simulate_many",
 ]

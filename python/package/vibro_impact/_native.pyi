@@ -13,16 +13,19 @@ _Complex = NDArray[np.complex128]
 _Progress = Callable[[int, int], object] | None
 
 __all__ = [
+    "Described",
     "Load",
     "Orbit",
     "System",
     "__version__",
+    "assembly_diagram",
     "basins",
     "bifurcation",
     "find",
     "follow",
     "lyapunov",
     "measure",
+    "measure_assemblies",
     "measure_many",
     "measures",
     "orbit",
@@ -30,6 +33,8 @@ __all__ = [
     "poincare",
     "settled_orbit",
     "simulate",
+    "simulate_assemblies",
+    "simulate_assembly",
     "simulate_many",
     "steady",
     "steady_motion",
@@ -44,6 +49,16 @@ class System:
     def not_given(self) -> list[tuple[str, float]]: ...
     def period(self) -> float: ...
     def dimensional(self, coordinates: Sequence[float]) -> list[float]: ...
+
+@final
+class Described:
+    def __new__(cls, text: str | None, path: str | None) -> Described: ...
+    def name(self) -> str: ...
+    def text(self) -> str: ...
+    def parameters(self) -> list[tuple[str, str, float, str]]: ...
+    def columns(self) -> list[str]: ...
+    def measures(self) -> list[tuple[str, str, str]]: ...
+    def replace(self, changes: Sequence[tuple[str, float | str]]) -> Described: ...
 
 @final
 class Load:
@@ -84,6 +99,28 @@ def simulate(
 def simulate_many(
     systems: Sequence[System], starts: _Floats, periods: int, progress: _Progress = None
 ) -> tuple[_Floats, _Floats]: ...
+def simulate_assembly(machine: Described, t: _Floats, progress: _Progress = None) -> _returned.AssemblyRun: ...
+def simulate_assemblies(machines: Sequence[Described], until: float, progress: _Progress = None) -> _Floats: ...
+def measure_assemblies(
+    machines: Sequence[Described],
+    names: Sequence[str],
+    settle: int,
+    periods: int,
+    section: float | str | None,
+    progress: _Progress = None,
+) -> list[tuple[list[float | None], str | None]]: ...
+def assembly_diagram(
+    machine: Described,
+    name: str,
+    ends: tuple[float, float],
+    count: int,
+    of: str,
+    at_section: bool,
+    periods: tuple[int, int],
+    exponents: int | None,
+    section: float | str | None,
+    progress: _Progress = None,
+) -> _returned.AssemblyDiagram: ...
 def poincare(
     system: System,
     start: Sequence[float],

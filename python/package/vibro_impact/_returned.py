@@ -85,6 +85,34 @@ class Basins(TypedDict):
     mirror: NDArray[np.bool_]
 
 
+class AssemblyRun(TypedDict):
+    values: Floats
+    t: Floats
+    kind: list[str]
+    element: list[str]
+    value: Floats
+    stops: NDArray[np.int32]
+    energy: Floats
+
+
+class AssemblyDirection(TypedDict):
+    value: Floats
+    classes: list[str]
+    period: NDArray[np.int32]
+    contacts: Floats
+    rests: NDArray[np.bool_]
+    maxima: Floats
+    maxima_at: NDArray[np.int64]
+    maxima_met: NDArray[np.uint32]
+    exponent: Floats
+
+
+class AssemblyDiagram(TypedDict):
+    up: AssemblyDirection
+    down: AssemblyDirection
+    hysteresis: NDArray[np.bool_]
+
+
 class Closed(TypedDict):
     amplitudes: Floats
     drive_phase: float

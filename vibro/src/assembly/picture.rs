@@ -12,6 +12,8 @@ const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLAC
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
+/// Lengths up to this, m, are shown in mm.
+const SMALL: f64 = 0.1;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
 
@@ -62,7 +64,13 @@ fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[(String
         Layer::line(name, colour, Dash::Solid, points).stroke(THIN)
     });
     let layers = layers.collect();
-    Some(Panel { title: title.into(), x: time_axis(record), y: Axis::new(label), layers })
+    // Small lengths are told in mm, so that the numbers at the axis are short.
+    let sizes = record.rows.iter().flat_map(|row| curves.iter().map(|(_, column)| row[1 + column].abs()));
+    let y = match label {
+        "s (m)" if sizes.fold(0.0, f64::max) < SMALL => Axis::new("s (mm)").times(1e3),
+        _ => Axis::new(label),
+    };
+    Some(Panel { title: title.into(), x: time_axis(record), y, layers })
 }
 
 fn impacts(record: &Record) -> Option<Panel> {

@@ -13,13 +13,13 @@ use crate::Result;
 use collected::Collected;
 use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, each_row};
 use vibro_analysis::parts::Task;
-use vibro_analysis::{Name, ParameterSet};
+pub use words::Told;
 
 /// The study of a sweep whose parts are all in the task's store. Its tables are written apart, by [`write_tables`].
 ///
 /// # Errors
 /// What the store refuses.
-pub fn design_sweep(set: &ParameterSet, request: &Request, task: &Task, name: &str) -> Result<Study> {
+pub fn design_sweep<M: Told>(set: &M, request: &Request<M>, task: &Task, name: &str) -> Result<Study> {
     let mut found = Collected::new(set, request);
     let quiet = Task { done: &|_| (), ..*task };
     each_row(set, request, &quiet, |row| -> Result<()> {
@@ -36,16 +36,16 @@ pub fn design_sweep(set: &ParameterSet, request: &Request, task: &Task, name: &s
     })
 }
 
-fn outputs_in_words(request: &Request) -> String {
+fn outputs_in_words<M: Told>(request: &Request<M>) -> String {
     match &request.measures[..] {
-        [one] => one.name(),
+        [one] => one.to_string(),
         several => format!("{} outputs", several.len()),
     }
 }
 
-fn designs_in_words(request: &Request) -> String {
+fn designs_in_words<M: Told>(request: &Request<M>) -> String {
     let count = request.designs.count();
-    let names: Vec<_> = request.designs.names().iter().map(|n| n.name()).collect();
+    let names: Vec<_> = request.designs.names().iter().map(M::name).collect();
     let over = if names.is_empty() { String::new() } else { format!(" over {}", names.join(", ")) };
     match count {
         1 => format!("one design{over}"),
@@ -54,7 +54,7 @@ fn designs_in_words(request: &Request) -> String {
 }
 
 /// How the numbers came about, for captions.
-fn method(set: &ParameterSet, request: &Request) -> String {
+fn method<M: Told>(set: &M, request: &Request<M>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",
         Designs::Rows { .. } => "as listed",
@@ -71,27 +71,29 @@ fn method(set: &ParameterSet, request: &Request) -> String {
         words.push_str(&format!(", over {}", axis_in_words(set, axis)));
     }
     words.push_str(&format!(
-        "; {} drive periods discarded and {} measured of each motion.",
-        request.discard, request.periods
+        "; {} {} discarded and {} measured of each motion.",
+        request.discard,
+        M::periods(),
+        request.periods
     ));
     words
 }
 
 /// An axis over which the motions of a design are taken together, in words.
-fn axis_in_words(set: &ParameterSet, axis: &SampledAxis) -> String {
+fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
     let ends = (axis.values.iter().copied().reduce(f64::min), axis.values.iter().copied().reduce(f64::max));
     match ends {
         (Some(a), Some(b)) if a < b => {
-            let (symbol, count) = (set.symbol(axis.name), axis.values.len());
-            let [from, to] = [a, b].map(|value| set.with_unit(axis.name, value));
+            let (symbol, count) = (set.symbol(&axis.name), axis.values.len());
+            let [from, to] = [a, b].map(|value| set.with_unit(&axis.name, value));
             format!("{symbol} from {from} to {to} in {count} values")
         }
-        (Some(a), _) => set.told(axis.name, a),
+        (Some(a), _) => set.symbol_is(&axis.name, a),
         _ => String::new(),
     }
 }
 
 /// The parameters that a caption leaves out, since they vary.
-fn varied(request: &Request) -> Vec<Name> {
-    request.designs.names().into_iter().chain(request.over.iter().map(|a| a.name)).collect()
+fn varied<M: Told>(request: &Request<M>) -> Vec<M::Name> {
+    request.designs.names().into_iter().chain(request.over.iter().map(|a| a.name.clone())).collect()
 }

@@ -1,10 +1,14 @@
 //! A bifurcation diagram's panel of maxima, and how it was made in words; shared by diagrams with exponents and those with orbits.
 
 use super::lengths::Lengths;
+use crate::Result;
+use crate::table::{CsvRows, Table, exact};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint};
+use vibro_analysis::plane::{AxisName, ParameterAxis};
 use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
-use vibro_figures::chart::{Colour, Dash, Layer, Panel, Shape, THIN};
+use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
 
 /// Rows of cells in a diagram, and most columns: neighbouring values share one where there are more.
 const ROWS: usize = 380;
@@ -14,6 +18,11 @@ const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
 const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
 /// Where the falling direction ends elsewhere: rare, frequent; lighter than any shade, so that grey shows it too.
 const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
+
+/// Stroke of the curves over which others are drawn.
+pub(super) const WIDE: u32 = 14;
+/// Most windows listed on the screen.
+const TOLD: usize = 40;
 
 /// The two ways through a range of values.
 pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
@@ -31,23 +40,23 @@ pub(super) fn method(sweep: &Sweep) -> String {
 }
 
 /// What a maximum at a point is in units of the set's own gap.
-type Length<'a> = &'a dyn Fn(&SweepPoint, f64) -> f64;
+type Length<'a, P> = &'a dyn Fn(&P, f64) -> f64;
 
 /// Range of all maxima, with some air.
-fn reach(diagram: &Diagram, length: Length<'_>) -> (f64, f64) {
+pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>, air: f64) -> (f64, f64) {
     let points = diagram.up.iter().chain(&diagram.down).flatten();
-    let all = points.flat_map(|p| p.maxima.iter().map(|m| length(p, m.0)));
+    let all = points.flat_map(|p| p.maxima().iter().map(|m| length(p, m.0)));
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    if low > high {
-        (0.0, 1.0)
-    } else {
-        (low - 0.03 * (high - low) - 1e-3, high + 0.03 * (high - low) + 1e-3)
-    }
+    if low > high { (0.0, 1.0) } else { (low - 0.03 * (high - low) - air, high + 0.03 * (high - low) + air) }
 }
 
 /// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one where it ends elsewhere.
-fn cells(sweep: &Sweep, diagram: &Diagram, apart: &[bool], (y, length): ((f64, f64), Length<'_>)) -> Shape {
-    let axis = &sweep.axis;
+fn cells<N: AxisName, P: DiagramPoint>(
+    (axis, kept): (&ParameterAxis<N>, u32),
+    diagram: &Diagram<P>,
+    apart: &[bool],
+    (y, length): ((f64, f64), Length<'_, P>),
+) -> Shape {
     let columns = axis.count.min(COLUMNS);
     // Values in a column, whose periods are counted together.
     let mut shares = vec![0_u32; columns];
@@ -60,13 +69,13 @@ fn cells(sweep: &Sweep, diagram: &Diagram, apart: &[bool], (y, length): ((f64, f
                 continue;
             }
             let Some(p) = point else { continue };
-            for (x, count) in &p.maxima {
+            for (x, count) in p.maxima() {
                 counts[row(length(p, *x)) * columns + value * columns / axis.count][direction] += count;
             }
         }
     }
     let class = |(place, [up, down]): (usize, [u32; 2])| {
-        let kept = f64::from(sweep.keep) * f64::from(shares[place % columns]);
+        let kept = f64::from(kept) * f64::from(shares[place % columns]);
         let level = |count: u32| STEPS.iter().filter(|s| f64::from(count) > **s * kept).count() as u8;
         match (up, down) {
             (0, 0) => 0,
@@ -80,15 +89,104 @@ fn cells(sweep: &Sweep, diagram: &Diagram, apart: &[bool], (y, length): ((f64, f
     Shape::Cells { x, y, columns, cells, colours }
 }
 
+/// The layers of the maxima, with their names.
+pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
+    axis: (&ParameterAxis<N>, u32),
+    diagram: &Diagram<P>,
+    apart: &[bool],
+    lengths: ((f64, f64), Length<'_, P>),
+) -> Vec<Layer> {
+    vec![
+        Layer::new("", BLACK, cells(axis, diagram, apart, lengths)),
+        Layer::band("value rising", SHADES[3], 1.0, Vec::new()),
+        Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()),
+    ]
+}
+
+/// Impacts a period in both directions.
+pub(super) fn contact_panel<P: DiagramPoint>(
+    title: &str,
+    x: Axis,
+    label: &str,
+    diagram: &Diagram<P>,
+) -> Panel {
+    let curve = |points: &[Option<P>]| -> Path {
+        points.iter().flatten().map(|p| (p.value(), p.contacts())).collect()
+    };
+    Panel {
+        title: title.into(),
+        x,
+        y: Axis::new(label),
+        layers: vec![
+            Layer::line("value falling", SKY, Dash::Solid, curve(&diagram.down)).stroke(WIDE),
+            Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
+        ],
+    }
+}
+
+/// Every maximum with its count; `text` writes one.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub(super) fn maxima_rows<P: DiagramPoint>(
+    (name, maximum): (&str, &str),
+    diagram: &Diagram<P>,
+    text: &dyn Fn(f64) -> String,
+) -> Result<Vec<u8>> {
+    let mut csv = CsvRows::new([name, "direction", maximum, "count"])?;
+    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
+        for point in points.iter().flatten() {
+            let value = exact(point.value());
+            for (x, count) in point.maxima() {
+                csv.push([&value, direction, &text(*x), &count.to_string()])?;
+            }
+        }
+    }
+    csv.text()
+}
+
+/// Ranges of one class.
+pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) -> Table {
+    let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
+    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
+        for (from, to, class) in Diagram::windows(points) {
+            table.rows.push(vec![direction.into(), exact(from), exact(to), class.name()]);
+        }
+    }
+    table
+}
+
+/// What is worth saying of a diagram: ranges of one class with the value rising, where the directions part, what is missing.
+pub(super) fn remarks<P: DiagramPoint>(
+    name: &str,
+    diagram: &Diagram<P>,
+    apart: &[bool],
+    told: &dyn Fn(f64) -> String,
+) -> Vec<String> {
+    let windows = Diagram::windows(&diagram.up);
+    let window = |(from, to, class): &(f64, f64, MotionClass)| {
+        format!("{name} {} … {}: {}", told(*from), told(*to), class.name())
+    };
+    let mut lines: Vec<String> = windows.iter().take(TOLD).map(window).collect();
+    if windows.len() > TOLD {
+        lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));
+    }
+    let elsewhere = apart.iter().filter(|h| **h).count();
+    lines.push(format!("{elsewhere} of {} values end elsewhere with the value falling", apart.len()));
+    let refused = diagram.up.iter().chain(&diagram.down).filter(|p| p.is_none()).count();
+    if refused > 0 {
+        lines.push(format!("{refused} values left out: the simulator refused them"));
+    }
+    lines
+}
+
 /// The panel of all maxima: shaded by how often they come, the falling direction where it ends elsewhere, the set's own value.
 pub(super) fn maxima_panel(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, apart: &[bool]) -> Panel {
     let (axis, lengths) = (&sweep.axis, Lengths::of(set));
     let symbol = lengths.displacement(sweep.of.symbol());
     let length = |p: &SweepPoint, x: f64| lengths.ratio(axis.name, p.value) * x;
-    let (x, y) = (axis.edges(), reach(diagram, &length));
-    let mut layers = vec![Layer::new("", BLACK, cells(sweep, diagram, apart, (y, &length)))];
-    layers.push(Layer::band("value rising", SHADES[3], 1.0, Vec::new()));
-    layers.push(Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()));
+    let (x, y) = (axis.edges(), reach(diagram, &length, 1e-3));
+    let mut layers = shaded((axis, sweep.keep), diagram, apart, (y, &length));
     let own = axis.name.value(set);
     if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
         let name = format!("this set: {}", set.told(axis.name, own));

@@ -1,26 +1,24 @@
 //! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
 
 use super::Study;
-use super::diagram::{DIRECTIONS, maxima_panel, method};
+use super::diagram::{
+    DIRECTIONS, WIDE, contact_panel, maxima_panel, maxima_rows, method, remarks, window_table,
+};
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{CsvRows, Table, exact};
+use crate::table::{Table, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::{Method, ParameterAxis};
 use vibro_analysis::response::{ResponsePoint, response};
 use vibro_analysis::{ParameterSet, short};
-use vibro_figures::canvas::palette::{BLACK, BLOCK, FAMILY, GREY, SKY};
+use vibro_figures::canvas::palette::{BLOCK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 
-/// Stroke of the curves of multiple scales and of the falling direction, over which others are drawn.
-const WIDE: u32 = 14;
 /// Nodes of the branches drawn over maxima.
 const NODES: usize = 400;
-/// Most windows listed on the screen.
-const TOLD: usize = 40;
 /// Decimals of an exponent in words: what a thousand periods give.
 const DECIMALS: usize = 4;
 
@@ -39,7 +37,8 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
     if sweep.exponents.is_some() {
         panels.push(exponent_panel(set, axis, &diagram.up));
     }
-    panels.push(impact_panel(set, axis, diagram));
+    let x = super::parameter_axis(set, axis.name, axis.edges());
+    panels.push(contact_panel("Impacts per drive period", x, "impacts per drive period", diagram));
     letters(&mut panels);
     let figure = Figure {
         title: format!("Bifurcation diagram of {symbol} over {along}{cf}"),
@@ -49,26 +48,20 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
         panel: (2900, 1150),
         shared_legend: false,
     };
-    let mut remarks = window_remarks(set, axis, diagram);
-    let apart = hysteresis.iter().filter(|h| **h).count();
-    remarks.push(format!("{apart} of {} values end elsewhere with the value falling", hysteresis.len()));
-    let refused = diagram.up.iter().chain(&diagram.down).filter(|p| p.is_none()).count();
-    if refused > 0 {
-        remarks.push(format!("{refused} values left out: the simulator refused them"));
-    }
+    let remarks = remarks(axis.name.name(), diagram, &hysteresis, &|value| set.with_unit(axis.name, value));
     let what = format!("local maxima of {symbol} over {along}{alike}, both directions");
     Ok(Study {
         tables: vec![
             (name.into(), maxima_table(sweep, diagram)?),
             (format!("{name}-points"), point_table(axis, diagram, &hysteresis).csv()?),
-            (format!("{name}-windows"), window_table(axis, diagram).csv()?),
+            (format!("{name}-windows"), window_table(axis.name.name(), diagram).csv()?),
         ],
         figure: Some(figure),
         ..Study::without_figure(name, what).with_remarks(remarks)
     })
 }
 
-fn letters(panels: &mut [Panel]) {
+pub(super) fn letters(panels: &mut [Panel]) {
     for (letter, panel) in ('a'..).zip(panels) {
         panel.title = format!("({letter}) {}", panel.title);
     }
@@ -96,39 +89,13 @@ fn exponent_panel(set: &ParameterSet, axis: &ParameterAxis, points: &[Option<Swe
     }
 }
 
-fn impact_panel(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -> Panel {
-    let x = axis.edges();
-    let curve = |points: &[Option<SweepPoint>]| -> Path {
-        let all = points.iter().flatten();
-        all.map(|p| (p.value, p.attractor.impacts[0] + p.attractor.impacts[1])).collect()
-    };
-    Panel {
-        title: "Impacts per drive period".into(),
-        x: super::parameter_axis(set, axis.name, x),
-        y: Axis::new("impacts per drive period"),
-        layers: vec![
-            Layer::line("value falling", SKY, Dash::Solid, curve(&diagram.down)).stroke(WIDE),
-            Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
-        ],
-    }
-}
-
 /// Every maximum with its count.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn maxima_table(sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
-    let (axis, maximum) = (&sweep.axis, format!("{}_maximum", sweep.of.name()));
-    let mut csv = CsvRows::new([axis.name.name(), "direction", &maximum, "count"])?;
-    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
-        for point in points.iter().flatten() {
-            let value = exact(point.value);
-            for (x, count) in &point.maxima {
-                csv.push([&value, direction, &format!("{x:.6}"), &count.to_string()])?;
-            }
-        }
-    }
-    csv.text()
+    let maximum = format!("{}_maximum", sweep.of.name());
+    maxima_rows((sweep.axis.name.name(), &maximum), diagram, &|x| format!("{x:.6}"))
 }
 
 fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table {
@@ -157,34 +124,6 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table
         }
     }
     table
-}
-
-fn window_table(axis: &ParameterAxis, diagram: &Diagram) -> Table {
-    let name = axis.name.name();
-    let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
-    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
-        for (from, to, class) in Diagram::windows(points) {
-            table.rows.push(vec![direction.into(), exact(from), exact(to), class.name()]);
-        }
-    }
-    table
-}
-
-fn window_remarks(set: &ParameterSet, axis: &ParameterAxis, diagram: &Diagram) -> Vec<String> {
-    let windows = Diagram::windows(&diagram.up);
-    let mut lines: Vec<String> = windows
-        .iter()
-        .take(TOLD)
-        .map(|(from, to, class)| {
-            let (name, from, to) =
-                (axis.name, set.with_unit(axis.name, *from), set.with_unit(axis.name, *to));
-            format!("{} {from} … {to}: {}", name.name(), class.name())
-        })
-        .collect();
-    if windows.len() > TOLD {
-        lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));
-    }
-    lines
 }
 
 /// Table 2: spectra at selected values (the nearest of the sweep), value rising; with the ends of the stable range of each motion's

@@ -1,6 +1,7 @@
 //! `vibro assembly`: machines of the user's own, from their files.
 
 use crate::arguments::{Common, DEFAULT_OUT};
+use crate::assembly_studies;
 use crate::destination;
 use crate::output;
 use crate::progress::Progress;
@@ -30,6 +31,20 @@ pub enum AssemblyCommand {
     },
     /// Follows the machine's motion, exactly from event to event: states.csv, events.csv, a picture and an account
     Run(Motion),
+    /// Bifurcation diagram: local maxima of a quantity over a parameter, both directions, with periods and classes
+    ///
+    /// Each value starts from the last state of the value before. A motion is looked at after each common period of what drives the
+    /// machine; --period and --section say otherwise. A motion that has settled is not followed further.
+    Bifurcation(assembly_studies::Bifurcation),
+    /// The largest Lyapunov exponent, through impacts, sticking and sliding: of the machine itself, or over a parameter
+    ///
+    /// One variation is carried exactly through flights and events (saltation matrices).
+    Lyapunov(assembly_studies::Lyapunov),
+    /// Amplitudes, forces, impacts, losses and more of many designs: a grid or a Sobol sequence
+    ///
+    /// The table has a row for each design, in SI, as CSV and Parquet. Outputs are named by the machine's own bodies and elements:
+    /// --list tells them.
+    Sweep(assembly_studies::Sweep),
 }
 
 /// Arguments of `assembly run`.
@@ -49,7 +64,7 @@ pub struct Motion {
     times: Option<PathBuf>,
 }
 
-fn time(text: &str) -> std::result::Result<f64, String> {
+pub fn time(text: &str) -> std::result::Result<f64, String> {
     let found = quantity_in("s", text.trim()).map(|q| q.value).filter(|t| t.is_finite() && *t > 0.0);
     found.ok_or_else(|| {
         "allowed is a finite time above 0, in s, with a unit of s, ms, us, min, h, e.g. 2s".into()
@@ -72,6 +87,9 @@ pub fn run(command: &AssemblyCommand, common: &Common) -> Result<bool> {
             output::say(&assembly::summary(assembly::read(file, &common.set)?)?).map(|()| true)
         }
         AssemblyCommand::Run(a) => follow(a, common),
+        AssemblyCommand::Bifurcation(a) => assembly_studies::bifurcation(a, common).map(|()| true),
+        AssemblyCommand::Lyapunov(a) => assembly_studies::lyapunov(a, common).map(|()| true),
+        AssemblyCommand::Sweep(a) => assembly_studies::sweep(a, common).map(|()| true),
     }
 }
 

@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::{Occupancy, PartFolder, write_whole};
 use vibro::studies::Study;
+use vibro::subject::Subject;
 use vibro::table::in_written_units;
 use vibro::{Error, Result};
-use vibro_analysis::ParameterSet;
 use vibro_figures::canvas;
 
 /// Endings of the files of a result that have its name.
@@ -32,18 +32,18 @@ pub enum Claim {
 pub struct Destination<'a> {
     common: &'a Common,
     invocation: &'a Invocation,
-    set: &'a ParameterSet,
+    subject: &'a dyn Subject,
 }
 
 impl<'a> Destination<'a> {
-    /// Of the results of an invocation for a parameter set.
-    pub fn new(common: &'a Common, invocation: &'a Invocation, set: &'a ParameterSet) -> Self {
-        Self { common, invocation, set }
+    /// Of the results of an invocation for a machine.
+    pub fn new(common: &'a Common, invocation: &'a Invocation, subject: &'a dyn Subject) -> Self {
+        Self { common, invocation, subject }
     }
 
     /// The claim of a result by its name.
     pub fn result(&self, name: &str) -> Claim {
-        Claim::Result(Manifest::of_result(name, self.invocation, self.set))
+        Claim::Result(Manifest::of_result(name, self.invocation, self.subject))
     }
 
     /// The folder where all that is claimed can be written.
@@ -55,7 +55,7 @@ impl<'a> Destination<'a> {
         let out = &self.common.out;
         let (own, foreign) = self.occupancy(out, claims)?;
         if *out == Path::new(DEFAULT_OUT) {
-            let key = Manifest::of_result("", self.invocation, self.set);
+            let key = Manifest::of_result("", self.invocation, self.subject);
             let apart = out.join(format!("{}-{}", self.invocation.command, key.digest()));
             if foreign.is_some() || (!own && apart.exists()) {
                 return match self.occupancy(&apart, claims)?.1 {
@@ -128,7 +128,7 @@ impl<'a> Destination<'a> {
     /// # Errors
     /// [`Error::File`], [`Error::Output`].
     pub fn write_page(&self, name: &str, html: &str, out: &Path) -> Result<PathBuf> {
-        write_manifest(out, &Manifest::of_result(name, self.invocation, self.set))?;
+        write_manifest(out, &Manifest::of_result(name, self.invocation, self.subject))?;
         let path = out.join(format!("{name}.html"));
         write_whole(&path, html.as_bytes())?;
         Ok(path)
@@ -136,15 +136,20 @@ impl<'a> Destination<'a> {
 
     /// Tables are in SI; a parameter that was written in another unit has a column in that unit too.
     fn write_tables(&self, study: &Study, out: &Path) -> Result<()> {
-        let set = study.set.as_deref().unwrap_or(self.set);
+        let subject = self.subject_of(study);
         let write = |(name, csv): &(String, Vec<u8>)| {
-            write_whole(&out.join(format!("{name}.csv")), &in_written_units(set, csv)?)
+            write_whole(&out.join(format!("{name}.csv")), &in_written_units(subject, csv)?)
         };
         study.tables.iter().try_for_each(write)
     }
 
     fn manifest(&self, study: &Study) -> Manifest {
-        Manifest::of_result(&study.name, self.invocation, study.set.as_deref().unwrap_or(self.set))
+        Manifest::of_result(&study.name, self.invocation, self.subject_of(study))
+    }
+
+    /// The machine of a study: its own where it has one.
+    fn subject_of<'s>(&'s self, study: &'s Study) -> &'s dyn Subject {
+        study.set.as_deref().map_or(self.subject, |set| set)
     }
 }
 

@@ -117,7 +117,7 @@ fn folder(study: &LongStudy) -> PathBuf {
 
 /// The folder where the parts and results of a study have their place.
 fn place(study: &LongStudy, common: &Common, invocation: &Invocation) -> Result<PathBuf> {
-    let destination = Destination::new(common, invocation, &study.set);
+    let destination = Destination::new(common, invocation, study.work.subject());
     let mut claims = vec![Claim::Parts(folder(study), Manifest::of_parts(study, invocation))];
     claims.extend(study.results().iter().map(|name| destination.result(name)));
     destination.place(&claims)
@@ -159,10 +159,10 @@ fn complete(
     drop(progress);
     match found {
         Some(studies) => {
-            Destination::new(common, invocation, &study.set).write_into(&studies, out)?;
+            Destination::new(common, invocation, study.work.subject()).write_into(&studies, out)?;
             study.write_tables(&Task { store: &parts, ..Task::ALL }, out)?;
             parts.remove()?;
-            output::print(&studies, &study.set, out, common)
+            output::print(&studies, study.work.subject(), out, common)
         }
         None => output::say(&format!(
             "{} of {count} parts of `{}` are in {}; `vibro merge` draws it when all are there",

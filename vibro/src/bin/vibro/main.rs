@@ -2,6 +2,7 @@
 
 mod arguments;
 mod assembly;
+mod assembly_studies;
 mod destination;
 mod interruption;
 mod invocation;
@@ -44,6 +45,10 @@ fn main() -> ExitCode {
 
 /// `false` where the work was interrupted and said so.
 fn run(arguments: &mut Arguments) -> Result<bool> {
+    if let Some(threads) = arguments.common.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().map_err(Error::output("threads"))?;
+    }
     if let Command::Assembly(a) = &arguments.command {
         return assembly::run(a, &arguments.common);
     }
@@ -52,10 +57,6 @@ fn run(arguments: &mut Arguments) -> Result<bool> {
 
 fn study(arguments: &mut Arguments) -> Result<()> {
     let common = &mut arguments.common;
-    if let Some(threads) = common.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        pool.build_global().map_err(Error::output("threads"))?;
-    }
     if let Command::Template(a) = &arguments.command {
         return output::say(parameter_file::template(a.groups).trim_end());
     }

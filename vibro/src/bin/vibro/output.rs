@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use vibro::studies::Study;
+use vibro::subject::Subject;
 use vibro::table::Table;
 use vibro::{Error, Result};
-use vibro_analysis::ParameterSet;
 
 /// Says what was drawn and where, in the first line; then the numbers worth reading.
-pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path, common: &Common) -> Result<()> {
+pub fn print(studies: &[Study], subject: &dyn Subject, folder: &Path, common: &Common) -> Result<()> {
     let mut text = String::new();
     let drawn: Vec<&str> = studies.iter().filter(|s| s.figure.is_some()).map(|s| s.name.as_str()).collect();
     // Writing to a string cannot fail.
@@ -27,7 +27,7 @@ pub fn print(studies: &[Study], set: &ParameterSet, folder: &Path, common: &Comm
             let _ = writeln!(text, "  {remark}");
         }
     }
-    let _ = writeln!(text, "parameters: {}", set.caption());
+    let _ = writeln!(text, "parameters: {}", subject.caption());
     for table in studies.iter().filter_map(|s| s.shown.as_ref()) {
         text.push('\n');
         text.push_str(&side_by_side(table));

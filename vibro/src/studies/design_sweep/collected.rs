@@ -1,8 +1,8 @@
 //! What is kept of a sweep's rows while they pass: values for the picture, and what is worth saying.
 
+use super::words::Told;
 use vibro_analysis::design_sweep::{Request, Row, rows};
-use vibro_analysis::measures::Measure;
-use vibro_analysis::{Name, ParameterSet, significant};
+use vibro_analysis::significant;
 
 /// Most designs of a picture.
 const MOST_DRAWN: usize = 100_000;
@@ -11,8 +11,8 @@ const MOST_DRAWN: usize = 100_000;
 pub(super) type Reach = Option<(f64, f64)>;
 
 /// One measure of all designs.
-pub(super) struct MeasureRecord {
-    pub measure: Measure,
+pub(super) struct MeasureRecord<M: Told> {
+    pub measure: M::Measure,
     /// Its place among the request's measures.
     index: usize,
     /// For the picture, design by design.
@@ -36,26 +36,26 @@ const BEST: usize = 5;
 const REGULAR: f64 = 1e-6;
 
 /// What is kept of a sweep.
-pub(super) struct Collected {
+pub(super) struct Collected<M: Told> {
     /// For the units in which parameters are told.
-    set: ParameterSet,
-    names: Vec<Name>,
+    set: M,
+    names: Vec<M::Name>,
     motions: usize,
     /// Values of the parameters, design by design, for the picture.
     pub values: Vec<Vec<f64>>,
     /// The measures that are numbers.
-    pub records: Vec<MeasureRecord>,
+    pub records: Vec<MeasureRecord<M>>,
     draws: bool,
     count: usize,
     bad: usize,
     reason: Option<String>,
 }
 
-impl Collected {
-    pub fn new(set: &ParameterSet, request: &Request) -> Self {
-        let numbers = request.measures.iter().enumerate().filter(|(_, m)| **m != Measure::Class);
-        let record = |(index, measure): (usize, &Measure)| MeasureRecord {
-            measure: *measure,
+impl<M: Told> Collected<M> {
+    pub fn new(set: &M, request: &Request<M>) -> Self {
+        let numbers = request.measures.iter().enumerate().filter(|(_, m)| !M::is_class(m));
+        let record = |(index, measure): (usize, &M::Measure)| MeasureRecord {
+            measure: measure.clone(),
             index,
             reaches: Vec::new(),
             least: Vec::new(),
@@ -121,7 +121,7 @@ impl Collected {
         }
         for record in &self.records {
             let (Some(least), Some(largest)) = (record.least.first(), &record.largest) else { continue };
-            let unit = unit_of(record.measure);
+            let unit = unit_of(self.set.measure_unit(&record.measure));
             let told = |found: &Found| {
                 let at = if self.count > 1 {
                     design_in_words(&self.set, &self.names, &found.design)
@@ -132,7 +132,7 @@ impl Collected {
                 format!("{}{unit}{at}", with_spread(found.value, found.spread))
             };
             let what = match self.motions {
-                1 => record.measure.name(),
+                1 => record.measure.to_string(),
                 n => format!("{}, largest of {n} motions", record.measure),
             };
             // The same but for rounding.
@@ -149,16 +149,17 @@ impl Collected {
     }
 }
 
-impl Collected {
+impl<M: Told> Collected<M> {
     /// The best few designs by the first measure, measured again for longer and from more starts, and what to say of them. Nothing where
     /// there is nothing to choose from, or where the measure does not depend on the motion.
-    pub fn measured_again(&self, set: &ParameterSet, request: &Request) -> Vec<String> {
+    pub fn measured_again(&self, set: &M, request: &Request<M>) -> Vec<String> {
         let Some(record) = self.records.first() else { return Vec::new() };
         let least: Vec<&Found> = record.least.iter().collect();
-        if least.len() < 2 || record.measure == Measure::AmplitudeWithoutBlock {
+        if least.len() < 2 || M::is_closed_form(&record.measure) {
             return Vec::new();
         }
-        let again = request.again(least.iter().map(|found| found.design.clone()).collect(), record.measure);
+        let again =
+            request.again(least.iter().map(|found| found.design.clone()).collect(), record.measure.clone());
         let mut found: Vec<Found> = rows(set, &again)
             .into_iter()
             .filter_map(|row| {
@@ -167,13 +168,18 @@ impl Collected {
             })
             .collect();
         found.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let unit = unit_of(record.measure);
+        let unit = unit_of(self.set.measure_unit(&record.measure));
         let mut lines = vec![format!(
-            "the {} least by {} again, over {} drive periods from {} starts:",
+            "the {} least by {} again, over {} {} from {}:",
             found.len(),
             record.measure,
             again.periods,
-            again.starts.len()
+            M::periods(),
+            if again.starts.len() == 1 {
+                "one start".into()
+            } else {
+                format!("{} starts", again.starts.len())
+            }
         )];
         let told = |one: &Found| {
             let value = with_spread(one.value, one.spread);
@@ -193,8 +199,8 @@ impl Collected {
 }
 
 /// The unit of a measure, with a space before it.
-fn unit_of(measure: Measure) -> String {
-    match measure.unit() {
+fn unit_of(unit: &str) -> String {
+    match unit {
         "1" => String::new(),
         unit => format!(" {}", unit.replace('.', "·")),
     }
@@ -218,8 +224,9 @@ fn design_or_none(reason: &str) -> &str {
 }
 
 /// A design in words, in the units in which the machine was written: `block.m = 1.2 kg, stop.gap = 10 mm`.
-fn design_in_words(set: &ParameterSet, names: &[Name], values: &[f64]) -> String {
-    let told = |(name, value): (&Name, &f64)| format!("{} = {}", name.name(), set.with_unit(*name, *value));
+fn design_in_words<M: Told>(set: &M, names: &[M::Name], values: &[f64]) -> String {
+    let told =
+        |(name, value): (&M::Name, &f64)| format!("{} = {}", M::name(name), set.with_unit(name, *value));
     names.iter().zip(values).map(told).collect::<Vec<_>>().join(", ")
 }
 

@@ -1,8 +1,8 @@
 //! Maps of a measure over two parameters, in steps of colour.
 
-use crate::studies::parameter_axis;
+use super::words::Told;
 use vibro_analysis::design_sweep::SampledAxis;
-use vibro_analysis::{ParameterSet, significant};
+use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{BLACK, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
 
@@ -41,7 +41,7 @@ fn steps(least: f64, largest: f64) -> Vec<f64> {
 
 /// The axis of a map, the range of its cells, and the place of each value. Values at unequal distances have cells of equal
 /// size with their names.
-fn axis(set: &ParameterSet, of: &SampledAxis) -> (Axis, (f64, f64), Vec<f64>) {
+fn axis<M: Told>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f64>) {
     let (values, count) = (&of.values, of.values.len());
     let (first, last) = (values[0], values[count - 1]);
     let part = |k: usize| k as f64 / (count - 1).max(1) as f64;
@@ -50,13 +50,15 @@ fn axis(set: &ParameterSet, of: &SampledAxis) -> (Axis, (f64, f64), Vec<f64>) {
     if first < last && (0..count).all(even) {
         let half = 0.5 * (last - first) / (count - 1) as f64;
         let range = (first - half, last + half);
-        return (parameter_axis(set, of.name, range), range, values.clone());
+        let axis = Axis { range: Some(range), ..set.axis(&of.name) };
+        return (axis, range, values.clone());
     }
     let range = (0.5, count as f64 + 0.5);
-    let unit = set.unit(of.name).map_or(1.0, |unit| unit.number(1.0));
+    let unit = set.shown(&of.name);
     let names = values.iter().map(|v| significant(v * unit)).collect();
     let places = (1..=count).map(|k| k as f64).collect();
-    (Axis { names, ..Axis::over(set.label(of.name), range.0, range.1) }, range, places)
+    let label = set.axis(&of.name).label;
+    (Axis { names, ..Axis::over(label, range.0, range.1) }, range, places)
 }
 
 /// The range of the values that are there.
@@ -72,11 +74,11 @@ pub(super) fn limits<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> V
 }
 
 /// A map: `values` by the second axis within the first, as designs are numbered, in steps between these limits.
-pub(super) fn map(
-    set: &ParameterSet,
+pub(super) fn map<M: Told>(
+    set: &M,
     title: String,
     unit: &str,
-    axes: [&SampledAxis; 2],
+    axes: [&SampledAxis<M::Name>; 2],
     values: &[Option<f64>],
     limits: &[f64],
 ) -> Panel {

@@ -3,14 +3,11 @@
 
 use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{limits, map};
-use super::words::{Unit, words};
+use super::words::Told;
 use super::{method, varied};
-use crate::studies::parameter_axis;
 use vibro_analysis::design_sweep::{Designs, Request, SampledAxis};
-use vibro_analysis::measures::{Coordinate, Measure};
-use vibro_analysis::{Name, ParameterSet};
-use vibro_figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
-use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
+use vibro_figures::canvas::palette::BLACK;
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 
 /// Most panels of a picture.
 const PANELS: usize = 6;
@@ -18,7 +15,7 @@ const PANELS: usize = 6;
 const SAME: f64 = 1e-9;
 
 /// The picture; `None` for a single design and for too many.
-pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -> Option<Figure> {
+pub(super) fn figure<M: Told>(set: &M, request: &Request<M>, found: &Collected<M>) -> Option<Figure> {
     if !found.draws() || found.records.is_empty() {
         return None;
     }
@@ -29,7 +26,7 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
     }
     let (panels, columns, panel) = match &request.designs {
         Designs::Grid(axes) => {
-            let long: Vec<&SampledAxis> = axes.iter().filter(|a| a.values.len() > 1).collect();
+            let long: Vec<&SampledAxis<M::Name>> = axes.iter().filter(|a| a.values.len() > 1).collect();
             match &long[..] {
                 [] => return None,
                 [axis] => (lines(set, axis, request, &records), 1, (2400, 900)),
@@ -42,7 +39,7 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
     };
     // Projections have one scale.
     let is_projection = matches!(&request.designs, Designs::Grid(axes) if axes.iter().filter(|a| a.values.len() > 1).count() > 2);
-    let symbols: Vec<_> = names.iter().map(|n| set.symbol(*n)).collect();
+    let symbols: Vec<_> = names.iter().map(|n| set.symbol(n)).collect();
     let several = panels.len() > 1;
     let lettered = |(letter, panel): (char, Panel)| match several {
         true => Panel { title: format!("({letter}) {}", panel.title), ..panel },
@@ -62,86 +59,66 @@ pub(super) fn figure(set: &ParameterSet, request: &Request, found: &Collected) -
 }
 
 /// What a panel shows of a measure.
-fn title(measure: Measure, request: &Request) -> String {
+fn title<M: Told>(measure: &M::Measure, request: &Request<M>) -> String {
     match request.motions() {
-        1 => words(measure),
-        motions => format!("{}, largest of {motions} motions", words(measure)),
+        1 => M::words(measure),
+        motions => format!("{}, largest of {motions} motions", M::words(measure)),
     }
 }
 
 /// Whether a measure is the same at all designs, and what it is. Where a design has no value, it is not.
-fn constant(record: &MeasureRecord) -> Option<f64> {
+fn constant<M: Told>(record: &MeasureRecord<M>) -> Option<f64> {
     let all: Option<Vec<(f64, f64)>> = record.reaches.iter().copied().collect();
     let ends = all?.into_iter().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
     (ends.1 - ends.0 <= SAME * ends.0.abs().max(ends.1.abs())).then_some(ends.1)
 }
 
 /// The measures whose value changes from design to design, and the others in a sentence.
-fn changing<'a>(set: &ParameterSet, found: &'a Collected) -> (Vec<&'a MeasureRecord>, Option<String>) {
+fn changing<'a, M: Told>(set: &M, found: &'a Collected<M>) -> (Vec<&'a MeasureRecord<M>>, Option<String>) {
     let (same, changing): (Vec<_>, Vec<_>) = found.records.iter().partition(|r| constant(r).is_some());
     let told = same.iter().filter_map(|record| {
-        let value = Unit::of(set, record.measure).told(constant(record)?);
-        Some(format!("{} is {value}", words(record.measure)))
+        let value = set.measure_shown(&record.measure).told(constant(record)?);
+        Some(format!("{} is {value}", M::words(&record.measure)))
     });
     let told = told.collect::<Vec<_>>().join("; ");
     (changing, (!told.is_empty()).then(|| format!("Not drawn, since it is the same at all designs: {told}.")))
 }
 
 /// The kind of a measure: measures of one kind and unit share a panel.
-fn kind(measure: Measure) -> (String, &'static str) {
-    let name = measure.name();
+fn kind<M: Told>(set: &M, measure: &M::Measure) -> (String, &'static str) {
+    let name = measure.to_string();
     let kind = name.split('.').next().unwrap_or_default().to_owned();
     // Speed and impulse have units of their own.
-    (kind, measure.unit())
-}
-
-/// The colour of a measure: its body's.
-fn colour(measure: Measure) -> Colour {
-    use Coordinate::{Dw, V1, V2, V3, W, X1, X2, X3};
-    match measure {
-        Measure::Amplitude(c) | Measure::Rms(c) | Measure::PeakToPeak(c) | Measure::Maximum(c) => match c {
-            X1 | V1 => BOX,
-            X2 | V2 => BLOCK,
-            X3 | V3 => SECONDARY,
-            W | Dw => RELATIVE,
-        },
-        Measure::PowerBoxDamper => BOX,
-        Measure::PowerSecondaryDamper => SECONDARY,
-        Measure::PowerImpact | Measure::ImpactSpeed | Measure::ImpactImpulse => RELATIVE,
-        Measure::ImpactsUpper => BLUE,
-        Measure::ImpactsLower => BLOCK,
-        Measure::AmplitudeWithoutBlock => GREY,
-        _ => BLACK,
-    }
+    (kind, set.measure_unit(measure))
 }
 
 /// An axis of a parameter, in the unit in which it was written, over the range of the data.
-fn unbounded_axis(set: &ParameterSet, name: Name) -> Axis {
-    Axis { range: None, ..parameter_axis(set, name, (0.0, 1.0)) }
+fn unbounded_axis<M: Told>(set: &M, name: &M::Name) -> Axis {
+    Axis { range: None, ..set.axis(name) }
 }
 
 /// Over one parameter: a panel for each kind of measure. Of several motions the largest value is drawn over the pale area down
 /// to the least.
-fn lines(
-    set: &ParameterSet,
-    axis: &SampledAxis,
-    request: &Request,
-    records: &[&MeasureRecord],
+fn lines<M: Told>(
+    set: &M,
+    axis: &SampledAxis<M::Name>,
+    request: &Request<M>,
+    records: &[&MeasureRecord<M>],
 ) -> Vec<Panel> {
     let mut order: Vec<usize> = (0..axis.values.len()).collect();
     order.sort_by(|a, b| axis.values[*a].total_cmp(&axis.values[*b]));
-    let mut groups: Vec<Vec<&MeasureRecord>> = Vec::new();
+    let mut groups: Vec<Vec<&MeasureRecord<M>>> = Vec::new();
     for &record in records {
-        match groups.iter_mut().find(|g| kind(g[0].measure) == kind(record.measure)) {
+        match groups.iter_mut().find(|g| kind(set, &g[0].measure) == kind(set, &record.measure)) {
             Some(group) => group.push(record),
             None => groups.push(vec![record]),
         }
     }
     groups.truncate(PANELS);
-    let panel = |group: Vec<&MeasureRecord>| {
+    let panel = |group: Vec<&MeasureRecord<M>>| {
         let mut layers = Vec::new();
         for record in &group {
-            layers.extend(curve(axis, &order, record, request.motions() > 1));
+            layers.extend(curve(set, axis, &order, record, request.motions() > 1));
         }
         let bad: Path = order
             .iter()
@@ -152,8 +129,8 @@ fn lines(
             layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad).stroke(MARK));
         }
         let label = match &group[..] {
-            [one] => words(one.measure),
-            several => kind(several[0].measure).0,
+            [one] => M::words(&one.measure),
+            several => kind(set, &several[0].measure).0,
         };
         let largest = if request.motions() > 1 {
             format!("largest of {} motions, and down to the least", request.motions())
@@ -161,14 +138,20 @@ fn lines(
             String::new()
         };
         let title = if largest.is_empty() { label.clone() } else { largest };
-        let y = Unit::of(set, group[0].measure).axis(&label);
-        Panel { title, x: unbounded_axis(set, axis.name), y, layers }
+        let y = set.measure_shown(&group[0].measure).axis(&label);
+        Panel { title, x: unbounded_axis(set, &axis.name), y, layers }
     };
     groups.into_iter().map(panel).collect()
 }
 
 /// The layers of one measure over one parameter.
-fn curve(axis: &SampledAxis, order: &[usize], record: &MeasureRecord, several: bool) -> Vec<Layer> {
+fn curve<M: Told>(
+    set: &M,
+    axis: &SampledAxis<M::Name>,
+    order: &[usize],
+    record: &MeasureRecord<M>,
+    several: bool,
+) -> Vec<Layer> {
     let mut pieces: Vec<Path> = vec![Vec::new()];
     let mut band: Vec<(f64, f64, f64)> = Vec::new();
     for &i in order {
@@ -181,8 +164,8 @@ fn curve(axis: &SampledAxis, order: &[usize], record: &MeasureRecord, several: b
         }
     }
     pieces.retain(|piece| !piece.is_empty());
-    let (name, colour) = (words(record.measure), colour(record.measure));
-    let dash = if record.measure == Measure::AmplitudeWithoutBlock { Dash::Dashed } else { Dash::Solid };
+    let (name, colour) = (M::words(&record.measure), set.colour(&record.measure));
+    let dash = if M::is_closed_form(&record.measure) { Dash::Dashed } else { Dash::Solid };
     // A design between two without values would not show as a line.
     let lonely: Path = pieces.iter().filter(|p| p.len() == 1).flatten().copied().collect();
     let mut layers = Vec::new();
@@ -201,29 +184,29 @@ fn largest(reach: &Reach) -> Option<f64> {
 }
 
 /// Over two parameters: a map of each measure.
-fn maps(
-    set: &ParameterSet,
-    axes: [&SampledAxis; 2],
-    request: &Request,
-    records: &[&MeasureRecord],
+fn maps<M: Told>(
+    set: &M,
+    axes: [&SampledAxis<M::Name>; 2],
+    request: &Request<M>,
+    records: &[&MeasureRecord<M>],
 ) -> Vec<Panel> {
-    let panel = |record: &&MeasureRecord| {
-        let unit = Unit::of(set, record.measure);
+    let panel = |record: &&MeasureRecord<M>| {
+        let unit = set.measure_shown(&record.measure);
         let shown = |reach: &Reach| largest(reach).map(|value| unit.number(value));
         let values: Vec<Option<f64>> = record.reaches.iter().map(shown).collect();
-        map(set, title(record.measure, request), &unit.spaced(), axes, &values, &limits(&values))
+        map(set, title(&record.measure, request), &unit.spaced(), axes, &values, &limits(&values))
     };
     records.iter().take(PANELS).map(panel).collect()
 }
 
 /// Over more parameters: for each pair the least of the first measure over the others, all on one scale.
-fn projections(
-    set: &ParameterSet,
-    axes: &[&SampledAxis],
-    request: &Request,
-    record: &MeasureRecord,
+fn projections<M: Told>(
+    set: &M,
+    axes: &[&SampledAxis<M::Name>],
+    request: &Request<M>,
+    record: &MeasureRecord<M>,
 ) -> Vec<Panel> {
-    let unit = Unit::of(set, record.measure);
+    let unit = set.measure_shown(&record.measure);
     let reaches: Vec<Reach> =
         record.reaches.iter().map(|r| r.map(|(a, b)| (unit.number(a), unit.number(b)))).collect();
     let pairs = (0..axes.len()).flat_map(|i| (i + 1..axes.len()).map(move |j| [i, j]));
@@ -232,15 +215,15 @@ fn projections(
     let limits = limits(best.iter().flat_map(|(_, values)| values));
     let panel = |(pair, values): ([usize; 2], Vec<Option<f64>>)| {
         let others = (0..axes.len()).filter(|k| !pair.contains(k));
-        let others: Vec<_> = others.map(|k| axes[k].name.symbol()).collect();
-        let words = format!("{}; least over {}", title(record.measure, request), others.join(", "));
+        let others: Vec<_> = others.map(|k| set.symbol(&axes[k].name)).collect();
+        let words = format!("{}; least over {}", title(&record.measure, request), others.join(", "));
         map(set, words, &unit.spaced(), pair.map(|k| axes[k]), &values, &limits)
     };
     best.into_iter().map(panel).collect()
 }
 
 /// The least value over all axes but a pair, by the second of the pair within the first.
-fn best_over_others(axes: &[&SampledAxis], [i, j]: [usize; 2], reaches: &[Reach]) -> Vec<Option<f64>> {
+fn best_over_others<N>(axes: &[&SampledAxis<N>], [i, j]: [usize; 2], reaches: &[Reach]) -> Vec<Option<f64>> {
     let counts: Vec<usize> = axes.iter().map(|a| a.values.len()).collect();
     let place = |design: usize, axis: usize| {
         let inner: usize = counts[axis + 1..].iter().product();
@@ -258,13 +241,13 @@ fn best_over_others(axes: &[&SampledAxis], [i, j]: [usize; 2], reaches: &[Reach]
 }
 
 /// The first measure over each parameter.
-fn clouds(
-    set: &ParameterSet,
-    names: &[Name],
-    request: &Request,
-    (found, record): (&Collected, &MeasureRecord),
+fn clouds<M: Told>(
+    set: &M,
+    names: &[M::Name],
+    request: &Request<M>,
+    (found, record): (&Collected<M>, &MeasureRecord<M>),
 ) -> Vec<Panel> {
-    let panel = |(index, name): (usize, &Name)| {
+    let panel = |(index, name): (usize, &M::Name)| {
         let (mut points, mut bad) = (Path::new(), Path::new());
         for (values, reach) in found.values.iter().zip(&record.reaches) {
             match largest(reach) {
@@ -272,12 +255,13 @@ fn clouds(
                 None => bad.push((values[index], 0.0)),
             }
         }
-        let mut layers = vec![Layer::marks("", colour(record.measure), Mark::Disc, points).stroke(MARK / 2)];
+        let mut layers =
+            vec![Layer::marks("", set.colour(&record.measure), Mark::Disc, points).stroke(MARK / 2)];
         if !bad.is_empty() {
             layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad));
         }
-        let y = Unit::of(set, record.measure).axis(&words(record.measure));
-        Panel { title: title(record.measure, request), x: unbounded_axis(set, *name), y, layers }
+        let y = set.measure_shown(&record.measure).axis(&M::words(&record.measure));
+        Panel { title: title(&record.measure, request), x: unbounded_axis(set, name), y, layers }
     };
     names.iter().enumerate().take(PANELS).map(panel).collect()
 }

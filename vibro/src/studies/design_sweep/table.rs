@@ -1,7 +1,9 @@
 //! The table of a sweep, as CSV and as Parquet, written row by row.
 
+use super::words::Told;
 use crate::part_folder::write_whole_by;
-use crate::table::{column_in, exact, shown, written_unit};
+use crate::subject::Subject;
+use crate::table::{column_in, exact, shown};
 use crate::{Error, Result};
 use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
@@ -12,10 +14,9 @@ use parquet::schema::types::Type;
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
+use vibro_analysis::Unit;
 use vibro_analysis::design_sweep::{Request, Row, each_row};
-use vibro_analysis::measures::Measure;
 use vibro_analysis::parts::Task;
-use vibro_analysis::{ParameterSet, Unit};
 
 /// Rows that are kept in memory to be written to Parquet together.
 const ROW_GROUP: usize = 65_536;
@@ -46,20 +47,20 @@ impl Cell {
 
 /// The columns: parameters, outputs, reason. Of several motions an output has its least, mean and largest value and says where
 /// the largest is.
-fn columns(set: &ParameterSet, request: &Request) -> Vec<Column> {
+fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
     let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
     let text = |name: String| Column { name, unit: None };
     let names = request.designs.names();
-    let mut all: Vec<Column> = names.iter().map(|n| number(n.name().into(), n.unit())).collect();
+    let mut all: Vec<Column> = names.iter().map(|n| number(M::name(n), &set.si_unit(n))).collect();
     for measure in &request.measures {
-        let (name, unit) = (measure.name(), measure.unit());
-        match (measure, request.motions()) {
-            (Measure::Class, _) => all.push(text(name)),
+        let (name, unit) = (measure.to_string(), set.measure_unit(measure));
+        match (M::is_class(measure), request.motions()) {
+            (true, _) => all.push(text(name)),
             (_, 1) => all.push(number(name, unit)),
             _ => {
                 all.extend(["min", "mean", "max"].map(|what| number(format!("{name}.{what}"), unit)));
-                let axes = request.over.iter().map(|a| a.name);
-                all.extend(axes.map(|n| number(format!("{name}.max.{}", n.name()), n.unit())));
+                let axes = request.over.iter().map(|a| &a.name);
+                all.extend(axes.map(|n| number(format!("{name}.max.{}", M::name(n)), &set.si_unit(n))));
                 if request.starts.len() > 1 {
                     all.push(text(format!("{name}.max.start")));
                 }
@@ -75,20 +76,20 @@ fn columns(set: &ParameterSet, request: &Request) -> Vec<Column> {
 
 /// The columns of parameters that were written in another unit than SI, by their places, with that unit and the name of the column
 /// in it.
-fn written(set: &ParameterSet, columns: &[Column]) -> Vec<(usize, &'static Unit, String)> {
+fn written(set: &dyn Subject, columns: &[Column]) -> Vec<(usize, &'static Unit, String)> {
     let unit = |(i, c): (usize, &Column)| {
-        let unit = written_unit(set, &c.name)?;
+        let unit = set.unit_of_column(&c.name)?;
         Some((i, unit, column_in(&c.name, unit)))
     };
     columns.iter().enumerate().filter_map(unit).collect()
 }
 
 /// The cells of a row, in the order of the [`columns`].
-fn cells(request: &Request, written: &[(usize, &'static Unit, String)], row: Row) -> Vec<Cell> {
+fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String)], row: Row) -> Vec<Cell> {
     let mut all: Vec<Cell> = row.values.iter().map(|v| Cell::number(Some(*v))).collect();
     for (measure, output) in request.measures.iter().zip(&row.outputs) {
-        match (measure, request.motions()) {
-            (Measure::Class, _) => {
+        match (M::is_class(measure), request.motions()) {
+            (true, _) => {
                 let classes: Vec<String> = row.classes.iter().map(|c| c.name()).collect();
                 all.push(Cell::text(classes.join("; ")));
             }
@@ -121,7 +122,7 @@ fn cells(request: &Request, written: &[(usize, &'static Unit, String)], row: Row
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Output`].
-pub fn write_tables(set: &ParameterSet, request: &Request, task: &Task, stem: &Path) -> Result<()> {
+pub fn write_tables<M: Told>(set: &M, request: &Request<M>, task: &Task, stem: &Path) -> Result<()> {
     // Endings are appended, since a stem may hold a point.
     let path = |ending: &str| {
         let name = stem.file_name().unwrap_or_default().to_string_lossy();
@@ -131,7 +132,7 @@ pub fn write_tables(set: &ParameterSet, request: &Request, task: &Task, stem: &P
     write_whole_by(&path("parquet"), |file| write_parquet(set, request, task, file))
 }
 
-fn write_csv(set: &ParameterSet, request: &Request, task: &Task, file: &mut impl Write) -> Result<()> {
+fn write_csv<M: Told>(set: &M, request: &Request<M>, task: &Task, file: &mut impl Write) -> Result<()> {
     let mut csv = csv::Writer::from_writer(file);
     let problem = Error::output("a table");
     let columns = columns(set, request);
@@ -212,9 +213,9 @@ fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
     Type::group_type_builder("sweep").with_fields(fields).build()
 }
 
-fn write_parquet(
-    set: &ParameterSet,
-    request: &Request,
+fn write_parquet<M: Told>(
+    set: &M,
+    request: &Request<M>,
     task: &Task,
     file: &mut (impl Write + Send),
 ) -> Result<()> {

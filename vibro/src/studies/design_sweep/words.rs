@@ -1,12 +1,192 @@
 //! Measures as pictures name them, and the units in which they show them.
 
 use crate::studies::lengths::LengthUnit;
-use vibro_analysis::measures::Measure;
-use vibro_analysis::{ParameterSet, significant};
-use vibro_figures::chart::Axis;
+use crate::subject::Subject;
+use vibro_analysis::design_sweep::Machine;
+use vibro_analysis::measures::{Coordinate, Measure};
+use vibro_analysis::{Name, ParameterSet, assembly, significant};
+use vibro_figures::canvas::palette::{
+    BLACK, BLOCK, BLUE, BOX, GREEN, GREY, ORANGE, PURPLE, RELATIVE, SECONDARY, VERMILLION,
+};
+use vibro_figures::chart::{Axis, Colour};
+
+/// How tables and pictures of a sweep speak of a machine's parameters and measures.
+pub trait Told: Machine + Subject {
+    /// A parameter's symbol in pictures.
+    fn symbol(&self, name: &Self::Name) -> String;
+    /// A parameter's axis, over the range of the data.
+    fn axis(&self, name: &Self::Name) -> Axis;
+    /// How many of the unit in which a parameter is shown are in one of SI.
+    fn shown(&self, name: &Self::Name) -> f64;
+    /// A parameter's SI unit.
+    fn si_unit(&self, name: &Self::Name) -> String;
+    /// A value of a parameter with its symbol: `L = 4 mm`.
+    fn symbol_is(&self, name: &Self::Name, value: f64) -> String;
+    /// The machine's parameters in a line, without some.
+    fn caption_but(&self, names: &[Self::Name]) -> String;
+    /// A measure in words.
+    fn words(measure: &Self::Measure) -> String;
+    /// A measure's SI unit; `1` where it has none.
+    fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
+    /// The unit in which pictures show a measure.
+    fn measure_shown(&self, measure: &Self::Measure) -> Unit;
+    /// Whether it is a text and no number.
+    fn is_class(measure: &Self::Measure) -> bool;
+    /// Whether it does not depend on the motion.
+    fn is_closed_form(measure: &Self::Measure) -> bool;
+    /// Its colour.
+    fn colour(&self, measure: &Self::Measure) -> Colour;
+    /// What the periods are by which motions are counted.
+    fn periods() -> &'static str;
+}
+
+impl Told for ParameterSet {
+    fn symbol(&self, name: &Name) -> String {
+        self.symbol(*name)
+    }
+
+    fn axis(&self, name: &Name) -> Axis {
+        crate::studies::parameter_axis(self, *name, (0.0, 1.0))
+    }
+
+    fn shown(&self, name: &Name) -> f64 {
+        self.unit(*name).map_or(1.0, |unit| unit.number(1.0))
+    }
+
+    fn si_unit(&self, name: &Name) -> String {
+        name.unit().into()
+    }
+
+    fn symbol_is(&self, name: &Name, value: f64) -> String {
+        self.told(*name, value)
+    }
+
+    fn caption_but(&self, names: &[Name]) -> String {
+        self.caption_but(names)
+    }
+
+    fn words(measure: &Measure) -> String {
+        words(*measure)
+    }
+
+    fn measure_unit(&self, measure: &Measure) -> &'static str {
+        measure.unit()
+    }
+
+    fn measure_shown(&self, measure: &Measure) -> Unit {
+        Unit::of(self, *measure)
+    }
+
+    fn is_class(measure: &Measure) -> bool {
+        *measure == Measure::Class
+    }
+
+    fn is_closed_form(measure: &Measure) -> bool {
+        *measure == Measure::AmplitudeWithoutBlock
+    }
+
+    /// Its body's.
+    fn colour(&self, measure: &Measure) -> Colour {
+        use Coordinate::{Dw, V1, V2, V3, W, X1, X2, X3};
+        match measure {
+            Measure::Amplitude(c) | Measure::Rms(c) | Measure::PeakToPeak(c) | Measure::Maximum(c) => match c
+            {
+                X1 | V1 => BOX,
+                X2 | V2 => BLOCK,
+                X3 | V3 => SECONDARY,
+                W | Dw => RELATIVE,
+            },
+            Measure::PowerBoxDamper => BOX,
+            Measure::PowerSecondaryDamper => SECONDARY,
+            Measure::PowerImpact | Measure::ImpactSpeed | Measure::ImpactImpulse => RELATIVE,
+            Measure::ImpactsUpper => BLUE,
+            Measure::ImpactsLower => BLOCK,
+            Measure::AmplitudeWithoutBlock => GREY,
+            _ => BLACK,
+        }
+    }
+
+    fn periods() -> &'static str {
+        "drive periods"
+    }
+}
+
+/// Lengths under this, in m, are shown in mm.
+const SMALL: f64 = 0.1;
+/// Colours of bodies and elements by their places.
+const COLOURS: [Colour; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, GREY];
+
+impl Told for assembly::Machine {
+    fn symbol(&self, name: &String) -> String {
+        name.clone()
+    }
+
+    fn axis(&self, name: &String) -> Axis {
+        let (factor, symbol) = self.unit(name);
+        let label = if symbol.is_empty() { name.clone() } else { format!("{name} ({symbol})") };
+        Axis::over(label, 0.0, 1.0).times(factor)
+    }
+
+    fn shown(&self, name: &String) -> f64 {
+        self.unit(name).0
+    }
+
+    fn si_unit(&self, name: &String) -> String {
+        self.si_unit(name).into()
+    }
+
+    fn symbol_is(&self, name: &String, value: f64) -> String {
+        format!("{name} = {}", self.told(name, value))
+    }
+
+    fn caption_but(&self, _: &[String]) -> String {
+        format!("as in the file of {}", self.caption())
+    }
+
+    fn words(measure: &assembly::Measure) -> String {
+        measure.description()
+    }
+
+    fn measure_unit(&self, measure: &assembly::Measure) -> &'static str {
+        measure.unit(&self.description)
+    }
+
+    fn measure_shown(&self, measure: &assembly::Measure) -> Unit {
+        let gaps = self.description.stops.iter().map(|s| s.gap.abs());
+        let small = gaps.fold(0.0, f64::max) < SMALL;
+        match self.measure_unit(measure) {
+            "m" if small => Unit { factor: 1e3, symbol: "mm".into() },
+            "1" => Unit { factor: 1.0, symbol: String::new() },
+            unit => Unit { factor: 1.0, symbol: unit.replace('.', "·").replace("s2", "s²") },
+        }
+    }
+
+    fn is_class(measure: &assembly::Measure) -> bool {
+        *measure == assembly::Measure::Class
+    }
+
+    fn is_closed_form(_: &assembly::Measure) -> bool {
+        false
+    }
+
+    fn colour(&self, measure: &assembly::Measure) -> Colour {
+        let all = assembly::Measure::all(&self.description);
+        let of = |m: &assembly::Measure| m.to_string().rsplit('.').next().map(str::to_owned);
+        let body = measure.quantity().map(|q| q.of.clone()).or_else(|| of(measure));
+        let bodies = self.description.bodies.iter().map(|b| &b.name);
+        let names: Vec<&String> = bodies.chain(self.description.stops.iter().map(|s| &s.name)).collect();
+        let place = names.iter().position(|name| Some(*name) == body.as_ref());
+        let place = place.or_else(|| all.iter().position(|m| m == measure)).unwrap_or(0);
+        COLOURS[place % COLOURS.len()]
+    }
+
+    fn periods() -> &'static str {
+        "periods"
+    }
+}
 
 /// A measure in words; tables and commands have its name.
-pub(super) fn words(measure: Measure) -> String {
+fn words(measure: Measure) -> String {
     match measure {
         Measure::Amplitude(c) => format!("amplitude of {}", c.symbol()),
         Measure::Rms(c) => format!("rms of {}", c.symbol()),
@@ -28,14 +208,15 @@ pub(super) fn words(measure: Measure) -> String {
 }
 
 /// The unit in which a picture shows a measure, of which one SI unit has so many.
-pub(super) struct Unit {
+#[derive(Clone, Debug)]
+pub struct Unit {
     factor: f64,
     symbol: String,
 }
 
 impl Unit {
     /// Lengths in the unit of the machine's lengths, speeds in that of its speeds, all others in SI.
-    pub fn of(set: &ParameterSet, measure: Measure) -> Self {
+    fn of(set: &ParameterSet, measure: Measure) -> Self {
         let (p, lengths) = (set.parameters(), LengthUnit::of(set));
         match measure.unit() {
             "m" => Self { factor: lengths.per_metre, symbol: lengths.symbol },

@@ -1,0 +1,61 @@
+//! A described machine as one of which designs are measured.
+
+use super::measures::need_accounts;
+use super::{Machine, Measure, Start, discard, measure};
+use crate::design_sweep::{self, Outcome, Request, failed};
+use crate::error::Result;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The start of a described machine's motion: the one that its file gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum FileStart {
+    /// That one.
+    #[default]
+    File,
+}
+
+impl fmt::Display for FileStart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("as the file says")
+    }
+}
+
+impl design_sweep::Machine for Machine {
+    type Name = String;
+    type Start = FileStart;
+    type Measure = Measure;
+
+    fn name(name: &String) -> String {
+        name.clone()
+    }
+
+    fn is_same_quantity(a: &String, b: &String) -> bool {
+        a == b
+    }
+
+    fn with_unit(&self, name: &String, value: f64) -> String {
+        self.told(name, value)
+    }
+
+    fn varied(&self, values: &[(String, f64)]) -> Result<Self> {
+        self.with(values.iter().map(|(name, value)| (name.as_str(), *value)))
+    }
+
+    fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome> {
+        let one = || -> Result<_> {
+            let (mut motion, section) = self.motion(&Start::default())?;
+            if !need_accounts(&request.measures) {
+                motion = motion.without_energy_accounts();
+            }
+            discard(&mut motion, &section, request.discard)?;
+            measure(&mut motion, &section, &request.measures, request.periods)
+        };
+        let outcome = one().map_or_else(|e| failed(&e, request.measures.len()), |found| (found, None));
+        vec![outcome; request.starts.len()]
+    }
+
+    fn spread_starts(_: u32) -> Vec<FileStart> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,197 @@
+//! Bifurcation diagrams of described machines: the local maxima of a quantity, or its values at the section, over one parameter, in
+//! both directions, with period, class and, if asked for, the largest exponent.
+//!
+//! As for the 3-DOF machine each value starts from the last state of the value before, and what is observed at each value is
+//! independent of the others. Time goes on from value to value, so that a body whose motion is prescribed is where the others met it.
+
+use super::flight::Flows;
+use super::settled::{Settled, discard, settled};
+use super::watch::{Maxima, Watcher};
+use super::{Machine, Quantity, Start, now};
+use crate::attractor::MotionClass;
+use crate::bifurcation::{self, Diagram, DiagramPoint, chained, in_both_directions};
+use crate::error::{Error, Result};
+use crate::parts::{PartStore, Task};
+use crate::plane::ParameterAxis;
+use serde::{Deserialize, Serialize};
+
+/// Digits to which values are told apart, of the largest of the motion.
+const DIGITS: i32 = 6;
+/// Most values of a diagram.
+pub const MOST_VALUES: usize = 20_000;
+
+/// What to compute.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// The parameter and its values, SI.
+    pub axis: ParameterAxis<String>,
+    /// The quantity that is drawn.
+    pub of: Quantity,
+    /// Whether its values at the section are drawn, and not its local maxima.
+    pub at_section: bool,
+    /// Returns discarded at each value; fewer where the motion has settled.
+    pub discard: u32,
+    /// Returns kept.
+    pub keep: u32,
+    /// Returns over which the largest exponent is counted, if it is.
+    pub exponents: Option<u32>,
+}
+
+/// The motion at one value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// The parameter's value.
+    pub value: f64,
+    /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, with the times each was met.
+    pub maxima: Vec<(f64, u32)>,
+    /// What the motion has settled on.
+    pub settled: Settled,
+}
+
+impl DiagramPoint for Point {
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn maxima(&self) -> &[(f64, u32)] {
+        &self.maxima
+    }
+
+    fn class(&self) -> MotionClass {
+        self.settled.class
+    }
+
+    fn contacts(&self) -> f64 {
+        self.settled.contacts
+    }
+
+    fn differs(&self, other: &Self) -> bool {
+        self.settled.differs(&other.settled)
+    }
+}
+
+/// Where the motion at one value has settled; nowhere where it cannot go on.
+struct SettledStart {
+    value: f64,
+    start: Option<Start>,
+}
+
+impl Request {
+    /// The machine at a value.
+    fn at(&self, machine: &Machine, value: f64) -> Result<Machine> {
+        machine.with([(self.axis.name.as_str(), value)])
+    }
+
+    /// Checks what every value depends on.
+    ///
+    /// # Errors
+    /// Names that the machine does not have, ends that are not allowed, a machine without a section or a motion from its start.
+    pub fn check(&self, machine: &Machine) -> Result<()> {
+        self.of.place(&machine.description)?;
+        for end in [self.axis.from, self.axis.to] {
+            self.at(machine, end)?;
+        }
+        if self.axis.count > MOST_VALUES || self.keep == 0 {
+            let text = format!("{} values with {} returns kept", self.axis.count, self.keep);
+            return Err(Error::Form { text, expected: "up to 20000 values and a return at least" });
+        }
+        self.at(machine, self.axis.from)?.motion(&Start::default()).map(drop)
+    }
+
+    /// Number of parts.
+    pub fn count(&self) -> usize {
+        bifurcation::parts(self.axis.count)
+    }
+}
+
+fn chain(
+    machine: &Machine,
+    request: &Request,
+    store: &dyn PartStore,
+    upward: bool,
+) -> Result<Vec<SettledStart>> {
+    let mut state = Start::default();
+    chained(request.axis.count, upward, store, &mut |i| {
+        let value = request.axis.value(i);
+        let run = || -> Result<Start> {
+            let (motion, section) = request.at(machine, value)?.motion(&state)?;
+            let mut motion = motion.without_energy_accounts();
+            discard(&mut motion, &section, request.discard)?;
+            Ok(now(&motion))
+        };
+        let start = run().ok();
+        state = start.clone().unwrap_or_default();
+        Ok(SettledStart { value, start })
+    })
+}
+
+/// What is seen at one value.
+///
+/// # Errors
+/// Where the motion cannot go on.
+fn observe(machine: &Machine, request: &Request, value: f64, start: &Start) -> Result<Point> {
+    let (motion, section) = request.at(machine, value)?.motion(start)?;
+    let mut motion = motion.without_energy_accounts();
+    let mut scout = motion.clone();
+    let settled = settled(&mut scout, &section, request.exponents)?;
+    // A motion with a period shows all in one, after it has settled.
+    let (length, times) = match settled.period {
+        Some(n) => {
+            motion = scout;
+            (n, (request.keep / n).max(1))
+        }
+        None => (request.keep, 1),
+    };
+    let mut flows = Flows::default();
+    let place = request.of.place(&motion.assembly().description)?;
+    let stops = motion.assembly().description.stops.len();
+    let mut values = Vec::new();
+    let mut watcher = Watcher::of(&[], stops);
+    if request.at_section {
+        for _ in 0..length {
+            section.follow(&mut motion, &mut flows, &mut [])?;
+            values.push(flows.value(&motion, &place));
+        }
+    } else {
+        watcher.maxima = Some(Maxima::new(place));
+        // The first period shows whether the quantity rises where the second begins.
+        section.follow(&mut motion, &mut flows, &mut [&mut watcher])?;
+        watcher.maxima.iter_mut().for_each(|m| m.found.clear());
+        for _ in 0..length {
+            section.follow(&mut motion, &mut flows, &mut [&mut watcher])?;
+        }
+        values = watcher.maxima.map_or(Vec::new(), |m| m.found);
+    }
+    Ok(Point { value, maxima: counted(values, times), settled })
+}
+
+/// Values to some digits of the largest, ascending, with the times each is met.
+fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
+    let largest = values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    if largest == 0.0 {
+        return if values.is_empty() { Vec::new() } else { vec![(0.0, times * values.len() as u32)] };
+    }
+    let unit = 10f64.powi(largest.log10().floor() as i32 - DIGITS);
+    let mut whole: Vec<i64> = values.iter().map(|x| (x / unit).round() as i64).collect();
+    whole.sort_unstable();
+    whole.chunk_by(|a, b| a == b).map(|same| (same[0] as f64 * unit, times * same.len() as u32)).collect()
+}
+
+/// The diagram, on all threads, in parts: `None` where parts belong to other shards. The result depends neither on threads nor on
+/// shards.
+///
+/// # Errors
+/// As [`Request::check`]; what the parts' folder refuses.
+pub fn diagram(machine: &Machine, request: &Request, task: &Task) -> Result<Option<Diagram<Point>>> {
+    request.check(machine)?;
+    let points = |_: &mut (), starts: &[SettledStart]| {
+        let point = |s: &SettledStart| observe(machine, request, s.value, s.start.as_ref()?).ok();
+        Ok(starts.iter().map(point).collect())
+    };
+    in_both_directions(
+        request.axis.count,
+        task,
+        &|upward| chain(machine, request, task.store, upward),
+        &points,
+    )
+}

@@ -1,0 +1,221 @@
+//! A motion of a described machine cut into flights, between whose ends one linear system z' = A z holds, and the events between them.
+//!
+//! Everything that is read off a motion along the way (extrema, mean squares, maxima, variations) comes through [`follow`]: the
+//! engine says where flights end, and within one the states are a power series.
+
+use crate::error::Result;
+use nalgebra::DVector;
+use std::collections::HashMap;
+use std::sync::Arc;
+use vibro_assembly::Motion;
+use vibro_assembly::flow::{ORDERS, rate_bound};
+use vibro_assembly::mode::{Mode, Watch};
+use vibro_assembly::motion::{Event, Outcome};
+use vibro_assembly::system::{Row, System};
+use vibro_impact::events::first_crossing;
+
+/// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than 2²⁶/26! of the state.
+const RADIUS: f64 = 2.0;
+/// A series ends with the first term under this part of the state's rate bound.
+const REMAINDER: f64 = 1e-19;
+
+/// The linear system of a mode, by rows.
+#[derive(Debug)]
+pub struct Flow {
+    /// The mode.
+    pub mode: Mode,
+    /// A, row by row.
+    a: Vec<Vec<f64>>,
+    /// A bound of its norm, 1/s.
+    rate: f64,
+    /// The forces of the mode's independent contacts.
+    pub lambda: Vec<Row>,
+    /// What ends the mode, each negative inside it.
+    pub watched: Vec<(Watch, Row)>,
+}
+
+impl Flow {
+    fn new(system: &System, mode: &Mode) -> Self {
+        let linear = system.linear(mode);
+        let rows = linear.a.row_iter().map(|row| row.iter().copied().collect()).collect();
+        let rate = rate_bound(&linear.a, system.signals.one);
+        Self { mode: mode.clone(), a: rows, rate, lambda: linear.lambda, watched: linear.watched }
+    }
+
+    /// z' at a state.
+    pub fn derivative(&self, z: &[f64]) -> Vec<f64> {
+        self.a.iter().map(|row| dot(row, z)).collect()
+    }
+
+    /// The row of a functional's rate: r A.
+    pub fn rate_of(&self, row: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; row.len()];
+        for (weight, line) in row.iter().zip(&self.a).filter(|(weight, _)| **weight != 0.0) {
+            sum.iter_mut().zip(line).for_each(|(s, x)| *s += weight * x);
+        }
+        sum
+    }
+
+    /// The terms of the power series of the states over a time `span` in its part from 0 to 1, at most [`ORDERS`].
+    fn series(&self, z: &[f64], span: f64) -> Vec<Vec<f64>> {
+        let mut terms = vec![z.to_vec()];
+        let mut size = 1.0;
+        for k in 1..ORDERS {
+            let factor = span / k as f64;
+            let next = self.derivative(&terms[k - 1]).into_iter().map(|x| x * factor).collect();
+            terms.push(next);
+            size *= self.rate * factor;
+            if size < REMAINDER {
+                break;
+            }
+        }
+        terms
+    }
+
+    /// Calls `visit` with the series of each stretch of a flight, and its length in s; returns the state at the end.
+    pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&[Vec<f64>], f64)) -> Vec<f64> {
+        let count = (self.rate * span / RADIUS).ceil().max(1.0);
+        let part = span / count;
+        let mut state = z.to_vec();
+        for _ in 0..count as u64 {
+            let series = self.series(&state, part);
+            visit(&series, part);
+            state = (0..state.len()).map(|i| series.iter().rev().map(|term| term[i]).sum()).collect();
+        }
+        state
+    }
+}
+
+/// A row times a state.
+pub fn dot(row: &[f64], z: &[f64]) -> f64 {
+    row.iter().zip(z).map(|(a, b)| a * b).sum()
+}
+
+/// The coefficients of a functional along a series.
+pub fn coefficients(row: &[f64], series: &[Vec<f64>]) -> [f64; ORDERS] {
+    let mut c = [0.0; ORDERS];
+    c.iter_mut().zip(series).for_each(|(c, term)| *c = dot(row, term));
+    c
+}
+
+/// Visits the values of a polynomial at 0, at every extremum between and at 1, in this order: it is monotone from one to the next.
+pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
+    let value = |u: f64| q.iter().rev().fold(0.0, |sum, c| sum * u + c);
+    visit(q[0]);
+    let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
+    if spread > 0.0 {
+        let slope: [f64; ORDERS] =
+            std::array::from_fn(|k| if k + 1 < ORDERS { (k + 1) as f64 * q[k + 1] } else { 0.0 });
+        let (mut rising, mut from) = (slope[0] > 0.0, 0.0);
+        // The slope has no more zeros than its degree.
+        for _ in 0..ORDERS {
+            let sought = if rising { slope.map(|c| -c) } else { slope };
+            let Some(u) = first_crossing(&sought, from, 1.0, &mut 0) else { break };
+            visit(value(u));
+            (rising, from) = (!rising, u);
+        }
+    }
+    visit(value(1.0));
+}
+
+/// A flight: its mode, its state at the start, its length in s.
+#[derive(Clone, Copy, Debug)]
+pub struct Flight<'a> {
+    /// The linear system that holds.
+    pub flow: &'a Flow,
+    /// The augmented state at its start.
+    pub start: &'a [f64],
+    /// s.
+    pub span: f64,
+}
+
+/// An event between two flights.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<'a> {
+    /// s.
+    pub time: f64,
+    /// What ended the flight; `None` for a knot of a signal.
+    pub watch: Option<Watch>,
+    /// The system before and after.
+    pub flows: [&'a Flow; 2],
+    /// The state before and after the event's law.
+    pub states: [&'a [f64]; 2],
+    /// What was told of it.
+    pub events: &'a [Event],
+}
+
+/// What looks at a motion while it is followed.
+pub trait Observer {
+    /// A flight is over.
+    fn flight(&mut self, system: &System, flight: Flight<'_>);
+    /// An event after it.
+    fn passage(&mut self, system: &System, passage: Passage<'_>);
+}
+
+/// The linear systems of the modes that were met.
+#[derive(Debug, Default)]
+pub struct Flows(HashMap<Mode, Arc<Flow>>);
+
+impl Flows {
+    fn of(&mut self, system: &System, mode: &Mode) -> Arc<Flow> {
+        if let Some(flow) = self.0.get(mode) {
+            return flow.clone();
+        }
+        let flow = Arc::new(Flow::new(system, mode));
+        self.0.insert(mode.clone(), flow.clone());
+        flow
+    }
+}
+
+impl Flows {
+    /// The value of a quantity now.
+    pub fn value(&mut self, motion: &Motion, place: &super::Place) -> f64 {
+        let system = motion.assembly().system();
+        let flow = self.of(system, motion.mode());
+        dot(&place.row(system, &flow), motion.state().as_slice())
+    }
+}
+
+/// Follows a motion to a time, or to the first event that `stops` wants, and shows the way to the observers. Returns whether an event
+/// ended it.
+///
+/// # Errors
+/// As [`Motion::advance_to`].
+pub fn follow(
+    motion: &mut Motion,
+    flows: &mut Flows,
+    end: f64,
+    observers: &mut [&mut dyn Observer],
+    stops: &mut dyn FnMut(&[Event]) -> bool,
+) -> Result<bool> {
+    let assembly = motion.assembly().clone();
+    let system = assembly.system();
+    let mut events = Vec::new();
+    while motion.time() < end {
+        let (start, from) = (own(motion.state()), motion.time());
+        let flow = flows.of(system, motion.mode());
+        events.clear();
+        let outcome = motion.advance_before_event(end, &mut |event| events.push(event.clone()))?;
+        let span = motion.time() - from;
+        if span > 0.0 {
+            let flight = Flight { flow: &flow, start: &start, span };
+            observers.iter_mut().for_each(|o| o.flight(system, flight));
+        }
+        if outcome == Outcome::Event {
+            let (before, watch, time) = (own(motion.state()), motion.due(), motion.time());
+            motion.apply_event(&mut |event| events.push(event.clone()))?;
+            let (after, next) = (own(motion.state()), flows.of(system, motion.mode()));
+            let (flows, states) = ([&*flow, &*next], [&before[..], &after[..]]);
+            let passage = Passage { time, watch, flows, states, events: &events };
+            observers.iter_mut().for_each(|o| o.passage(system, passage));
+            if stops(&events) {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
+fn own(z: &DVector<f64>) -> Vec<f64> {
+    z.iter().copied().collect()
+}

@@ -1,0 +1,413 @@
+//! What is measured of a described machine's settled motion, by the names of its bodies and elements.
+//!
+//! Extrema and mean squares come from the flow's series and not from samples, as in [`crate::measures`]; losses in dashpots, compliant
+//! stops and friction and the work of loads are the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
+
+use super::flight::Flows;
+use super::quantity::{Owner, Quantity, owners, unknown};
+use super::section::Section;
+use super::settled::settled;
+use super::watch::Watcher;
+use crate::error::{Error, Result};
+use crate::measures::{Measured, PARTS, spread_of};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+use vibro_assembly::Motion;
+use vibro_assembly::description::{Description, Dimension, StopLaw};
+
+/// Returns over which the exponent is counted.
+const EXPONENT_RETURNS: u32 = 400;
+
+/// What is measured. Written down by its name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Measure {
+    /// Largest |q|: `amplitude.box.s`.
+    Amplitude(Quantity),
+    /// √(mean of q²): `rms.box.a`.
+    Rms(Quantity),
+    /// Largest less least q: `peak_to_peak.box.s`.
+    PeakToPeak(Quantity),
+    /// Largest q: `maximum.buffer.f`.
+    Maximum(Quantity),
+    /// Impacts and first touches of a stop, or of all, from one return to the next: `impacts.steel`, `impacts`.
+    Impacts(Option<String>),
+    /// The same a second: `impact.rate.steel`, `impact.rate`.
+    ImpactRate(Option<String>),
+    /// Largest closing speed of a stop, or of all that are alike: `impact.speed.steel`.
+    ImpactSpeed(String),
+    /// Largest impulse of a rigid stop: `impact.impulse.steel`.
+    ImpactImpulse(String),
+    /// Mean power that a spring's dashpot, a stop or a friction loses, or that a load puts in: `power.mount`.
+    Power(String),
+    /// Mean power lost in all elements: `power.lost`.
+    PowerLost,
+    /// The [class](crate::attractor::MotionClass), a text.
+    Class,
+    /// The largest Lyapunov exponent, 1/s.
+    Exponent,
+}
+
+const OF_QUANTITIES: [(&str, fn(Quantity) -> Measure); 4] = [
+    ("amplitude", Measure::Amplitude),
+    ("rms", Measure::Rms),
+    ("peak_to_peak", Measure::PeakToPeak),
+    ("maximum", Measure::Maximum),
+];
+
+impl FromStr for Measure {
+    type Err = Error;
+
+    /// Reads a name; whether a machine has the body or element is known by [`Measure::check`].
+    fn from_str(text: &str) -> Result<Self> {
+        let text = text.trim();
+        for (word, kind) in OF_QUANTITIES {
+            if let Some(rest) = text.strip_prefix(word).and_then(|rest| rest.strip_prefix('.')) {
+                return Ok(kind(rest.parse()?));
+            }
+        }
+        let plain = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
+        let after = |word: &str| text.strip_prefix(word).and_then(|rest| rest.strip_prefix('.')).map(plain);
+        match text {
+            "impacts" => return Ok(Self::Impacts(None)),
+            "impact.rate" => return Ok(Self::ImpactRate(None)),
+            "power.lost" => return Ok(Self::PowerLost),
+            "class" => return Ok(Self::Class),
+            "exponent" => return Ok(Self::Exponent),
+            _ => {}
+        }
+        let of = |word: &str, kind: fn(String) -> Self| after(word).map(kind);
+        of("impacts", |name| Self::Impacts(Some(name)))
+            .or_else(|| of("impact.rate", |name| Self::ImpactRate(Some(name))))
+            .or_else(|| of("impact.speed", Self::ImpactSpeed))
+            .or_else(|| of("impact.impulse", Self::ImpactImpulse))
+            .or_else(|| of("power", Self::Power))
+            .ok_or_else(|| Error::Described {
+                problem: format!(
+                    "no output is named `{text}`; allowed are amplitude.Q, rms.Q, peak_to_peak.Q and maximum.Q of a quantity Q such as \
+                     box.s or buffer.f; impacts, impact.rate, each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP; \
+                     power.ELEMENT, power.LOAD, power.lost; class; exponent"
+                ),
+            })
+    }
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Amplitude(q) => write!(f, "amplitude.{q}"),
+            Self::Rms(q) => write!(f, "rms.{q}"),
+            Self::PeakToPeak(q) => write!(f, "peak_to_peak.{q}"),
+            Self::Maximum(q) => write!(f, "maximum.{q}"),
+            Self::Impacts(None) => f.write_str("impacts"),
+            Self::Impacts(Some(stop)) => write!(f, "impacts.{stop}"),
+            Self::ImpactRate(None) => f.write_str("impact.rate"),
+            Self::ImpactRate(Some(stop)) => write!(f, "impact.rate.{stop}"),
+            Self::ImpactSpeed(stop) => write!(f, "impact.speed.{stop}"),
+            Self::ImpactImpulse(stop) => write!(f, "impact.impulse.{stop}"),
+            Self::Power(name) => write!(f, "power.{name}"),
+            Self::PowerLost => f.write_str("power.lost"),
+            Self::Class => f.write_str("class"),
+            Self::Exponent => f.write_str("exponent"),
+        }
+    }
+}
+
+impl TryFrom<String> for Measure {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self> {
+        text.parse()
+    }
+}
+
+impl From<Measure> for String {
+    fn from(measure: Measure) -> Self {
+        measure.to_string()
+    }
+}
+
+/// The place of a stop by its name.
+fn stop(d: &Description, name: &str) -> Option<usize> {
+    d.stops.iter().position(|s| s.name == name)
+}
+
+impl Measure {
+    /// The quantity that it is read off, if there is one.
+    pub fn quantity(&self) -> Option<&Quantity> {
+        match self {
+            Self::Amplitude(q) | Self::Rms(q) | Self::PeakToPeak(q) | Self::Maximum(q) => Some(q),
+            _ => None,
+        }
+    }
+
+    /// Checks that a machine has what it names.
+    ///
+    /// # Errors
+    /// [`Error::Described`] with the nearest name.
+    pub fn check(&self, d: &Description) -> Result<()> {
+        if let Some(quantity) = self.quantity() {
+            return quantity.place(d).map(drop);
+        }
+        let (name, known): (&str, Vec<String>) = match self {
+            Self::Impacts(Some(name)) | Self::ImpactRate(Some(name)) | Self::ImpactSpeed(name) => {
+                (name, d.stops.iter().map(|s| s.name.clone()).collect())
+            }
+            Self::ImpactImpulse(name) => {
+                let rigid = d.stops.iter().filter(|s| matches!(s.law, StopLaw::Rigid { .. }));
+                (name, rigid.map(|s| s.name.clone()).collect())
+            }
+            Self::Power(name) => {
+                let all = owners(d).into_iter().filter(|o| !matches!(o.1, Owner::Body(_)));
+                (name, all.map(|o| o.0.to_owned()).collect())
+            }
+            _ => return Ok(()),
+        };
+        if known.iter().any(|k| k == name) { Ok(()) } else { Err(unknown(name, &known)) }
+    }
+
+    /// Its SI unit; `1` where it has none.
+    pub fn unit(&self, d: &Description) -> &'static str {
+        let of_stop = |name: &str, units: [&'static str; 2]| {
+            let rotates = stop(d, name).is_some_and(|i| d.stops[i].arms.dimension == Dimension::Rotation);
+            units[usize::from(rotates)]
+        };
+        match self {
+            Self::ImpactSpeed(name) => of_stop(name, ["m/s", "rad/s"]),
+            Self::ImpactImpulse(name) => of_stop(name, ["N.s", "N.m.s"]),
+            Self::ImpactRate(_) | Self::Exponent => "1/s",
+            Self::Power(_) | Self::PowerLost => "W",
+            Self::Impacts(_) | Self::Class => "1",
+            other => other.quantity().and_then(|q| q.place(d).ok()).map_or("1", |place| place.unit()),
+        }
+    }
+
+    /// What is measured of a machine unless told otherwise: amplitudes of free bodies, contacts, power lost, class.
+    pub fn usual(d: &Description) -> Vec<Self> {
+        use vibro_assembly::description::BodyKind;
+        let free = d.bodies.iter().filter(|b| matches!(b.kind, BodyKind::Free(_)));
+        let amplitude = |name: &str| format!("amplitude.{name}.s").parse();
+        let mut all: Vec<Self> = free.filter_map(|b| amplitude(&b.name).ok()).collect();
+        if !d.stops.is_empty() {
+            all.push(Self::Impacts(None));
+        }
+        all.extend(d.stops.iter().map(|s| Self::ImpactSpeed(s.name.clone())));
+        all.extend([Self::PowerLost, Self::Class]);
+        all
+    }
+
+    /// All measures of a machine.
+    pub fn all(d: &Description) -> Vec<Self> {
+        let quantities = Quantity::all(d);
+        let mut all: Vec<Self> =
+            OF_QUANTITIES.iter().flat_map(|(_, kind)| quantities.iter().cloned().map(kind)).collect();
+        all.extend([Self::Impacts(None), Self::ImpactRate(None)]);
+        for s in &d.stops {
+            let name = || s.name.clone();
+            all.extend([
+                Self::Impacts(Some(name())),
+                Self::ImpactRate(Some(name())),
+                Self::ImpactSpeed(name()),
+            ]);
+            if matches!(s.law, StopLaw::Rigid { .. }) {
+                all.push(Self::ImpactImpulse(name()));
+            }
+        }
+        let elements = owners(d).into_iter().filter(|o| !matches!(o.1, Owner::Body(_)));
+        all.extend(elements.map(|o| Self::Power(o.0.to_owned())));
+        all.extend([Self::PowerLost, Self::Class, Self::Exponent]);
+        all
+    }
+
+    /// What it is.
+    pub fn description(&self) -> String {
+        match self {
+            Self::Amplitude(q) => format!("largest |{q}|"),
+            Self::Rms(q) => format!("root of the mean square of {q}"),
+            Self::PeakToPeak(q) => format!("largest less least {q}"),
+            Self::Maximum(q) => format!("largest {q}"),
+            Self::Impacts(None) => "impacts and first touches of all stops a period".into(),
+            Self::Impacts(Some(stop)) => format!("impacts or first touches of {stop} a period"),
+            Self::ImpactRate(None) => "impacts and first touches of all stops a second".into(),
+            Self::ImpactRate(Some(stop)) => format!("impacts or first touches of {stop} a second"),
+            Self::ImpactSpeed(stop) => format!("largest closing speed of {stop}"),
+            Self::ImpactImpulse(stop) => format!("largest impulse of {stop}"),
+            Self::Power(name) => format!("mean power that {name} loses, or puts in if it is a load"),
+            Self::PowerLost => "mean power lost in all elements".into(),
+            Self::Class => "1T, 2T, … (period in returns to the section), quasi-periodic, chaotic".into(),
+            Self::Exponent => "largest Lyapunov exponent".into(),
+        }
+    }
+
+    fn needs_power(&self) -> bool {
+        matches!(self, Self::Power(_) | Self::PowerLost)
+    }
+
+    /// Whether it is an extreme of its window and not a mean.
+    fn is_extreme(&self) -> bool {
+        matches!(
+            self,
+            Self::Amplitude(_)
+                | Self::PeakToPeak(_)
+                | Self::Maximum(_)
+                | Self::ImpactSpeed(_)
+                | Self::ImpactImpulse(_)
+        )
+    }
+}
+
+/// What was seen in a part of the window.
+struct Window {
+    watcher: Watcher,
+    returns: f64,
+    duration: f64,
+    /// Work of loads; losses in dashpots, compliant stops, friction, J.
+    energies: [Vec<f64>; 4],
+}
+
+/// The engine's accounts now.
+fn energies(motion: &Motion) -> [Vec<f64>; 4] {
+    let e = motion.energy();
+    [&e.loads, &e.dashpots, &e.stops, &e.frictions].map(|all| all.iter().map(|x| x.value()).collect())
+}
+
+impl Window {
+    /// Parts one after the other, of which there is one at least.
+    fn joined(parts: &[Self]) -> Self {
+        let mut watcher = parts[0].watcher.clone();
+        let mut energies = parts[0].energies.clone();
+        for part in &parts[1..] {
+            for (own, of) in watcher.extents.iter_mut().zip(&part.watcher.extents) {
+                own.least = own.least.min(of.least);
+                own.largest = own.largest.max(of.largest);
+                own.square += of.square;
+            }
+            for (own, of) in watcher.contacts.iter_mut().zip(&part.watcher.contacts) {
+                own.count += of.count;
+                own.speed = own.speed.max(of.speed);
+                own.impulse = own.impulse.max(of.impulse);
+                own.lost += of.lost;
+            }
+            for (own, of) in energies.iter_mut().flatten().zip(part.energies.iter().flatten()) {
+                *own += of;
+            }
+        }
+        let returns = parts.iter().map(|p| p.returns).sum();
+        let duration = parts.iter().map(|p| p.duration).sum();
+        Self { watcher, returns, duration, energies }
+    }
+
+    fn number(&self, measure: &Measure, d: &Description, quantities: &[&Quantity]) -> f64 {
+        let extent = |q: &Quantity| {
+            let place = quantities.iter().position(|own| *own == q);
+            place.map(|k| &self.watcher.extents[k])
+        };
+        let of = |q: &Quantity, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
+        let contacts = |name: &String| stop(d, name).map(|i| self.watcher.contacts[i]).unwrap_or_default();
+        let count = |name: &Option<String>| match name {
+            Some(name) => f64::from(contacts(name).count),
+            None => self.watcher.contacts.iter().map(|c| f64::from(c.count)).sum(),
+        };
+        let [loads, dashpots, stops, frictions] = &self.energies;
+        match measure {
+            Measure::Amplitude(q) => of(q, &|e| e.largest.max(-e.least)),
+            Measure::Rms(q) => of(q, &|e| (e.square / self.duration).sqrt()),
+            Measure::PeakToPeak(q) => of(q, &|e| e.largest - e.least),
+            Measure::Maximum(q) => of(q, &|e| e.largest),
+            Measure::Impacts(name) => count(name) / self.returns,
+            Measure::ImpactRate(name) => count(name) / self.duration,
+            Measure::ImpactSpeed(name) => contacts(name).speed,
+            Measure::ImpactImpulse(name) => contacts(name).impulse,
+            Measure::Power(name) => {
+                let found = owners(d).into_iter().find(|o| o.0 == name && !matches!(o.1, Owner::Body(_)));
+                let energy = match found.map(|o| o.1) {
+                    Some(Owner::Spring(i)) => dashpots[i],
+                    Some(Owner::Stop(i)) => stops[i] + self.watcher.contacts[i].lost,
+                    Some(Owner::Friction(i)) => frictions[i],
+                    Some(Owner::Load(i)) => loads[i],
+                    Some(Owner::Body(_)) | None => 0.0,
+                };
+                energy / self.duration
+            }
+            Measure::PowerLost => {
+                let smooth: f64 = [dashpots, stops, frictions].into_iter().flatten().sum();
+                let impacts: f64 = self.watcher.contacts.iter().map(|c| c.lost).sum();
+                (smooth + impacts) / self.duration
+            }
+            // Not of the window.
+            Measure::Class | Measure::Exponent => 0.0,
+        }
+    }
+}
+
+/// Measures a motion over the next `periods` returns; class and exponent over those that follow. The transient is the caller's to
+/// discard.
+///
+/// # Errors
+/// As [`Section::advance`]; [`Error::Described`] for what the machine does not have.
+pub fn measure(
+    motion: &mut Motion,
+    section: &Section,
+    measures: &[Measure],
+    periods: u32,
+) -> Result<Measured> {
+    let assembly = motion.assembly().clone();
+    let d = &assembly.description;
+    measures.iter().try_for_each(|m| m.check(d))?;
+    let mut quantities: Vec<&Quantity> = Vec::new();
+    for quantity in measures.iter().filter_map(Measure::quantity) {
+        if !quantities.contains(&quantity) {
+            quantities.push(quantity);
+        }
+    }
+    let places = quantities.iter().map(|q| q.place(d)).collect::<Result<Vec<_>>>()?;
+    let (mut flows, mut watcher) = (Flows::default(), Watcher::of(&places, d.stops.len()));
+    let (periods, mut parts, mut done) = (periods.max(1), Vec::new(), 0);
+    let count = PARTS.min(periods);
+    for k in 1..=count {
+        let last = (u64::from(periods) * u64::from(k) / u64::from(count)) as u32;
+        let (from, before, returns) = (motion.time(), energies(motion), f64::from(last - done));
+        watcher.clear();
+        while done < last {
+            section.follow(motion, &mut flows, &mut [&mut watcher])?;
+            done += 1;
+        }
+        let mut change = energies(motion);
+        for (after, before) in change.iter_mut().flatten().zip(before.iter().flatten()) {
+            *after -= before;
+        }
+        let duration = motion.time() - from;
+        parts.push(Window { watcher: watcher.clone(), returns, duration, energies: change });
+    }
+    let window = Window::joined(&parts);
+    let wants = |sought: &Measure| measures.contains(sought);
+    let (mut class, mut exponent) = (None, None);
+    if wants(&Measure::Class) || wants(&Measure::Exponent) {
+        let found = settled(motion, section, wants(&Measure::Exponent).then_some(EXPONENT_RETURNS))?;
+        class = wants(&Measure::Class).then_some(found.class);
+        exponent = found.exponent.map(|e| e.value);
+    }
+    let number = |m: &Measure| match m {
+        Measure::Class => None,
+        Measure::Exponent => exponent,
+        other => Some(window.number(other, d, &quantities)),
+    };
+    let spread = |m: &Measure| match m {
+        Measure::Class | Measure::Exponent => 0.0,
+        _ => {
+            let numbers: Vec<f64> = parts.iter().map(|part| part.number(m, d, &quantities)).collect();
+            spread_of(&numbers, m.is_extreme())
+        }
+    };
+    Ok(Measured {
+        numbers: measures.iter().map(number).collect(),
+        class,
+        spreads: measures.iter().map(spread).collect(),
+    })
+}
+
+/// Whether any of some measures needs the engine's energy accounts.
+pub(super) fn need_accounts(measures: &[Measure]) -> bool {
+    measures.iter().any(Measure::needs_power)
+}

@@ -1,0 +1,162 @@
+//! Studies of described machines, which a file or a program puts together of bodies and elements (`vibro-assembly`): the same
+//! diagrams, exponents and design sweeps as those of the 3-DOF machine, by the names of the machine's own bodies, elements and
+//! parameters.
+//!
+//! A motion is looked at where it returns to a [section](SectionRule): after each common period of what drives the machine, or at
+//! each event of an element. What the other modules call a drive period is here the way from one return to the next.
+
+mod columns;
+mod designs;
+pub mod diagram;
+mod flight;
+mod measures;
+mod quantity;
+mod section;
+mod settled;
+mod variation;
+mod watch;
+
+pub use columns::{NamedEvent, columns, named, values};
+pub use designs::FileStart;
+pub use measures::{Measure, measure};
+pub use quantity::{Place, Quantity};
+pub use section::{Section, SectionRule, common_period};
+pub use settled::{Settled, discard, exponent, settled};
+
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use vibro_assembly::description::Description;
+use vibro_assembly::{Assembly, Motion, file};
+use vibro_impact::quantities::{Unit, quantity_in};
+
+/// A machine of the user's own, how its motions are looked at, and in which units its parameters were written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
+pub struct Machine {
+    /// What it consists of.
+    pub description: Description,
+    /// Where its motions are looked at.
+    pub section: SectionRule,
+    /// The unit in which each parameter is shown, where it is not SI.
+    pub units: BTreeMap<String, String>,
+}
+
+/// A machine as a manifest holds it: the text of its file.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    file: String,
+    section: SectionRule,
+    units: BTreeMap<String, String>,
+}
+
+impl From<Machine> for Written {
+    fn from(machine: Machine) -> Self {
+        Self { file: machine.description.to_toml(), section: machine.section, units: machine.units }
+    }
+}
+
+impl TryFrom<Written> for Machine {
+    type Error = Error;
+
+    fn try_from(written: Written) -> Result<Self> {
+        let description = file::parse(&written.file, "machine", &file::no_records)?;
+        Ok(Self { description, section: written.section, units: written.units })
+    }
+}
+
+/// Where a motion begins: a time and, by body, coordinate and rate; those of the machine itself where there are none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Start {
+    /// s.
+    pub time: f64,
+    /// m, m/s or rad, rad/s.
+    pub bodies: Option<Vec<(f64, f64)>>,
+}
+
+/// Part of the terms of e - gap that is rounding.
+const ROUNDING: f64 = 1e-12;
+
+impl Machine {
+    /// A machine with the default section and SI units.
+    pub fn new(description: Description) -> Self {
+        Self { description, section: SectionRule::Auto, units: BTreeMap::new() }
+    }
+
+    /// The machine with other values of some parameters, SI.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for unknown names and values that are not allowed.
+    pub fn with<'n>(&self, values: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self> {
+        Ok(Self { description: self.description.with(values)?, ..self.clone() })
+    }
+
+    /// The SI unit of a parameter; `1` where it has none, and for a name that is none.
+    pub fn si_unit(&self, name: &str) -> &'static str {
+        self.description.parameter(name).map_or("1", |p| p.unit)
+    }
+
+    /// The unit in which a parameter was written, where it was.
+    pub fn written_unit(&self, name: &str) -> Option<&'static Unit> {
+        let symbol = self.units.get(name)?;
+        quantity_in(self.si_unit(name), &format!("1 {symbol}"))?.unit
+    }
+
+    /// The unit in which a parameter is shown: how many of it are in one of SI, and its symbol.
+    pub fn unit(&self, name: &str) -> (f64, String) {
+        match (self.written_unit(name), self.si_unit(name)) {
+            (Some(unit), _) => (unit.number(1.0), unit.symbol()),
+            (None, "1") => (1.0, String::new()),
+            (None, si) => (1.0, si.replace('.', "·")),
+        }
+    }
+
+    /// A value of a parameter with its unit: `4 mm`.
+    pub fn told(&self, name: &str, value: f64) -> String {
+        let (factor, symbol) = self.unit(name);
+        let number = crate::significant(factor * value);
+        if symbol.is_empty() { number } else { format!("{number} {symbol}") }
+    }
+
+    /// Its motion from a start, and its section. Where the start's state violates rigid stops, as one of a machine with other gaps may,
+    /// the engine moves bodies by the least amount in the inertia's metric; where that is in vain, and where no motion begins there, the
+    /// machine's own start is taken.
+    ///
+    /// # Errors
+    /// What the machine's matrices, its start or its section refuse.
+    pub fn motion(&self, start: &Start) -> Result<(Motion, Section)> {
+        let section = Section::of(&self.description, &self.section)?;
+        let assembly = Assembly::new(self.description.clone())?;
+        let placed = start.bodies.clone().and_then(|bodies| {
+            Motion::starting_at(Arc::new(assembly.clone().starting_from(bodies)), start.time).ok()
+        });
+        let motion = match placed.filter(is_between_stops) {
+            Some(motion) => motion,
+            None => Motion::new(Arc::new(assembly))?,
+        };
+        Ok((motion, section))
+    }
+}
+
+/// Whether no rigid stop is violated.
+fn is_between_stops(motion: &Motion) -> bool {
+    let (system, z) = (motion.assembly().system(), motion.state());
+    system.stops.iter().filter(|stop| stop.restitution().is_some()).all(|stop| {
+        let size: f64 = stop.excess.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum();
+        stop.excess.dot(z) <= ROUNDING * size
+    })
+}
+
+/// Where the motion is now, to go on from with another machine.
+pub fn now(motion: &Motion) -> Start {
+    let count = motion.assembly().description.bodies.len();
+    let body = |i: usize| {
+        let [s, v, _] = motion.body(i);
+        (s, v)
+    };
+    Start { time: motion.time(), bodies: Some((0..count).map(body).collect()) }
+}
+
+#[cfg(test)]
+mod tests;

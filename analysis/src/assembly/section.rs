@@ -1,0 +1,177 @@
+//! Where a motion of a described machine is looked at: at whole periods of what drives it or, where nothing does, at each event of an
+//! element. A return to the section is for these machines what a drive period is for the 3-DOF one.
+
+use super::flight::{Flows, Observer, follow};
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use vibro_assembly::Motion;
+use vibro_assembly::description::{BodyKind, Description, Signal};
+use vibro_assembly::motion::{Event, EventKind, Outcome};
+
+/// Frequencies are multiples of one another to this part.
+const COMMENSURATE: f64 = 1e-9;
+/// Most periods of the slowest harmonic in a common period.
+const MOST_PERIODS: u32 = 1000;
+/// The time within which an event that makes the section must come again, s.
+const WITHIN: f64 = 100.0;
+
+/// How the section is chosen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum SectionRule {
+    /// At whole periods of all harmonics together; of a machine without harmonics at the events of its first stop, or else friction.
+    #[default]
+    Auto,
+    /// At whole multiples of a time, s.
+    Period(f64),
+    /// At the events of an element: impacts and first touches of a stop, each time that a friction begins to stick.
+    Element(String),
+}
+
+/// The section of a machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Section {
+    /// At whole multiples of a time, s.
+    Period(f64),
+    /// Where a stop is hit or met.
+    Stop(usize),
+    /// Where a friction begins to stick.
+    Friction(usize),
+}
+
+/// All signals of a machine.
+fn signals(d: &Description) -> impl Iterator<Item = &Signal> {
+    let motions = d.bodies.iter().filter_map(|b| match &b.kind {
+        BodyKind::Prescribed { motion, .. } => Some(motion),
+        BodyKind::Free(_) => None,
+    });
+    let levels = d.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
+    motions.chain(levels).chain(d.loads.iter().map(|l| &l.force))
+}
+
+/// The least time that is a whole number of periods of each harmonic, s: `None` without harmonics, or where there is none up to 1000
+/// periods of the slowest.
+pub fn common_period(d: &Description) -> Option<f64> {
+    let frequencies: Vec<f64> = signals(d).flat_map(|s| s.harmonics.iter().map(|h| h.frequency)).collect();
+    let slowest = frequencies.iter().copied().reduce(f64::min)?;
+    let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= COMMENSURATE * ratio;
+    let all = |k: &u32| frequencies.iter().all(|f| is_whole(f64::from(*k) * f / slowest));
+    (1..=MOST_PERIODS).find(all).map(|k| f64::from(k) / slowest)
+}
+
+impl Section {
+    /// The section of a machine.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where there is none by the rule, with what to do.
+    pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
+        let refused = |problem: String| Err(Error::Described { problem });
+        match rule {
+            SectionRule::Period(period) if period.is_finite() && *period > 0.0 => Ok(Self::Period(*period)),
+            SectionRule::Period(period) => {
+                refused(format!("period = {period:?} s: allowed is a finite time above 0"))
+            }
+            SectionRule::Element(name) => {
+                let plain = name.split_once('.').map_or(name.as_str(), |(_, plain)| plain);
+                let stop = d.stops.iter().position(|s| s.name == plain).map(Self::Stop);
+                let friction = || d.frictions.iter().position(|f| f.name == plain).map(Self::Friction);
+                stop.or_else(friction).map_or_else(
+                    || {
+                        let known = d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
+                        let known: Vec<&str> = known.map(String::as_str).collect();
+                        let problem = format!("section = {name:?}: no stop or friction has this name");
+                        refused(format!("{problem}; allowed are {}", known.join(", ")))
+                    },
+                    Ok,
+                )
+            }
+            SectionRule::Auto => match common_period(d) {
+                Some(period) => Ok(Self::Period(period)),
+                None if signals(d).any(|s| !s.harmonics.is_empty()) => refused(
+                    "the harmonics' frequencies have no common period up to 1000 periods of the slowest; give a period, or an element \
+                     whose events are the section"
+                        .into(),
+                ),
+                None if !d.stops.is_empty() => Ok(Self::Stop(0)),
+                None if !d.frictions.is_empty() => Ok(Self::Friction(0)),
+                None => refused("the machine has neither harmonics nor stops nor friction; give a period".into()),
+            },
+        }
+    }
+
+    /// In words: `periods of 0.1 s`, `events of stop.floor`.
+    pub fn in_words(&self, d: &Description) -> String {
+        match self {
+            Self::Period(period) => format!("periods of {} s", crate::significant(*period)),
+            Self::Stop(i) => format!("events of stop.{}", d.stops[*i].name),
+            Self::Friction(i) => format!("events of friction.{}", d.frictions[*i].name),
+        }
+    }
+
+    fn is_met(&self, events: &[Event]) -> bool {
+        events.iter().any(|event| match (event.kind, self) {
+            (EventKind::Impact { stop, .. } | EventKind::Press { stop, .. }, Self::Stop(i)) => stop == *i,
+            (EventKind::Stick { friction }, Self::Friction(i)) => friction == *i,
+            _ => false,
+        })
+    }
+
+    fn missed(&self, motion: &Motion) -> Error {
+        let words = self.in_words(&motion.assembly().description);
+        Error::Described {
+            problem: format!("{words}: none within {WITHIN} s before t = {} s", motion.time()),
+        }
+    }
+
+    /// The end of the next period.
+    fn next_multiple(time: f64, period: f64) -> f64 {
+        ((time / period + COMMENSURATE).floor() + 1.0) * period
+    }
+
+    /// Advances to the next return and tells every event on the way.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`]; [`Error::Described`] where an element has no event for 100 s.
+    pub fn advance(&self, motion: &mut Motion, tell: &mut dyn FnMut(&Event)) -> Result<()> {
+        if let Self::Period(period) = self {
+            return Ok(motion.advance_observed(Self::next_multiple(motion.time(), *period), tell)?);
+        }
+        let end = motion.time() + WITHIN;
+        let mut events = Vec::new();
+        loop {
+            events.clear();
+            let outcome = motion.advance_to_event(end, &mut |event| {
+                tell(event);
+                events.push(event.clone());
+            })?;
+            match outcome {
+                _ if self.is_met(&events) => return Ok(()),
+                Outcome::End => return Err(self.missed(motion)),
+                Outcome::Event => {}
+            }
+        }
+    }
+
+    /// Advances to the next return and shows the way to observers.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn follow(
+        &self,
+        motion: &mut Motion,
+        flows: &mut Flows,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<()> {
+        match self {
+            Self::Period(period) => {
+                let end = Self::next_multiple(motion.time(), *period);
+                follow(motion, flows, end, observers, &mut |_| false)?;
+                Ok(())
+            }
+            _ => {
+                let end = motion.time() + WITHIN;
+                let met = follow(motion, flows, end, observers, &mut |events| self.is_met(events))?;
+                if met { Ok(()) } else { Err(self.missed(motion)) }
+            }
+        }
+    }
+}

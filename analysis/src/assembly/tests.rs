@@ -1,0 +1,202 @@
+use super::diagram::{self, Request};
+use super::*;
+use crate::attractor::MotionClass;
+use crate::lyapunov::{SpectrumOptions, spectrum};
+use crate::parts::Task;
+use crate::plane::ParameterAxis;
+use vibro_impact::{Parameters, Simulator, State};
+
+/// Rounding of a motion that has settled to 1e-9 of its size.
+const SETTLED: f64 = 1e-8;
+/// A variation that turns has a length that swings by at most its ratio of axes, whose logarithm counts over 74 s at -2/s.
+const SWING: f64 = 1e-3;
+/// An exponent of a settled motion over some hundred periods: the variation has turned to e-16 or to a few powers of the multipliers' ratio.
+const TURNED: f64 = 1e-4;
+/// Exponents of chaos over 400 periods of motions that part after some tens: three standard errors of either are under this part.
+const CHAOS: f64 = 0.2;
+
+fn example(name: &str) -> Machine {
+    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly")).join(name);
+    Machine::new(file::read(&path).unwrap())
+}
+
+fn text(text: &str) -> Machine {
+    Machine::new(file::parse(text, "m.toml", &file::no_records).unwrap())
+}
+
+const OSCILLATOR: &str = "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
+    damping = 8.0\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
+
+/// Discards and measures.
+fn measured(machine: &Machine, names: &[&str]) -> Vec<f64> {
+    let measures: Vec<Measure> = names.iter().map(|n| n.parse().unwrap()).collect();
+    let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+    discard(&mut motion, &section, 400).unwrap();
+    let found = measure(&mut motion, &section, &measures, 12).unwrap();
+    found.numbers.into_iter().map(|x| x.unwrap_or(f64::NAN)).collect()
+}
+
+#[test]
+fn closed_form_measures_of_a_linear_oscillator() {
+    let names = [
+        "amplitude.a.s",
+        "rms.a.v",
+        "maximum.a.a",
+        "peak_to_peak.k.f",
+        "power.k",
+        "power.f",
+        "power.lost",
+        "exponent",
+    ];
+    let found = measured(&text(OSCILLATOR), &names);
+    let w = 10.0 * std::f64::consts::PI;
+    let (k, c) = (800.0 - 2.0 * w * w, 8.0 * w);
+    let amplitude = 10.0 / k.hypot(c);
+    let power = 0.5 * 8.0 * (w * amplitude).powi(2);
+    let force = 2.0 * amplitude * (800.0f64).hypot(8.0 * w);
+    let expected = [
+        amplitude,
+        w * amplitude / 2.0f64.sqrt(),
+        w * w * amplitude,
+        force,
+        power,
+        power,
+        power,
+        // δ'' + 4 δ' + 400 δ = 0.
+        -2.0,
+    ];
+    for ((name, found), expected) in names.iter().zip(found).zip(expected) {
+        let near = if *name == "exponent" { SWING } else { SETTLED };
+        assert!((found - expected).abs() <= near * expected.abs(), "{name}: {found} {expected}");
+    }
+}
+
+#[test]
+fn closed_form_exponent_and_impacts_of_the_impact_pair() {
+    let machine = example("impact_pair.toml");
+    let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+    let found = settled(&mut motion, &section, Some(200)).unwrap();
+    assert_eq!((found.class, found.contacts), (MotionClass::Periodic(1), 2.0));
+    // The map from one impact to the next, of their times and of the speeds after them: with y the base, v the speed after the impact at t,
+    // dt' = ((y'(t) - v) dt + π dv)/(y'(t') - v), dv' = -ε dv + (1 + ε) y''(t') dt'; the second half of a period is its mirror image.
+    let (e, v) = (0.5, 1.505_573_953_117_26);
+    let c = -(1.0 - e) / (1.0 + e) * v;
+    let sine = 0.5 * (std::f64::consts::PI * v - 3.0);
+    let (a, b) = ((c + v) / (v - c), std::f64::consts::PI / (v - c));
+    let half = [[a, b], [-(1.0 + e) * sine * a, e - (1.0 + e) * sine * b]];
+    let (trace, det) = (half[0][0] + half[1][1], half[0][0] * half[1][1] - half[0][1] * half[1][0]);
+    let root = (trace * trace - 4.0 * det).sqrt();
+    let largest = if root.is_nan() { det.sqrt() } else { 0.5 * (trace.abs() + root) };
+    let expected = largest.ln() / std::f64::consts::PI;
+    let exponent = found.exponent.unwrap().value;
+    assert!((exponent - expected).abs() < TURNED, "{exponent} {expected}");
+}
+
+/// The paper's machine as a description beside its parameters.
+fn paper(amplitude: f64) -> (Machine, Simulator) {
+    let machine = example("paper_machine.toml").with([("load.drive.amplitude", amplitude)]).unwrap();
+    let p = Parameters { drive_amplitude: amplitude, ..Parameters::default() };
+    let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
+    (machine, Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts())
+}
+
+#[test]
+fn second_method_exponents_are_the_3_dof_cores() {
+    let p = Parameters::default();
+    // A motion with one impact at each stop: to what both have settled. Chaos: to what two windows of it scatter.
+    for (amplitude, near) in [(p.drive_amplitude, 5e-3), (p.drive_amplitude * 3.6 / 1.5, CHAOS)] {
+        let (machine, mut core) = paper(amplitude);
+        let period = 2.0 * std::f64::consts::PI / core.parameters().drive_frequency;
+        core.advance_to(400.0 * period).unwrap();
+        let options = SpectrumOptions { periods: 400, ..SpectrumOptions::default() };
+        let exponents = spectrum(&mut core, &options).unwrap().exponents;
+        let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+        discard(&mut motion, &section, 400).unwrap();
+        let found = settled(&mut motion, &section, Some(400)).unwrap();
+        // Of the core's seven one is the drive phase's, which is zero.
+        let is_chaos = found.class == MotionClass::Chaotic;
+        let expected = if is_chaos { exponents[0] } else { exponents[1] };
+        let own = found.exponent.unwrap().value;
+        assert!((own - expected).abs() < near * expected.abs(), "{own} {exponents:?} {:?}", found.class);
+        assert_eq!(is_chaos, near == CHAOS);
+    }
+}
+
+#[test]
+fn second_method_measures_are_the_3_dof_cores() {
+    let (machine, mut core) = paper(Parameters::default().drive_amplitude);
+    let period = core.parameters().period();
+    core.advance_to(400.0 * period).unwrap();
+    let of_core: Vec<crate::measures::Measure> =
+        ["amplitude.x1", "rms.x2", "amplitude.w", "impacts", "impact.speed", "impact.impulse"]
+            .map(|n| n.parse().unwrap())
+            .into();
+    let theirs = crate::measures::measure(&mut core, &of_core, 12).unwrap();
+    let names = [
+        "amplitude.box.s",
+        "rms.block.s",
+        "amplitude.upper.e",
+        "impacts",
+        "impact.speed.upper",
+        "impact.impulse.upper",
+    ];
+    for ((name, own), core) in names.iter().zip(measured(&machine, &names)).zip(theirs.numbers) {
+        let core = core.unwrap();
+        assert!((own - core).abs() < 1e-6 * core, "{name}: {own} {core}");
+    }
+}
+
+#[test]
+fn invariant_what_loads_put_in_is_lost_in_the_elements() {
+    let machine = example("damper_with_buffer.toml");
+    let names = ["power.shaker", "power.lost", "power.mount", "power.steel", "power.buffer", "power.guide"];
+    let found = measured(&machine, &names);
+    assert!((found[0] - found[1]).abs() < 1e-6 * found[0], "{found:?}");
+    assert!((found[2..].iter().sum::<f64>() - found[1]).abs() < 1e-12 * found[1]);
+    assert!(found[2..].iter().all(|p| *p > 0.0), "{found:?}");
+}
+
+#[test]
+fn sections_are_common_periods_or_events() {
+    let of = |machine: &Machine| Section::of(&machine.description, &machine.section);
+    let mut machine = text(OSCILLATOR);
+    assert_eq!(of(&machine).unwrap(), Section::Period(0.2));
+    machine.section = SectionRule::Period(0.7);
+    assert_eq!(of(&machine).unwrap(), Section::Period(0.7));
+    machine.section = SectionRule::Element("stop.x".into());
+    assert!(of(&machine).unwrap_err().to_string().contains("no stop or friction has this name"));
+    let two = OSCILLATOR.replace(
+        "amplitude = 10.0\nfrequency = \"5 Hz\"",
+        "harmonics = [{amplitude = 1.0, frequency = 5.0}, {amplitude = 1.0, frequency = 7.5}]",
+    );
+    assert_eq!(of(&text(&two)).unwrap(), Section::Period(0.4));
+    let none = two.replace("7.5", "7.071067811865475");
+    assert!(of(&text(&none)).unwrap_err().to_string().contains("no common period"));
+    assert_eq!(of(&example("bouncing_ball.toml")).unwrap(), Section::Stop(0));
+    // A belt drags a block until it slips and sticks again: one return a cycle.
+    let mut belt = example("brake_squeal.toml");
+    belt.section = SectionRule::Auto;
+    let (mut motion, section) = belt.motion(&Start::default()).unwrap();
+    discard(&mut motion, &section, 50).unwrap();
+    let found = settled(&mut motion, &section, None).unwrap();
+    assert_eq!(found.class, MotionClass::Periodic(1), "{found:?}");
+}
+
+#[test]
+fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole() {
+    let machine = example("damper_with_buffer.toml");
+    let axis = ParameterAxis::of("stop.steel.gap".to_owned(), (4e-3, 6e-3), 3).unwrap();
+    let of = "block.s".parse().unwrap();
+    let request = Request { axis, of, at_section: false, discard: 150, keep: 12, exponents: None };
+    let found = diagram::diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
+    let first = found.up[0].as_ref().unwrap();
+    let top = measured(&machine.with([("stop.steel.gap", 4e-3)]).unwrap(), &["maximum.block.s"])[0];
+    let largest = first.maxima.last().unwrap().0;
+    assert!((largest - top).abs() < 1e-6 * top.abs(), "{largest} {top}");
+    let again = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let one = again.install(|| diagram::diagram(&machine, &request, &Task::ALL)).unwrap().unwrap();
+    assert_eq!(one, found);
+    let wrong = Request { of: "blok.s".parse().unwrap(), ..request };
+    let error = diagram::diagram(&machine, &wrong, &Task::ALL).unwrap_err().to_string();
+    assert!(error.contains("the nearest is `block.s`"), "{error}");
+}

@@ -1,0 +1,88 @@
+//! The 3-DOF machine as one of which designs are measured.
+
+use super::{Machine, Outcome, Request, spread_starts};
+use crate::error::{Error, Result};
+use crate::measures::{Measure, Measured, amplitude_without_block, measure};
+use crate::parameter_set::{Name, ParameterSet};
+use crate::start::StartRule;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::Simulator;
+
+impl Machine for ParameterSet {
+    type Name = Name;
+    type Start = StartRule;
+    type Measure = Measure;
+
+    fn name(name: &Name) -> String {
+        name.name().into()
+    }
+
+    fn is_same_quantity(a: &Name, b: &Name) -> bool {
+        a.is_same_quantity(*b)
+    }
+
+    fn with_unit(&self, name: &Name, value: f64) -> String {
+        self.with_unit(*name, value)
+    }
+
+    fn varied(&self, values: &[(Name, f64)]) -> Result<Self> {
+        let mut own = self.clone();
+        own.assign(values)?;
+        Ok(own)
+    }
+
+    fn outcomes(&self, request: &Request) -> Vec<Outcome> {
+        from_all_starts(self.parameters(), request)
+    }
+
+    fn spread_starts(count: u32) -> Vec<StartRule> {
+        spread_starts(count)
+    }
+}
+
+/// The motions of one machine, which share the simulator's tables.
+fn from_all_starts(p: &Parameters, request: &Request) -> Vec<Outcome> {
+    let mut shared: Option<Simulator> = None;
+    // What a closed form has no value for is said even where there is a motion.
+    let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
+    let gap = asked.then(|| amplitude_without_block(p).err().map(|e| e.to_string())).flatten();
+    let outcome = |start: &StartRule| {
+        let found = one(p, *start, request, &mut shared);
+        let refused = |error: Error| (without_motion(p, &request.measures), Some(error.to_string()));
+        found.map_or_else(refused, |measured| (measured, gap.clone()))
+    };
+    request.starts.iter().map(outcome).collect()
+}
+
+/// What can be said of a machine without its motion: closed forms.
+fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
+    let number = |m: &Measure| match m {
+        Measure::AmplitudeWithoutBlock => amplitude_without_block(p).ok(),
+        _ => None,
+    };
+    let spreads = vec![0.0; measures.len()];
+    Measured { numbers: measures.iter().map(number).collect(), class: None, spreads }
+}
+
+/// One motion: settled, then measured.
+fn one(
+    p: &Parameters,
+    start: StartRule,
+    request: &Request,
+    shared: &mut Option<Simulator>,
+) -> Result<Measured> {
+    let state = start.state(p)?;
+    let mut simulator = match shared {
+        Some(other) => other.with_state(&state, 0.0)?,
+        None => {
+            let new = Simulator::new(p, &state, 0.0)?;
+            let keeps = request.measures.contains(&Measure::PowerInput);
+            let new = if keeps { new } else { new.without_energy_accounts() };
+            shared.insert(new).clone()
+        }
+    };
+    if p.drive_frequency > 0.0 {
+        simulator.advance_to(f64::from(request.discard) * p.period())?;
+    }
+    measure(&mut simulator, &request.measures, request.periods)
+}

@@ -1,0 +1,467 @@
+"""Machines of your own: bodies, springs, stops, friction, loads, from a file, a text or a dictionary."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import MOST_PERIODS, Floats, array, number, whole
+from ._measures import measured
+from ._progress import Bar
+from ._result import Result
+
+if TYPE_CHECKING:
+    import pandas
+    from numpy.typing import ArrayLike, NDArray
+
+    from . import _returned
+
+#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
+EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
+#: Energies, J: kinetic, stored, and work put in less losses since the start; kinetic + stored - balance is constant.
+ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
+
+_MOST_SAMPLES = 10_000_000
+_MOST_VALUES = 20_000
+#: A new value of a parameter: a number in SI, or a text with a unit.
+Value = Union[float, str]
+#: Where motions are looked at: a period in s, or the name of a stop or friction.
+Section = Union[None, float, str]
+
+
+class Assembly:
+    """A machine of your own; an immutable value.
+
+    >>> import vibro_impact as vi
+    >>> ball = vi.Assembly({
+    ...     "name": "Ball", "gravity": "9.81 m/s2",
+    ...     "body": {"ball": {"mass": "20 g", "gravity": 1.0}},
+    ...     "stop": {"floor": {"between": ["ground", "ball"], "gap": "1 m", "restitution": 0.9}},
+    ... })
+    >>> run = ball.simulate(until=2.0)
+    >>> run["ball.s"].shape
+    (1001,)
+
+    Parameters
+    ----------
+    machine
+        The path of a file, or its text (one with a line break), or a dictionary of the same form: docs/assemblies.md says what may stand in
+        it. Records beside a file are read from its folder; a text or a dictionary has them as lists.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For what is refused, with every problem by name.
+    """
+
+    __slots__ = ("_described",)
+    _described: _native.Described
+
+    def __init__(self, machine: Union[str, os.PathLike[str], Mapping[str, Any]]) -> None:
+        if isinstance(machine, Mapping):
+            described = _native.Described(_toml(machine), None)
+        elif isinstance(machine, str) and "\n" in machine:
+            described = _native.Described(machine, None)
+        elif isinstance(machine, (str, os.PathLike)):
+            described = _native.Described(None, os.fspath(machine))
+        else:
+            raise TypeError(
+                f"machine is of type {type(machine).__name__}: allowed is the path of a file, its text, or a dictionary of the same form"
+            )
+        object.__setattr__(self, "_described", described)
+
+    @property
+    def name(self) -> str:
+        """The machine's name."""
+        return self._described.name()
+
+    @property
+    def toml(self) -> str:
+        """The text of its file, in SI and with every digit."""
+        return self._described.text()
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters with their values, SI."""
+        return {name: value for name, _, value, _ in self._described.parameters()}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of each parameter."""
+        return {name: unit for name, unit, _, _ in self._described.parameters()}
+
+    @property
+    def columns(self) -> list[str]:
+        """What a motion shows: ``box.s``, ``box.v``, ``box.a``; ``upper.e``, ``upper.rate``, ``upper.f``; ``shaker.f``."""
+        return self._described.columns()
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """What can be measured, by name: the SI unit (``1`` for none) and what it is."""
+        return {name: f"{unit}: {what}" for name, unit, what in self._described.measures()}
+
+    def replace(self, **parameters: Value) -> Assembly:
+        """The machine with other values: ``replace(**{"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For unknown names, with the nearest; for values that a file would be refused for.
+        """
+        for name, value in parameters.items():
+            if not isinstance(value, str):
+                number(name, value)
+        changes = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
+        return _of(self._described.replace(changes))
+
+    def simulate(
+        self,
+        until: Optional[float] = None,
+        *,
+        samples: int = 1000,
+        times: Optional[ArrayLike] = None,
+        progress: bool = False,
+    ) -> AssemblyRun:
+        """The motion, exactly from event to event: on the bits of ``vibro assembly run``.
+
+        Parameters
+        ----------
+        until, samples
+            End of the motion, s, and number of equal parts; there is a sample at time 0 too.
+        times
+            Instants instead, shape (n,), s, ascending.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        RuntimeError
+            For a motion that cannot go on, with the elements and the time.
+        """
+        if (until is None) == (times is None):
+            raise TypeError("until or times: allowed is one of them")
+        if times is None:
+            end = _positive("until", until)
+            count = whole("samples", samples, 1, _MOST_SAMPLES)
+            t = np.array([end if k == count else end * k / count for k in range(count + 1)])
+        else:
+            t = array("times", times, "an array of shape (n,) of times in s").copy()
+            if len(t) == 0 or not (np.diff(t) >= 0).all() or not t[0] >= 0 or not np.isfinite(t).all():
+                raise ValueError("times: allowed are ascending finite times from 0 on")
+        with Bar(progress, len(t), "samples") as bar:
+            found = _native.simulate_assembly(self._described, t, bar.report)
+        return _run(self, t, found)
+
+    def measure(
+        self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None
+    ) -> dict[str, float | str | None]:
+        """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro assembly sweep`` has them.
+
+        Parameters
+        ----------
+        periods, settle
+            Returns to the section that are measured, and those before in which the transient dies out.
+        section
+            A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
+        """
+        return measure_assemblies([self], measures, periods=periods, settle=settle, section=section)[0]
+
+    def bifurcation(
+        self,
+        of: str,
+        *,
+        at_section: bool = False,
+        periods: tuple[int, int] = (300, 100),
+        exponents: Union[bool, int] = False,
+        section: Section = None,
+        progress: bool = False,
+        **parameter: ArrayLike,
+    ) -> AssemblyDiagram:
+        """Local maxima of a quantity over a parameter in both directions, with classes: on the bits of ``vibro assembly bifurcation``.
+
+        ``damper.bifurcation("box.s", **{"stop.upper.gap": np.linspace(1e-3, 8e-3, 200)})``
+
+        Parameters
+        ----------
+        of
+            A name of :attr:`columns`.
+        **parameter
+            The parameter by name with its values, equally spaced and rising, SI.
+        at_section
+            Its values at the section instead of its maxima.
+        periods
+            Returns to the section discarded and kept at each value.
+        exponents
+            Whether the largest exponent is computed, over 400 returns or so many.
+        section
+            As of :meth:`measure`.
+        """
+        if len(parameter) != 1:
+            raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, rising and equally spaced")
+        ((name, given),) = parameter.items()
+        values = array(name, given, "an array of shape (n,) of values in SI")
+        even = len(values) >= 2 and np.allclose(np.diff(values), (values[-1] - values[0]) / (len(values) - 1), rtol=1e-6, atol=0)
+        if not even or len(values) > _MOST_VALUES or not values[0] < values[-1]:
+            raise ValueError(f"{name}: allowed are 2 to {_MOST_VALUES} values, rising and equally spaced")
+        discard = whole("periods[0]", periods[0], 0, MOST_PERIODS)
+        keep = whole("periods[1]", periods[1], 1, MOST_PERIODS)
+        counted = None if exponents is False else 400 if exponents is True else whole("exponents", exponents, 8, MOST_PERIODS)
+        with Bar(progress, 0, "parts") as bar:
+            ends = (float(values[0]), float(values[-1]))
+            found = _native.assembly_diagram(
+                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, _section(section), bar.report
+            )
+        return AssemblyDiagram(self, name, of, _direction(found["up"]), _direction(found["down"]), found["hysteresis"])
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("a machine is immutable; replace() gives one with other values")
+
+    def __repr__(self) -> str:
+        return f"Assembly({self.name!r}, {len(self.parameters)} parameters)"
+
+    def __eq__(self, other: object) -> bool:
+        return self.toml == other.toml if isinstance(other, Assembly) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.toml)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_from_text, (self.toml,))
+
+
+def _from_text(text: str) -> Assembly:
+    return _of(_native.Described(text, None))
+
+
+def _of(described: _native.Described) -> Assembly:
+    found = Assembly.__new__(Assembly)
+    object.__setattr__(found, "_described", described)
+    return found
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyRun(Result):
+    """A motion of a machine of your own; ``run["box.s"]`` is an array."""
+
+    machine: Assembly
+    "Whose motion it is."
+    t: Floats
+    "Instants, shape (n,), s."
+    columns: list[str]
+    "Names of the columns of `values`."
+    values: Floats
+    "Shape (n, k), SI; just after an event at that instant."
+    events: NDArray[np.void]
+    "All events, fields t (s), kind, element, value, stops."
+    energy: NDArray[np.void]
+    "Energies, shape (n,), fields kinetic, stored, balance, J."
+
+    def __getitem__(self, name: str) -> Floats:
+        try:
+            index = self.columns.index(name)
+        except ValueError:
+            raise KeyError(f"{name}: allowed are {', '.join(self.columns)}") from None
+        found: Floats = self.values[:, index]
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The samples as a table of pandas, which must be installed, with times as index."""
+        import pandas
+
+        return pandas.DataFrame(dict(zip(self.columns, self.values.T)), index=pandas.Index(self.t, name="time"))
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyEnds(Result):
+    """The ends of many machines' motions; ``ends["box.s"]`` is an array."""
+
+    t: float
+    "Time of the ends, s."
+    columns: list[str]
+    "Names of the columns of `values`."
+    values: Floats
+    "Shape (n, k), SI."
+
+    def __getitem__(self, name: str) -> Floats:
+        try:
+            index = self.columns.index(name)
+        except ValueError:
+            raise KeyError(f"{name}: allowed are {', '.join(self.columns)}") from None
+        found: Floats = self.values[:, index]
+        return found
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyDirection(Result):
+    """The settled motions of one direction of a diagram."""
+
+    value: Floats
+    "The parameter, shape (n,), SI, rising."
+    kind: NDArray[np.str_]
+    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled; refused."
+    period: NDArray[np.int32]
+    "Period in returns to the section, shape (n,); 0 where it has none up to 32."
+    contacts: Floats
+    "Impacts and first touches a return, shape (n,)."
+    rests: NDArray[np.bool_]
+    "Whether a stop stays closed or a friction sticks in its course, shape (n,)."
+    maxima: Floats
+    "Maxima, or values at the section, each once, shape (k,), SI, to seven digits."
+    at: NDArray[np.int64]
+    "The index in `value` of each, shape (k,)."
+    met: NDArray[np.uint32]
+    "How often it was met, shape (k,)."
+    exponent: Floats
+    "Largest Lyapunov exponent, shape (n,), 1/s; 0 where it was not asked for and not needed."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyDiagram(Result):
+    """A bifurcation diagram in both directions."""
+
+    machine: Assembly
+    "The machine whose parameter varies."
+    name: str
+    "The parameter."
+    of: str
+    "The quantity."
+    up: AssemblyDirection
+    "With the value rising."
+    down: AssemblyDirection
+    "With the value falling, in the order of rising values."
+    hysteresis: NDArray[np.bool_]
+    "Where the two end on different motions for certain, shape (n,)."
+
+
+def simulate_assemblies(machines: Iterable[Assembly], until: float, *, progress: bool = False) -> AssemblyEnds:
+    """The ends of many machines' motions, on all cores: on the bits of one :meth:`Assembly.simulate` to the end.
+
+    Parameters
+    ----------
+    machines
+        Machines of one structure: :meth:`Assembly.replace` makes them.
+    until
+        End of the motions, s.
+
+    Raises
+    ------
+    ValueError, TypeError, RuntimeError
+        As :meth:`Assembly.simulate`, with the motion's index; for machines of different columns.
+    """
+    several = _several(machines)
+    end = _positive("until", until)
+    columns = several[0].columns if several else []
+    for index, machine in enumerate(several):
+        if machine.columns != columns:
+            raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
+    with Bar(progress, len(several), "motions") as bar:
+        values = _native.simulate_assemblies([m._described for m in several], end, bar.report)
+    return AssemblyEnds(end, columns, values)
+
+
+def measure_assemblies(
+    machines: Iterable[Assembly],
+    measures: Sequence[str],
+    *,
+    periods: int = 60,
+    settle: int = 300,
+    section: Section = None,
+    progress: bool = False,
+) -> list[dict[str, float | str | None]]:
+    """Measures of many machines' settled motions on all cores: a dictionary for each, as of :meth:`Assembly.measure`.
+
+    Raises
+    ------
+    ValueError, TypeError, RuntimeError
+        As :meth:`Assembly.measure`, with the motion's index.
+    """
+    several = _several(machines)
+    if isinstance(measures, str):
+        raise TypeError(f"measures = {measures!r}: allowed is a sequence of names")
+    names = list(measures)
+    periods = whole("periods", periods, 1, MOST_PERIODS)
+    settle = whole("settle", settle, 0, MOST_PERIODS)
+    with Bar(progress, len(several), "motions") as bar:
+        found = _native.measure_assemblies(
+            [m._described for m in several], names, settle, periods, _section(section), bar.report
+        )
+    return [measured(names, numbers, kind) for numbers, kind in found]
+
+
+def _several(machines: Iterable[Assembly]) -> list[Assembly]:
+    several = list(machines)
+    for index, machine in enumerate(several):
+        if not isinstance(machine, Assembly):
+            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Assembly")
+    return several
+
+
+def _section(section: Section) -> Union[None, float, str]:
+    return section if section is None or isinstance(section, str) else _positive("section", section)
+
+
+def _positive(name: str, value: object) -> float:
+    found = number(name, value)
+    if not found > 0:
+        raise ValueError(f"{name} = {value!r}: allowed is a finite number above 0")
+    return found
+
+
+def _run(machine: Assembly, t: Floats, found: _returned.AssemblyRun) -> AssemblyRun:
+    events = np.empty(len(found["t"]), EVENT)
+    events["t"], events["value"], events["stops"] = found["t"], found["value"], found["stops"]
+    events["kind"], events["element"] = found["kind"], found["element"]
+    energy = np.empty(len(t), ASSEMBLY_ENERGY)
+    for index, name in enumerate(ASSEMBLY_ENERGY.names or ()):
+        energy[name] = found["energy"][:, index]
+    return AssemblyRun(machine, t, machine.columns, found["values"], events, energy)
+
+
+def _direction(found: _returned.AssemblyDirection) -> AssemblyDirection:
+    return AssemblyDirection(
+        found["value"],
+        np.array(found["classes"], dtype=np.str_),
+        found["period"],
+        found["contacts"],
+        found["rests"],
+        found["maxima"],
+        found["maxima_at"],
+        found["maxima_met"],
+        found["exponent"],
+    )
+
+
+def _toml(machine: Mapping[str, Any]) -> str:
+    """A dictionary as the text of a file: each value of the top level a line, tables within it in braces."""
+    return "".join(f"{_key(name)} = {_value(str(name), value)}\n" for name, value in machine.items())
+
+
+def _key(name: object) -> str:
+    if not isinstance(name, str):
+        raise TypeError(f"{name!r} is of type {type(name).__name__}: allowed as a name is a text")
+    return json.dumps(name)
+
+
+def _value(name: str, value: object) -> str:
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_key(k)} = {_value(f'{name}.{k}', v)}" for k, v in value.items()) + "}"
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return "[" + ", ".join(_value(f"{name}[{i}]", v) for i, v in enumerate(value)) + "]"
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value)
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    raise TypeError(f"{name} is of type {type(value).__name__}: allowed are numbers, texts, booleans, lists and dictionaries")

@@ -1,0 +1,318 @@
+//! Machines that a file or a program describes: their parameters, motions, measures and diagrams.
+
+use crate::arrays::{Column, Table, column, numbers};
+use crate::background::{Control, compute, pool};
+use crate::failure::Failure;
+use crate::studies::in_parts;
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use std::sync::Arc;
+use vibro_analysis::assembly::diagram::{self, Point};
+use vibro_analysis::assembly::{
+    Machine, Measure, SectionRule, Start, columns, discard, measure, named, values,
+};
+use vibro_analysis::bifurcation::Diagram;
+use vibro_analysis::measures::Measured;
+use vibro_analysis::plane::ParameterAxis;
+use vibro_assembly::description::Description;
+use vibro_assembly::motion::Event;
+use vibro_assembly::{Assembly, Motion, file};
+
+/// A described machine: immutable.
+#[pyclass(frozen, module = "vibro_impact._native")]
+#[derive(Clone, Debug)]
+pub struct Described {
+    description: Arc<Description>,
+}
+
+/// A new value of a parameter: a number in SI, or a text with a unit.
+#[derive(FromPyObject)]
+pub enum Value {
+    Number(f64),
+    Text(String),
+}
+
+#[pymethods]
+impl Described {
+    /// From the text of a file, or from a file, in whose folder its records are.
+    #[new]
+    fn new(text: Option<&str>, path: Option<&str>) -> PyResult<Self> {
+        let read = match (text, path) {
+            (Some(text), _) => file::parse(text, "machine", &file::no_records),
+            (None, path) => file::read(path.unwrap_or_default().as_ref()),
+        };
+        let description = read.map_err(Failure::from)?;
+        // What only the matrices and the start tell.
+        Assembly::new(description.clone()).map_err(Failure::from)?;
+        Ok(Self { description: Arc::new(description) })
+    }
+
+    fn name(&self) -> &str {
+        &self.description.name
+    }
+
+    /// The text of its file, in SI and with every digit.
+    fn text(&self) -> String {
+        self.description.to_toml()
+    }
+
+    /// Name, SI unit, value and meaning of each parameter.
+    fn parameters(&self) -> Vec<(String, &'static str, f64, &'static str)> {
+        self.description.parameters().into_iter().map(|p| (p.name, p.unit, p.value, p.meaning)).collect()
+    }
+
+    /// Names of what a motion shows.
+    fn columns(&self) -> Vec<String> {
+        columns(&self.description)
+    }
+
+    /// Name, unit and meaning of each measure.
+    fn measures(&self) -> Vec<(String, &'static str, String)> {
+        let d = &*self.description;
+        Measure::all(d).into_iter().map(|m| (m.to_string(), m.unit(d), m.description())).collect()
+    }
+
+    /// The machine with other values.
+    fn replace(&self, changes: Vec<(String, Value)>) -> PyResult<Self> {
+        let value = |(name, value): &(String, Value)| match value {
+            Value::Number(x) => Ok((name.clone(), *x)),
+            Value::Text(text) => Ok((name.clone(), self.description.parameter(name)?.read(text)?)),
+        };
+        let values = changes.iter().map(value).collect::<Result<Vec<_>, Failure>>()?;
+        let named = values.iter().map(|(name, value)| (name.as_str(), *value));
+        let description = self.description.with(named).map_err(Failure::from)?;
+        Assembly::new(description.clone()).map_err(Failure::from)?;
+        Ok(Self { description: Arc::new(description) })
+    }
+}
+
+impl Described {
+    fn motion(&self) -> Result<Motion, Failure> {
+        Ok(Motion::new(Arc::new(Assembly::new((*self.description).clone())?))?)
+    }
+
+    fn machine(&self, section: Option<SectionChoice>) -> Machine {
+        let section = match section {
+            None => SectionRule::Auto,
+            Some(SectionChoice::Period(period)) => SectionRule::Period(period),
+            Some(SectionChoice::Element(name)) => SectionRule::Element(name),
+        };
+        Machine { section, ..Machine::new((*self.description).clone()) }
+    }
+}
+
+/// Where motions are looked at: a period in s or an element.
+#[derive(FromPyObject)]
+pub enum SectionChoice {
+    Period(f64),
+    Element(String),
+}
+
+/// A sampled motion with its events.
+#[derive(IntoPyObject)]
+pub struct AssemblyRun<'py> {
+    values: Table<'py, f64>,
+    t: Column<'py, f64>,
+    kind: Vec<&'static str>,
+    element: Vec<String>,
+    value: Column<'py, f64>,
+    stops: Column<'py, i32>,
+    energy: Table<'py, f64>,
+}
+
+fn rows<'py>(py: Python<'py>, rows: &[Vec<f64>], columns: usize) -> PyResult<Table<'py, f64>> {
+    let array = PyArray2::zeros(py, [rows.len(), columns], false);
+    array.try_readwrite()?.as_slice_mut()?.copy_from_slice(&rows.concat());
+    Ok(array)
+}
+
+/// The motion at ascending times (s), with what happened up to the last.
+#[pyfunction]
+#[pyo3(signature = (machine, t, progress = None))]
+pub fn simulate_assembly<'py>(
+    py: Python<'py>,
+    machine: &Described,
+    t: PyReadonlyArray1<'_, f64>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<AssemblyRun<'py>> {
+    let (own, times) = (machine.clone(), numbers(&t)?);
+    let (samples, energies, events) = compute(py, progress, move |control| {
+        let mut motion = own.motion()?;
+        let (mut samples, mut energies) = (Vec::new(), Vec::new());
+        samples.try_reserve_exact(times.len())?;
+        let mut events: Vec<Event> = Vec::new();
+        for &time in &times {
+            control.check()?;
+            motion.advance_observed(time, &mut |event| events.push(event.clone()))?;
+            samples.push(values(&motion));
+            let (kinetic, stored) = motion.kinetic_and_stored();
+            energies.push(vec![kinetic, stored, motion.energy().balance()]);
+            control.add(1);
+        }
+        Ok((samples, energies, events))
+    })?;
+    let d = &machine.description;
+    let told: Vec<_> = events.iter().map(|event| named(d, &event.kind)).collect();
+    Ok(AssemblyRun {
+        values: rows(py, &samples, columns(d).len())?,
+        t: column(py, &events.iter().map(|e| e.time).collect::<Vec<_>>()),
+        kind: told.iter().map(|e| e.kind).collect(),
+        value: column(py, &told.iter().map(|e| e.value.unwrap_or(0.0)).collect::<Vec<_>>()),
+        stops: column(py, &told.iter().map(|e| e.stops.unwrap_or(0) as i32).collect::<Vec<_>>()),
+        element: told.into_iter().map(|e| e.element).collect(),
+        energy: rows(py, &energies, 3)?,
+    })
+}
+
+/// What `each` finds of each machine, on all threads.
+fn together<T: Send + 'static>(
+    py: Python<'_>,
+    machines: Vec<PyRef<'_, Described>>,
+    progress: Option<&Bound<'_, PyAny>>,
+    each: impl Fn(&Control, &Described) -> Result<T, Failure> + Send + Sync + 'static,
+) -> PyResult<Vec<T>> {
+    let machines: Vec<Described> = machines.iter().map(|m| (*m).clone()).collect();
+    compute(py, progress, move |control| {
+        let one = |(index, machine): (usize, &Described)| {
+            let found = control.check().and_then(|()| each(control, machine));
+            control.add(1);
+            found.map_err(|failure| failure.of_motion(index))
+        };
+        pool()?.install(|| machines.par_iter().enumerate().map(one).collect())
+    })
+}
+
+/// The ends of many machines' motions at a time (s), of which all have the same columns.
+#[pyfunction]
+#[pyo3(signature = (machines, until, progress = None))]
+pub fn simulate_assemblies<'py>(
+    py: Python<'py>,
+    machines: Vec<PyRef<'_, Described>>,
+    until: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Table<'py, f64>> {
+    let count = machines.first().map_or(0, |m| columns(&m.description).len());
+    let ends = together(py, machines, progress, move |_, machine| {
+        let mut motion = machine.motion()?.without_energy_accounts();
+        motion.advance_to(until)?;
+        Ok(values(&motion))
+    })?;
+    rows(py, &ends, count)
+}
+
+/// Measures of many machines' settled motions: numbers and class of each.
+#[pyfunction]
+#[pyo3(signature = (machines, names, settle, periods, section, progress = None))]
+#[allow(clippy::type_complexity)]
+pub fn measure_assemblies(
+    py: Python<'_>,
+    machines: Vec<PyRef<'_, Described>>,
+    names: Vec<String>,
+    settle: u32,
+    periods: u32,
+    section: Option<SectionChoice>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<(Vec<Option<f64>>, Option<String>)>> {
+    let measures = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
+    let measures = measures.map_err(Failure::from)?;
+    let rule = match section {
+        None => SectionRule::Auto,
+        Some(SectionChoice::Period(period)) => SectionRule::Period(period),
+        Some(SectionChoice::Element(name)) => SectionRule::Element(name),
+    };
+    let found = together(py, machines, progress, move |control, own| -> Result<Measured, Failure> {
+        let machine = Machine { section: rule.clone(), ..own.machine(None) };
+        let (mut motion, section) = machine.motion(&Start::default())?;
+        discard(&mut motion, &section, settle)?;
+        control.check()?;
+        Ok(measure(&mut motion, &section, &measures, periods)?)
+    })?;
+    Ok(found.into_iter().map(|m| (m.numbers, m.class.map(|class| class.name()))).collect())
+}
+
+/// One direction of a diagram.
+#[derive(IntoPyObject)]
+struct AssemblyDirection<'py> {
+    value: Column<'py, f64>,
+    classes: Vec<String>,
+    period: Column<'py, i32>,
+    contacts: Column<'py, f64>,
+    rests: Column<'py, bool>,
+    maxima: Column<'py, f64>,
+    maxima_at: Column<'py, i64>,
+    maxima_met: Column<'py, u32>,
+    exponent: Column<'py, f64>,
+}
+
+/// A diagram in both directions.
+#[derive(IntoPyObject)]
+pub struct AssemblyDiagram<'py> {
+    up: AssemblyDirection<'py>,
+    down: AssemblyDirection<'py>,
+    hysteresis: Column<'py, bool>,
+}
+
+fn direction<'py>(
+    py: Python<'py>,
+    axis: &ParameterAxis<String>,
+    points: &[Option<Point>],
+) -> AssemblyDirection<'py> {
+    let of = |read: &dyn Fn(&Point) -> f64| -> Vec<f64> {
+        points.iter().map(|p| p.as_ref().map_or(0.0, read)).collect()
+    };
+    let mut tops = (Vec::new(), Vec::new(), Vec::new());
+    for (index, point) in points.iter().enumerate() {
+        for &(x, met) in point.iter().flat_map(|p| &p.maxima) {
+            tops.0.push(x);
+            tops.1.push(index as i64);
+            tops.2.push(met);
+        }
+    }
+    let class = |p: &Option<Point>| p.as_ref().map_or("refused".into(), |p| p.settled.class.name());
+    let period = |p: &Option<Point>| p.as_ref().and_then(|p| p.settled.period).unwrap_or(0) as i32;
+    let rests: Vec<bool> = points.iter().map(|p| p.as_ref().is_some_and(|p| p.settled.rests)).collect();
+    AssemblyDirection {
+        value: column(py, &(0..axis.count).map(|i| axis.value(i)).collect::<Vec<_>>()),
+        classes: points.iter().map(class).collect(),
+        period: column(py, &points.iter().map(period).collect::<Vec<_>>()),
+        contacts: column(py, &of(&|p| p.settled.contacts)),
+        rests: column(py, &rests),
+        maxima: column(py, &tops.0),
+        maxima_at: column(py, &tops.1),
+        maxima_met: column(py, &tops.2),
+        exponent: column(py, &of(&|p| p.settled.exponent.map_or(0.0, |e| e.value))),
+    }
+}
+
+/// Maxima of a quantity, or its values at the section, over a parameter, with what motions settle on.
+#[pyfunction]
+#[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, progress = None))]
+#[allow(clippy::too_many_arguments)]
+pub fn assembly_diagram<'py>(
+    py: Python<'py>,
+    machine: &Described,
+    name: String,
+    ends: (f64, f64),
+    count: usize,
+    of: &str,
+    at_section: bool,
+    periods: (u32, u32),
+    exponents: Option<u32>,
+    section: Option<SectionChoice>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<AssemblyDiagram<'py>> {
+    let axis = ParameterAxis::of(name, ends, count).map_err(Failure::from)?;
+    let of = of.parse().map_err(Failure::from)?;
+    let (discard, keep) = periods;
+    let request = diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents };
+    let own = machine.machine(section);
+    let found: Diagram<Point> = compute(py, progress, move |control| {
+        in_parts(control, request.count(), |task| diagram::diagram(&own, &request, task))
+    })?;
+    Ok(AssemblyDiagram {
+        up: direction(py, &axis, &found.up),
+        down: direction(py, &axis, &found.down),
+        hysteresis: column(py, &found.hysteresis()),
+    })
+}

@@ -1,0 +1,116 @@
+"""Machines of one's own: the bits of the library and of the command line, and what is refused."""
+
+import pickle
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibro_impact as vi
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "assembly"
+#: 1 - 1e-12: rounding of a sum of some hundred terms.
+ROUNDING = 1e-12
+#: A motion that has settled to 1e-9 of its size.
+SETTLED = 1e-6
+
+
+def damper():
+    return vi.Assembly(EXAMPLES / "damper_with_buffer.toml")
+
+
+OSCILLATOR = {
+    "name": "Oscillator",
+    "body": {"mass": {"mass": "2 kg", "start": {"s": 0.1}}},
+    "spring": {"mount": {"between": ["ground", "mass"], "stiffness": "800 N/m"}},
+    "load": {"force": {"on": "mass", "amplitude": 0.0, "frequency": "3.125 Hz"}},
+}
+
+
+def test_closed_form_a_dictionary_is_an_oscillator():
+    machine = vi.Assembly(OSCILLATOR)
+    run = machine.simulate(2.0, samples=500)
+    assert run.columns[:3] == ["mass.s", "mass.v", "mass.a"] and list(run) == run.columns
+    assert np.abs(run["mass.s"] - 0.1 * np.cos(20.0 * run.t)).max() < ROUNDING
+    assert np.abs(run.energy["kinetic"] + run.energy["stored"] - 4.0).max() < ROUNDING
+    with pytest.raises(KeyError, match="mass.s"):
+        run["mas.s"]
+
+
+def test_second_method_a_text_a_dictionary_and_a_file_are_one_machine(tmp_path):
+    machine = vi.Assembly(OSCILLATOR)
+    text = vi.Assembly(machine.toml)
+    path = tmp_path / "machine.toml"
+    path.write_text(machine.toml)
+    assert machine == text == vi.Assembly(path) == vi.Assembly(str(path)) == pickle.loads(pickle.dumps(machine))
+    assert len({machine, text}) == 1 and machine.name == "Oscillator"
+    heavier = machine.replace(**{"body.mass.mass": "8 kg", "spring.mount.stiffness": 400.0})
+    assert heavier != machine and heavier.parameters["body.mass.mass"] == 8.0
+    assert machine.parameters["body.mass.mass"] == 2.0 and machine.units["body.mass.mass"] == "kg"
+
+
+def test_events_are_structured_and_many_machines_end_on_the_same_bits():
+    machine = damper()
+    run = machine.simulate(0.5, samples=1)
+    hits = run.events[run.events["kind"] == "impact"]
+    assert len(hits) > 3 and set(hits["element"]) == {"stop.steel"} and (hits["value"] > 0).all() and (hits["stops"] == 1).all()
+    assert (np.diff(run.events["t"]) >= 0).all()
+    machines = [machine.replace(**{"stop.steel.gap": gap}) for gap in (3e-3, 4e-3, 5e-3)]
+    ends = vi.simulate_assemblies(machines, 0.5)
+    assert ends.values.shape == (3, len(machine.columns))
+    for one, row in zip(machines, ends.values):
+        assert (one.simulate(times=[0.5]).values[-1] == row).all()
+    assert (ends["block.s"] == ends.values[:, ends.columns.index("block.s")]).all()
+
+
+def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
+    machine = damper()
+    found = machine.measure(["power.shaker", "power.lost", "maximum.block.s", "class"], periods=12)
+    assert abs(found["power.shaker"] - found["power.lost"]) < SETTLED * found["power.lost"]
+    gaps = np.linspace(4e-3, 6e-3, 3)
+    diagram = machine.bifurcation("block.s", periods=(300, 12), **{"stop.steel.gap": gaps})
+    assert np.allclose(diagram.up.value, gaps) and diagram.up.kind[0] == found["class"]
+    first = diagram.up.maxima[diagram.up.at == 0]
+    assert abs(first.max() - found["maximum.block.s"]) < SETTLED * abs(found["maximum.block.s"])
+    ones = [machine.replace(**{"stop.steel.gap": g}) for g in gaps]
+    many = vi.measure_assemblies(ones, ["amplitude.box.s"], periods=12, section=0.1)
+    assert [m["amplitude.box.s"] for m in many] == [
+        one.measure(["amplitude.box.s"], periods=12)["amplitude.box.s"] for one in ones
+    ]
+
+
+@pytest.mark.parametrize(
+    ("what", "error", "words"),
+    [
+        (lambda: vi.Assembly({**OSCILLATOR, "bdy": {}}), ValueError, "bdy"),
+        (lambda: vi.Assembly({**OSCILLATOR, "gravity": object()}), TypeError, "gravity"),
+        (lambda: vi.Assembly("nowhere.toml"), ValueError, "nowhere.toml"),
+        (lambda: vi.Assembly(3), TypeError, "path of a file"),
+        (lambda: damper().replace(**{"stop.stel.gap": 1e-3}), ValueError, "the nearest is `stop.steel.gap`"),
+        (lambda: damper().replace(**{"stop.steel.restitution": 1.5}), ValueError, "0 to 1"),
+        (lambda: damper().replace(**{"stop.steel.gap": "5 mN"}), ValueError, "in m, cm, mm, um"),
+        (lambda: damper().replace(**{"stop.steel.gap": True}), TypeError, "stop.steel.gap"),
+        (lambda: damper().simulate(), TypeError, "until or times"),
+        (lambda: damper().simulate(-1.0), ValueError, "until"),
+        (lambda: damper().simulate(times=[1.0, 0.5]), ValueError, "ascending"),
+        (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "the nearest is `box.s`"),
+        (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
+        (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "equally spaced"),
+        (lambda: vi.simulate_assemblies([damper(), vi.Assembly(OSCILLATOR)], 1.0), ValueError, "columns"),
+        (lambda: setattr(damper(), "name", "x"), AttributeError, "immutable"),
+    ],
+)
+def test_bad_input_is_refused_by_name(what, error, words):
+    with pytest.raises(error, match=re.escape(words)):
+        what()
+
+
+def test_a_jam_is_a_runtime_error_that_names_the_stops():
+    jam = vi.Assembly(
+        'name = "Jam"\n[body.press]\nmotion = { rate = "1 m/s" }\n[body.block]\nmass = "1 kg"\n'
+        '[stop.front]\nbetween = ["block", "press"]\ngap = "0.2 m"\nrestitution = 0.5\n'
+        '[stop.wall]\nbetween = ["ground", "block"]\ngap = "0.1 m"\nrestitution = 0.0\n'
+    )
+    with pytest.raises(RuntimeError, match="jammed at t = 0.3.*stop.front"):
+        jam.simulate(1.0)

@@ -1,0 +1,347 @@
+//! `vibro assembly bifurcation|lyapunov|sweep`: from arguments to the library's studies.
+
+use crate::arguments::Common;
+use crate::assembly::time;
+use crate::destination::{self, Destination};
+use crate::long::perform_as;
+use crate::output;
+use crate::ranges::Share;
+use clap::Args;
+use std::path::PathBuf;
+use vibro::long_study::{AssemblyStudy, LongStudy, Work};
+use vibro::manifest::Invocation;
+use vibro::studies::assembly_exponent;
+use vibro::{Error, Result, assembly};
+use vibro_analysis::assembly::{Machine, Measure, Quantity, SectionRule, diagram};
+use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledAxis};
+use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::sobol::DIMENSIONS;
+use vibro_impact::quantities::quantity_in;
+
+/// The machine, and where its motions are looked at.
+#[derive(Args, Debug)]
+pub struct Which {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Look at the motion after whole multiples of this time [default: the common period of all harmonics]
+    #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "section", allow_hyphen_values = true)]
+    period: Option<f64>,
+    /// Look at the motion at each impact or first touch of a stop, or each time that a friction begins to stick [default of a machine
+    /// without harmonics: its first stop, else its first friction]
+    #[arg(long, value_name = "ELEMENT")]
+    section: Option<String>,
+}
+
+/// Arguments of `assembly bifurcation`.
+#[derive(Args, Debug)]
+pub struct Bifurcation {
+    #[command(flatten)]
+    which: Which,
+    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200
+    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    vary: String,
+    #[command(flatten)]
+    drawn: Drawn,
+    /// For many machines.
+    #[command(flatten)]
+    share: Share,
+}
+
+/// What a diagram shows.
+#[derive(Args, Debug)]
+pub struct Drawn {
+    /// Quantity that is drawn: box.s, box.v, box.a, upper.e, upper.rate, upper.f [default: the first free body's coordinate]
+    #[arg(long, value_name = "NAME")]
+    of: Option<Quantity>,
+    /// Draw its values where the motion is looked at (a Poincaré section) instead of its local maxima
+    #[arg(long)]
+    at_section: bool,
+    /// Values in a range without a count
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u16).range(2..=20_000))]
+    resolution: u16,
+    /// Periods discarded at each value, unless the motion has settled before
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    discard: u32,
+    /// Periods kept at each value
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+    keep: u32,
+}
+
+/// Arguments of `assembly lyapunov`.
+#[derive(Args, Debug)]
+pub struct Lyapunov {
+    #[command(flatten)]
+    which: Which,
+    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200 [default: the machine as it is]
+    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    vary: Option<String>,
+    #[command(flatten)]
+    drawn: Drawn,
+    /// Periods over which the exponent is counted, after 32 in which the variation turns into its direction
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(8..=1_000_000))]
+    periods: u32,
+    /// For many machines.
+    #[command(flatten)]
+    share: Share,
+}
+
+/// Arguments of `assembly sweep`.
+#[derive(Args, Debug)]
+pub struct Sweep {
+    #[command(flatten)]
+    which: Which,
+    /// A parameter and its values, as a range or a list. May be repeated; all combinations are run, the last parameter fastest
+    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
+    vary: Vec<String>,
+    /// Number of values of a range without a count
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    resolution: u32,
+    /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
+    #[arg(long, visible_alias = "sobol", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    samples: Option<u32>,
+    /// A parameter over which each design is measured as a whole, e.g. a load's frequency in a band. May be repeated
+    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
+    over: Vec<String>,
+    /// What is measured: names from --list, separated by commas. May be repeated [default: amplitudes of the free bodies, impacts and
+    /// their speeds, power lost, class]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    output: Vec<Measure>,
+    /// Periods discarded before a motion is measured, unless it has settled before
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    discard: u32,
+    /// Periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    periods: u32,
+    /// List the names of all outputs of the machine, with unit and meaning
+    #[arg(long)]
+    list: bool,
+    /// For many machines.
+    #[command(flatten)]
+    share: Share,
+}
+
+/// Reads the machine.
+fn machine(which: &Which, common: &Common) -> Result<Machine> {
+    let mut machine = Machine::new(assembly::read(&which.file, &common.set)?);
+    for (name, value) in common.set.iter().filter_map(|text| text.split_once('=')) {
+        note_unit(&mut machine, name.trim(), value);
+    }
+    machine.section = match (which.period, &which.section) {
+        (Some(period), _) => SectionRule::Period(period),
+        (None, Some(element)) => SectionRule::Element(element.clone()),
+        (None, None) => SectionRule::Auto,
+    };
+    Ok(machine)
+}
+
+/// A parameter is shown in the unit in which it was written last.
+fn note_unit(machine: &mut Machine, name: &str, text: &str) {
+    let unit = quantity_in(machine.si_unit(name), text.trim()).and_then(|q| q.unit);
+    if let Some(unit) = unit {
+        machine.units.insert(name.into(), unit.plain().into());
+    }
+}
+
+/// A parameter, its numbers as texts, and whether they are a range.
+fn split(text: &str) -> Result<(String, Vec<&str>, bool)> {
+    let form = || {
+        Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.upper.gap=1mm:8mm:200")
+    };
+    let (name, numbers) = text.split_once('=').ok_or_else(form)?;
+    let is_range = numbers.contains(':');
+    let numbers: Vec<&str> = numbers.split(if is_range { ':' } else { ',' }).map(str::trim).collect();
+    if is_range && !(2..=3).contains(&numbers.len()) {
+        return Err(form());
+    }
+    Ok((name.trim().into(), numbers, is_range))
+}
+
+/// Numbers of a parameter, with or without units: at all or at none.
+fn numbers(machine: &mut Machine, name: &str, texts: &[&str], whole: &str) -> Result<Vec<f64>> {
+    let parameter = machine.description.parameter(name)?;
+    let values = texts.iter().map(|text| Ok(parameter.read(text)?)).collect::<Result<Vec<f64>>>()?;
+    let has_unit = |text: &&str| quantity_in(parameter.unit, text).is_some_and(|q| q.unit.is_some());
+    if texts.iter().any(|text| has_unit(text) != has_unit(&texts[0])) {
+        return Err(Error::form(whole, "a unit at every number or at none"));
+    }
+    texts.iter().for_each(|text| note_unit(machine, name, text));
+    Ok(values)
+}
+
+/// The axis of a range.
+fn axis(machine: &mut Machine, text: &str, resolution: usize, most: usize) -> Result<ParameterAxis<String>> {
+    let (name, texts, is_range) = split(text)?;
+    if !is_range {
+        return Err(Error::form(text, "a range, NAME=FROM:TO or NAME=FROM:TO:COUNT"));
+    }
+    let ends = numbers(machine, &name, &texts[..2], text)?;
+    let count = match texts.get(2) {
+        Some(count) => count.parse().map_err(|_| Error::form(text, "a whole number of values"))?,
+        None => resolution,
+    };
+    if !(2..=most).contains(&count) {
+        let problem = format!("allowed are 2 to {most}");
+        return Err(Error::Refused { what: format!("{name}: {count} values"), problem });
+    }
+    Ok(ParameterAxis::of(name, (ends[0], ends[1]), count)?)
+}
+
+/// A range or list as values.
+fn sampled(machine: &mut Machine, text: &str, resolution: u32) -> Result<SampledAxis<String>> {
+    let (name, texts, is_range) = split(text)?;
+    if !is_range {
+        let values = numbers(machine, &name, &texts, text)?;
+        return Ok(SampledAxis { name, values });
+    }
+    let axis = axis(machine, text, resolution as usize, 1_000_000)?;
+    Ok(SampledAxis { values: (0..axis.count).map(|i| axis.value(i)).collect(), name })
+}
+
+/// The invocation of a command, with the options on which its results depend.
+fn invocation(common: &Common, command: &str, options: &[(&str, String)]) -> Invocation {
+    let mut found = common.invocation.clone();
+    found.command = format!("assembly-{command}");
+    found.options.extend(options.iter().map(|(name, words)| ((*name).into(), words.clone())));
+    found
+}
+
+fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>) -> Result<diagram::Request> {
+    let of = match &a.of {
+        Some(of) => of.clone(),
+        None => default_quantity(machine)?,
+    };
+    let axis = axis(machine, vary, a.resolution.into(), diagram::MOST_VALUES)?;
+    let request =
+        diagram::Request { axis, of, at_section: a.at_section, discard: a.discard, keep: a.keep, exponents };
+    request.check(machine)?;
+    Ok(request)
+}
+
+/// The first free body's coordinate.
+fn default_quantity(machine: &Machine) -> Result<Quantity> {
+    let all = Measure::usual(&machine.description);
+    let found = all.iter().find_map(|m| m.quantity().cloned());
+    found.ok_or_else(|| Error::form("--of", "a quantity such as box.s; the machine has no free body"))
+}
+
+fn draw(
+    which: &Which,
+    common: &Common,
+    command: &str,
+    (vary, a): (&str, &Drawn),
+    (exponents, share): (Option<u32>, &Share),
+) -> Result<()> {
+    let mut machine = machine(which, common)?;
+    let request = request(&mut machine, vary, a, exponents)?;
+    let axis = &request.axis;
+    let options = [
+        ("vary", format!("{}={}:{}:{}", axis.name, axis.from, axis.to, axis.count)),
+        ("of", request.of.to_string()),
+        ("at-section", a.at_section.to_string()),
+        ("discard", a.discard.to_string()),
+        ("keep", a.keep.to_string()),
+        ("periods", exponents.map_or(String::new(), |n| n.to_string())),
+    ];
+    let invocation = invocation(common, command, &options);
+    let work = Work::Assembly { kind: AssemblyStudy::Diagram(request), machine };
+    perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, share.shard)
+}
+
+pub fn bifurcation(a: &Bifurcation, common: &Common) -> Result<()> {
+    draw(&a.which, common, "bifurcation", (&a.vary, &a.drawn), (None, &a.share))
+}
+
+pub fn lyapunov(a: &Lyapunov, common: &Common) -> Result<()> {
+    if let Some(vary) = &a.vary {
+        return draw(&a.which, common, "lyapunov", (vary, &a.drawn), (Some(a.periods), &a.share));
+    }
+    let machine = machine(&a.which, common)?;
+    let options = [("discard", a.drawn.discard.to_string()), ("periods", a.periods.to_string())];
+    let invocation = invocation(common, "lyapunov", &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // Refused before work begins.
+    destination.place(&[destination.result(&invocation.command)])?;
+    let study = assembly_exponent(&machine, a.drawn.discard, a.periods, &invocation.command)?;
+    let held = destination::hold(&common.out);
+    let out = destination.write(std::slice::from_ref(&study))?;
+    drop(held);
+    output::print(&[study], &machine, &out, common)
+}
+
+pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
+    let mut machine = machine(&a.which, common)?;
+    if a.list {
+        return output::say(list(&machine).trim_end());
+    }
+    let designs = match a.samples {
+        None => {
+            let axes = a.vary.iter().map(|text| sampled(&mut machine, text, a.resolution));
+            Designs::Grid(axes.collect::<Result<_>>()?)
+        }
+        Some(count) if (1..=DIMENSIONS).contains(&a.vary.len()) => {
+            let interval = |text: &String| {
+                if split(text)?.1.len() != 2 {
+                    return Err(Error::form(
+                        text,
+                        "NAME=FROM:TO without a count: --samples decides on the number of points",
+                    ));
+                }
+                let axis = axis(&mut machine, text, 2, 2)?;
+                Ok(ParameterInterval { name: axis.name, from: axis.from, to: axis.to })
+            };
+            Designs::Sobol { intervals: a.vary.iter().map(interval).collect::<Result<_>>()?, count }
+        }
+        Some(_) => {
+            let what = format!("--samples with {} parameters", a.vary.len());
+            let problem = format!("allowed are 1 to {DIMENSIONS}, each by --vary NAME=FROM:TO");
+            return Err(Error::Refused { what, problem });
+        }
+    };
+    let over = a.over.iter().map(|text| sampled(&mut machine, text, a.resolution)).collect::<Result<_>>()?;
+    let mut measures: Vec<Measure> = Vec::new();
+    let usual = || Measure::usual(&machine.description);
+    for measure in if a.output.is_empty() { usual() } else { a.output.clone() } {
+        measure.check(&machine.description)?;
+        if !measures.contains(&measure) {
+            measures.push(measure);
+        }
+    }
+    let request = Request::<Machine> {
+        designs,
+        over,
+        discard: a.discard,
+        periods: a.periods,
+        measures,
+        ..Request::default()
+    };
+    request.check()?;
+    // What no design could do without.
+    vibro_analysis::assembly::Section::of(&machine.description, &machine.section)?;
+    let words = |texts: &[String]| texts.join(" ");
+    let outputs: Vec<String> = request.measures.iter().map(ToString::to_string).collect();
+    let options = [
+        ("vary", words(&a.vary)),
+        ("over", words(&a.over)),
+        ("resolution", a.resolution.to_string()),
+        ("samples", a.samples.map_or(String::new(), |n| n.to_string())),
+        ("output", outputs.join(" ")),
+        ("discard", a.discard.to_string()),
+        ("periods", a.periods.to_string()),
+    ];
+    let invocation = invocation(common, "sweep", &options);
+    let work = Work::Assembly { kind: AssemblyStudy::DesignSweep(request), machine };
+    perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
+}
+
+/// All outputs of a machine with unit and meaning.
+fn list(machine: &Machine) -> String {
+    let d = &machine.description;
+    let mut text = format!("outputs of `vibro assembly sweep --output NAME,…` for {}, in SI:\n", d.name);
+    for measure in Measure::all(d) {
+        let unit = measure.unit(d);
+        let unit = if unit == "1" { "" } else { unit };
+        text.push_str(&format!("  {:32} {unit:6} {}\n", measure.to_string(), measure.description()));
+    }
+    text
+}

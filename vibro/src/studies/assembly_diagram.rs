@@ -1,0 +1,145 @@
+//! Bifurcation diagrams of machines of the user's own: as those of the 3-DOF machine, by the names of bodies and elements.
+
+use super::Study;
+use super::design_sweep::Told;
+use super::diagram::{DIRECTIONS, contact_panel, maxima_rows, reach, remarks, shaded, window_table};
+use super::sweep::letters;
+use crate::Result;
+use crate::table::{Table, exact};
+use vibro_analysis::assembly::diagram::{Point, Request};
+use vibro_analysis::assembly::{Machine, Start, settled};
+use vibro_analysis::bifurcation::Diagram;
+use vibro_analysis::significant;
+use vibro_figures::canvas::palette::{FAMILY, GREY};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
+
+/// Lengths under this, m, are shown in mm.
+const SMALL: f64 = 0.1;
+
+/// The study of a diagram, with its tables.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output); quantities that the machine does not have.
+pub fn assembly_diagram(
+    machine: &Machine,
+    request: &Request,
+    diagram: &Diagram<Point>,
+    name: &str,
+) -> Result<Study> {
+    let apart = diagram.hysteresis();
+    let (axis, of) = (&request.axis, request.of.to_string());
+    let parameter = &axis.name;
+    let drawn = if request.at_section { "Values at the section" } else { "Local maxima" };
+    let x = || Axis { range: Some(axis.edges()), ..machine.axis(parameter) };
+    let unit = request.of.place(&machine.description)?.unit();
+    let range = reach(diagram, &|_, value| value, 0.0);
+    let (factor, symbol) = match unit {
+        "m" if range.0.abs().max(range.1.abs()) < SMALL => (1e3, "mm".to_owned()),
+        unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
+    };
+    let label = format!("{of} ({symbol})");
+    let mut panels = vec![Panel {
+        title: format!("{drawn} of {of}"),
+        x: x(),
+        y: Axis::over(label, range.0, range.1).times(factor),
+        layers: shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value)),
+    }];
+    if request.exponents.is_some() {
+        let zero = Layer::line("", GREY, Dash::Dotted, vec![(axis.edges().0, 0.0), (axis.edges().1, 0.0)]);
+        let exponent = |p: &Point| Some((p.value, p.settled.exponent?.value));
+        let points = diagram.up.iter().flatten().filter_map(exponent).filter(|p| p.1.is_finite());
+        let curve: Path = points.collect();
+        panels.push(Panel {
+            title: "Largest Lyapunov exponent, value rising".into(),
+            x: x(),
+            y: Axis::new("λ₁ (1/s)"),
+            layers: vec![zero.stroke(THIN), Layer::line("", FAMILY[0], Dash::Solid, curve).stroke(THIN)],
+        });
+    }
+    if !machine.description.stops.is_empty() {
+        panels.push(contact_panel("Impacts and first touches a period", x(), "contacts a period", diagram));
+    }
+    letters(&mut panels);
+    let method = format!(
+        "Up to {} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
+        request.discard, request.keep, axis.count
+    );
+    let figure = Figure {
+        title: format!("{}: {of} over {parameter}", machine.description.name),
+        caption: vec![method, format!("Elsewhere {}", machine.caption_but(&[]))],
+        panels,
+        columns: 1,
+        panel: (2900, 1150),
+        shared_legend: false,
+    };
+    let column = format!("{of}_{}", if request.at_section { "section" } else { "maximum" });
+    let told = |value: f64| machine.told(parameter, value);
+    let what = format!("{} of {of} over {parameter}, both directions", drawn.to_lowercase());
+    Ok(Study {
+        tables: vec![
+            (name.into(), maxima_rows((parameter, &column), diagram, &exact)?),
+            (format!("{name}-points"), point_table(parameter, diagram, &apart).csv()?),
+            (format!("{name}-windows"), window_table(parameter, diagram).csv()?),
+        ],
+        figure: Some(figure),
+        ..Study::without_figure(name, what).with_remarks(remarks(parameter, diagram, &apart, &told))
+    })
+}
+
+/// The largest exponent of a machine's motion after `discard` returns, over `periods` of them, as a table.
+///
+/// # Errors
+/// What the machine or its motion refuses.
+pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &str) -> Result<Study> {
+    let (motion, section) = machine.motion(&Start::default())?;
+    let mut motion = motion.without_energy_accounts();
+    vibro_analysis::assembly::discard(&mut motion, &section, discard)?;
+    let found = settled(&mut motion, &section, Some(periods))?;
+    let mut table = Table::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
+    let exponent = found.exponent;
+    let number = |x: Option<f64>| x.map_or(String::new(), exact);
+    table.rows.push(vec![
+        number(exponent.map(|e| e.value)),
+        number(exponent.map(|e| e.error)),
+        exponent.map_or(String::new(), |e| e.periods.to_string()),
+        exact(found.interval),
+        exact(found.contacts),
+        found.rests.to_string(),
+        found.class.name(),
+    ]);
+    let told = exponent.map_or(String::new(), |e| {
+        let (value, error) = (significant(e.value), significant(e.error));
+        format!("{value} 1/s, standard error {error}, over {} returns", e.periods)
+    });
+    let what = format!("largest Lyapunov exponent {told}");
+    let remarks = vec![format!("class: {}", found.class.name())];
+    Ok(Study {
+        tables: vec![(name.into(), table.csv()?)],
+        ..Study::without_figure(name, what).with_remarks(remarks)
+    })
+}
+
+fn point_table(parameter: &str, diagram: &Diagram<Point>, apart: &[bool]) -> Table {
+    let header =
+        ["direction", "class", "period", "interval", "contacts", "rests", "hysteresis", "exponent", "error"];
+    let mut table = Table::new(&[&[parameter][..], &header].concat());
+    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
+        for (point, apart) in points.iter().zip(apart) {
+            let Some(Point { value, settled, .. }) = point else { continue };
+            let number = |x: Option<f64>| x.map_or(String::new(), exact);
+            table.rows.push(vec![
+                exact(*value),
+                direction.into(),
+                settled.class.name(),
+                settled.period.map_or(String::new(), |n| n.to_string()),
+                exact(settled.interval),
+                exact(settled.contacts),
+                settled.rests.to_string(),
+                apart.to_string(),
+                number(settled.exponent.map(|e| e.value)),
+                number(settled.exponent.map(|e| e.error)),
+            ]);
+        }
+    }
+    table
+}

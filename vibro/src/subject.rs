@@ -1,0 +1,69 @@
+//! The machine that a study is of, as manifests, tables and captions tell it: the 3-DOF machine by its parameter set, or one of the
+//! user's own by its file.
+
+use crate::table::written_unit;
+use std::collections::BTreeMap;
+use vibro_analysis::{GROUPS, ParameterSet, Unit, assembly};
+use vibro_impact::parameters::{FIELDS, LOADS};
+
+/// What is told of the machine of a study.
+pub trait Subject: Sync {
+    /// Its numbers in SI by their names, and its dimensionless groups.
+    fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>);
+
+    /// What else makes its results differ from those of another machine, by names of options.
+    fn structure(&self) -> BTreeMap<String, String>;
+
+    /// Its parameters in a line.
+    fn caption(&self) -> String;
+
+    /// The unit in which a column of a table answers beside SI, where it is of a parameter that was written in another unit.
+    fn unit_of_column(&self, column: &str) -> Option<&'static Unit>;
+}
+
+impl Subject for ParameterSet {
+    fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
+        let (parameters, groups) = (self.parameters(), self.groups());
+        let loads = LOADS.iter().filter(|load| (load.get)(parameters) != 0.0);
+        let si = FIELDS.iter().chain(loads).map(|f| (f.name.into(), (f.get)(parameters)));
+        (si.collect(), GROUPS.iter().map(|g| (g.name.into(), (g.get)(groups))).collect())
+    }
+
+    fn structure(&self) -> BTreeMap<String, String> {
+        BTreeMap::new()
+    }
+
+    fn caption(&self) -> String {
+        self.caption()
+    }
+
+    fn unit_of_column(&self, column: &str) -> Option<&'static Unit> {
+        written_unit(self, column)
+    }
+}
+
+impl Subject for assembly::Machine {
+    fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
+        let parameters = self.description.parameters();
+        (parameters.into_iter().map(|p| (p.name, p.value)).collect(), BTreeMap::new())
+    }
+
+    fn structure(&self) -> BTreeMap<String, String> {
+        BTreeMap::from([
+            ("machine".into(), self.description.to_toml()),
+            ("section".into(), format!("{:?}", self.section)),
+        ])
+    }
+
+    fn caption(&self) -> String {
+        let d = &self.description;
+        let section = assembly::Section::of(d, &self.section);
+        let section = section.map_or(String::new(), |s| format!(", looked at after {}", s.in_words(d)));
+        format!("{}{section}", d.name)
+    }
+
+    fn unit_of_column(&self, column: &str) -> Option<&'static Unit> {
+        let plain = column.strip_suffix("_from").or_else(|| column.strip_suffix("_to")).unwrap_or(column);
+        self.written_unit(plain).filter(|unit| !unit.is_si())
+    }
+}

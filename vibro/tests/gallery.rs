@@ -1,0 +1,107 @@
+//! The pages of docs/gallery: their commands work, their pictures are what the commands draw, and their lines stand in the files.
+//! `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
+
+#[path = "common/mod.rs"]
+mod command;
+
+use command::folder;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A picture's coordinates are whole numbers or have few digits: sines of another mathematical library move them by no more.
+const MOVED: f64 = 2.0;
+/// The part of a picture's numbers that may have moved farther: where a motion is chaotic, its last digits count.
+const CHAOTIC: f64 = 0.3;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The text between a fence with this info and the next.
+fn block<'a>(page: &'a str, info: &str) -> &'a str {
+    let (_, rest) = page.split_once(&format!("```{info}\n")).expect("a block");
+    rest.split_once("\n```").expect("its end").0
+}
+
+/// The numbers of a drawing.
+fn numbers(svg: &str) -> Vec<f64> {
+    svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
+        .filter_map(|n| n.parse().ok())
+        .collect()
+}
+
+#[test]
+fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
+    let gallery = root().join("docs/gallery");
+    let index = std::fs::read_to_string(gallery.join("README.md")).unwrap();
+    let update = std::env::var("VIBRO_IMPACT_UPDATE").is_ok_and(|v| v == "1");
+    let mut count = 0;
+    for entry in std::fs::read_dir(&gallery).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        if path.extension().is_none_or(|e| e != "md") || name == "README" {
+            continue;
+        }
+        count += 1;
+        assert!(index.contains(&format!("({name}.md)")), "{name} is not in the gallery's index");
+        let page = std::fs::read_to_string(&path).unwrap();
+        let file = std::fs::read_to_string(root().join(format!("examples/assembly/{name}.toml"))).unwrap();
+        let lines: Vec<&str> = file.lines().collect();
+        for line in block(&page, "toml").lines() {
+            assert!(lines.contains(&line), "{name}: the file has no line `{line}`");
+        }
+        let line = block(&page, "sh").strip_prefix("vibro ").expect("a command of vibro");
+        let (line, _) = line.split_once(" --out ").expect("a folder");
+        let out = folder(&format!("gallery-{name}"));
+        let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+        let vibro = vibro.args(line.split_whitespace()).arg("--out").arg(&out).current_dir(root());
+        let output = vibro.output().expect("vibro runs");
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        let drawn = ["motion.svg", "assembly-bifurcation.svg"].map(|n| out.join(n));
+        let drawn = drawn.iter().find(|p| p.exists()).expect("a picture");
+        let now = std::fs::read_to_string(drawn).unwrap();
+        let kept = gallery.join(format!("{name}.svg"));
+        if update {
+            std::fs::write(&kept, &now).unwrap();
+        }
+        let before = std::fs::read_to_string(&kept).expect("a picture; VIBRO_IMPACT_UPDATE=1 writes it");
+        let (old, new) = (numbers(&before), numbers(&now));
+        let far = old.iter().zip(&new).filter(|(a, b)| (*a - *b).abs() > MOVED).count();
+        let apart = far as f64 + old.len().abs_diff(new.len()) as f64;
+        assert!(
+            apart <= CHAOTIC * old.len() as f64,
+            "{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew"
+        );
+    }
+    assert!(count >= 12, "{count} pages");
+}
+
+/// Words of the tutorial's commands that are replaced so that the test is quick.
+const SHORTENED: [(&str, &str); 3] = [
+    ("10mm:200", "10mm:4 --discard 20 --keep 4"),
+    ("13mm:40", "13mm:2"),
+    ("13mm:25", "13mm:2 --discard 20 --periods 4"),
+];
+
+#[test]
+fn the_tutorial_from_file_to_choice_works() {
+    let page = std::fs::read_to_string(root().join("docs/assemblies.md")).unwrap();
+    let mut used = [false; SHORTENED.len()];
+    let mut commands = 0;
+    for block in page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()) {
+        let Some(line) = block.trim().strip_prefix("vibro ") else { continue };
+        let mut line = line.to_owned();
+        for ((long, short), used) in SHORTENED.iter().zip(&mut used) {
+            *used |= line.contains(long);
+            line = line.replace(long, short);
+        }
+        let (line, _) = line.split_once(" --out ").unwrap_or((&line, ""));
+        let out = folder(&format!("from-file-to-choice-{commands}"));
+        let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+        let vibro = vibro.args(line.split_whitespace()).arg("--out").arg(&out).current_dir(root());
+        let output = vibro.output().expect("vibro runs");
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        commands += 1;
+    }
+    assert!(commands >= 5 && used.iter().all(|used| *used), "{commands} {used:?}");
+}
