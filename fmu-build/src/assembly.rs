@@ -2,48 +2,12 @@
 //! in the resources. All but this is generated from the file, so that nothing is compiled for a machine.
 
 use crate::archive::{self, Content};
-use crate::compile::Library;
 use crate::error::Result;
-use crate::platforms::{self, Binaries, LeftOut};
+use crate::kit::Kit;
+use crate::licences;
 use crate::version::{MODEL_DESCRIPTION, Version};
-use crate::{date, licences};
 use std::path::{Path, PathBuf};
 use vibro_assembly_fmi::{FILE, Plan, Quantity};
-
-/// What is the same in the archives of all machines.
-#[derive(Clone, Debug, Default)]
-pub struct Kit {
-    /// The library, compiled.
-    pub binaries: Binaries,
-    /// The texts of the licences of what is in it.
-    pub licences: Content,
-    /// When its sources were last changed.
-    pub date: Option<String>,
-}
-
-impl Kit {
-    /// That of this machine's platform. The first call compiles the library; later ones find it.
-    ///
-    /// # Errors
-    /// [`Error::Cargo`](crate::Error::Cargo), [`Error::File`](crate::Error::File).
-    pub fn own() -> Result<Self> {
-        Self::with(platforms::own_of(Library::Machine)?)
-    }
-
-    /// That of every platform that can be built here, and a list of the others.
-    ///
-    /// # Errors
-    /// As [`own`](Self::own).
-    pub fn all() -> Result<(Self, Vec<LeftOut>)> {
-        let (binaries, left_out) = platforms::all_of(Library::Machine, &[])?;
-        Ok((Self::with(binaries)?, left_out))
-    }
-
-    fn with(binaries: Binaries) -> Result<Self> {
-        let licences = licences::texts_of(Library::Machine, false)?;
-        Ok(Self { binaries, licences, date: date::of_sources() })
-    }
-}
 
 /// Everything that the archive of a version holds.
 pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Content {

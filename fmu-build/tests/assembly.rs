@@ -3,8 +3,9 @@
 mod common;
 
 use common::python::{python, root, run};
-use fmu_build::assembly::{Kit, content, write};
+use fmu_build::assembly::{content, write};
 use fmu_build::compile::SHARED_LIBRARY;
+use fmu_build::kit::Kit;
 use fmu_build::platforms::Binaries;
 use fmu_build::version::Version;
 use std::fmt::Write;
