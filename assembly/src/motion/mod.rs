@@ -1,10 +1,13 @@
 //! A motion: the state of a machine that advances from event to event, exactly.
 
+mod change;
 mod contact;
+mod course;
 mod event;
 pub(crate) mod saved;
 mod step;
 
+pub use course::Course;
 pub use event::{Event, EventKind};
 
 use crate::assembly::Assembly;
@@ -72,6 +75,8 @@ pub struct Motion {
     hybrid: Hybrid,
     tables: HashMap<Mode, Arc<Table>>,
     table: Arc<Table>,
+    /// By this part of its size a watched functional has passed zero at its event: nothing in an exact motion.
+    late: f64,
 }
 
 impl Motion {
@@ -135,7 +140,7 @@ impl Motion {
             },
             system.signals.one,
         ));
-        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty };
+        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty, late: 0.0 };
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }
