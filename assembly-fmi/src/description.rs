@@ -1,5 +1,6 @@
 //! What `modelDescription.xml` says of a machine, for both versions.
 
+use crate::machine::OUTPUT_ORDER;
 use crate::plan::Plan;
 use crate::table::{Quantity, Role, Row};
 use crate::units::{self, Declared};
@@ -43,6 +44,7 @@ impl Plan {
             }),
             co_simulation: Some(CoSimulation {
                 can_interpolate_inputs: true,
+                max_output_derivative_order: OUTPUT_ORDER,
                 might_return_early_from_do_step: true,
                 has_event_mode: true,
                 ..CoSimulation::default()
@@ -50,6 +52,8 @@ impl Plan {
             capabilities: Capabilities {
                 can_get_and_set_fmu_state: true,
                 can_serialize_fmu_state: true,
+                provides_directional_derivatives: true,
+                provides_adjoint_derivatives: true,
                 ..Capabilities::default()
             },
             units: declared().map(Declared::unit).collect(),

@@ -1,10 +1,12 @@
 //! An instance of a described machine.
 
 mod component;
+mod derivatives;
 mod events;
 mod exchange;
 mod moving;
 
+pub(crate) use derivatives::OUTPUT_ORDER;
 pub(crate) use moving::{SavedMoving, Shown};
 
 use crate::plan::Plan;

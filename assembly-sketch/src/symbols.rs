@@ -31,7 +31,7 @@ pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool) {
 
 impl Hand<'_> {
     fn width(&self) -> f64 {
-        if self.named { 6.0 } else { 14.0 }
+        if self.named { 6.0 } else { 10.0 }
     }
 
     fn line(&mut self, points: Vec<Place>) {

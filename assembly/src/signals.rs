@@ -215,6 +215,11 @@ impl Signals {
         }
     }
 
+    /// The place of an input's value in the augmented state.
+    pub(crate) fn place_of_input(&self, i: usize) -> Option<usize> {
+        self.pieces.iter().find(|piece| piece.input == Some(i)).map(|piece| piece.first)
+    }
+
     /// Carries what is polynomial between knots on by a time `dt`, whatever knots are in between.
     pub(crate) fn carry(&self, dt: f64, z: &mut [f64]) {
         for piece in &self.pieces {

@@ -18,6 +18,8 @@ pub mod check;
 pub mod compile;
 pub mod date;
 pub mod describe;
+pub mod described_page;
+pub mod described_terminals;
 mod error;
 pub mod explorer;
 pub mod fmi3;

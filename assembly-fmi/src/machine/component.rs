@@ -140,6 +140,25 @@ impl Component for Machine {
         Ok(())
     }
 
+    fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        write: impl FnMut(usize, f64),
+    ) -> Result<(), MachineProblem> {
+        self.time_derivatives(references, orders, write)
+    }
+
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        write: impl FnMut(usize, f64),
+    ) -> Result<(), MachineProblem> {
+        self.derivatives_along(unknowns, knowns, seed, write)
+    }
+
     fn enter_event(&mut self) -> Result<(), MachineProblem> {
         self.life.phase = Phase::Event;
         self.latched = None;

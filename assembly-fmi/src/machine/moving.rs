@@ -172,18 +172,13 @@ impl Moving {
     pub(super) fn value(&self, quantity: Quantity) -> f64 {
         let motion = &self.motion;
         match quantity {
-            Quantity::Body(i, k) => motion.body(i)[k],
-            Quantity::Spring(i, k) => motion.spring(i)[k],
-            Quantity::Stop(i, k) => motion.stop(i)[k],
-            Quantity::Friction(i, k) => motion.friction(i)[k],
-            Quantity::Load(i) => motion.load(i),
             Quantity::Energy(energy) => self.energy(energy),
             Quantity::StopState(i) => stop_state(motion.mode().stops[i]),
             Quantity::Impacts(i) => motion.impacts(i).0 as f64,
             Quantity::Impulse(i) => motion.impacts(i).1,
             Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
             Quantity::Indicator(i) => motion.indicators()[i],
-            Quantity::Time | Quantity::Parameter(_) | Quantity::Input(_) => 0.0,
+            _ => linear(motion, quantity),
         }
     }
 
@@ -200,6 +195,20 @@ impl Moving {
             }
             Energy::Residual => self.unaccounted() - self.origin,
         }
+    }
+}
+
+/// A coordinate, an elongation or a force, or a derivative of one; 0 of anything else.
+pub(super) fn linear(motion: &Motion, quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::Body(i, 0) => motion.coordinate(i),
+        Quantity::Body(i, 1) => motion.rate(i),
+        Quantity::Body(i, _) => motion.body(i)[2],
+        Quantity::Spring(i, k) => motion.spring(i)[k],
+        Quantity::Stop(i, k) => motion.stop(i)[k],
+        Quantity::Friction(i, k) => motion.friction(i)[k],
+        Quantity::Load(i) => motion.load(i),
+        _ => 0.0,
     }
 }
 

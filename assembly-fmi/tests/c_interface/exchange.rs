@@ -195,3 +195,32 @@ fn closed_form_by_fmi_2_with_an_input_and_a_changed_mass() {
         fmi2FreeInstance(c);
     }
 }
+
+#[test]
+fn closed_form_the_jacobian_of_a_spring() {
+    let text = "name = \"Osc\"\n[body.b]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 50.0\ndamping = 1.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let c = made("jacobian", &plan, &mut messages);
+    let host = Host::begin(c);
+    host.at(0.0, &[0.25, -1.0]);
+    let reference = |name: &str| plan.table.reference(name).unwrap();
+    let (unknowns, knowns) = ([reference("b.v"), reference("b.a")], [reference("b.s"), reference("b.v")]);
+    let mut along = [0.0; 2];
+    for (seed, expected) in [([1.0, 0.0], [0.0, -25.0]), ([0.0, 1.0], [1.0, -0.5])] {
+        unsafe {
+            let (u, k, out) = (unknowns.as_ptr(), knowns.as_ptr(), along.as_mut_ptr());
+            assert_eq!(
+                fmi3GetDirectionalDerivative(c, u, 2, k, 2, seed.as_ptr(), 2, out, 2),
+                OK,
+                "{messages:?}"
+            );
+        }
+        // Of a division by the mass through its factor.
+        assert!(
+            along.iter().zip(expected).all(|(a, b): (&f64, f64)| (a - b).abs() <= 1e-15 * b.abs()),
+            "{along:?}"
+        );
+    }
+    unsafe { fmi3FreeInstance(c) };
+}

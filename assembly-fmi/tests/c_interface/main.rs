@@ -1,6 +1,7 @@
 //! Described machines through the C interface, as a host would run them: both versions, events, saved states, refusals.
 #![allow(unsafe_code)] // the C interface
 
+mod derivatives;
 mod exchange;
 mod host;
 mod parameters;

@@ -6,6 +6,7 @@ mod course;
 mod event;
 pub(crate) mod saved;
 mod step;
+mod variation;
 
 pub use course::Course;
 pub use event::{Event, EventKind};
@@ -166,6 +167,16 @@ impl Motion {
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
         let acceleration = self.table.a.rows(n, n) * z;
         [rows.s.dot(z), rows.v.dot(z), rows.weights.dot(&acceleration) + rows.drift.dot(z)]
+    }
+
+    /// A body's coordinate alone, m or rad.
+    pub fn coordinate(&self, i: usize) -> f64 {
+        self.assembly.system.bodies[i].s.dot(&self.hybrid.z)
+    }
+
+    /// Its rate alone, m/s or rad/s.
+    pub fn rate(&self, i: usize) -> f64 {
+        self.assembly.system.bodies[i].v.dot(&self.hybrid.z)
     }
 
     /// A spring's elongation, its rate and its force.
