@@ -1,12 +1,13 @@
 //! What `modelDescription.xml` says of a machine, for both versions.
 
+use crate::machine::OUTPUT_ORDER;
 use crate::plan::Plan;
 use crate::table::{Quantity, Role, Row};
 use crate::units::{self, Declared};
 use fmi_doors::Base;
 use fmi_doors::description::{
-    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, Unknown, Variability,
-    Variable,
+    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, ModelExchange, Unknown,
+    Variability, Variable,
 };
 use vibro_assembly::description::{BodyKind, Harmonic};
 
@@ -29,7 +30,7 @@ impl Plan {
             model_name: machine.name.clone().into(),
             model_identifier: machine.name.clone().into(),
             token: self.token().to_owned().into(),
-            description: format!("{}, a machine of {} bodies", machine.name, machine.bodies.len()).into(),
+            description: self.summary().into(),
             author: "".into(),
             version: env!("CARGO_PKG_VERSION").into(),
             copyright: "".into(),
@@ -37,9 +38,13 @@ impl Plan {
             generation_tool: concat!("vibro-impact ", env!("CARGO_PKG_VERSION")).into(),
             generation_date_and_time: None,
             structured_names: true,
-            model_exchange: None,
+            model_exchange: Some(ModelExchange {
+                needs_completed_integrator_step: true,
+                number_of_event_indicators: self.table.indicators.len(),
+            }),
             co_simulation: Some(CoSimulation {
                 can_interpolate_inputs: true,
+                max_output_derivative_order: OUTPUT_ORDER,
                 might_return_early_from_do_step: true,
                 has_event_mode: true,
                 ..CoSimulation::default()
@@ -47,6 +52,8 @@ impl Plan {
             capabilities: Capabilities {
                 can_get_and_set_fmu_state: true,
                 can_serialize_fmu_state: true,
+                provides_directional_derivatives: true,
+                provides_adjoint_derivatives: true,
                 ..Capabilities::default()
             },
             units: declared().map(Declared::unit).collect(),
@@ -62,10 +69,44 @@ impl Plan {
                 .map(|(reference, row)| self.variable(reference, row))
                 .collect(),
             outputs: outputs().map(|(reference, row)| self.unknown(reference, row)).collect(),
-            derivatives: Vec::new(),
+            derivatives: self.states(1).chain(self.states(2)).map(Unknown::on_anything).collect(),
             initial_unknowns: outputs().map(|(reference, _)| Unknown::on_anything(reference)).collect(),
-            event_indicators: Vec::new(),
+            event_indicators: self.table.indicators.iter().copied().map(Unknown::on_anything).collect(),
         }
+    }
+
+    /// What the machine is, in a line.
+    fn summary(&self) -> String {
+        let machine = &self.assembly.description;
+        let bodies = machine.bodies.len();
+        let bodies = if bodies == 1 { "one body".to_owned() } else { format!("{bodies} bodies") };
+        format!("{}, a machine of {bodies} with {} states", machine.name, 2 * self.assembly.states().len())
+    }
+
+    /// The value references of the states' coordinates, rates or accelerations, by the order of the derivative.
+    fn states(&self, order: usize) -> impl Iterator<Item = u32> {
+        let quantity = move |&body: &usize| Quantity::Body(body, order);
+        let quantities: Vec<_> = self.assembly.states().iter().map(quantity).collect();
+        quantities.into_iter().filter_map(|q| self.table.reference_of(q))
+    }
+
+    /// The row of a state or of the derivative of one: the derivative's state, and the nominal value.
+    fn in_exchange(&self, row: &Row, variable: Variable) -> Variable {
+        let Quantity::Body(body, order) = row.quantity else { return variable };
+        let states = self.assembly.states();
+        let Some(place) = states.iter().position(|&state| state == body) else { return variable };
+        let mut variable = match order {
+            0 => variable.reinitialized(),
+            _ => match self.table.reference_of(Quantity::Body(body, order - 1)) {
+                Some(state) if order == 1 => variable.derivative_of(state).reinitialized(),
+                Some(state) => variable.derivative_of(state),
+                None => variable,
+            },
+        };
+        if let (Kind::Real { nominal, .. }, true) = (&mut variable.kind, order < 2) {
+            *nominal = self.nominals.get(order * states.len() + place).copied();
+        }
+        variable
     }
 
     fn references(&self, wanted: impl Fn(&Row) -> bool) -> impl Iterator<Item = (u32, &Row)> {
@@ -75,7 +116,8 @@ impl Plan {
     fn variable(&self, reference: u32, row: &Row) -> Variable {
         let causality = match row.role {
             Role::Independent => Causality::Independent,
-            Role::Parameter => Causality::Parameter,
+            Role::Parameter | Role::Tunable => Causality::Parameter,
+            Role::Local => Causality::Local,
             Role::Input => Causality::Input,
             Role::Output | Role::Discrete => Causality::Output,
         };
@@ -91,7 +133,10 @@ impl Plan {
                 let bound =
                     |bound: f64| Some(bound).filter(|bound| bound.is_finite() && bound.abs() < f64::MAX);
                 let range = parameter.range();
-                Variable { min: bound(range.min), max: bound(range.max), ..real.starting_at(parameter.value) }
+                let variability =
+                    if row.role == Role::Tunable { Variability::Tunable } else { Variability::Fixed };
+                let real = real.starting_at(parameter.value);
+                Variable { min: bound(range.min), max: bound(range.max), variability, ..real }
             }
             (Quantity::Input(_), _) => real.starting_at(0.0),
             (quantity, Base::Enumeration) => {
@@ -106,6 +151,7 @@ impl Plan {
                 }
             }
             (_, Base::Integer) => real.counting(),
+            (Quantity::Body(..), _) => self.in_exchange(row, real),
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
             _ => real,
         }

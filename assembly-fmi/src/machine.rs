@@ -1,96 +1,24 @@
 //! An instance of a described machine.
 
 mod component;
+mod derivatives;
 mod events;
+mod exchange;
+mod moving;
+
+pub(crate) use derivatives::OUTPUT_ORDER;
+pub(crate) use moving::{SavedMoving, Shown};
 
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
-use crate::table::{Energy, Quantity, Role};
-use crate::units::{friction_state, stop_state};
-use fmi_doors::{Life, Phase, Problem};
-use serde::{Deserialize, Serialize};
+use crate::table::{Quantity, Role};
+use fmi_doors::{Interface, Life, Phase, Problem};
+use moving::Moving;
+use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
+use vibro_assembly::Motion;
 use vibro_assembly::signals::Input;
-use vibro_assembly::{Assembly, Motion};
-
-/// A motion, and what its energy is held against.
-#[derive(Clone)]
-struct Moving {
-    motion: Motion,
-    /// The mechanical energy that it would have without work and losses, J. A prescribed motion that is set anew may stretch
-    /// springs at once; what that adds is taken into it.
-    origin: f64,
-}
-
-impl Moving {
-    fn new(motion: Motion) -> Self {
-        let mut moving = Self { motion, origin: 0.0 };
-        moving.origin = moving.unaccounted();
-        moving
-    }
-
-    /// Mechanical energy less work plus losses.
-    fn unaccounted(&self) -> f64 {
-        let (kinetic, stored) = self.motion.kinetic_and_stored();
-        kinetic + stored - self.motion.energy().balance()
-    }
-
-    /// Sets the inputs that were given.
-    fn set_inputs(&mut self, inputs: &[Option<Input>]) -> Result<(), vibro_assembly::Error> {
-        let residual = self.unaccounted() - self.origin;
-        for (i, input) in inputs.iter().enumerate() {
-            match input {
-                Some(input) if *input != self.motion.input(i) => self.motion.set_input(i, *input)?,
-                _ => {}
-            }
-        }
-        self.origin = self.unaccounted() - residual;
-        Ok(())
-    }
-
-    /// Stops' states, impacts and last impulses, and frictions' states.
-    fn discrete(&self) -> Shown {
-        let mode = self.motion.mode();
-        let stop = |(i, state)| {
-            let (impacts, impulse) = self.motion.impacts(i);
-            (stop_state(state), impacts as f64, impulse)
-        };
-        Shown {
-            stops: mode.stops.iter().copied().enumerate().map(stop).collect(),
-            frictions: mode.frictions.iter().copied().map(friction_state).collect(),
-        }
-    }
-
-    fn energy(&self, energy: Energy) -> f64 {
-        let accounts = self.motion.energy();
-        let (kinetic, stored) = self.motion.kinetic_and_stored();
-        let work = || accounts.loads.iter().fold(accounts.motions, |sum, x| sum + *x).value();
-        match energy {
-            Energy::Kinetic => kinetic,
-            Energy::Stored => stored,
-            Energy::Work => work(),
-            Energy::Lost => work() - accounts.balance(),
-            Energy::Residual => self.unaccounted() - self.origin,
-        }
-    }
-}
-
-/// What changes at events only, as a host sees it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Shown {
-    /// By stop: state, impacts, last impulse.
-    stops: Vec<(f64, f64, f64)>,
-    /// By friction.
-    frictions: Vec<f64>,
-}
-
-impl Shown {
-    /// Whether it is of as many stops and frictions.
-    fn has_the_shape_of(&self, other: &Self) -> bool {
-        self.stops.len() == other.stops.len() && self.frictions.len() == other.frictions.len()
-    }
-}
 
 /// An instance of a described machine: parameters, inputs and a motion.
 pub struct Machine {
@@ -98,6 +26,10 @@ pub struct Machine {
     life: Life,
     /// Values of all parameters.
     values: Vec<f64>,
+    /// What is added to phases so that a change of their frequencies under way makes no jump, rad; by parameter.
+    phases: Vec<f64>,
+    /// Whether parameters were set under way and not yet taken over by the motion.
+    changed: bool,
     /// What was set of each input and not yet taken over by the motion: value and derivatives.
     pending: Vec<Option<Input>>,
     /// The motion, once initialization has ended.
@@ -118,26 +50,46 @@ impl fmt::Debug for Machine {
 impl Machine {
     /// A new instance of a machine, all variables at their start.
     pub fn new(plan: Arc<Plan>, life: Life) -> Self {
-        let values = plan.table.parameters.iter().map(|parameter| parameter.value).collect();
-        let pending = vec![None; plan.table.inputs.len()];
-        Self { plan, life, values, pending, moving: None, ahead: None, latched: None }
+        let values: Vec<f64> = plan.table.parameters.iter().map(|parameter| parameter.value).collect();
+        let (phases, pending) = (vec![0.0; values.len()], vec![None; plan.table.inputs.len()]);
+        let (moving, ahead, latched) = (None, None, None);
+        Self { plan, life, values, phases, changed: false, pending, moving, ahead, latched }
     }
 
-    /// The machine with the parameters' present values.
-    fn assembly(&self) -> Result<Arc<Assembly>, MachineProblem> {
-        let start = self.plan.table.parameters.iter().map(|parameter| parameter.value);
-        if start.eq(self.values.iter().copied()) {
-            return Ok(self.plan.assembly.clone());
-        }
-        Ok(Arc::new(Assembly::new(self.plan.machine(&self.values)?)?))
+    /// The numbers of the machine with the parameters' present values.
+    fn numbers(&self) -> Vec<f64> {
+        self.values.iter().zip(&self.phases).map(|(value, phase)| value + phase).collect()
     }
 
     /// The motion from the start, with all that was set.
     fn start(&self) -> Result<Moving, MachineProblem> {
-        let motion = Motion::starting_at(self.assembly()?, self.life.start_time())?;
-        let mut moving = Moving::new(motion);
+        let numbers = self.numbers();
+        let assembly = self.plan.machine(&numbers, false)?;
+        let motion = Motion::starting_at(assembly.clone(), self.life.start_time())?;
+        let mut moving = Moving::new(motion, numbers);
         moving.set_inputs(&self.pending)?;
+        if self.life.interface == Interface::ModelExchange {
+            if assembly.states() != self.plan.assembly.states() {
+                let what = "lever arms with which the coordinates of other bodies are the states";
+                return Err(Problem::NotOffered { what }.into());
+            }
+            moving.begin_course()?;
+        }
         Ok(moving)
+    }
+
+    /// Whether something was set that the motion has not taken over.
+    fn is_set(&self) -> bool {
+        self.changed || self.pending.iter().any(Option::is_some)
+    }
+
+    /// Lets a motion take over what was set.
+    fn take_over(&self, moving: &mut Moving) -> Result<(), MachineProblem> {
+        if self.changed {
+            let numbers = self.numbers();
+            moving.change(self.plan.machine(&numbers, true)?, numbers)?;
+        }
+        Ok(moving.set_inputs(&self.pending)?)
     }
 
     /// The motion as it is with all that was set.
@@ -145,9 +97,9 @@ impl Machine {
         if self.ahead.is_none() {
             match &self.moving {
                 None => self.ahead = Some(self.start()?),
-                Some(moving) if self.pending.iter().any(Option::is_some) => {
+                Some(moving) if self.is_set() => {
                     let mut ahead = moving.clone();
-                    ahead.set_inputs(&self.pending)?;
+                    self.take_over(&mut ahead)?;
                     self.ahead = Some(ahead);
                 }
                 Some(_) => {}
@@ -173,23 +125,12 @@ impl Machine {
     }
 
     fn of_motion(&self, moving: &Moving, quantity: Quantity) -> f64 {
-        let motion = &moving.motion;
-        let shown = |get: fn(&Shown, usize) -> f64, i| match &self.latched {
-            Some(shown) => get(shown, i),
-            None => get(&moving.discrete(), i),
-        };
-        let value = match quantity {
-            Quantity::Body(i, k) => motion.body(i)[k],
-            Quantity::Spring(i, k) => motion.spring(i)[k],
-            Quantity::Stop(i, k) => motion.stop(i)[k],
-            Quantity::Friction(i, k) => motion.friction(i)[k],
-            Quantity::Load(i) => motion.load(i),
-            Quantity::Energy(energy) => moving.energy(energy),
-            Quantity::StopState(i) => shown(|s, i| s.stops[i].0, i),
-            Quantity::Impacts(i) => shown(|s, i| s.stops[i].1, i),
-            Quantity::Impulse(i) => shown(|s, i| s.stops[i].2, i),
-            Quantity::FrictionState(i) => shown(|s, i| s.frictions[i], i),
-            Quantity::Time | Quantity::Parameter(_) | Quantity::Input(_) => 0.0,
+        let value = match (&self.latched, quantity) {
+            (Some(shown), Quantity::StopState(i)) => shown.stops[i].0,
+            (Some(shown), Quantity::Impacts(i)) => shown.stops[i].1,
+            (Some(shown), Quantity::Impulse(i)) => shown.stops[i].2,
+            (Some(shown), Quantity::FrictionState(i)) => shown.frictions[i],
+            _ => moving.value(quantity),
         };
         value + 0.0 // zero without a sign
     }
@@ -199,8 +140,11 @@ impl Machine {
         let row = self.plan.table.row(reference, bases)?;
         let name = || row.name.clone();
         let early = matches!(self.life.phase, Phase::Instantiated | Phase::Initialization);
+        let between = matches!(self.life.phase, Phase::Event | Phase::Step | Phase::StoppedEarly);
         match (row.role, row.quantity) {
-            (Role::Parameter, Quantity::Parameter(i)) if early => {
+            (Role::Parameter | Role::Tunable, Quantity::Parameter(i))
+                if early || (between && row.role == Role::Tunable) =>
+            {
                 let range = self.plan.table.parameters[i].range();
                 if !range.contains(value) {
                     return Err(Problem::value(name(), value, range.allowed));
@@ -209,7 +153,11 @@ impl Machine {
             (Role::Input, _) if value.is_finite() => {}
             (Role::Input, _) => return Err(Problem::value(name(), value, "a finite number")),
             _ => {
-                let allowed = "parameters until initialization ends, and inputs";
+                let allowed = match (early, between) {
+                    (true, _) => "parameters and inputs",
+                    (_, true) => "tunable parameters and inputs",
+                    _ => "inputs",
+                };
                 let (name, phase) = (name().into(), self.life.phase.words());
                 return Err(Problem::NotSettable { name, phase, allowed });
             }
@@ -219,11 +167,42 @@ impl Machine {
 
     /// Takes a value over that was checked.
     fn put(&mut self, quantity: Quantity, value: f64) {
-        match quantity {
-            Quantity::Parameter(i) => self.values[i] = value,
-            Quantity::Input(i) => self.pending[i] = Some([value, 0.0, 0.0, 0.0]),
+        match (quantity, &mut self.moving) {
+            (Quantity::Parameter(i), _) => self.put_parameter(i, value),
+            (Quantity::Input(i), Some(moving)) if moving.is_on_course() => {
+                moving.set_input_on_course(i, value)
+            }
+            (Quantity::Input(i), _) => self.pending[i] = Some([value, 0.0, 0.0, 0.0]),
             _ => {}
         }
         self.ahead = None;
+    }
+
+    fn put_parameter(&mut self, i: usize, value: f64) {
+        let before = std::mem::replace(&mut self.values[i], value);
+        let Some(moving) = &self.moving else { return };
+        self.changed |= before != value;
+        // A harmonic's phase stands behind its frequency in the order of the parameters. It goes on from where it is.
+        if self.plan.table.parameters[i].name.ends_with(".frequency") {
+            let turns = (before - value) * moving.motion.time();
+            self.phases[i + 1] = (self.phases[i + 1] + TAU * turns.fract()) % TAU;
+        }
+    }
+
+    /// Sets parameters under way, all or none: whether they go with one another and with the present state shows at once.
+    fn change(&mut self, values: &[(usize, f64)]) -> Result<(), MachineProblem> {
+        let before = (self.values.clone(), self.phases.clone(), self.changed);
+        values.iter().for_each(|&(i, value)| self.put(Quantity::Parameter(i), value));
+        let Err(problem) = self.present() else { return Ok(()) };
+        (self.values, self.phases, self.changed) = before;
+        self.ahead = None;
+        Err(match problem {
+            MachineProblem::Motion(problem) => {
+                let name = |i: usize| &self.plan.table.parameters[i].name;
+                let set: Vec<_> = values.iter().map(|&(i, value)| format!("{} = {value}", name(i))).collect();
+                MachineProblem::Change { set: set.join(", "), problem }
+            }
+            other => other,
+        })
     }
 }

@@ -8,7 +8,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
-use vibro_assembly::{Assembly, Description, Refusal};
+use vibro_assembly::{Assembly, Description};
 
 /// The machine's file in the folder of the FMU's resources. It has its records within itself: no other file is read.
 pub const FILE: &str = "machine.toml";
@@ -23,6 +23,8 @@ pub struct Plan {
     pub table: Table,
     /// The machine with all parameters at their start values.
     pub assembly: Arc<Assembly>,
+    /// Usual sizes of the continuous states.
+    pub nominals: Vec<f64>,
     token: String,
     text: String,
 }
@@ -36,7 +38,9 @@ impl Plan {
         let machine = parse(&text, file, &no_records)?;
         let assembly = Arc::new(Assembly::new(machine)?);
         let token = token(&text);
-        Ok(Self { table: Table::new(&assembly.description), assembly, token, text })
+        let table = Table::new(&assembly.description);
+        let nominals = assembly.nominals();
+        Ok(Self { table, assembly, nominals, token, text })
     }
 
     /// The plan of a machine whatever its file looks like: records are taken into the text.
@@ -50,15 +54,26 @@ impl Plan {
     /// The plan that an instance is asked for: of the file in its resources, if it bears the token of the description.
     ///
     /// # Errors
-    /// [`MachineProblem::File`] where there is no such file; [`MachineProblem::Door`] where the host does not say where resources are,
-    /// or gives the token of another machine; else as [`new`](Self::new).
+    /// [`MachineProblem::File`] where there is no such file, neither where the host says nor beside the library;
+    /// [`MachineProblem::Door`] where the host says nothing, or gives the token of another machine; else as [`new`](Self::new).
     pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
-        let file = request.resource_folder()?.join(FILE);
-        let name = file.display().to_string();
-        let text = read(&file).map_err(|problem| MachineProblem::File { file: name.clone(), problem })?;
+        let places = request.resource_folders();
+        let mut read = places.iter().map(|folder| folder.join(FILE)).map(|file| (read(&file), file));
+        let found = read.by_ref().find_map(|(read, file)| Some((read.ok()?, file.display().to_string())));
+        let Some((text, name)) = found else {
+            // What is wrong with the place that the host has named, or that it has named none.
+            let file = request.resource_folder()?.join(FILE);
+            let problem = self::read(&file).err().unwrap_or_default();
+            return Err(MachineProblem::File { file: file.display().to_string(), problem });
+        };
         // The token first: what is wrong with another machine's file is of no use.
         request.check_token(&token(&text))?;
         Self::new(text, &name)
+    }
+
+    /// The token of the machine whose [`FILE`] has this text.
+    pub fn token_of(text: &str) -> String {
+        token(text)
     }
 
     /// What tells this machine's description and file apart from others.
@@ -76,14 +91,21 @@ impl Plan {
         &self.assembly.description.name
     }
 
-    /// The machine with these values of all parameters, in their order.
+    /// The machine with these values of all parameters, in their order; of a machine under way the starts do not matter.
     ///
     /// # Errors
     /// A refusal of what the values together are.
-    pub(crate) fn machine(&self, values: &[f64]) -> Result<Description, Refusal> {
+    pub(crate) fn machine(&self, values: &[f64], under_way: bool) -> Result<Arc<Assembly>, MachineProblem> {
+        let start = self.table.parameters.iter().map(|parameter| parameter.value);
+        if start.eq(values.iter().copied()) {
+            return Ok(self.assembly.clone());
+        }
         let parameters = self.table.parameters.iter().zip(values);
         let changed = parameters.filter(|(parameter, value)| parameter.value != **value);
-        self.assembly.description.with(changed.map(|(parameter, value)| (parameter.name.as_str(), *value)))
+        let changed = changed.map(|(parameter, value)| (parameter.name.as_str(), *value));
+        let own = &self.assembly.description;
+        let machine = if under_way { own.under_way(changed) } else { own.with(changed) };
+        Ok(Arc::new(Assembly::new(machine?)?))
     }
 }
 

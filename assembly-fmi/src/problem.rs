@@ -20,6 +20,14 @@ pub enum MachineProblem {
     /// The file says nothing that is a machine, or the parameters together are none.
     #[error("{0}")]
     Machine(#[from] vibro_assembly::Refusal),
+    /// What was set under way does not go with the present state.
+    #[error("{set}: {problem}")]
+    Change {
+        /// Names and values.
+        set: String,
+        /// Why not.
+        problem: vibro_assembly::Error,
+    },
     /// The machine has no motion, or its motion cannot go on.
     #[error("{0}")]
     Motion(#[from] vibro_assembly::Error),
@@ -29,7 +37,7 @@ impl Refusal for MachineProblem {
     fn is_of_a_value(&self) -> bool {
         match self {
             Self::Door(problem) => problem.is_of_a_value(),
-            Self::Machine(_) | Self::Motion(_) => true,
+            Self::Machine(_) | Self::Motion(_) | Self::Change { .. } => true,
             Self::File { .. } => false,
         }
     }

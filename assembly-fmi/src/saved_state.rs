@@ -2,10 +2,9 @@
 //! the machine's token and the state in postcard's format. The token holds the library's version, so that the layout may change
 //! with it. The checksum notices accidents; it is no signature, and what the bytes say is checked as well.
 
-use crate::machine::Shown;
+use crate::machine::{SavedMoving, Shown};
 use fmi_doors::{Life, Problem};
 use serde::{Deserialize, Serialize};
-use vibro_assembly::motion::Hybrid;
 use vibro_assembly::signals::Input;
 use vibro_impact::numerics::digest::fnv1a;
 
@@ -18,10 +17,14 @@ pub struct SavedState {
     pub(crate) life: Life,
     /// Of all parameters.
     pub(crate) values: Vec<f64>,
+    /// What is added to phases, by parameter.
+    pub(crate) phases: Vec<f64>,
+    /// Whether parameters were set and not yet taken over.
+    pub(crate) changed: bool,
     /// What was set of each input and not yet taken over.
     pub(crate) pending: Vec<Option<Input>>,
-    /// The motion, with the mechanical energy that it would have without work and losses.
-    pub(crate) moving: Option<(Hybrid, f64)>,
+    /// The motion.
+    pub(crate) moving: Option<SavedMoving>,
     pub(crate) latched: Option<Shown>,
 }
 

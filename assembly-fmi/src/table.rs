@@ -8,6 +8,7 @@
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
+//! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
 //!
 //! Names of bodies and of elements are unique each, and what follows them differs: no two variables share a name.
 
@@ -44,6 +45,8 @@ pub enum Quantity {
     FrictionState(usize),
     /// A part of the energy balance.
     Energy(Energy),
+    /// An event indicator, by its place among all.
+    Indicator(usize),
 }
 
 /// A part of the energy balance, J.
@@ -68,12 +71,16 @@ pub enum Role {
     Independent,
     /// A number of the file, set before the motion begins.
     Parameter,
+    /// A number of the file that may be set at events too.
+    Tunable,
     /// Added to a signal.
     Input,
     /// Follows from the motion and changes at any time.
     Output,
     /// Follows from the motion and changes at events only.
     Discrete,
+    /// Follows from the motion, and is of interest to a host's solver alone.
+    Local,
 }
 
 /// A variable.
@@ -102,6 +109,8 @@ pub struct Table {
     pub parameters: Vec<Parameter>,
     /// The value references of the inputs, in their order.
     pub inputs: Vec<u32>,
+    /// Those of the event indicators.
+    pub indicators: Vec<u32>,
 }
 
 /// In a unit of translation or of rotation.
@@ -118,11 +127,13 @@ const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
 impl Table {
     /// The variables of a machine.
     pub fn new(machine: &Description) -> Self {
-        let mut table = Self { rows: Vec::new(), parameters: machine.parameters(), inputs: Vec::new() };
+        let parameters = machine.parameters();
+        let mut table = Self { rows: Vec::new(), parameters, inputs: Vec::new(), indicators: Vec::new() };
         table.push("time".into(), "Time", "s", Role::Independent, Quantity::Time);
         for place in 0..table.parameters.len() {
             let Parameter { name, meaning, unit, .. } = table.parameters[place].clone();
-            table.push(name, meaning, unit, Role::Parameter, Quantity::Parameter(place));
+            let role = if is_tunable(&name) { Role::Tunable } else { Role::Parameter };
+            table.push(name, meaning, unit, role, Quantity::Parameter(place));
         }
         for (place, (name, unit)) in inputs(machine).into_iter().enumerate() {
             table.push(name, "Added to the signal", unit, Role::Input, Quantity::Input(place));
@@ -131,6 +142,7 @@ impl Table {
         table.bodies(machine);
         table.elements(machine);
         table.energies();
+        table.indicators(machine);
         table
     }
 
@@ -212,9 +224,42 @@ impl Table {
         }
     }
 
+    /// In the engine's order.
+    fn indicators(&mut self, machine: &Description) {
+        let mut push = |name: String, meaning: &str| {
+            let place = self.indicators.len();
+            self.push(name, meaning, "1", Role::Local, Quantity::Indicator(place));
+            self.indicators.push(self.rows.len() as u32);
+        };
+        for stop in &machine.stops {
+            let name = format!("{}.indicator", stop.name);
+            match stop.law {
+                StopLaw::Rigid { .. } => push(name, "Negative where the stop is to close or to open"),
+                StopLaw::Compliant { .. } => {
+                    push(
+                        format!("{name}.edge"),
+                        "Negative where the stop is met or left, or its force capped",
+                    );
+                    push(format!("{name}.force"), "Negative where the force ends or begins");
+                }
+            }
+        }
+        for friction in &machine.frictions {
+            let name = format!("{}.indicator", friction.name);
+            push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
+            push(format!("{name}.down"), "Negative where slipping begins downwards");
+            push(format!("{name}.level"), "Negative where friction begins or ceases to act");
+        }
+    }
+
     /// The value reference of a name, where there is one.
     pub fn reference(&self, name: &str) -> Option<u32> {
         self.rows.iter().position(|row| row.name == name).map(|place| place as u32 + 1)
+    }
+
+    /// The value reference of what is read from a quantity.
+    pub(crate) fn reference_of(&self, quantity: Quantity) -> Option<u32> {
+        self.rows.iter().position(|row| row.quantity == quantity).map(|place| place as u32 + 1)
     }
 
     /// The variable of a value reference that has one of the types.
@@ -232,6 +277,11 @@ impl Table {
         };
         Err(Problem::Reference { reference, wanted: bases.name, found })
     }
+}
+
+/// Whether a number may be set after the motion has begun: neither a start nor an arm, on which coordinates depend.
+fn is_tunable(name: &str) -> bool {
+    !name.contains(".start.") && !name.contains(".arms.")
 }
 
 /// Names and units of the inputs, in the engine's order: motions of bodies, loads, levels of friction.

@@ -34,6 +34,15 @@ impl Description {
 
 /// All problems of a machine, or none. Numbers outside their ranges and broken structure hide what would follow from them.
 pub(crate) fn check(machine: &Description) -> Vec<Problem> {
+    let mut problems = check_under_way(machine);
+    if problems.is_empty() {
+        starts::check(machine, &mut problems);
+    }
+    problems
+}
+
+/// The same but for problems of the start.
+pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     let mut problems = names::check(machine);
     if !problems.is_empty() {
         return problems;
@@ -52,9 +61,6 @@ pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     levels(machine, &mut problems);
     bodies(machine, &mut problems);
     links::check(machine, &mut problems);
-    if problems.is_empty() {
-        starts::check(machine, &mut problems);
-    }
     problems
 }
 

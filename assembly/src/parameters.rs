@@ -4,7 +4,7 @@
 //! `friction.guide.force`, `load.shaker.amplitude`, or `load.shaker.harmonics[1].amplitude` where there are several harmonics. Which
 //! names there are follows from the machine's topology and never from its numbers. The knots of records have no names.
 
-use crate::check::check;
+use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
 use crate::kinds::Kind;
 use crate::refusal::{Problem, Refusal, advice};
@@ -125,6 +125,24 @@ impl Description {
     /// A [`Refusal`] for unknown names, with the nearest; for a value outside its range; and for whatever a file with these values
     /// would be refused for.
     pub fn with<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
+        self.changed(changes, check)
+    }
+
+    /// The same of a machine under way, whose bodies no longer stand at their starts: nothing is asked of the starts, and bodies keep
+    /// theirs where the machine started at rest.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with), but for what the start would be refused for.
+    pub fn under_way<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
+        let changed = self.changed(changes, check_under_way)?;
+        Ok(Self { starts_at_rest: false, ..changed })
+    }
+
+    fn changed<'n>(
+        &self,
+        changes: impl IntoIterator<Item = (&'n str, f64)>,
+        check: fn(&Self) -> Vec<Problem>,
+    ) -> Result<Self, Refusal> {
         let mut changed = self.clone();
         let mut all = slots(&mut changed);
         let mut problems = Vec::new();

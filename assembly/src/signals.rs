@@ -215,6 +215,21 @@ impl Signals {
         }
     }
 
+    /// The place of an input's value in the augmented state.
+    pub(crate) fn place_of_input(&self, i: usize) -> Option<usize> {
+        self.pieces.iter().find(|piece| piece.input == Some(i)).map(|piece| piece.first)
+    }
+
+    /// Carries what is polynomial between knots on by a time `dt`, whatever knots are in between.
+    pub(crate) fn carry(&self, dt: f64, z: &mut [f64]) {
+        for piece in &self.pieces {
+            let place = piece.first..piece.first + piece.count;
+            let mut d = [0.0; 4];
+            d[..piece.count].copy_from_slice(&z[place.clone()]);
+            z[place].copy_from_slice(&shifted(&d, dt)[..piece.count]);
+        }
+    }
+
     /// The first knot after a time, s.
     pub fn next_knot(&self, time: f64) -> Option<f64> {
         let steps = self.pieces.iter().flat_map(|p| p.steps.iter().map(|s| s.time));

@@ -1,6 +1,7 @@
 //! What a host asks for when it makes an instance, and what a door asks of a variable.
 
 use crate::ffi::Fault;
+use crate::ffi::library::own_path;
 use crate::life::{EventHandling, Interface, Life};
 use crate::problem::Problem;
 use std::borrow::Cow;
@@ -71,6 +72,14 @@ impl Instantiation<'_> {
         let refused = || Fault::Text { argument, value: given.to_owned(), allowed: form.to_owned() };
         let path = path.filter(|path| !path.is_empty()).ok_or_else(refused)?;
         Ok(PathBuf::from(path))
+    }
+
+    /// Where the FMU's resources may be, the likeliest first: the folder that the host names, and that which an unpacked FMU has
+    /// beside the library, for hosts that name none or a wrong one.
+    pub fn resource_folders(&self) -> Vec<PathBuf> {
+        // The library lies in binaries/PLATFORM/.
+        let beside = own_path().and_then(|path| Some(path.ancestors().nth(3)?.join("resources")));
+        self.resource_folder().ok().into_iter().chain(beside).collect()
     }
 
     /// The life of the instance that is to be made.

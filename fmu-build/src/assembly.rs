@@ -2,57 +2,27 @@
 //! in the resources. All but this is generated from the file, so that nothing is compiled for a machine.
 
 use crate::archive::{self, Content};
-use crate::compile::Library;
 use crate::error::Result;
-use crate::platforms::{self, Binaries, LeftOut};
+use crate::kit::Kit;
 use crate::version::{MODEL_DESCRIPTION, Version};
-use crate::{date, licences};
+use crate::{described_page, described_terminals, licences};
 use std::path::{Path, PathBuf};
-use vibro_assembly_fmi::{FILE, Plan, Quantity};
-
-/// What is the same in the archives of all machines.
-#[derive(Clone, Debug, Default)]
-pub struct Kit {
-    /// The library, compiled.
-    pub binaries: Binaries,
-    /// The texts of the licences of what is in it.
-    pub licences: Content,
-    /// When its sources were last changed.
-    pub date: Option<String>,
-}
-
-impl Kit {
-    /// That of this machine's platform. The first call compiles the library; later ones find it.
-    ///
-    /// # Errors
-    /// [`Error::Cargo`](crate::Error::Cargo), [`Error::File`](crate::Error::File).
-    pub fn own() -> Result<Self> {
-        Self::with(platforms::own_of(Library::Machine)?)
-    }
-
-    /// That of every platform that can be built here, and a list of the others.
-    ///
-    /// # Errors
-    /// As [`own`](Self::own).
-    pub fn all() -> Result<(Self, Vec<LeftOut>)> {
-        let (binaries, left_out) = platforms::all_of(Library::Machine, &[])?;
-        Ok((Self::with(binaries)?, left_out))
-    }
-
-    fn with(binaries: Binaries) -> Result<Self> {
-        let licences = licences::texts_of(Library::Machine, false)?;
-        Ok(Self { binaries, licences, date: date::of_sources() })
-    }
-}
+use vibro_assembly_fmi::{FILE, Plan};
+use vibro_figures::canvas;
+use vibro_sketch::Sketch;
 
 /// Everything that the archive of a version holds.
-pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Content {
+///
+/// # Errors
+/// [`Error::Picture`](crate::Error::Picture), which would be a mistake of ours.
+pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     let fmi = if version == Version::Fmi2 { fmi_doors::Version::Fmi2 } else { fmi_doors::Version::Fmi3 };
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), plan.xml(fmi, kit.date.clone()).into_bytes()),
         (format!("resources/{FILE}"), plan.text().as_bytes().to_vec()),
-        ("documentation/index.html".to_owned(), page(plan).into_bytes()),
+        ("documentation/index.html".to_owned(), described_page::page(plan)?.into_bytes()),
     ]);
+    content.extend(pictures(version, plan)?);
     let folder = if version == Version::Fmi2 { "licenses" } else { "documentation/licenses" };
     for (name, text) in &kit.licences {
         // FMI 3.0.2, 2.5.1.3: the file of this name is where one begins to read.
@@ -61,7 +31,7 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Content {
         content.insert(format!("{folder}/{name}"), text.clone());
     }
     content.extend(kit.binaries.named(version, plan.name()));
-    content
+    Ok(content)
 }
 
 /// Writes the archives of the machine in a file, that of FMI 2.0 to `output` or, without it, under the machine's name here, and that
@@ -76,32 +46,26 @@ pub fn write(file: &Path, output: Option<&Path>, kit: &Kit) -> Result<Vec<PathBu
     let mut written = Vec::new();
     for version in Version::USUAL {
         let path = version.beside(&output);
-        archive::write(&content(version, &plan, kit), &path)?;
+        archive::write(&content(version, &plan, kit)?, &path)?;
         written.push(path);
     }
     Ok(written)
 }
 
-/// The page of documentation: what variables there are. Names and units consist of letters, digits and signs that HTML gives no
-/// meaning.
-fn page(plan: &Plan) -> String {
-    let name = plan.name();
-    let mut text = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{name}</title></head>\n<body>\n<h1>{name}</h1>\n\
-         <p>A piecewise linear machine, advanced by its exact flow from event to event: its answer depends on no tolerance and on no \
-         step size. The machine stands in <a href=\"../resources/{FILE}\">resources/{FILE}</a>.</p>\n\
-         <table>\n<tr><th>Variable</th><th>Unit</th><th>What it is</th><th>Start</th></tr>\n"
-    );
-    for row in &plan.table.rows {
-        let start = match row.quantity {
-            Quantity::Parameter(i) => plan.table.parameters[i].value.to_string(),
-            Quantity::Input(_) => "0".to_owned(),
-            _ => String::new(),
-        };
-        text += &format!(
-            "<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{start}</td></tr>\n",
-            row.name, row.unit, row.meaning
-        );
+/// Icon, diagram and terminals, by the names that the version gives them (FMI 2.0, 2.3; FMI 3.0.2, 2.5.1 and 2.4.9).
+fn pictures(version: Version, plan: &Plan) -> Result<Content> {
+    let machine = &plan.assembly.description;
+    let (icon_svg, icon) = canvas::svg_and_png(&Sketch::icon(machine))?;
+    if version == Version::Fmi2 {
+        return Ok(Content::from([("model.png".to_owned(), icon)]));
     }
-    text + "</table>\n</body>\n</html>\n"
+    let (svg, png) = canvas::svg_and_png(&Sketch::new(machine))?;
+    let terminals = described_terminals::xml(plan).into_bytes();
+    Ok(Content::from([
+        ("documentation/diagram.svg".to_owned(), svg.into_bytes()),
+        ("documentation/diagram.png".to_owned(), png),
+        ("terminalsAndIcons/terminalsAndIcons.xml".to_owned(), terminals),
+        ("terminalsAndIcons/icon.svg".to_owned(), icon_svg.into_bytes()),
+        ("terminalsAndIcons/icon.png".to_owned(), icon),
+    ]))
 }

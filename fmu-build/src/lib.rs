@@ -8,7 +8,7 @@
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
 //!       picture ◀──┘
 //! explorer (a nested cargo runs explorer-build) ─▶ the live page in package, where asked for
-//! assembly: a user's own machine, by a library that serves all ─▶ archive ─▶ .fmu
+//! assembly: a user's own machine, by a library that serves all (kit) ─▶ archive ─▶ .fmu
 //! release: all of it with the Python package (maturin), checked (inspect), in one folder
 //! ```
 
@@ -18,12 +18,15 @@ pub mod check;
 pub mod compile;
 pub mod date;
 pub mod describe;
+pub mod described_page;
+pub mod described_terminals;
 mod error;
 pub mod explorer;
 pub mod fmi3;
 pub mod host;
 pub mod icon;
 pub mod inspect;
+pub mod kit;
 pub mod licences;
 pub mod package;
 pub mod page;

@@ -184,6 +184,24 @@ fn tree_for(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)
     Ok(output(&mut tree)?.lines().filter_map(entry).collect())
 }
 
+/// The folders of our own packages that a library is made of, in the workspace; of the package at its top the empty one.
+///
+/// # Errors
+/// [`Error::Cargo`].
+pub(crate) fn own_packages(library: Library) -> Result<Vec<String>> {
+    let mut tree = cargo();
+    tree.args(["tree", "--package", library.package(), "--edges", "normal", "--target", "all"]);
+    tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);
+    // A line of ours reads `name vVERSION (FOLDER)`.
+    let folder = |line: &str| {
+        let (_, folder) = line.strip_suffix(" (*)").unwrap_or(line).split_once(" (")?;
+        let folder = Path::new(folder.strip_suffix(')')?).strip_prefix(workspace()).ok()?;
+        Some(folder.to_string_lossy().into_owned())
+    };
+    let folders: BTreeSet<String> = output(&mut tree)?.lines().filter_map(folder).collect();
+    Ok(folders.into_iter().collect())
+}
+
 fn licence_files(folder: &Path) -> Result<BTreeSet<String>> {
     let reading = || Error::file("reading the folder", folder);
     let mut found = BTreeSet::new();

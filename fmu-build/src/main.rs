@@ -2,7 +2,8 @@
 
 use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
-use fmu_build::assembly::{self, Kit};
+use fmu_build::assembly;
+use fmu_build::kit::Kit;
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
 use fmu_build::release::{self, notes};

@@ -68,6 +68,28 @@ impl Binaries {
         Self(vec![Binary { folder: PLATFORM, tuple: PLATFORM_TUPLE, ending: SHARED_LIBRARY, bytes }])
     }
 
+    /// The libraries by their folders in FMI 3.0.
+    pub fn folders(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
+        self.0.iter().map(|binary| (binary.tuple, &*binary.bytes))
+    }
+
+    /// Those that [`folders`](Self::folders) gave; none where a folder is of no platform.
+    pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
+        let binary = |(name, bytes): (String, Vec<u8>)| {
+            if name == PLATFORM_TUPLE {
+                return Some(Binary {
+                    folder: PLATFORM,
+                    tuple: PLATFORM_TUPLE,
+                    ending: SHARED_LIBRARY,
+                    bytes,
+                });
+            }
+            let Platform { folder, tuple, ending, .. } = PLATFORMS.into_iter().find(|p| p.tuple == name)?;
+            Some(Binary { folder, tuple, ending, bytes })
+        };
+        libraries.into_iter().map(binary).collect::<Option<_>>().map(Self)
+    }
+
     /// Path inside the archive of a version → bytes.
     pub fn of(&self, version: Version) -> BTreeMap<String, Vec<u8>> {
         self.named(version, MODEL_IDENTIFIER)

@@ -3,8 +3,9 @@
 mod common;
 
 use common::python::{python, root, run};
-use fmu_build::assembly::{Kit, content, write};
+use fmu_build::assembly::{content, write};
 use fmu_build::compile::SHARED_LIBRARY;
+use fmu_build::kit::Kit;
 use fmu_build::platforms::Binaries;
 use fmu_build::version::Version;
 use std::fmt::Write;
@@ -77,7 +78,7 @@ fn invariant_an_archive_holds_the_machine_under_its_name() {
     let plan = Plan::of(&machine).unwrap();
     let kit = Kit { binaries: Binaries::own(b"library".to_vec()), ..Kit::default() };
     for version in Version::USUAL {
-        let content = content(version, &plan, &kit);
+        let content = content(version, &plan, &kit).unwrap();
         let text = |name: &str| std::str::from_utf8(&content[name]).unwrap();
         assert!(text("modelDescription.xml").contains(plan.token()));
         assert!(text("modelDescription.xml").contains("modelIdentifier=\"DamperWithBuffer\""));
@@ -87,5 +88,19 @@ fn invariant_an_archive_holds_the_machine_under_its_name() {
         assert!(
             text("documentation/index.html").contains("<code>stop.buffer.stiffness</code></td><td>N/m</td>")
         );
+        assert!(text("documentation/index.html").contains("<svg"));
+        // A picture is a PNG; terminals name variables that there are.
+        let icon = if version == Version::Fmi2 { "model.png" } else { "terminalsAndIcons/icon.png" };
+        assert!(content[icon].starts_with(b"\x89PNG"));
+        if version == Version::Fmi3 {
+            let terminals = text("terminalsAndIcons/terminalsAndIcons.xml");
+            let names: Vec<_> = terminals
+                .split("variableName=\"")
+                .skip(1)
+                .map(|rest| rest.split('"').next().unwrap())
+                .collect();
+            assert!(names.len() >= 9, "{names:?}");
+            assert!(names.iter().all(|name| plan.table.reference(name).is_some()), "{names:?}");
+        }
     }
 }

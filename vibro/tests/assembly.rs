@@ -203,3 +203,21 @@ fn every_example_of_the_repository_moves() {
         assert!(record.rows.iter().flatten().all(|x| x.is_finite()), "{path:?}");
     }
 }
+
+#[test]
+fn draw_writes_the_sketch_with_every_name_and_nothing_over_the_edge() {
+    let out = folder("assembly-draw");
+    let text = drawn(&out, &["assembly", "draw", &machine("damper_with_buffer.toml")]);
+    assert!(text.contains("DamperWithBuffer.svg"), "{text}");
+    let svg = std::fs::read_to_string(out.join("DamperWithBuffer.svg")).unwrap();
+    for name in ["box", "block", "pump", "mount", "pump_mount", "steel", "buffer", "guide", "shaker"] {
+        assert_eq!(svg.matches(&format!(">{name}<")).count(), 1, "{name}");
+    }
+    let (width, height, pixels) = pixels(&out.join("DamperWithBuffer.png"));
+    let (width, height) = (width as usize, height as usize);
+    let channels = pixels.len() / (width * height);
+    let white =
+        |x: usize, y: usize| pixels[(y * width + x) * channels..][..channels].iter().all(|part| *part == 255);
+    assert!((0..width).all(|x| white(x, 0) && white(x, height - 1)));
+    assert!((0..height).all(|y| white(0, y) && white(width - 1, y)));
+}

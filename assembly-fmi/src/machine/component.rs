@@ -10,7 +10,6 @@ use fmi_doors::{
     Advance, Base, Bases, Component, EarlyEnd, Handled, Instantiation, Interface, Life, Named, Phase, Problem,
 };
 use std::sync::Arc;
-use vibro_assembly::Motion;
 
 /// Highest order of derivatives of inputs.
 const INPUT_ORDER: i32 = 3;
@@ -23,9 +22,6 @@ impl Component for Machine {
     const EARLY_END: EarlyEnd = EarlyEnd { event: "event", because: "since the host handles events" };
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
-        if request.interface == Interface::ModelExchange {
-            return Err(Problem::NotOffered { what: "Model Exchange" }.into());
-        }
         Ok(Self::new(Arc::new(Plan::asked_for(request)?), request.life()))
     }
 
@@ -79,7 +75,8 @@ impl Component for Machine {
         let plan = self.plan.clone();
         let mut moves = false;
         for &reference in references {
-            moves |= matches!(plan.table.row(reference, bases)?.role, Role::Output | Role::Discrete);
+            let role = plan.table.row(reference, bases)?.role;
+            moves |= matches!(role, Role::Output | Role::Discrete | Role::Local);
         }
         if moves {
             self.present()?;
@@ -96,12 +93,20 @@ impl Component for Machine {
         references: &[u32],
         read: impl Fn(usize) -> f64,
     ) -> Result<(), MachineProblem> {
+        let mut changes = Vec::new();
         for (i, &reference) in references.iter().enumerate() {
-            self.check(reference, bases, read(i))?;
+            if let Quantity::Parameter(place) = self.check(reference, bases, read(i))? {
+                changes.push((place, read(i)));
+            }
+        }
+        if self.moving.is_some() && !changes.is_empty() {
+            self.change(&changes)?;
         }
         for (i, &reference) in references.iter().enumerate() {
-            let quantity = self.check(reference, bases, read(i))?;
-            self.put(quantity, read(i));
+            match self.plan.table.row(reference, bases)?.quantity {
+                Quantity::Parameter(_) if self.moving.is_some() => {}
+                quantity => self.put(quantity, read(i)),
+            }
         }
         Ok(())
     }
@@ -135,9 +140,29 @@ impl Component for Machine {
         Ok(())
     }
 
+    fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        write: impl FnMut(usize, f64),
+    ) -> Result<(), MachineProblem> {
+        self.time_derivatives(references, orders, write)
+    }
+
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        write: impl FnMut(usize, f64),
+    ) -> Result<(), MachineProblem> {
+        self.derivatives_along(unknowns, knowns, seed, write)
+    }
+
     fn enter_event(&mut self) -> Result<(), MachineProblem> {
         self.life.phase = Phase::Event;
         self.latched = None;
+        self.moving.iter_mut().for_each(|moving| _ = moving.accept());
         Ok(())
     }
 
@@ -147,7 +172,10 @@ impl Component for Machine {
 
     /// The next knot of a signal; impacts and the like are not known before.
     fn next_event_time(&mut self) -> Option<f64> {
-        let motion = &self.moving.as_ref()?.motion;
+        let Moving { motion, course, .. } = self.moving.as_ref()?;
+        if let Some(course) = course {
+            return motion.next_knot_on(course);
+        }
         motion.assembly().system().signals.next_knot(motion.time())
     }
 
@@ -155,13 +183,63 @@ impl Component for Machine {
         self.go(point, size, log)
     }
 
+    fn enter_continuous(&mut self) {
+        self.take_ahead();
+        self.life.phase = Phase::Continuous;
+    }
+
+    fn leave_event(&mut self, _: &mut dyn Log) -> Result<(), MachineProblem> {
+        if self.life.interface == Interface::ModelExchange {
+            self.take_ahead();
+        }
+        self.life.go_on();
+        Ok(())
+    }
+
+    fn number_of_continuous_states(&self) -> usize {
+        2 * self.plan.assembly.states().len()
+    }
+
+    fn number_of_event_indicators(&self) -> usize {
+        self.plan.table.indicators.len()
+    }
+
+    fn complete_integrator_step(&mut self) -> Result<bool, MachineProblem> {
+        Ok(self.moving.as_mut().is_some_and(Moving::accept))
+    }
+
+    fn set_time(&mut self, time: f64) -> Result<(), MachineProblem> {
+        self.put_time(time)
+    }
+
+    fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), MachineProblem> {
+        self.put_states(states)
+    }
+
+    fn continuous_states(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {
+        self.finite("a state", self.seen()?.motion.states().to_vec())
+    }
+
+    fn state_derivatives(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {
+        self.finite("a derivative", self.seen()?.motion.state_derivatives())
+    }
+
+    fn event_indicators(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {
+        self.finite("an event indicator", self.seen()?.motion.indicators())
+    }
+
+    fn nominals(&self) -> impl AsRef<[f64]> {
+        self.plan.nominals.clone()
+    }
+
     fn save(&self) -> Result<SavedState, MachineProblem> {
-        let moving = self.moving.as_ref().map(|moving| (moving.motion.save(), moving.origin));
         Ok(SavedState {
             life: self.life,
             values: self.values.clone(),
+            phases: self.phases.clone(),
+            changed: self.changed,
             pending: self.pending.clone(),
-            moving,
+            moving: self.moving.as_ref().map(Moving::save),
             latched: self.latched.clone(),
         })
     }
@@ -169,22 +247,21 @@ impl Component for Machine {
     fn restore(&mut self, saved: &SavedState) -> Result<(), MachineProblem> {
         let mut next = Self::new(self.plan.clone(), self.life);
         next.life.take_over(&saved.life)?;
-        if saved.values.len() != self.values.len() || saved.pending.len() != self.pending.len() {
+        let count = self.values.len();
+        if [saved.values.len(), saved.phases.len()] != [count; 2] || saved.pending.len() != self.pending.len()
+        {
             return Err(refused("it is of another machine").into());
         }
         next.values.clone_from(&saved.values);
+        next.phases.clone_from(&saved.phases);
+        next.changed = saved.changed;
         next.pending.clone_from(&saved.pending);
-        if let Some((hybrid, origin)) = &saved.moving {
-            let same = self.moving.as_ref().filter(|_| next.values == self.values);
-            let mut motion = match same {
-                Some(moving) => moving.motion.clone(),
-                None => Motion::starting_at(next.assembly()?, next.life.start_time())?,
-            };
-            if !hybrid.fits(motion.assembly()) {
-                return Err(refused("its motion is not one of this machine").into());
+        if let Some(saved_moving) = &saved.moving {
+            let on_course = next.life.interface == Interface::ModelExchange;
+            if on_course != saved_moving.course.is_some() {
+                return Err(refused("its motion is not one of this interface type").into());
             }
-            motion.restore(hybrid);
-            next.moving = Some(Moving { motion, origin: *origin });
+            next.moving = Some(Moving::resumed(self.moving.as_ref(), &self.plan, saved_moving)?);
             let fits = |shown: &&crate::machine::Shown| {
                 next.moving.as_ref().is_some_and(|moving| moving.discrete().has_the_shape_of(shown))
             };

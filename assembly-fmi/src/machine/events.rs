@@ -1,6 +1,7 @@
 //! Steps and events.
 
 use super::Machine;
+use super::moving::Moving;
 use crate::problem::MachineProblem;
 use fmi_doors::log::{Category, Log};
 use fmi_doors::{Advance, Handled, Phase};
@@ -51,6 +52,7 @@ impl Machine {
             },
         };
         self.pending.fill(None);
+        self.changed = false;
         self.life.phase = Phase::Step;
         let event = handling.event_mode && events;
         self.latched = shown.filter(|_| event);
@@ -61,17 +63,17 @@ impl Machine {
     /// Applies the law of the event at which it stands, and takes over inputs that were set.
     pub(super) fn handle(&mut self, log: &mut dyn Log) -> Result<Handled, MachineProblem> {
         self.latched = None;
-        let set = self.pending.iter().any(Option::is_some);
-        let due = self.moving.as_ref().is_some_and(|moving| moving.motion.is_event_due());
-        let Some(mut next) = self.moving.clone().filter(|_| set || due) else {
+        let set = self.is_set();
+        let due = |moving: &&Moving| moving.is_on_course() || moving.motion.is_event_due();
+        let Some(mut next) = self.moving.as_ref().filter(|moving| set || due(moving)).cloned() else {
             return Ok(Handled::default());
         };
         let assembly = next.motion.assembly().clone();
-        next.motion.apply_event(&mut |event| tell(&assembly.description, event, log))?;
-        next.set_inputs(&self.pending)?;
+        let states = next.handle(&mut |event| tell(&assembly.description, event, log))?;
+        self.take_over(&mut next)?;
         self.pending.fill(None);
-        (self.moving, self.ahead) = (Some(next), None);
-        Ok(Handled { states: true, nominals: false })
+        (self.moving, self.ahead, self.changed) = (Some(next), None, false);
+        Ok(Handled { states: states || set, nominals: false })
     }
 }
 

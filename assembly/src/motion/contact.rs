@@ -16,6 +16,9 @@ use nalgebra::DVector;
 /// A stop whose bounces would be lower than this part of its largest e so far is closed.
 const LEAST_BOUNCE: f64 = 1e-12;
 
+/// Where stops are met late, bounces under this many times the lateness are too low to matter.
+const LATE_BOUNCES: f64 = 100.0;
+
 /// A watched functional's coefficient that is positive where the law says negative is rounding up to this many times the size under
 /// which it counts as zero; beyond, the modes would change without end, which is told.
 const DOUBTFUL: f64 = 1e3;
@@ -222,13 +225,24 @@ impl Motion {
             let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
             let scale = self.hybrid.sizes.of(&stop.excess);
-            if a > 0.0 && rebound >= 0.0 && rebound * rebound < 2.0 * a * LEAST_BOUNCE * scale {
+            let least = self.least_bounce(restitution[i]);
+            if a > 0.0 && rebound >= 0.0 && rebound * rebound < 2.0 * a * least * scale {
                 let left =
                     if restitution[i] < 1.0 { 2.0 * rebound / (a * (1.0 - restitution[i])) } else { 0.0 };
                 found.push((i, left));
             }
         }
         Ok(found)
+    }
+
+    /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops are met late by a depth d, a ball
+    /// falls on by it, and its bounces do not get lower than d e²/(1 - e²).
+    fn least_bounce(&self, restitution: f64) -> f64 {
+        let lost = 1.0 - restitution * restitution;
+        if self.late == 0.0 || lost == 0.0 {
+            return LEAST_BOUNCE;
+        }
+        self.late * (LATE_BOUNCES + 2.0 * restitution * restitution / lost)
     }
 
     fn select(&self, flags: &Flags) -> Result<Mode, Error> {

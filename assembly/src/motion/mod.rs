@@ -1,10 +1,14 @@
 //! A motion: the state of a machine that advances from event to event, exactly.
 
+mod change;
 mod contact;
+mod course;
 mod event;
 pub(crate) mod saved;
 mod step;
+mod variation;
 
+pub use course::Course;
 pub use event::{Event, EventKind};
 
 use crate::assembly::Assembly;
@@ -72,6 +76,8 @@ pub struct Motion {
     hybrid: Hybrid,
     tables: HashMap<Mode, Arc<Table>>,
     table: Arc<Table>,
+    /// By this part of its size a watched functional has passed zero at its event: nothing in an exact motion.
+    late: f64,
 }
 
 impl Motion {
@@ -135,7 +141,7 @@ impl Motion {
             },
             system.signals.one,
         ));
-        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty };
+        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty, late: 0.0 };
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }
@@ -174,6 +180,16 @@ impl Motion {
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
         let acceleration = self.table.a.rows(n, n) * z;
         [rows.s.dot(z), rows.v.dot(z), rows.weights.dot(&acceleration) + rows.drift.dot(z)]
+    }
+
+    /// A body's coordinate alone, m or rad.
+    pub fn coordinate(&self, i: usize) -> f64 {
+        self.assembly.system.bodies[i].s.dot(&self.hybrid.z)
+    }
+
+    /// Its rate alone, m/s or rad/s.
+    pub fn rate(&self, i: usize) -> f64 {
+        self.assembly.system.bodies[i].v.dot(&self.hybrid.z)
     }
 
     /// A spring's elongation, its rate and its force.

@@ -144,7 +144,7 @@ impl Motion {
         }
     }
 
-    fn stuck(&self, cause: &str) -> Error {
+    pub(super) fn stuck(&self, cause: &str) -> Error {
         let last = self.hybrid.last.map(|watch| self.assembly.name_of(watch));
         let cause = match last {
             Some(name) => format!("{cause}; events follow one another at {name}"),

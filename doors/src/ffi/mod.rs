@@ -3,6 +3,7 @@
 
 mod arguments;
 pub mod handles;
+pub mod library;
 pub mod panics;
 pub mod pointers;
 

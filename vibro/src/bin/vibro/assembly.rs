@@ -16,6 +16,7 @@ use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
 use vibro_figures::canvas;
 use vibro_impact::quantities::quantity_in;
+use vibro_sketch::Sketch;
 
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
@@ -25,6 +26,12 @@ const RESULT: &str = "assembly-run";
 pub enum AssemblyCommand {
     /// Says what the machine consists of: bodies, elements, degrees of freedom, modes at the start, equilibrium, natural frequencies
     Check {
+        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+    },
+    /// Draws the machine as an engineer sketches it: bodies in a row, springs, dashpots, stops, friction, loads, as SVG and PNG
+    Draw {
         /// The machine's file (TOML); docs/assemblies.md says what may stand in it
         #[arg(value_name = "FILE")]
         file: PathBuf,
@@ -86,11 +93,23 @@ pub fn run(command: &AssemblyCommand, common: &Common) -> Result<bool> {
         AssemblyCommand::Check { file } => {
             output::say(&assembly::summary(assembly::read(file, &common.set)?)?).map(|()| true)
         }
+        AssemblyCommand::Draw { file } => sketch(file, common).map(|()| true),
         AssemblyCommand::Run(a) => follow(a, common),
         AssemblyCommand::Bifurcation(a) => assembly_studies::bifurcation(a, common).map(|()| true),
         AssemblyCommand::Lyapunov(a) => assembly_studies::lyapunov(a, common).map(|()| true),
         AssemblyCommand::Sweep(a) => assembly_studies::sweep(a, common).map(|()| true),
     }
+}
+
+/// Writes NAME.svg and NAME.png, without whatever else the folder holds.
+fn sketch(file: &Path, common: &Common) -> Result<()> {
+    let machine = assembly::read(file, &common.set)?;
+    let (svg, png) = canvas::svg_and_png(&Sketch::new(&machine))?;
+    std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
+    let stem = common.out.join(&machine.name);
+    write_whole(&stem.with_extension("svg"), svg.as_bytes())?;
+    write_whole(&stem.with_extension("png"), &png)?;
+    output::say(&format!("drawn in {}.svg and .png", stem.display()))
 }
 
 fn follow(a: &Motion, common: &Common) -> Result<bool> {

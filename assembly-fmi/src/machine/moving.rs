@@ -1,0 +1,229 @@
+//! A motion, with what a host reads of it.
+
+use crate::plan::Plan;
+use crate::problem::MachineProblem;
+use crate::saved_state::refused;
+use crate::table::{Energy, Quantity};
+use crate::units::{friction_state, stop_state};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use vibro_assembly::energy::Accounts;
+use vibro_assembly::motion::{Course, Event, Hybrid};
+use vibro_assembly::signals::Input;
+use vibro_assembly::{Assembly, Error, Motion};
+
+/// A motion, and what its energy is held against.
+#[derive(Clone)]
+pub(super) struct Moving {
+    pub(super) motion: Motion,
+    /// The mechanical energy that it would have without work and losses, J. A prescribed motion that is set anew may stretch
+    /// springs at once, as may a changed parameter; what that adds is taken into it.
+    pub(super) origin: f64,
+    /// Where a host's solver has come from, in Model Exchange.
+    pub(super) course: Option<Course>,
+    /// The numbers of its machine, by parameter.
+    numbers: Arc<Vec<f64>>,
+}
+
+/// A motion as it is saved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SavedMoving {
+    hybrid: Hybrid,
+    origin: f64,
+    pub(super) course: Option<Course>,
+    numbers: Vec<f64>,
+}
+
+impl Moving {
+    /// A motion that begins, in a machine of these numbers.
+    pub(super) fn new(motion: Motion, numbers: Vec<f64>) -> Self {
+        let mut moving = Self { motion, origin: 0.0, course: None, numbers: Arc::new(numbers) };
+        moving.origin = moving.unaccounted();
+        moving
+    }
+
+    pub(super) fn save(&self) -> SavedMoving {
+        let Self { motion, origin, course, numbers } = self;
+        SavedMoving {
+            hybrid: motion.save(),
+            origin: *origin,
+            course: course.clone(),
+            numbers: numbers.to_vec(),
+        }
+    }
+
+    /// What was saved of a motion of a plan's machine; `present` may lend its tables.
+    pub(super) fn resumed(
+        present: Option<&Self>,
+        plan: &Plan,
+        saved: &SavedMoving,
+    ) -> Result<Self, MachineProblem> {
+        let SavedMoving { hybrid, origin, course, numbers } = saved;
+        let unfit = || refused("its motion is not one of this machine");
+        let same = present.filter(|moving| *moving.numbers == *numbers);
+        if numbers.len() != plan.table.parameters.len() || !origin.is_finite() {
+            return Err(unfit().into());
+        }
+        let mut motion = match same {
+            Some(moving) if hybrid.fits(moving.motion.assembly()) => {
+                let mut motion = moving.motion.clone();
+                motion.restore(hybrid);
+                motion
+            }
+            Some(_) => return Err(unfit().into()),
+            None => Motion::resumed(plan.machine(numbers, true)?, hybrid).ok_or_else(unfit)?,
+        };
+        if let Some(course) = course {
+            if !course.fits(motion.assembly()) {
+                return Err(unfit().into());
+            }
+            motion.resume_course();
+        }
+        Ok(Self { motion, origin: *origin, course: course.clone(), numbers: Arc::new(numbers.clone()) })
+    }
+
+    /// Hands the motion over to a host's solver.
+    pub(super) fn begin_course(&mut self) -> Result<(), Error> {
+        self.course = Some(self.motion.begin_course()?);
+        Ok(())
+    }
+
+    pub(super) fn is_on_course(&self) -> bool {
+        self.course.is_some()
+    }
+
+    fn accounts(&self) -> Accounts {
+        match &self.course {
+            Some(course) => self.motion.energy_on(course),
+            None => self.motion.energy().clone(),
+        }
+    }
+
+    /// Mechanical energy less work plus losses.
+    fn unaccounted(&self) -> f64 {
+        let (kinetic, stored) = self.motion.kinetic_and_stored();
+        kinetic + stored - self.accounts().balance()
+    }
+
+    /// Sets the inputs that were given.
+    pub(super) fn set_inputs(&mut self, inputs: &[Option<Input>]) -> Result<(), Error> {
+        if inputs.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let residual = self.unaccounted() - self.origin;
+        for (i, input) in inputs.iter().enumerate() {
+            match input {
+                Some(input) if *input != self.motion.input(i) => self.motion.set_input(i, *input)?,
+                _ => {}
+            }
+        }
+        self.origin = self.unaccounted() - residual;
+        Ok(())
+    }
+
+    /// Goes on in a machine of which numbers have changed.
+    pub(super) fn change(&mut self, assembly: Arc<Assembly>, numbers: Vec<f64>) -> Result<(), Error> {
+        let residual = self.unaccounted() - self.origin;
+        self.motion = match &mut self.course {
+            Some(course) => self.motion.changed_on(course, assembly)?,
+            None => self.motion.changed(assembly)?,
+        };
+        self.numbers = Arc::new(numbers);
+        self.origin = self.unaccounted() - residual;
+        Ok(())
+    }
+
+    /// Sets an input that a host's solver sees at once.
+    pub(super) fn set_input_on_course(&mut self, i: usize, value: f64) {
+        let residual = self.unaccounted() - self.origin;
+        if let Some(course) = &self.course {
+            self.motion.set_input_on(course, i, value);
+        }
+        self.origin = self.unaccounted() - residual;
+    }
+
+    /// Accepts a point of a host's solver; whether an event was passed over.
+    pub(super) fn accept(&mut self) -> bool {
+        self.course.as_mut().is_some_and(|course| self.motion.accept(course))
+    }
+
+    /// Applies the law of an event; whether states have changed.
+    pub(super) fn handle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<bool, Error> {
+        match &mut self.course {
+            Some(course) => self.motion.handle_on(course, observer),
+            None => self.motion.apply_event(observer).map(|()| true),
+        }
+    }
+
+    /// Stops' states, impacts and last impulses, and frictions' states.
+    pub(super) fn discrete(&self) -> Shown {
+        let mode = self.motion.mode();
+        let stop = |(i, state)| {
+            let (impacts, impulse) = self.motion.impacts(i);
+            (stop_state(state), impacts as f64, impulse)
+        };
+        Shown {
+            stops: mode.stops.iter().copied().enumerate().map(stop).collect(),
+            frictions: mode.frictions.iter().copied().map(friction_state).collect(),
+        }
+    }
+
+    /// What is read from the motion; 0 of what is not.
+    pub(super) fn value(&self, quantity: Quantity) -> f64 {
+        let motion = &self.motion;
+        match quantity {
+            Quantity::Energy(energy) => self.energy(energy),
+            Quantity::StopState(i) => stop_state(motion.mode().stops[i]),
+            Quantity::Impacts(i) => motion.impacts(i).0 as f64,
+            Quantity::Impulse(i) => motion.impacts(i).1,
+            Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
+            Quantity::Indicator(i) => motion.indicators()[i],
+            _ => linear(motion, quantity),
+        }
+    }
+
+    fn energy(&self, energy: Energy) -> f64 {
+        let work =
+            |accounts: &Accounts| accounts.loads.iter().fold(accounts.motions, |sum, x| sum + *x).value();
+        match energy {
+            Energy::Kinetic => self.motion.kinetic_and_stored().0,
+            Energy::Stored => self.motion.kinetic_and_stored().1,
+            Energy::Work => work(&self.accounts()),
+            Energy::Lost => {
+                let accounts = self.accounts();
+                work(&accounts) - accounts.balance()
+            }
+            Energy::Residual => self.unaccounted() - self.origin,
+        }
+    }
+}
+
+/// A coordinate, an elongation or a force, or a derivative of one; 0 of anything else.
+pub(super) fn linear(motion: &Motion, quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::Body(i, 0) => motion.coordinate(i),
+        Quantity::Body(i, 1) => motion.rate(i),
+        Quantity::Body(i, _) => motion.body(i)[2],
+        Quantity::Spring(i, k) => motion.spring(i)[k],
+        Quantity::Stop(i, k) => motion.stop(i)[k],
+        Quantity::Friction(i, k) => motion.friction(i)[k],
+        Quantity::Load(i) => motion.load(i),
+        _ => 0.0,
+    }
+}
+
+/// What changes at events only, as a host sees it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Shown {
+    /// By stop: state, impacts, last impulse.
+    pub(super) stops: Vec<(f64, f64, f64)>,
+    /// By friction.
+    pub(super) frictions: Vec<f64>,
+}
+
+impl Shown {
+    /// Whether it is of as many stops and frictions.
+    pub(super) fn has_the_shape_of(&self, other: &Self) -> bool {
+        self.stops.len() == other.stops.len() && self.frictions.len() == other.frictions.len()
+    }
+}

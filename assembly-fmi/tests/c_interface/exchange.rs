@@ -1,0 +1,226 @@
+//! Model Exchange by both versions, in the hands of a host that knows the C interface alone.
+
+use crate::host::*;
+use crate::*;
+use fmi_doors::fmi3::abi::FmiInstance;
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
+use vibro_assembly_fmi::{FILE, Plan};
+
+/// An instance of FMI 3.0 for Model Exchange.
+fn made(folder: &str, plan: &Plan, messages: &mut Vec<String>) -> FmiInstance {
+    let path = CString::new(resources(folder, plan).to_str().unwrap()).unwrap();
+    let token = CString::new(plan.token()).unwrap();
+    let environment = std::ptr::from_mut(messages).cast();
+    let (name, log) = (c"a".as_ptr(), Some(keep as _));
+    unsafe { fmi3InstantiateModelExchange(name, token.as_ptr(), path.as_ptr(), 0, 1, environment, log) }
+}
+
+/// What a host's solver asks of an instance.
+struct Host {
+    c: FmiInstance,
+    states: usize,
+    indicators: usize,
+}
+
+impl Host {
+    fn begin(c: FmiInstance) -> Self {
+        let (mut states, mut indicators) = (0, 0);
+        unsafe {
+            assert_eq!(fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0), OK);
+            assert_eq!(fmi3GetNumberOfContinuousStates(c, &mut states), OK);
+            assert_eq!(fmi3GetNumberOfEventIndicators(c, &mut indicators), OK);
+            assert_eq!(fmi3ExitInitializationMode(c), OK);
+        }
+        let host = Self { c, states, indicators };
+        host.handle();
+        host
+    }
+
+    /// Whether states have changed, and the time of the next event where it is known.
+    fn handle(&self) -> (bool, Option<f64>) {
+        let (mut changed, mut defined, mut next) = (0, 0, 0.0);
+        let (mut again, mut end, mut nominals) = (0, 0, 0);
+        unsafe {
+            let (again, end, nominals) = (&mut again, &mut end, &mut nominals);
+            let (defined, next) = (&mut defined, &mut next);
+            assert_eq!(
+                fmi3UpdateDiscreteStates(self.c, again, end, nominals, &mut changed, defined, next),
+                OK
+            );
+            assert_eq!(fmi3EnterContinuousTimeMode(self.c), OK);
+        }
+        (changed != 0, (defined != 0).then_some(next))
+    }
+
+    fn states(&self) -> Vec<f64> {
+        let mut x = vec![0.0; self.states];
+        unsafe { assert_eq!(fmi3GetContinuousStates(self.c, x.as_mut_ptr(), self.states), OK) };
+        x
+    }
+
+    /// The derivatives at a point, and the least indicator.
+    fn at(&self, time: f64, x: &[f64]) -> (Vec<f64>, f64) {
+        let (mut slope, mut z) = (vec![0.0; self.states], vec![0.0; self.indicators]);
+        unsafe {
+            assert_eq!(fmi3SetTime(self.c, time), OK);
+            assert_eq!(fmi3SetContinuousStates(self.c, x.as_ptr(), self.states), OK);
+            assert_eq!(fmi3GetContinuousStateDerivatives(self.c, slope.as_mut_ptr(), self.states), OK);
+            assert_eq!(fmi3GetEventIndicators(self.c, z.as_mut_ptr(), self.indicators), OK);
+        }
+        (slope, z.into_iter().fold(f64::INFINITY, f64::min))
+    }
+
+    /// Whether the accepted point is an event's.
+    fn accept(&self) -> bool {
+        let (mut event, mut end) = (0, 0);
+        unsafe { assert_eq!(fmi3CompletedIntegratorStep(self.c, 1, &mut event, &mut end), OK) };
+        event != 0
+    }
+}
+
+#[test]
+fn closed_form_a_ball_by_a_hosts_solver() {
+    let plan = plan("bouncing_ball.toml", unchanged);
+    let mut messages = Vec::new();
+    let host = Host::begin(made("exchanged", &plan, &mut messages));
+    assert_eq!((host.states, host.indicators), (2, 1));
+    // A parabola is exact for a rule of second order: the impact comes at sqrt(2 h/g), with sqrt(2 g h).
+    let (g, mut time, mut bounces) = (9.81f64, 0.0, 0);
+    let mut state = null_mut();
+    while bounces < 3 {
+        let x = host.states();
+        let h = (x[1].mul_add(x[1], 2.0 * g * (1.0 - x[0])).sqrt() - x[1]) / g;
+        // To just behind the stop, as a search for a root ends.
+        let h = h * (1.0 + 1e-10);
+        let (slope, _) = host.at(time, &x);
+        let next = [x[0] + h * (slope[0] + 0.5 * h * slope[1]), x[1] + h * slope[1]];
+        time += h;
+        assert!(host.at(time, &next).1 <= 0.0);
+        assert!(host.accept());
+        unsafe {
+            assert_eq!(fmi3EnterEventMode(host.c), OK);
+            if bounces == 1 {
+                assert_eq!(fmi3GetFMUState(host.c, &mut state), OK);
+            }
+        }
+        assert_eq!(host.handle(), (true, None));
+        bounces += 1;
+        let after = host.states();
+        // Of what an event comes late.
+        let expected = -(2.0 * g).sqrt() * 0.9f64.powi(bounces);
+        assert!(after[0] == 1.0 && (after[1] - expected).abs() < 1e-8, "{after:?} {expected}");
+        assert!(host.at(time, &after).1 > 0.0);
+    }
+    // A state that was saved before an event's law goes on as if it had not been left.
+    let third = host.states();
+    unsafe {
+        assert_eq!(fmi3SetFMUState(host.c, state), OK);
+        assert_eq!(host.handle(), (true, None));
+        assert!(host.states()[1] < third[1]);
+        let mut value = f64::NAN;
+        let residual = plan.table.reference("energy.residual").unwrap();
+        assert_eq!(fmi3GetFloat64(host.c, &residual, 1, &mut value, 1), OK);
+        assert!(value.abs() < 1e-9, "{value}");
+        assert_eq!(fmi3FreeFMUState(host.c, &mut state), OK);
+        fmi3FreeInstance(host.c);
+    }
+}
+
+#[test]
+fn closed_form_a_knot_is_a_time_event_and_its_left_side_is_the_solvers() {
+    let text =
+        "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\nsteps = [[0.25, 8.0]]\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let c = made("knot", &plan, &mut messages);
+    unsafe {
+        assert_eq!(fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(fmi3ExitInitializationMode(c), OK);
+    }
+    let host = Host { c, states: 2, indicators: 0 };
+    assert_eq!(host.handle(), (false, Some(0.25)));
+    // At the knot itself the load has not jumped until its event is handled.
+    assert_eq!(host.at(0.25, &[0.0, 0.0]).0, [0.0, 0.0]);
+    assert!(host.accept());
+    unsafe { assert_eq!(fmi3EnterEventMode(c), OK) };
+    assert_eq!(host.handle(), (false, None));
+    assert_eq!(host.at(0.25, &[0.0, 0.0]).0, [0.0, 2.0]);
+    // An input, a tunable parameter: between events the one, at an event the other.
+    let mass = plan.table.reference("body.sled.mass").unwrap();
+    unsafe {
+        assert_eq!(fmi3SetFloat64(c, &mass, 1, &8.0, 1), ERROR, "{messages:?}");
+        assert!(
+            messages.last().unwrap().contains("body.sled.mass cannot be set between events"),
+            "{messages:?}"
+        );
+        fmi3FreeInstance(c);
+    }
+}
+
+#[test]
+fn closed_form_by_fmi_2_with_an_input_and_a_changed_mass() {
+    let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let uri = CString::new(format!("file://{}", resources("exchange2", &plan).display())).unwrap();
+    let token = CString::new(plan.token()).unwrap();
+    let reference = |name: &str| plan.table.reference(name).unwrap();
+    unsafe {
+        let c = fmi2Instantiate(c"a".as_ptr(), 0, token.as_ptr(), uri.as_ptr(), null(), 0, 0);
+        assert!(!c.is_null());
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(fmi2EnterInitializationMode(c), OK);
+        assert_eq!(fmi2SetReal(c, &reference("load.push.input"), 1, &2.0), OK);
+        let mut slope = [f64::NAN; 2];
+        assert_eq!(fmi2GetDerivatives(c, slope.as_mut_ptr(), 2), OK);
+        assert_eq!(slope, [0.0, 0.5]);
+        assert_eq!(fmi2ExitInitializationMode(c), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(c), OK);
+        assert_eq!(fmi2SetTime(c, 0.5), OK);
+        assert_eq!(fmi2SetContinuousStates(c, [3.0, 1.0].as_ptr(), 2), OK);
+        assert_eq!(fmi2SetReal(c, &reference("load.push.input"), 1, &6.0), OK);
+        assert_eq!(fmi2GetDerivatives(c, slope.as_mut_ptr(), 2), OK);
+        assert_eq!(slope, [1.0, 1.5]);
+        assert_eq!(fmi2EnterEventMode(c), OK);
+        assert_eq!(fmi2SetReal(c, &reference("body.sled.mass"), 1, &3.0), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(c), OK);
+        assert_eq!(fmi2GetDerivatives(c, slope.as_mut_ptr(), 2), OK);
+        assert_eq!(slope, [1.0, 2.0]);
+        let mut x = [0.0; 2];
+        assert_eq!(fmi2GetContinuousStates(c, x.as_mut_ptr(), 2), OK);
+        assert_eq!(x, [3.0, 1.0]);
+        assert_eq!(fmi2SetContinuousStates(c, [f64::NAN, 1.0].as_ptr(), 2), ERROR);
+        assert_eq!(fmi2GetContinuousStates(c, x.as_mut_ptr(), 2), OK);
+        assert_eq!(x, [3.0, 1.0]);
+        fmi2FreeInstance(c);
+    }
+}
+
+#[test]
+fn closed_form_the_jacobian_of_a_spring() {
+    let text = "name = \"Osc\"\n[body.b]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 50.0\ndamping = 1.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let c = made("jacobian", &plan, &mut messages);
+    let host = Host::begin(c);
+    host.at(0.0, &[0.25, -1.0]);
+    let reference = |name: &str| plan.table.reference(name).unwrap();
+    let (unknowns, knowns) = ([reference("b.v"), reference("b.a")], [reference("b.s"), reference("b.v")]);
+    let mut along = [0.0; 2];
+    for (seed, expected) in [([1.0, 0.0], [0.0, -25.0]), ([0.0, 1.0], [1.0, -0.5])] {
+        unsafe {
+            let (u, k, out) = (unknowns.as_ptr(), knowns.as_ptr(), along.as_mut_ptr());
+            assert_eq!(
+                fmi3GetDirectionalDerivative(c, u, 2, k, 2, seed.as_ptr(), 2, out, 2),
+                OK,
+                "{messages:?}"
+            );
+        }
+        // Of a division by the mass through its factor.
+        assert!(
+            along.iter().zip(expected).all(|(a, b): (&f64, f64)| (a - b).abs() <= 1e-15 * b.abs()),
+            "{along:?}"
+        );
+    }
+    unsafe { fmi3FreeInstance(c) };
+}

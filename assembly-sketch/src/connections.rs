@@ -1,0 +1,71 @@
+//! What each element ties together, and how it is drawn.
+
+use vibro_assembly::Description;
+use vibro_assembly::description::{Arms, StopLaw};
+
+/// How an element is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Symbol {
+    /// A zigzag, a dashpot, or both side by side.
+    Spring { zigzag: bool, dashpot: bool },
+    /// Plates with a gap; behind one of them a zigzag, where it is compliant.
+    Stop { compliant: bool },
+    /// Two bars that rub.
+    Friction,
+    /// A rigid bar.
+    Link,
+}
+
+/// The ends of an element: e = `arm` s of the second less that of the first, where `None` is ground; or a sum over more bodies.
+#[derive(Clone, Debug)]
+pub(crate) enum Ends {
+    Two([Option<usize>; 2]),
+    Many(Vec<usize>),
+}
+
+/// An element.
+#[derive(Clone, Debug)]
+pub(crate) struct Connection {
+    pub name: String,
+    pub symbol: Symbol,
+    pub ends: Ends,
+    /// What stands at the ends of lever arms, by body.
+    pub arms: Vec<(usize, String)>,
+}
+
+impl Connection {
+    fn new(name: &str, symbol: Symbol, of: &Arms) -> Self {
+        let ends = match *of.terms {
+            [(body, arm)] if arm > 0.0 => Ends::Two([None, Some(body)]),
+            [(body, _)] => Ends::Two([Some(body), None]),
+            [(one, arm), (two, other)] if arm <= other => Ends::Two([Some(one), Some(two)]),
+            [(one, _), (two, _)] => Ends::Two([Some(two), Some(one)]),
+            _ => Ends::Many(of.terms.iter().map(|term| term.0).collect()),
+        };
+        let arms = of.terms.iter().filter(|_| of.levers).map(|&(body, arm)| (body, number(arm))).collect();
+        Self { name: name.into(), symbol, ends, arms }
+    }
+}
+
+/// A number as it is written at a lever: three digits at most, so that it stays short.
+fn number(x: f64) -> String {
+    let text = format!("{x:.3}");
+    let short = text.trim_end_matches('0').trim_end_matches('.').replace('-', "\u{2212}");
+    if matches!(short.as_str(), "0" | "\u{2212}0") || x.abs() >= 1e5 { format!("{x:.2e}") } else { short }
+}
+
+/// Every element but loads.
+pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
+    let springs = machine.springs.iter().map(|spring| {
+        let dashpot = spring.damping > 0.0;
+        let zigzag = spring.stiffness > 0.0 || !dashpot;
+        Connection::new(&spring.name, Symbol::Spring { zigzag, dashpot }, &spring.arms)
+    });
+    let stops = machine.stops.iter().map(|stop| {
+        let compliant = matches!(stop.law, StopLaw::Compliant { .. });
+        Connection::new(&stop.name, Symbol::Stop { compliant }, &stop.arms)
+    });
+    let frictions = machine.frictions.iter().map(|f| Connection::new(&f.name, Symbol::Friction, &f.arms));
+    let links = machine.links.iter().map(|link| Connection::new(&link.name, Symbol::Link, &link.arms));
+    springs.chain(stops).chain(frictions).chain(links).collect()
+}

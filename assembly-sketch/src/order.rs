@@ -1,0 +1,100 @@
+//! The order of the bodies in the row: neighbours are what elements tie together, ground is at the ends.
+
+use crate::connections::{Connection, Ends, Symbol};
+
+/// Bodies of which every order is tried; of more, exchanges of two are tried until none is better.
+const ALL_ORDERS: usize = 7;
+/// Exchanges of two that are tried, in turns over all pairs.
+const TURNS: usize = 20;
+
+/// Which side of a body its ground is drawn on, if it is tied to ground: that on which a stop's plates face one another.
+pub(crate) fn ground_side(connection: &Connection) -> Option<(usize, Side)> {
+    match (&connection.ends, connection.symbol) {
+        (Ends::Two([None, Some(body)]), Symbol::Stop { .. }) => Some((*body, Side::Right)),
+        (Ends::Two([Some(body), None]), Symbol::Stop { .. }) => Some((*body, Side::Left)),
+        (Ends::Two([None, Some(body)] | [Some(body), None]), _) => Some((*body, Side::Either)),
+        _ => None,
+    }
+}
+
+/// A side of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    Left,
+    Right,
+    Either,
+}
+
+/// Bodies by their columns.
+pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
+    let mut best: Vec<usize> = (0..count).collect();
+    if count <= ALL_ORDERS {
+        let mut least = cost(&best, connections);
+        permute(&mut best.clone(), 0, &mut |order| {
+            let cost = cost(order, connections);
+            if cost < least {
+                least = cost;
+                best = order.to_vec();
+            }
+        });
+        return best;
+    }
+    let mut least = cost(&best, connections);
+    for _ in 0..TURNS {
+        let before = least;
+        for i in 0..count {
+            // Of very many bodies only those nearby, so that a thousand of them take no longer than is worth it.
+            for j in i + 1..count.min(i + 1 + 2000 / count) {
+                best.swap(i, j);
+                let changed = cost(&best, connections);
+                if changed < least {
+                    least = changed;
+                } else {
+                    best.swap(i, j);
+                }
+            }
+        }
+        if least == before {
+            break;
+        }
+    }
+    best
+}
+
+fn permute(order: &mut Vec<usize>, from: usize, try_one: &mut dyn FnMut(&[usize])) {
+    if from == order.len() {
+        return try_one(order);
+    }
+    for i in from..order.len() {
+        order.swap(from, i);
+        permute(order, from + 1, try_one);
+        order.swap(from, i);
+    }
+}
+
+/// How far an order is from a good one: elements over bodies between, plates that do not face, ground in the middle, and least of all
+/// another order than the file's.
+fn cost(order: &[usize], connections: &[Connection]) -> usize {
+    let mut column = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(place, &body)| column[body] = place);
+    let last = order.len() - 1;
+    let of = |connection: &Connection| match &connection.ends {
+        Ends::Two([Some(a), Some(b)]) => {
+            let (a, b) = (column[*a], column[*b]);
+            let faces = b < a || !matches!(connection.symbol, Symbol::Stop { .. });
+            1000 * (a.abs_diff(b) - 1) + if faces { 0 } else { 300 }
+        }
+        Ends::Two(_) => match ground_side(connection) {
+            Some((body, Side::Left)) if column[body] != 0 => 400,
+            Some((body, Side::Right)) if column[body] != last => 400,
+            Some((body, Side::Either)) if column[body] != 0 && column[body] != last => 400,
+            _ => 0,
+        },
+        Ends::Many(bodies) => {
+            let columns = bodies.iter().map(|&body| column[body]);
+            500 * (columns.clone().max().unwrap_or(0) - columns.min().unwrap_or(0))
+        }
+    };
+    let inversions: usize = order.windows(2).filter(|pair| pair[0] > pair[1]).count();
+    connections.iter().map(of).sum::<usize>() + 10 * inversions
+}

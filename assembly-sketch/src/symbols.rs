@@ -1,0 +1,229 @@
+//! The marks of everything that has a place.
+
+use crate::connections::Symbol;
+use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of};
+use std::f64::consts::PI;
+use vibro_figures::canvas::palette::{BLACK, GREY, WHITE};
+use vibro_figures::canvas::{Across, Along, Canvas, Colour, Pen, Place, Writing};
+
+/// The inside of bodies.
+const BODY: Colour = Colour(214, 226, 242);
+/// Distance of a wall's strokes, and of those in a body that moves as prescribed.
+const HATCH: f64 = 26.0;
+/// Distance between a stop's plates.
+const GAP: f64 = 34.0;
+
+/// The pen of everything, and whether names are written.
+struct Hand<'c> {
+    canvas: &'c mut Canvas,
+    named: bool,
+}
+
+/// Draws the machine.
+pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool) {
+    let mut hand = Hand { canvas, named };
+    layout.walls.iter().for_each(|wall| hand.wall(*wall));
+    layout.lines.iter().for_each(|line| hand.line(line.to_vec()));
+    layout.bodies.iter().for_each(|body| hand.body(body, layout.top, layout.bottom));
+    layout.placed.iter().for_each(|placed| hand.element(placed));
+    layout.texts.iter().for_each(|(at, text)| hand.write(*at, text, ARM_FONT, Along::Start));
+}
+
+impl Hand<'_> {
+    fn width(&self) -> f64 {
+        if self.named { 6.0 } else { 10.0 }
+    }
+
+    fn line(&mut self, points: Vec<Place>) {
+        let width = self.width();
+        self.canvas.lines(&[points], Pen::solid(BLACK, width));
+    }
+
+    fn thick(&mut self, points: Vec<Place>) {
+        let width = 2.0 * self.width();
+        self.canvas.lines(&[points], Pen::solid(BLACK, width));
+    }
+
+    fn write(&mut self, at: Place, words: &str, size: f64, along: Along) {
+        if self.named {
+            let writing = Writing { size, colour: BLACK, along, across: Across::Centre, upwards: false };
+            self.canvas.text(at, words, &writing);
+        }
+    }
+
+    /// A wall at `x`, with strokes behind it.
+    fn wall(&mut self, (x, top, bottom, right): (f64, f64, f64, bool)) {
+        self.thick(vec![(x, top), (x, bottom)]);
+        let out = if right { WALL - 6.0 } else { 6.0 - WALL };
+        let strokes = ((bottom - top) / HATCH).floor().max(1.0) as usize;
+        for k in 0..strokes {
+            let y = top + (bottom - top) * (k as f64 + 0.2) / strokes as f64;
+            let lines = [vec![(x, y), (x + out, y + 0.8 * out.abs())]];
+            let width = 0.7 * self.width();
+            self.canvas.lines(&lines, Pen::solid(GREY, width));
+        }
+    }
+
+    fn body(&mut self, body: &BodyBox, top: f64, bottom: f64) {
+        let BodyBox { left, right, prescribed, rotates, gravity, .. } = *body;
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        self.canvas.polygon(&corners, if prescribed { WHITE } else { BODY }, 1.0);
+        if prescribed {
+            // Strokes at both ends, away from the name.
+            for (from, to) in [(top, top + 44.0), (bottom - 44.0, bottom)] {
+                let strokes = ((right - left) / HATCH).floor() as usize;
+                for k in 0..strokes {
+                    let x = left + (right - left) * k as f64 / strokes as f64;
+                    let end = (x + 0.8 * (right - left) / strokes as f64).min(right);
+                    let width = 0.7 * self.width();
+                    self.canvas.lines(&[vec![(x, to), (end, from)]], Pen::solid(GREY, width));
+                }
+            }
+        }
+        self.line(vec![corners[0], corners[1], corners[2], corners[3], corners[0]]);
+        let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
+        self.write((x, y), &body.name, BODY_FONT, Along::Middle);
+        let over = y - 0.9 * BODY_FONT;
+        match (rotates, prescribed) {
+            (true, _) => self.turn((x, over)),
+            (false, true) => {
+                self.arrow((x, over), (x - 50.0, over));
+                self.arrow((x, over), (x + 50.0, over));
+            }
+            (false, false) => {}
+        }
+        if gravity != 0.0 {
+            let under = y + 0.95 * BODY_FONT;
+            let half = 32.0 * gravity.signum();
+            self.arrow((x - half - 16.0, under), (x + half - 16.0, under));
+            self.write((x + 52.0, under), "g", ARM_FONT, Along::Middle);
+        }
+    }
+
+    /// The sign of a body that turns.
+    fn turn(&mut self, (x, y): Place) {
+        let at = |k: u32| {
+            let angle = PI * (1.15 + 0.65 * f64::from(k) / 12.0);
+            (x + 46.0 * angle.cos(), y + 22.0 + 46.0 * angle.sin())
+        };
+        self.line((0..=12).map(at).collect());
+        let (end, before) = (at(12), at(11));
+        self.head(end, (end.0 - before.0, end.1 - before.1));
+    }
+
+    /// An arrow's head with its tip a little beyond `at`.
+    fn head(&mut self, at: Place, along: Place) {
+        let size = along.0.hypot(along.1).max(f64::MIN_POSITIVE);
+        let (dx, dy) = (along.0 / size, along.1 / size);
+        let half = 1.6 * self.width() + 3.0;
+        let tip = (at.0 + half * dx, at.1 + half * dy);
+        let base = (tip.0 - 2.4 * half * dx, tip.1 - 2.4 * half * dy);
+        let corners =
+            [tip, (base.0 - half * dy, base.1 + half * dx), (base.0 + half * dy, base.1 - half * dx)];
+        self.canvas.polygon(&corners, BLACK, 1.0);
+    }
+
+    fn arrow(&mut self, from: Place, to: Place) {
+        self.line(vec![from, to]);
+        self.head(to, (to.0 - from.0, to.1 - from.1));
+    }
+
+    fn element(&mut self, placed: &Placed) {
+        let Placed { from, to, y, faces, .. } = *placed;
+        let middle = 0.5 * (from + to);
+        let name = y - 0.5 * height_of(placed.symbol) - 0.42 * NAME;
+        self.write((middle, name), &placed.name, FONT, Along::Middle);
+        match placed.symbol {
+            Some(Symbol::Spring { zigzag: true, dashpot: true }) => {
+                let (upper, lower) = (y - 34.0, y + 34.0);
+                let ends = (from + 26.0, to - 26.0);
+                self.line(vec![(from, y), (ends.0, y)]);
+                self.line(vec![(ends.1, y), (to, y)]);
+                self.line(vec![(ends.0, upper), (ends.0, lower)]);
+                self.line(vec![(ends.1, upper), (ends.1, lower)]);
+                self.zigzag(ends.0, ends.1, upper);
+                self.dashpot(ends.0, ends.1, lower);
+            }
+            Some(Symbol::Spring { zigzag: true, .. }) => self.zigzag(from, to, y),
+            Some(Symbol::Spring { .. }) => self.dashpot(from, to, y),
+            Some(Symbol::Stop { compliant }) if faces => self.plates(from, to, y, compliant),
+            Some(Symbol::Stop { compliant }) => self.clasp(from, to, y, compliant),
+            Some(Symbol::Friction) => {
+                self.line(vec![(from, y), (middle - 60.0, y), (middle - 60.0, y - 9.0)]);
+                self.thick(vec![(middle - 62.0, y - 9.0), (middle + 44.0, y - 9.0)]);
+                self.thick(vec![(middle - 44.0, y + 9.0), (middle + 62.0, y + 9.0)]);
+                self.line(vec![(middle + 60.0, y + 9.0), (middle + 60.0, y), (to, y)]);
+            }
+            Some(Symbol::Link) => {
+                self.thick(vec![(from, y), (to, y)]);
+                let radius = 2.2 * self.width();
+                self.canvas.circles(&[(from, y), (to, y)], radius, BLACK, None);
+            }
+            None => self.arrow((to - 130.0, y), (to - 2.0 * self.width() - 3.0, y)),
+        }
+        let below = y + 0.8 * ARM_FONT;
+        if let Some(arm) = &placed.arms[0] {
+            self.write((from + 12.0, below), arm, ARM_FONT, Along::Start);
+        }
+        if let Some(arm) = &placed.arms[1] {
+            self.write((to - 12.0, below), arm, ARM_FONT, Along::End);
+        }
+    }
+
+    fn zigzag(&mut self, from: f64, to: f64, y: f64) {
+        self.coil(from, to, y, 6);
+    }
+
+    /// A zigzag of so many teeth in the middle of a line.
+    fn coil(&mut self, from: f64, to: f64, y: f64, teeth: u32) {
+        let length = (to - from).min(34.0 * f64::from(teeth));
+        let (first, last) = (0.5 * (from + to - 0.8 * length), 0.5 * (from + to + 0.8 * length));
+        let tooth = |i: u32| {
+            let side = if i.is_multiple_of(2) { -24.0 } else { 24.0 };
+            (first + (last - first) * (f64::from(i) + 0.5) / f64::from(teeth), y + side)
+        };
+        let mut points = vec![(from, y), (first, y)];
+        points.extend((0..teeth).map(tooth));
+        points.extend([(last, y), (to, y)]);
+        self.line(points);
+    }
+
+    /// The zigzag behind a plate.
+    fn beside(&mut self, from: f64, to: f64, y: f64) {
+        let end = to.min(from + 96.0);
+        self.coil(from, end, y, 3);
+        self.line(vec![(end, y), (to, y)]);
+    }
+
+    fn dashpot(&mut self, from: f64, to: f64, y: f64) {
+        let middle = 0.5 * (from + to);
+        let (left, right, half) = (middle - 40.0, middle + 40.0, 24.0);
+        self.line(vec![(from, y), (middle, y)]);
+        self.line(vec![(middle, y - 0.65 * half), (middle, y + 0.65 * half)]);
+        self.line(vec![(left, y - half), (right, y - half), (right, y + half), (left, y + half)]);
+        self.line(vec![(right, y), (to, y)]);
+    }
+
+    /// Two plates that face one another.
+    fn plates(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
+        let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
+        let (left, right) = (middle - 0.5 * GAP, middle + 0.5 * GAP);
+        self.line(vec![(from, y), (left, y)]);
+        self.thick(vec![(left, y - 30.0), (left, y + 30.0)]);
+        self.thick(vec![(right, y - 30.0), (right, y + 30.0)]);
+        if compliant { self.beside(right, to, y) } else { self.line(vec![(right, y), (to, y)]) }
+    }
+
+    /// A plate within a bracket that holds it back.
+    fn clasp(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
+        let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
+        let (lip, plate, back) = (middle - 0.5 * GAP, middle + 0.5 * GAP, middle + 1.4 * GAP);
+        self.line(vec![(from, y), (plate, y)]);
+        self.thick(vec![(plate, y - 17.0), (plate, y + 17.0)]);
+        for side in [-1.0, 1.0] {
+            let (inner, outer) = (y + 12.0 * side, y + 32.0 * side);
+            self.line(vec![(lip, inner), (lip, outer), (back, outer), (back, y)]);
+        }
+        if compliant { self.beside(back, to, y) } else { self.line(vec![(back, y), (to, y)]) }
+    }
+}

@@ -1,0 +1,72 @@
+//! A motion that goes on in a machine of which numbers have changed, and one that goes on from what was saved.
+
+use super::{Hybrid, Motion};
+use crate::assembly::Assembly;
+use crate::error::Error;
+use crate::flow::Table;
+use crate::law::Sizes;
+use crate::mode::StopState;
+use nalgebra::DVector;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+impl Motion {
+    /// The motion that goes on from what was saved of one of this machine; none where it does not
+    /// [fit](Hybrid::fits).
+    pub fn resumed(assembly: Arc<Assembly>, saved: &Hybrid) -> Option<Self> {
+        if !saved.fits(&assembly) {
+            return None;
+        }
+        let table = Arc::new(Table::new(assembly.system.linear(&saved.mode), assembly.system.signals.one));
+        let tables = HashMap::from([(saved.mode.clone(), table.clone())]);
+        Some(Self { assembly, hybrid: saved.clone(), tables, table, late: 0.0 })
+    }
+
+    /// The same motion from the present instant on in a machine with the same elements, of which numbers have changed: bodies keep
+    /// coordinates and rates, signals take their new values at once. An event that is due comes first, by the old numbers. The
+    /// accounts of energy go on, so that the balance jumps by what the change has put in.
+    ///
+    /// # Errors
+    /// [`Error::Violated`] where a rigid stop's gap is now less than its e, [`Error::Jammed`]; [`Error::OutOfRange`] for a machine
+    /// whose coordinates are those of other bodies.
+    pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
+        let mut old = self.clone();
+        old.pass_event(&mut None)?;
+        let (system, bodies) = (&assembly.system, &old.assembly.system.bodies_of);
+        if system.bodies_of != *bodies || system.stops.len() != old.hybrid.impacts.len() {
+            let (value, allowed) =
+                (system.coordinates as f64, format!("the {} of this motion", bodies.len()));
+            return Err(Error::OutOfRange {
+                name: "coordinates of the changed machine".into(),
+                value,
+                allowed,
+            });
+        }
+        let Hybrid { time, inputs, .. } = &old.hybrid;
+        let (size, own) = (system.signals.size, system.signals.one);
+        let mut z = DVector::zeros(size);
+        z.rows_mut(0, own).copy_from(&old.hybrid.z.rows(0, own));
+        system.signals.fill(*time, inputs, z.as_mut_slice());
+        let mut sizes = Sizes(DVector::zeros(size));
+        sizes.0.rows_mut(0, own).copy_from(&old.hybrid.sizes.0.rows(0, own));
+        sizes.0.rows_range_mut(own..system.signals.constant_size_until()).fill(1.0);
+        sizes.include(&z);
+        let mut mode = old.hybrid.mode.clone();
+        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
+            let (excess, zero) = (stop.excess.dot(&z), sizes.zero(&stop.excess));
+            if excess > zero {
+                let stop = assembly.description.stops[i].name.clone();
+                return Err(Error::Violated { stop, time: time.value(), excess });
+            }
+            // A closed stop keeps e; where its gap has grown it touches no more.
+            if excess < -zero {
+                mode.stops[i] = StopState::Open;
+            }
+        }
+        let departing = Vec::new();
+        let hybrid = Hybrid { z, sizes, mode, departing, chain: 0, last: None, due: None, ..old.hybrid };
+        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: old.table, late: old.late };
+        motion.settle(&[], &mut None)?;
+        Ok(motion)
+    }
+}

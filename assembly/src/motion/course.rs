@@ -1,0 +1,320 @@
+//! A motion whose course between events a host's solver finds: time and states come from there, derivatives and what is watched go
+//! there, and the law at events is the same as in the exact motion.
+//!
+//! A solver's states are a little off. So that the law finds at an event what it must decide on, an indicator passes zero a little
+//! late: where its functional has passed zero by [`LATE`] of its size. Just after an event an indicator is then positive, which
+//! hosts that look for a change of sign need.
+
+use super::event::Event;
+use super::{Motion, Observer, saved};
+use crate::assembly::Assembly;
+use crate::energy::{Accounts, NODES};
+use crate::error::Error;
+use crate::mode::Watch;
+use crate::system::{Row, System};
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// By this part of its size a watched functional has passed zero where its indicator passes zero. Above the rounding of roots that
+/// solvers find, and so small that an impact at this depth is as exact as a solver's tolerance.
+pub(super) const LATE: f64 = 1e-11;
+/// Modes that may follow one another at one instant, for each element and one more.
+const CHAIN: usize = 10;
+
+/// Where a host's solver has come from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Course {
+    /// The time of the last event, s: knots of signals after it have not come yet.
+    event: f64,
+    /// The last accepted point: time, s, and state.
+    time: f64,
+    #[serde(with = "saved::vector")]
+    z: DVector<f64>,
+}
+
+impl Course {
+    /// Whether it can be one of a motion of this machine.
+    pub fn fits(&self, assembly: &Assembly) -> bool {
+        self.z.len() == assembly.system.signals.size
+            && self.event.is_finite()
+            && self.time.is_finite()
+            && self.z.iter().all(|x| x.is_finite())
+    }
+}
+
+/// The place of each element's indicators: one of a rigid stop; of a compliant one that of its edge and that of its force; of
+/// friction those of slipping upwards, of slipping downwards, of its level.
+impl System {
+    /// Number of indicators: the same in every mode.
+    pub fn indicators(&self) -> usize {
+        self.first_indicator_of_stop(self.stops.len()) + 3 * self.frictions.len()
+    }
+
+    fn first_indicator_of_stop(&self, i: usize) -> usize {
+        self.stops[..i].iter().map(|stop| if stop.restitution().is_some() { 1 } else { 2 }).sum()
+    }
+
+    /// The place of a watched functional's indicator; `second` tells that it is the second of its kind.
+    fn indicator(&self, watch: Watch, second: bool) -> usize {
+        let friction = |i: usize| self.first_indicator_of_stop(self.stops.len()) + 3 * i;
+        match watch {
+            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Leaves(i) => {
+                self.first_indicator_of_stop(i)
+            }
+            Watch::Changes(i) => self.first_indicator_of_stop(i) + usize::from(!second),
+            // The direction does not matter: a friction slips one way, or its force can leave either way.
+            Watch::Stops(i) | Watch::Slips(i, true) => friction(i),
+            Watch::Slips(i, false) => friction(i) + 1,
+            Watch::Level(i) => friction(i) + 2,
+        }
+    }
+}
+
+impl Assembly {
+    /// The bodies whose coordinates, and then rates, are the states of a host's solver.
+    pub fn states(&self) -> &[usize] {
+        &self.system.bodies_of
+    }
+
+    /// Sizes that are usual of the states, of coordinates first: what starts, gaps and loads make, by the springs and the weights
+    /// that hold against them. All are positive.
+    pub fn nominals(&self) -> Vec<f64> {
+        let (system, n) = (&self.system, self.system.coordinates);
+        let mut z: Row = DVector::from_element(system.signals.size, 1.0);
+        z.rows_mut(0, system.signals.one).fill(0.0);
+        let given = |row: &Row| row.abs().dot(&z);
+        let stiffness = |k: usize| -system.forces[(k, k)];
+        let mut lengths: Vec<f64> = (0..n)
+            .map(|k| {
+                let stops = system.stops.iter().filter(|stop| stop.elongation.w[k] != 0.0);
+                let gaps = stops.map(|stop| given(&stop.excess) / stop.elongation.w[k].abs());
+                let start = self.starts[system.bodies_of[k]].0.abs();
+                let load = given(&system.forces.row(k).transpose());
+                let bent = if stiffness(k) > 0.0 { load / stiffness(k) } else { 0.0 };
+                gaps.fold(start.max(bent), f64::max)
+            })
+            .collect();
+        let largest = lengths.iter().copied().fold(0.0, f64::max);
+        let usual = if largest > 0.0 { largest } else { 1.0 };
+        lengths.iter_mut().filter(|length| **length == 0.0).for_each(|length| *length = usual);
+        let rate = |k: usize| {
+            let (mass, length) = (system.mass[(k, k)], lengths[k]);
+            let load = given(&system.forces.row(k).transpose());
+            let own = length * (stiffness(k).max(0.0) / mass).sqrt();
+            let rate = self.starts[system.bodies_of[k]].1.abs().max(own).max((length * load / mass).sqrt());
+            if rate > 0.0 { rate } else { length }
+        };
+        let rates: Vec<f64> = (0..n).map(rate).collect();
+        let positive = |x: f64| x.clamp(f64::MIN_POSITIVE, f64::MAX);
+        lengths.into_iter().chain(rates).map(positive).collect()
+    }
+}
+
+impl Motion {
+    /// Hands the motion over to a host's solver, at the present time. An event that is due comes first.
+    ///
+    /// # Errors
+    /// As [`apply_event`](Self::apply_event).
+    pub fn begin_course(&mut self) -> Result<Course, Error> {
+        self.pass_event(&mut None)?;
+        self.late = LATE;
+        for (size, nominal) in self.hybrid.sizes.0.iter_mut().zip(self.assembly.nominals()) {
+            *size = size.max(nominal);
+        }
+        Ok(Course { event: self.time(), time: self.time(), z: self.hybrid.z.clone() })
+    }
+
+    /// Goes on with a course that was saved with this motion.
+    pub fn resume_course(&mut self) {
+        self.late = LATE;
+    }
+
+    /// As [`changed`](Self::changed), on a course.
+    ///
+    /// # Errors
+    /// As [`changed`](Self::changed); the course is then as it was.
+    pub fn changed_on(&self, course: &mut Course, assembly: Arc<Assembly>) -> Result<Self, Error> {
+        let mut old = self.clone();
+        old.accept(&mut course.clone());
+        let changed = old.changed(assembly)?;
+        *course = Course { event: self.time(), time: self.time(), z: changed.hybrid.z.clone() };
+        Ok(changed)
+    }
+
+    /// Puts it at another time, the states being as they are.
+    pub fn place_at(&mut self, course: &Course, time: f64) {
+        self.hybrid.time = DoubleDouble::new(time);
+        self.refill_on(course);
+    }
+
+    /// The states of a host's solver: coordinates, then rates.
+    pub fn states(&self) -> &[f64] {
+        &self.hybrid.z.as_slice()[..self.assembly.system.signals.one]
+    }
+
+    /// Sets them; as many as there are.
+    pub fn set_states(&mut self, states: &[f64]) {
+        let own = self.assembly.system.signals.one;
+        self.hybrid.z.as_mut_slice()[..own].iter_mut().zip(states).for_each(|(z, state)| *z = *state);
+    }
+
+    /// Their time derivatives.
+    pub fn state_derivatives(&self) -> Vec<f64> {
+        self.rates_of(&self.hybrid.z).as_slice().to_vec()
+    }
+
+    /// Sets an input that the solver sees at once, without derivatives.
+    pub fn set_input_on(&mut self, course: &Course, i: usize, value: f64) {
+        self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
+        self.refill_on(course);
+    }
+
+    /// What is watched, in parts of its size, by elements: stops, then frictions. An event is where one becomes negative; of what is
+    /// not watched now it is 1.
+    pub fn indicators(&self) -> Vec<f64> {
+        let system = &self.assembly.system;
+        let mut indicators = vec![1.0; system.indicators()];
+        for (place, value) in self.watched_now() {
+            indicators[place] = LATE - value;
+        }
+        indicators
+    }
+
+    /// Every watched functional in parts of its size, by the place of its indicator.
+    fn watched_now(&self) -> impl Iterator<Item = (usize, f64)> {
+        let (system, hybrid) = (&self.assembly.system, &self.hybrid);
+        let mut last = None;
+        self.table.watched.iter().map(move |w| {
+            let second = last.replace(w.watch) == Some(w.watch);
+            let size = hybrid.sizes.of(&w.row);
+            let value = if size > 0.0 { w.row.dot(&hybrid.z) / size } else { 0.0 };
+            (system.indicator(w.watch, second), value)
+        })
+    }
+
+    /// What has passed zero, by more than half of what an indicator is late.
+    fn passed(&self) -> Vec<Watch> {
+        let passed = self.watched_now().map(|(_, value)| value > 0.5 * LATE);
+        passed.zip(&self.table.watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
+    }
+
+    /// The next knot of a signal, s.
+    pub fn next_knot_on(&self, course: &Course) -> Option<f64> {
+        self.assembly.system.signals.next_knot(course.event)
+    }
+
+    fn is_at_knot(&self, course: &Course) -> bool {
+        self.next_knot_on(course).is_some_and(|knot| knot <= self.time())
+    }
+
+    /// Takes the present point as accepted: the accounts of energy go on to here. Whether an event was passed over.
+    pub fn accept(&mut self, course: &mut Course) -> bool {
+        self.hybrid.energy = self.energy_on(course);
+        (course.time, course.z) = (self.time(), self.hybrid.z.clone());
+        self.is_at_knot(course) || self.indicators().iter().any(|indicator| *indicator <= 0.0)
+    }
+
+    /// The law at an event: impacts and the mode that follows where something watched has passed zero, and a signal's knot; true
+    /// where states have changed.
+    ///
+    /// # Errors
+    /// As [`apply_event`](Self::apply_event); nothing has changed then.
+    pub fn handle_on(
+        &mut self,
+        course: &mut Course,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<bool, Error> {
+        let before = (self.hybrid.clone(), course.clone());
+        self.accept(course);
+        match self.settle_on(course, &mut Some(observer)) {
+            Ok(()) => {
+                (course.time, course.z) = (self.time(), self.hybrid.z.clone());
+                let own = self.assembly.system.signals.one;
+                Ok(before.0.z.rows(0, own) != self.hybrid.z.rows(0, own))
+            }
+            Err(error) => {
+                self.restore(&before.0);
+                *course = before.1;
+                Err(error)
+            }
+        }
+    }
+
+    fn settle_on(&mut self, course: &mut Course, observer: &mut Observer) -> Result<(), Error> {
+        if self.is_at_knot(course) {
+            course.event = self.time();
+            self.refill_on(course);
+            self.knot(observer)?;
+        }
+        for _ in 0..CHAIN * (self.assembly.system.indicators() + 1) {
+            let ended = self.passed();
+            if ended.is_empty() {
+                return Ok(());
+            }
+            course.event = self.time();
+            self.hybrid.last = ended.first().copied();
+            let (mode, z) = (self.hybrid.mode.clone(), self.hybrid.z.clone());
+            self.settle(&ended, observer)?;
+            if mode == self.hybrid.mode && z == self.hybrid.z {
+                return Ok(());
+            }
+        }
+        Err(self.stuck("the modes change without end"))
+    }
+
+    /// The accounts of energy up to the present point.
+    pub fn energy_on(&self, course: &Course) -> Accounts {
+        let mut energy = self.hybrid.energy.clone();
+        let (dt, system) = (self.time() - course.time, &self.assembly.system);
+        if dt > 0.0 {
+            let states = NODES.iter().map(|node| self.between(course, node.0));
+            energy.add(system, &self.hybrid.mode, &self.table, states, dt);
+        }
+        energy
+    }
+
+    /// The state at a part of the way from the last accepted point: of the coordinates the quintic by values, rates and
+    /// accelerations at both ends, of the rates its derivative.
+    fn between(&self, course: &Course, u: f64) -> DVector<f64> {
+        let n = self.assembly.system.coordinates;
+        let (h, from, to) = (self.time() - course.time, &course.z, &self.hybrid.z);
+        let (a, b) = (self.rates_of(from), self.rates_of(to));
+        let mut z = self.signals_on(course, DoubleDouble::new(course.time).plus(u * h));
+        for k in 0..n {
+            let (q0, v0, a0) = (from[k], h * from[n + k], h * h * a[n + k]);
+            let (q1, v1, a1) = (to[k], h * to[n + k], h * h * b[n + k]);
+            // Powers 3 to 5 of what is left beside the parabola of the first end.
+            let (d, e, f) = (q1 - q0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
+            let (c3, c4, c5) =
+                (10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f);
+            z[k] = q0 + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5))));
+            z[n + k] = (v0 + u * (a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h;
+        }
+        z
+    }
+
+    /// Rates and accelerations of a state.
+    fn rates_of(&self, z: &DVector<f64>) -> DVector<f64> {
+        self.table.a.rows(0, self.assembly.system.signals.one) * z
+    }
+
+    fn refill_on(&mut self, course: &Course) {
+        let signals = self.signals_on(course, self.hybrid.time);
+        let own = self.assembly.system.signals.one;
+        self.hybrid.z.as_mut_slice()[own..].copy_from_slice(&signals.as_slice()[own..]);
+    }
+
+    /// The signals at a time as coordinates of an augmented state whose others are zero, knots after the last event left out.
+    fn signals_on(&self, course: &Course, time: DoubleDouble) -> DVector<f64> {
+        let (signals, event) = (&self.assembly.system.signals, DoubleDouble::new(course.event));
+        let (mut now, mut pieces) = (DVector::zeros(signals.size), DVector::zeros(signals.size));
+        signals.fill(time, &self.hybrid.inputs, now.as_mut_slice());
+        signals.fill(event, &self.hybrid.inputs, pieces.as_mut_slice());
+        signals.carry(time.minus(event).value(), pieces.as_mut_slice());
+        let first = signals.constant_size_until();
+        now.as_mut_slice()[first..].copy_from_slice(&pieces.as_slice()[first..]);
+        now
+    }
+}

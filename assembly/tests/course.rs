@@ -1,0 +1,176 @@
+//! Machines in the hands of a solver that knows derivatives and indicators alone, against the exact motion; and machines of which
+//! numbers change under way.
+
+mod common;
+
+use common::*;
+use std::path::Path;
+use std::sync::Arc;
+use vibro_assembly::description::*;
+use vibro_assembly::motion::Course;
+use vibro_assembly::{Assembly, Error, Motion, file};
+
+/// A solver of fixed step: Runge and Kutta's rule of fourth order, with roots of indicators by halving the step's part.
+struct Solver {
+    motion: Motion,
+    course: Course,
+    events: usize,
+}
+
+impl Solver {
+    fn new(assembly: &Arc<Assembly>) -> Self {
+        let mut motion = Motion::new(assembly.clone()).unwrap();
+        let course = motion.begin_course().unwrap();
+        Self { motion, course, events: 0 }
+    }
+
+    fn slope(&mut self, time: f64, states: &[f64]) -> Vec<f64> {
+        self.motion.place_at(&self.course, time);
+        self.motion.set_states(states);
+        self.motion.state_derivatives()
+    }
+
+    /// The states a step after a point.
+    fn stepped(&mut self, time: f64, x: &[f64], h: f64) -> Vec<f64> {
+        let along =
+            |k: &[f64], part: f64| -> Vec<f64> { x.iter().zip(k).map(|(x, k)| x + part * h * k).collect() };
+        let a = self.slope(time, x);
+        let b = self.slope(time + 0.5 * h, &along(&a, 0.5));
+        let c = self.slope(time + 0.5 * h, &along(&b, 0.5));
+        let d = self.slope(time + h, &along(&c, 1.0));
+        (0..x.len()).map(|i| x[i] + h / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i])).collect()
+    }
+
+    fn put(&mut self, time: f64, states: &[f64]) -> bool {
+        self.motion.place_at(&self.course, time);
+        self.motion.set_states(states);
+        self.motion.indicators().iter().any(|indicator| *indicator <= 0.0)
+    }
+
+    fn run(&mut self, end: f64, step: f64) {
+        while self.motion.time() < end {
+            let (time, x) = (self.motion.time(), self.motion.states().to_vec());
+            let knot = self.motion.next_knot_on(&self.course).unwrap_or(f64::INFINITY);
+            let to = (time + step).min(end).min(knot);
+            let mut h = to - time;
+            let next = self.stepped(time, &x, h);
+            if self.put(to, &next) {
+                let mut low = 0.0;
+                while h - low > 1e-15 * to.max(1.0) {
+                    let middle = 0.5 * (low + h);
+                    let there = self.stepped(time, &x, middle);
+                    if self.put(time + middle, &there) { h = middle } else { low = middle }
+                }
+                let there = self.stepped(time, &x, h);
+                self.put(time + h, &there);
+            }
+            if self.motion.accept(&mut self.course) {
+                self.motion.handle_on(&mut self.course, &mut |_| ()).unwrap();
+                self.events += 1;
+                assert!(!self.motion.accept(&mut self.course.clone()), "at {}", self.motion.time());
+            }
+        }
+    }
+}
+
+fn example(name: &str) -> Arc<Assembly> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly").join(name);
+    Arc::new(Assembly::new(file::read(&path.with_extension("toml")).unwrap()).unwrap())
+}
+
+#[test]
+fn second_method_a_solver_by_derivatives_and_indicators_finds_the_exact_motion() {
+    // Of coordinates and rates, in parts of their nominal sizes: lateness of events and the rule's error, magnified by impacts.
+    const AGREEMENT: f64 = 1e-6;
+    // Of the largest energy: what the rule and the late events leave.
+    const BALANCE: f64 = 1e-7;
+    // Name, end, step, events at least.
+    let machines = [
+        ("bouncing_ball", 4.0, 1e-2, 6),
+        ("impact_on_spring", 0.1, 1e-5, 1),
+        ("msl_elastogap", 2.0, 1e-3, 3),
+        ("msl_coupled_clutches", 1.5, 1e-3, 7),
+        ("coulomb_oscillator", 0.2, 1e-5, 4),
+        ("damper_with_buffer", 0.3, 2e-5, 10),
+        ("impact_pair", 20.0, 1e-3, 3),
+        ("gear_backlash", 0.05, 1e-5, 1),
+        ("cradle", 1.0, 1e-4, 1),
+    ];
+    for (name, end, step, events) in machines {
+        let assembly = example(name);
+        let mut solver = Solver::new(&assembly);
+        let origin = {
+            let (k, s) = solver.motion.kinetic_and_stored();
+            k + s
+        };
+        solver.run(end, step);
+        let mut exact = Motion::new(assembly.clone()).unwrap();
+        exact.advance_to(end).unwrap();
+        assert!(solver.events >= events, "{name}: {}", solver.events);
+        let nominals = assembly.nominals();
+        for (k, (a, b)) in solver.motion.states().iter().zip(exact.states()).enumerate() {
+            assert!((a - b).abs() <= AGREEMENT * nominals[k].max(b.abs()), "{name}: state {k}: {a} {b}");
+        }
+        assert_eq!(solver.motion.mode().stops, exact.mode().stops, "{name}");
+        let (kinetic, stored) = solver.motion.kinetic_and_stored();
+        let accounts = solver.motion.energy_on(&solver.course);
+        let residual = kinetic + stored - origin - accounts.balance();
+        let size = kinetic.max(stored.abs()).max(origin.abs()).max(accounts.impacts.value());
+        assert!(residual.abs() <= BALANCE * size, "{name}: {residual} of {size}");
+    }
+}
+
+#[test]
+fn closed_form_a_ball_comes_to_rest_on_a_course() {
+    // By theory at sqrt(2 h/g) (1 + e)/(1 - e); bounces under some 1e-9 of the height are left out, each with its time.
+    const REST: f64 = 8.578_949_178_728_89;
+    let mut solver = Solver::new(&example("bouncing_ball"));
+    solver.run(9.0, 1e-2);
+    // A solver goes on integrating what is left of the forces in rest: a rounding of g.
+    let [s, v] = *solver.motion.states() else { unreachable!("a ball has two states") };
+    assert!((s - 1.0).abs() < 1e-14 && v.abs() < 1e-14, "{s} {v}");
+    // The time of the bounces that are left out: 2 u/(g (1 - e)) with u² = 2 g · 1e-9.
+    assert!(solver.events > 90 && solver.events < 110, "{} until {REST}", solver.events);
+}
+
+#[test]
+fn closed_form_a_stiffness_that_changes_under_way() {
+    // Of a rounding or two in a period.
+    const ROUNDING: f64 = 1e-14;
+    let mut machine = Description { bodies: vec![body("b", 1.0, 1.0, 0.0)], ..Description::default() };
+    machine.springs = vec![spring(&[(0, 1.0)], 4.0, 0.0)];
+    let mut stiffer = machine.clone();
+    stiffer.springs[0].stiffness = 9.0;
+    let stiffer = Arc::new(Assembly::new(stiffer).unwrap());
+    let mut whole = motion(machine);
+    whole.advance_to(0.3).unwrap();
+    let mut on = whole.changed(stiffer).unwrap();
+    on.advance_to(0.8).unwrap();
+    // cos 2t, then from there with 3 rad/s.
+    let (s, v) = ((0.6f64).cos(), -2.0 * (0.6f64).sin());
+    let expected = s * 1.5f64.cos() + v / 3.0 * 1.5f64.sin();
+    assert!((on.body(0)[0] - expected).abs() < ROUNDING, "{}", on.body(0)[0] - expected);
+}
+
+#[test]
+fn closed_form_a_stop_gives_way_or_is_violated_where_its_gap_changes() {
+    let machine = |gap: f64, gravity: f64| Description {
+        gravity,
+        bodies: vec![heavy("ball", 2.0, 1.0, 0.0, 0.0)],
+        stops: vec![rigid("floor", &[(0, 1.0)], gap, 0.0)],
+        ..Description::default()
+    };
+    let mut resting = motion(machine(0.0, 10.0));
+    resting.advance_to(1.0).unwrap();
+    assert_eq!(resting.stop(0), [0.0, 0.0, 20.0]);
+    // Heavier, it presses more; a floor that has gone lets it fall; one that has risen is refused, by name.
+    let heavier = resting.changed(Arc::new(Assembly::new(machine(0.0, 20.0)).unwrap())).unwrap();
+    assert_eq!(heavier.stop(0), [0.0, 0.0, 40.0]);
+    let mut falling = resting.changed(Arc::new(Assembly::new(machine(0.5, 10.0)).unwrap())).unwrap();
+    falling.advance_to(1.1).unwrap();
+    assert!((falling.body(0)[0] - 0.05).abs() < 1e-15 && falling.stop(0)[2] == 0.0);
+    let risen = Description { bodies: vec![heavy("ball", 2.0, 1.0, -1.0, 0.0)], ..machine(-0.5, 10.0) };
+    let refused = resting.changed(Arc::new(Assembly::new(risen).unwrap())).unwrap_err();
+    assert!(matches!(&refused, Error::Violated { stop, .. } if stop == "floor"), "{refused}");
+    assert_eq!(resting.stop(0), [0.0, 0.0, 20.0]);
+}

@@ -1,0 +1,95 @@
+//! Where the library lies that this code was loaded from: beside it in an FMU are its resources.
+
+use std::path::PathBuf;
+
+/// The path of the library, or of the program, that this code is part of; none where the system does not tell.
+pub fn own_path() -> Option<PathBuf> {
+    of_address(own_path as *const () as usize)
+}
+
+/// By the table of what is mapped into the process (proc(5)): a line reads `FROM-TO PERMISSIONS OFFSET DEVICE INODE PATH`.
+#[cfg(not(any(windows, target_vendor = "apple")))]
+fn of_address(address: usize) -> Option<PathBuf> {
+    let maps = std::fs::read("/proc/self/maps").ok()?;
+    maps.split(|byte| *byte == b'\n').find_map(|line| mapped_at(line, address))
+}
+
+/// The path of a line of that table, if the address lies in its range.
+#[cfg(not(any(windows, target_vendor = "apple")))]
+fn mapped_at(line: &[u8], address: usize) -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStrExt;
+    let path = line.iter().position(|byte| *byte == b'/')?;
+    let range = std::str::from_utf8(line.split(|byte| *byte == b' ').next()?).ok()?;
+    let (from, to) = range.split_once('-')?;
+    let bound = |text| usize::from_str_radix(text, 16).ok();
+    let within = (bound(from)?..bound(to)?).contains(&address);
+    within.then(|| PathBuf::from(std::ffi::OsStr::from_bytes(&line[path..])))
+}
+
+#[cfg(target_vendor = "apple")]
+fn of_address(address: usize) -> Option<PathBuf> {
+    use std::ffi::{CStr, OsStr, c_char, c_int, c_void};
+    use std::os::unix::ffi::OsStrExt;
+    /// `Dl_info` of `dlfcn.h`.
+    #[repr(C)]
+    struct Info {
+        file: *const c_char,
+        base: *mut c_void,
+        symbol: *const c_char,
+        value: *mut c_void,
+    }
+    unsafe extern "C" {
+        fn dladdr(address: *const c_void, info: *mut Info) -> c_int;
+    }
+    let null = std::ptr::null_mut();
+    let mut info = Info { file: null.cast(), base: null, symbol: null.cast(), value: null };
+    // SAFETY: dladdr takes any address, and writes an `Info` to a place that is one.
+    let found = unsafe { dladdr(address as *const c_void, &mut info) } != 0 && !info.file.is_null();
+    // SAFETY: where it has found one, `file` is a C string that lives as long as the library is loaded.
+    found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.file) }.to_bytes())))
+}
+
+#[cfg(windows)]
+fn of_address(address: usize) -> Option<PathBuf> {
+    use std::ffi::{OsString, c_void};
+    use std::os::windows::ffi::OsStringExt;
+    /// The address is one in the module; its reference count stays (`GET_MODULE_HANDLE_EX_FLAG_…`).
+    const FROM_ADDRESS_UNCHANGED: u32 = 4 | 2;
+    /// Longest path of Windows, in UTF-16.
+    const LONGEST: usize = 1 << 15;
+    #[link(name = "kernel32")]
+    unsafe extern "system" {
+        fn GetModuleHandleExW(flags: u32, address: *const c_void, module: *mut *mut c_void) -> i32;
+        fn GetModuleFileNameW(module: *mut c_void, name: *mut u16, size: u32) -> u32;
+    }
+    let (mut module, mut name) = (std::ptr::null_mut(), vec![0u16; LONGEST]);
+    // SAFETY: with this flag any address may be asked for; `module` and `name` are places of the type and size that are told.
+    let length = unsafe {
+        if GetModuleHandleExW(FROM_ADDRESS_UNCHANGED, address as *const c_void, &mut module) == 0 {
+            return None;
+        }
+        GetModuleFileNameW(module, name.as_mut_ptr(), LONGEST as u32)
+    };
+    let length = length as usize;
+    (length > 0 && length < LONGEST).then(|| PathBuf::from(OsString::from_wide(&name[..length])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn second_method_the_own_library_is_this_program() {
+        assert_eq!(own_path(), std::env::current_exe().ok());
+    }
+
+    #[cfg(not(any(windows, target_vendor = "apple")))]
+    #[test]
+    fn golden_lines_of_mapped_files() {
+        let line = "7f00a000-7f00b000 r-xp 00000000 08:01 42   /tmp/a ü/lib 1.so".as_bytes();
+        assert_eq!(mapped_at(line, 0x7f00_a000), Some(PathBuf::from("/tmp/a ü/lib 1.so")));
+        assert_eq!(mapped_at(line, 0x7f00_b000), None);
+        assert_eq!(mapped_at(b"7f00a000-7f00b000 rw-p 00000000 00:00 0", 0x7f00_a000), None);
+        assert_eq!(mapped_at(b"x/y", 0), None);
+    }
+}

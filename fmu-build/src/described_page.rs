@@ -1,0 +1,84 @@
+//! The page of documentation of a described machine: its sketch, what it is in words, and the table of its variables.
+
+use crate::error::Result;
+use std::fmt::Write;
+use vibro_assembly_fmi::{FILE, Plan, Quantity, Role};
+use vibro_figures::canvas;
+use vibro_sketch::Sketch;
+
+/// How the page looks: narrow enough to read, tables that do not break out of it.
+const STYLE: &str = "body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
+    table{border-collapse:collapse}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #ddd}\
+    svg{max-width:100%;height:auto}code{white-space:nowrap}";
+
+/// Sections of the table: heading, what stands under it, roles.
+const SECTIONS: [(&str, &str, &[Role]); 4] = [
+    ("Inputs", "Added to a signal of the file; 0 until they are set.", &[Role::Input]),
+    (
+        "Outputs",
+        "States of stops and friction, impacts and impulses change at events only.",
+        &[Role::Output, Role::Discrete],
+    ),
+    (
+        "Parameters",
+        "Every number of the file, in SI. Tunable ones may be set at events, or between steps where a host handles no events.",
+        &[Role::Parameter, Role::Tunable],
+    ),
+    ("Event indicators", "For the solver of a host in Model Exchange.", &[Role::Local]),
+];
+
+/// The page. Names and units consist of letters, digits and signs to which HTML gives no meaning.
+///
+/// # Errors
+/// [`Error::Picture`](crate::Error::Picture), which would be a mistake of ours.
+pub fn page(plan: &Plan) -> Result<String> {
+    let (name, machine) = (plan.name(), &plan.assembly.description);
+    let sketch = canvas::svg(&Sketch::new(machine))?;
+    // Within a page an SVG has no declaration.
+    let sketch = sketch.find("<svg").map_or("", |from| &sketch[from..]);
+    let counts = [
+        (machine.bodies.len(), "bodies"),
+        (machine.springs.len(), "springs"),
+        (machine.stops.len(), "stops"),
+        (machine.frictions.len(), "frictions"),
+        (machine.links.len(), "links"),
+        (machine.loads.len(), "loads"),
+    ];
+    let counts =
+        counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what}: {count}"));
+    let mut text = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{name}</title><style>{STYLE}</style></head>\n\
+         <body>\n<h1>{name}</h1>\n{sketch}\n<p>{}.</p>\n\
+         <p>A piecewise linear machine. In Co-Simulation it is advanced by its exact flow from event to event: its answer depends on no \
+         tolerance and on no step size. In Model Exchange a host's solver integrates between events, and the law at events is the \
+         same. The machine stands in <a href=\"../resources/{FILE}\">resources/{FILE}</a>.</p>\n",
+        counts.collect::<Vec<_>>().join(", "),
+    );
+    for (heading, words, roles) in SECTIONS {
+        let rows: Vec<_> = plan.table.rows.iter().filter(|row| roles.contains(&row.role)).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let start = rows.iter().any(|row| matches!(row.quantity, Quantity::Parameter(_)));
+        let head = if start { "<th>Start</th><th></th>" } else { "" };
+        // Writing to a String cannot fail.
+        let _ = write!(
+            text,
+            "<h2>{heading}</h2>\n<p>{words}</p>\n<table>\n<tr><th>Variable</th><th>Unit</th><th>What it is</th>{head}</tr>\n"
+        );
+        for row in rows {
+            let _ = write!(
+                text,
+                "<tr><td><code>{}</code></td><td>{}</td><td>{}</td>",
+                row.name, row.unit, row.meaning
+            );
+            if let Quantity::Parameter(i) = row.quantity {
+                let kind = if row.role == Role::Tunable { "tunable" } else { "fixed" };
+                let _ = write!(text, "<td>{}</td><td>{kind}</td>", plan.table.parameters[i].value);
+            }
+            text += "</tr>\n";
+        }
+        text += "</table>\n";
+    }
+    Ok(text + "</body>\n</html>\n")
+}

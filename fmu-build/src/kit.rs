@@ -1,0 +1,243 @@
+//! What is the same in the archives of all machines: the library that serves them and its licences. To make it takes a compiler and
+//! minutes; it is kept under `target/`, and as long as nothing has changed that goes into it no compiler is called.
+
+use crate::archive::{self, Content};
+use crate::compile::{Library, target, workspace};
+use crate::error::{Error, Result};
+use crate::platforms::{self, Binaries, LeftOut};
+use crate::{date, licences};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::{fs, io};
+use vibro_impact::numerics::digest::{EMPTY, extended};
+
+/// What is the same in the archives of all machines.
+#[derive(Clone, Debug, Default)]
+pub struct Kit {
+    /// The library, compiled.
+    pub binaries: Binaries,
+    /// The texts of the licences of what is in it.
+    pub licences: Content,
+    /// When its sources were last changed.
+    pub date: Option<String>,
+}
+
+/// The entry of a kept kit that says of what it was made.
+const ORIGIN: &str = "origin.txt";
+/// Folders of the other entries.
+const BINARIES: &str = "binaries/";
+const LICENCES: &str = "licences/";
+
+/// How a kit is made, which its origin covers.
+const MAKERS: [&[u8]; 4] = [
+    include_bytes!("kit.rs"),
+    include_bytes!("compile.rs"),
+    include_bytes!("platforms.rs"),
+    include_bytes!("licences.rs"),
+];
+
+impl Kit {
+    /// That of this machine's platform. The first call compiles the library; later ones find it.
+    ///
+    /// # Errors
+    /// [`Error::Cargo`], [`Error::File`].
+    pub fn own() -> Result<Self> {
+        let make = || Ok((platforms::own_of(Library::Machine)?, Vec::new()));
+        Ok(Shelf::of("own").kit(make)?.0)
+    }
+
+    /// That of every platform that can be built here, and a list of the others. It is kept where none is missing.
+    ///
+    /// # Errors
+    /// As [`own`](Self::own).
+    pub fn all() -> Result<(Self, Vec<LeftOut>)> {
+        Shelf::of("all").kit(|| platforms::all_of(Library::Machine, &[]))
+    }
+
+    /// That of some platforms, by their names in FMI 3.0; of all where none is named. It is not kept.
+    ///
+    /// # Errors
+    /// As [`own`](Self::own).
+    pub fn of(only: &[String]) -> Result<(Self, Vec<LeftOut>)> {
+        if only.is_empty() {
+            return Self::all();
+        }
+        let (binaries, left_out) = platforms::all_of(Library::Machine, only)?;
+        let licences = licences::texts_of(Library::Machine, false)?;
+        Ok((Self { binaries, licences, date: date::of_sources() }, left_out))
+    }
+}
+
+/// The place of a kept kit.
+#[derive(Clone, Debug)]
+struct Shelf {
+    file: PathBuf,
+    workspace: PathBuf,
+    compiler: String,
+}
+
+impl Shelf {
+    fn of(name: &str) -> Self {
+        let file = target().join("fmu/kits").join(name).with_extension("zip");
+        Self { file, workspace: workspace().to_owned(), compiler: compiler() }
+    }
+
+    /// The kit that is kept, if it is of these sources, else the one that `make` gives.
+    fn kit(&self, make: impl FnOnce() -> Result<(Binaries, Vec<LeftOut>)>) -> Result<(Kit, Vec<LeftOut>)> {
+        if let Some(kit) = self.kept() {
+            return Ok((kit, Vec::new()));
+        }
+        // Before the library is compiled: what is changed meanwhile makes the kit one of the past.
+        let packages = licences::own_packages(Library::Machine)?;
+        let origin = self.origin(&packages).map_err(Error::file("reading", &self.workspace))?;
+        let (binaries, left_out) = make()?;
+        let licences = licences::texts_of(Library::Machine, false)?;
+        let kit = Kit { binaries, licences, date: date::of_sources() };
+        if left_out.is_empty() {
+            archive::write(&kept_as(&kit, origin), &self.file)?;
+        }
+        Ok((kit, left_out))
+    }
+
+    /// The kit that is kept, if there is one and it was made of what is here now.
+    fn kept(&self) -> Option<Kit> {
+        let mut content = archive::read_all(&self.file).ok()?;
+        let origin = String::from_utf8(content.remove(ORIGIN)?).ok()?;
+        let packages: Vec<String> = origin.split_once("\n\n")?.1.lines().map(ToOwned::to_owned).collect();
+        if self.origin(&packages).ok()? != origin {
+            return None;
+        }
+        let (mut binaries, mut licences) = (Content::new(), Content::new());
+        for (name, bytes) in content {
+            if let Some(folder) = name.strip_prefix(BINARIES) {
+                binaries.insert(folder.to_owned(), bytes);
+            } else if let Some(name) = name.strip_prefix(LICENCES) {
+                licences.insert(name.to_owned(), bytes);
+            }
+        }
+        Some(Kit { binaries: Binaries::from_folders(binaries)?, licences, date: date::of_sources() })
+    }
+
+    /// Of what a kit is made: the compiler, a digest of everything that is compiled or says how, and the folders of our packages in
+    /// it. Versions of all others are in `Cargo.lock`.
+    fn origin(&self, packages: &[String]) -> io::Result<String> {
+        let mut digest = MAKERS.iter().fold(EMPTY, |digest, text| extended(digest, text));
+        let mut files = vec![self.workspace.join("Cargo.lock"), self.workspace.join("Cargo.toml")];
+        for package in packages {
+            let folder = self.workspace.join(package);
+            files.push(folder.join("Cargo.toml"));
+            add_files(&folder.join("src"), &mut files)?;
+        }
+        for file in files {
+            let name = file.strip_prefix(&self.workspace).unwrap_or(&file);
+            digest = extended(digest, name.to_string_lossy().as_bytes());
+            digest = extended(digest, &fs::read(&file)?);
+        }
+        Ok(format!("{}{digest:016x}\n\n{}\n", self.compiler, packages.join("\n")))
+    }
+}
+
+/// A kit as the content of an archive.
+fn kept_as(kit: &Kit, origin: String) -> Content {
+    let mut content = Content::from([(ORIGIN.to_owned(), origin.into_bytes())]);
+    content.extend(kit.binaries.folders().map(|(name, bytes)| (format!("{BINARIES}{name}"), bytes.to_vec())));
+    content.extend(kit.licences.iter().map(|(name, text)| (format!("{LICENCES}{name}"), text.clone())));
+    content
+}
+
+/// Every file below a folder, in one order on every machine.
+fn add_files(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    let mut entries: Vec<_> = fs::read_dir(folder)?.collect::<io::Result<_>>()?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        if entry.file_type()?.is_dir() {
+            add_files(&entry.path(), files)?;
+        } else {
+            files.push(entry.path());
+        }
+    }
+    Ok(())
+}
+
+/// What the compiler says of itself; nothing where it cannot be asked, as cargo will tell.
+fn compiler() -> String {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let asked = Command::new(rustc).arg("-vV").current_dir(workspace()).stderr(Stdio::null()).output();
+    asked.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// A shelf over sources of two packages, with how often a kit was made.
+    fn shelf(folder: &Path) -> Shelf {
+        for (name, text) in
+            [("Cargo.lock", "lock"), ("Cargo.toml", "all"), ("a/Cargo.toml", "a"), ("a/src/lib.rs", "1")]
+        {
+            archive::write_file(&folder.join(name), text.as_bytes()).unwrap();
+        }
+        let file = folder.join("target/kit.zip");
+        Shelf { file, workspace: folder.to_owned(), compiler: "rustc 1\n".into() }
+    }
+
+    fn keep(shelf: &Shelf) {
+        let kit = Kit {
+            binaries: Binaries::own(b"library".to_vec()),
+            licences: Content::from([("a/LICENSE".to_owned(), b"text".to_vec())]),
+            date: None,
+        };
+        let origin = shelf.origin(&["a".to_owned()]).unwrap();
+        archive::write(&kept_as(&kit, origin), &shelf.file).unwrap();
+    }
+
+    #[test]
+    fn invariant_a_kept_kit_is_what_was_made_and_no_compiler_is_called() {
+        let folder = tempfile::tempdir().unwrap();
+        let shelf = shelf(folder.path());
+        keep(&shelf);
+        let made = Cell::new(false);
+        let make = || {
+            made.set(true);
+            Ok((Binaries::default(), Vec::new()))
+        };
+        let (kit, left_out) = shelf.kit(make).unwrap();
+        assert!(!made.get() && left_out.is_empty());
+        assert_eq!(kit.binaries, Binaries::own(b"library".to_vec()));
+        assert_eq!(kit.licences["a/LICENSE"], b"text");
+    }
+
+    #[test]
+    fn invariant_whatever_goes_into_a_kit_makes_the_kept_one_old() {
+        let folder = tempfile::tempdir().unwrap();
+        let kept = shelf(folder.path());
+        let changes: [(&str, Option<&str>); 6] = [
+            ("Cargo.lock", Some("another lock")),
+            ("Cargo.toml", Some("another profile")),
+            ("a/Cargo.toml", Some("another dependency")),
+            ("a/src/lib.rs", Some("2")),
+            ("a/src/new/inner.rs", Some("")),
+            ("a/src/lib.rs", None),
+        ];
+        for (name, text) in changes {
+            let shelf = shelf(folder.path());
+            keep(&shelf);
+            assert!(shelf.kept().is_some(), "before {name}");
+            match text {
+                Some(text) => archive::write_file(&folder.path().join(name), text.as_bytes()).unwrap(),
+                None => fs::remove_file(folder.path().join(name)).unwrap(),
+            }
+            assert!(shelf.kept().is_none(), "after {name}");
+        }
+        shelf(folder.path());
+        keep(&kept);
+        let newer = Shelf { compiler: "rustc 2\n".into(), ..kept.clone() };
+        assert!(newer.kept().is_none());
+        // Neither a damaged nor a missing one is taken.
+        fs::write(&kept.file, b"no archive").unwrap();
+        assert!(kept.kept().is_none());
+        fs::remove_file(&kept.file).unwrap();
+        assert!(kept.kept().is_none());
+    }
+}
