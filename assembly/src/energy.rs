@@ -84,35 +84,43 @@ impl Accounts {
         self.motions = self.motions.plus(work);
     }
 
-    /// A flight of length `dt` in a mode, by the states at [`NODES`].
+    /// A flight of length `dt` in a mode; `state` gives the states at the places of [`NODES`], into memory that is there.
     pub fn add(
         &mut self,
-        system: &System,
-        mode: &Mode,
-        table: &Table,
-        states: impl IntoIterator<Item = DVector<f64>>,
+        (system, mode, table): (&System, &Mode, &Table),
         dt: f64,
+        point: &mut DVector<f64>,
+        mut state: impl FnMut(usize, &mut [f64]),
     ) {
         if !self.enabled || dt == 0.0 {
             return;
         }
-        for ((_, weight), z) in NODES.iter().zip(states) {
-            self.add_losses(system, mode, &z, weight * dt);
+        for (k, (_, weight)) in NODES.iter().enumerate() {
+            state(k, point.as_mut_slice());
+            self.add_losses(system, mode, point, weight * dt);
             if system.has_motions {
-                let power = power_of_motions(system, mode, table, &z);
+                let power = power_of_motions(system, mode, table, point);
                 self.motions = self.motions.plus(weight * dt * power);
             }
         }
     }
 
+    /// Whether they are kept.
+    pub(crate) fn are_kept(&self) -> bool {
+        self.enabled
+    }
+
     fn add_losses(&mut self, system: &System, mode: &Mode, z: &DVector<f64>, weight: f64) {
+        let (at, z) = (z, z.as_slice());
         let add = |sum: &mut DoubleDouble, power: f64| *sum = sum.plus(weight * power);
-        for (sum, (row, &body)) in self.loads.iter_mut().zip(system.loads.iter().zip(&system.load_bodies)) {
-            add(sum, row.dot(z) * system.bodies[body].v.dot(z));
+        for (sum, (row, &body)) in
+            self.loads.iter_mut().zip(system.load_terms.iter().zip(&system.load_bodies))
+        {
+            add(sum, row.dot(z) * system.bodies[body].v_terms.dot(z));
         }
         for (sum, spring) in self.dashpots.iter_mut().zip(&system.springs) {
             if spring.damping > 0.0 {
-                let rate = spring.elongation.rate.dot(z);
+                let rate = spring.elongation.rate_terms.dot(z);
                 add(sum, spring.damping * rate * rate);
             }
         }
@@ -122,15 +130,15 @@ impl Accounts {
                 continue;
             }
             // What the force does beyond the stored energy ½ k max(0, e - gap)².
-            let stored = stop.spring.dot(z).max(0.0);
-            let force = system.stop_force_at(i, mode.stops[i], z).unwrap_or(0.0);
-            add(sum, (force - stored) * stop.elongation.rate.dot(z));
+            let stored = stop.spring_terms.dot(z).max(0.0);
+            let force = system.stop_force_at(i, mode.stops[i], at).unwrap_or(0.0);
+            add(sum, (force - stored) * stop.elongation.rate_terms.dot(z));
         }
         for (i, sum) in self.frictions.iter_mut().enumerate() {
             let direction = mode.frictions[i].direction();
             if direction != 0.0 {
                 let friction = &system.frictions[i];
-                add(sum, direction * friction.level.dot(z) * friction.elongation.rate.dot(z));
+                add(sum, direction * friction.level_terms.dot(z) * friction.elongation.rate_terms.dot(z));
             }
         }
     }
@@ -161,7 +169,7 @@ fn power_of_motions(system: &System, mode: &Mode, table: &Table, z: &DVector<f64
         power += row.dot(z) * prescribed(&system.elongation_of(contact).rate);
     }
     // Links that tie free bodies to prescribed ones carry these bodies' inertia and weight.
-    let acceleration = table.a.rows(n, n) * z;
+    let acceleration = DVector::from_fn(n, |k, _| table.a.row_times(n + k, z.as_slice()));
     for (i, body) in system.bodies.iter().enumerate() {
         if system.inertias[i] > 0.0 {
             let s2 = body.weights.dot(&acceleration) + body.drift.dot(z);

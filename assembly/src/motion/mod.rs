@@ -2,6 +2,7 @@
 
 mod contact;
 mod event;
+mod lone;
 pub(crate) mod saved;
 mod step;
 
@@ -9,7 +10,7 @@ pub use event::{Event, EventKind};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::Table;
+use crate::flow::{Series, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
@@ -72,6 +73,21 @@ pub struct Motion {
     hybrid: Hybrid,
     tables: HashMap<Mode, Arc<Table>>,
     table: Arc<Table>,
+    scratch: Scratch,
+}
+
+/// Memory of a sub-step.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    /// The sizes of the coordinates at its start.
+    sizes: Vec<f64>,
+    /// By functional the intervals in which it may pass zero.
+    near: Vec<u8>,
+    /// The state at an interval's start.
+    start: Vec<f64>,
+    series: Series,
+    /// The state at which powers are found.
+    point: DVector<f64>,
 }
 
 impl Motion {
@@ -135,7 +151,9 @@ impl Motion {
             },
             system.signals.one,
         ));
-        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty };
+        let size = hybrid.z.len();
+        let scratch = Scratch { start: vec![0.0; size], point: DVector::zeros(size), ..Scratch::default() };
+        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty, scratch };
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }
@@ -159,7 +177,7 @@ impl Motion {
     pub fn body(&self, i: usize) -> [f64; 3] {
         let system = &self.assembly.system;
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
-        let acceleration = self.table.a.rows(n, n) * z;
+        let acceleration = DVector::from_fn(n, |k, _| self.table.a.row_times(n + k, z.as_slice()));
         [rows.s.dot(z), rows.v.dot(z), rows.weights.dot(&acceleration) + rows.drift.dot(z)]
     }
 
