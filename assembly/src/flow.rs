@@ -21,6 +21,10 @@ pub const LOCAL: usize = 14;
 /// Up to this many coordinates the transitions to the interval ends are kept as dense matrices; beyond, a power series with the
 /// entries that are not zero costs no more.
 const DENSE: usize = 32;
+/// Up to this many coordinates a point within an interval is found by dense matrices of each order.
+const SMALL: usize = 16;
+/// Times that half an interval is halved for the orders of a series over a part of it.
+const PARTS: usize = 6;
 /// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
 const LEAST_RATE: f64 = 1e-3;
 /// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number of them gives a bound.
@@ -55,19 +59,19 @@ pub struct WatchTable {
 
 impl WatchTable {
     /// Its values at the interval ends.
-    #[inline]
+    #[inline(always)]
     pub fn samples(&self, z: &[f64]) -> [f64; INTERVALS] {
         combine(&self.samples, z)
     }
 
     /// Its Taylor coefficients about a point, in units of an interval.
-    #[inline]
+    #[inline(always)]
     pub fn local(&self, z: &[f64]) -> [f64; LOCAL] {
         combine(&self.local, z)
     }
 
     /// A bound of its second derivative throughout the sub-step.
-    #[inline]
+    #[inline(always)]
     pub fn bend(&self, sizes: &[f64]) -> f64 {
         self.curvature.iter().zip(sizes).map(|(c, s)| c * s).sum()
     }
@@ -86,10 +90,15 @@ pub struct Table {
     pub length: f64,
     /// z at the interval ends from z at the sub-step's start, where these matrices are kept.
     transitions: Vec<Blocks>,
+    /// The terms of exp(A h) of orders 1, 2, … for an interval h, as far as they act on the machine's coordinates, where these
+    /// matrices are kept.
+    powers: Vec<Blocks>,
     /// z at the places of the sub-step at which powers are found ([`NODES`]), made when they are first needed.
     nodes: OnceLock<Vec<Blocks>>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
+    /// The same for halves of an interval, quarters, eighths and so on.
+    orders_of_parts: [usize; PARTS],
     /// What is watched.
     pub watched: Vec<WatchTable>,
     /// The forces of the basis.
@@ -114,7 +123,16 @@ impl Table {
             .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
             .collect();
         let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
-        Self { a, sizes, rate, length, transitions, nodes: OnceLock::new(), orders, watched, lambda }
+        let orders_of_parts = std::array::from_fn(|k| series_orders(rate * step * 0.5f64.powi(k as i32 + 1)));
+        let nodes = OnceLock::new();
+        let count = if a.len() <= SMALL { series_orders(0.5 * rate * step) } else { 0 };
+        let mut power = DMatrix::identity(a.len(), a.len());
+        let powers = (1..=count).map(|k| {
+            power = a.times_matrix(&power, step / k as f64);
+            Blocks::of(&power.rows(0, one).into_owned())
+        });
+        let powers = powers.collect();
+        Self { powers, a, sizes, rate, length, transitions, nodes, orders, orders_of_parts, watched, lambda }
     }
 
     /// Length of an interval, s.
@@ -122,13 +140,48 @@ impl Table {
         self.length / INTERVALS as f64
     }
 
+    /// Orders of a power series from the sub-step's start into interval `last`.
+    pub fn orders_to(&self, last: usize) -> usize {
+        self.orders[last]
+    }
+
+    /// Orders of a power series over a time of at most half an interval, forwards or back.
+    #[inline(always)]
+    pub fn orders_within(&self, dt: f64) -> usize {
+        let (mut k, mut part) = (0, 0.25 * self.interval());
+        while k + 1 < PARTS && dt.abs() <= part {
+            (k, part) = (k + 1, 0.5 * part);
+        }
+        self.orders_of_parts[k]
+    }
+
+    /// The state at a time of at most half an interval after or before `z`. Signals, whose values at a time are known, may stay as in `to`
+    /// unless `all` are asked for.
+    #[inline(always)]
+    pub fn near(&self, z: &[f64], dt: f64, all: bool, series: &mut Series, to: &mut [f64]) {
+        let orders = self.orders_within(dt);
+        if all || self.powers.is_empty() {
+            series.expand(self, z, dt, orders);
+            return series.at_end(to);
+        }
+        let u = dt / self.interval();
+        let machine = self.powers[0].rows();
+        to[..machine].copy_from_slice(&z[..machine]);
+        let mut factor = 1.0;
+        for power in &self.powers[..orders] {
+            factor *= u;
+            power.add(z, factor, &mut to[..machine]);
+        }
+    }
+
     /// The state at the end of interval `i` from that at the sub-step's start.
+    #[inline(always)]
     pub fn at_interval_end(&self, i: usize, z: &[f64], series: &mut Series, to: &mut [f64]) {
         match self.transitions.get(i) {
             Some(matrix) => matrix.times(z, to),
             None => {
-                series.expand(self, z, (i + 1) as f64 * self.interval(), i);
-                series.at(1.0, to);
+                series.expand(self, z, (i + 1) as f64 * self.interval(), self.orders_to(i));
+                series.at_end(to);
             }
         }
     }
@@ -174,7 +227,11 @@ impl Table {
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
-        (self.transitions.len() + if self.transitions.is_empty() { 0 } else { NODES.len() }) * size * size
+        (self.transitions.len()
+            + self.powers.len()
+            + if self.transitions.is_empty() { 0 } else { NODES.len() })
+            * size
+            * size
             + 2 * (self.a.entries() + self.sizes.entries())
             + self.watched.len() * size * (INTERVALS + LOCAL + 2)
     }
@@ -192,15 +249,25 @@ pub struct Series {
 }
 
 impl Series {
-    /// The states within a time `dt` from `z`, which ends in interval `last` of a sub-step that begins there.
-    pub fn expand(&mut self, table: &Table, z: &[f64], dt: f64, last: usize) {
-        let (size, orders) = (z.len(), table.orders[last]);
+    /// The states within a time `dt` from `z`, by so many orders.
+    #[inline(always)]
+    pub fn expand(&mut self, table: &Table, z: &[f64], dt: f64, orders: usize) {
+        let size = z.len();
         self.size = size;
         self.terms.resize((orders + 1) * size, 0.0);
         self.terms[..size].copy_from_slice(z);
         for k in 1..=orders {
             let (before, after) = self.terms.split_at_mut(k * size);
             table.a.times(&before[(k - 1) * size..], dt / k as f64, &mut after[..size]);
+        }
+    }
+
+    /// The state at the end of the span.
+    #[inline(always)]
+    pub fn at_end(&self, to: &mut [f64]) {
+        to.fill(0.0);
+        for term in self.terms.chunks_exact(self.size) {
+            to.iter_mut().zip(term).for_each(|(sum, x)| *sum += x);
         }
     }
 

@@ -26,13 +26,13 @@ impl Sparse {
     }
 
     /// The row times a vector.
-    #[inline]
+    #[inline(always)]
     pub fn dot(&self, z: &[f64]) -> f64 {
         self.0.iter().map(|&(j, x)| x * z[j]).sum()
     }
 
     /// The sum of the sizes of the row's terms, for a vector of sizes.
-    #[inline]
+    #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
     }
@@ -62,6 +62,7 @@ impl SparseMatrix {
         Self { rows, entries }
     }
 
+    #[inline(always)]
     fn row(&self, i: usize) -> &[(usize, f64)] {
         &self.entries[self.rows[i]..self.rows[i + 1]]
     }
@@ -82,7 +83,7 @@ impl SparseMatrix {
     }
 
     /// `to` = `factor` × matrix × `from`.
-    #[inline]
+    #[inline(always)]
     pub fn times(&self, from: &[f64], factor: f64, to: &mut [f64]) {
         for (i, y) in to.iter_mut().enumerate() {
             let sum: f64 = self.row(i).iter().map(|&(j, x)| x * from[j]).sum();
@@ -91,7 +92,7 @@ impl SparseMatrix {
     }
 
     /// A row of the matrix times a vector.
-    #[inline]
+    #[inline(always)]
     pub fn row_times(&self, i: usize, z: &[f64]) -> f64 {
         self.row(i).iter().map(|&(j, x)| x * z[j]).sum()
     }
@@ -131,6 +132,7 @@ const BLOCK: usize = 8;
 /// A dense matrix in blocks of eight rows.
 #[derive(Clone, Debug)]
 pub struct Blocks {
+    rows: usize,
     columns: usize,
     blocks: Vec<[f64; BLOCK]>,
 }
@@ -142,11 +144,25 @@ impl Blocks {
         let entry = |i: usize, j: usize| if i < matrix.nrows() { matrix[(i, j)] } else { 0.0 };
         let blocks = (0..matrix.nrows().div_ceil(BLOCK))
             .flat_map(|b| (0..columns).map(move |j| std::array::from_fn(|k| entry(b * BLOCK + k, j))));
-        Self { columns, blocks: blocks.collect() }
+        Self { rows: matrix.nrows(), columns, blocks: blocks.collect() }
+    }
+
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds `factor` × matrix × `from`.
+    #[inline(always)]
+    pub fn add(&self, from: &[f64], factor: f64, to: &mut [f64]) {
+        for (block, to) in self.blocks.chunks(self.columns).zip(to.chunks_mut(BLOCK)) {
+            let sum = combine(block, from);
+            to.iter_mut().zip(sum).for_each(|(y, x)| *y += factor * x);
+        }
     }
 
     /// `to` = matrix × `from`.
-    #[inline]
+    #[inline(always)]
     pub fn times(&self, from: &[f64], to: &mut [f64]) {
         for (block, to) in self.blocks.chunks(self.columns).zip(to.chunks_mut(BLOCK)) {
             let sum = combine(block, from);

@@ -5,13 +5,14 @@ use super::event::EventKind;
 use super::{Motion, Observer, contact};
 use crate::law::ZERO;
 use crate::mode::{StopState, Watch};
+use crate::system::Elongation;
 
 impl Motion {
     /// The impact of the stop `i` at its gap, if it is a lone one; tells whether it was.
     ///
-    /// It is one where in the mode in force no stop is closed and no friction sticks, and where after the impulse (A7) of
-    /// this stop every watched functional but its own is below what counts as zero. Then no other stop touches, and by (A11) the mode
-    /// in force follows: all its conditions hold with a margin, and the mode that follows is unique.
+    /// It is one where its impulse (A7) moves no closed stop and no sticking friction, and where after it every watched
+    /// functional but its own is below what counts as zero. Then no other open stop touches, the closed ones close with no speed, and by
+    /// (A11) the mode in force follows: all its conditions hold with a margin, and the mode that follows is unique.
     pub(super) fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
         let assembly = self.assembly.clone();
         let system = &assembly.system;
@@ -19,9 +20,12 @@ impl Motion {
         let hybrid = &mut self.hybrid;
         let n = system.coordinates;
         let Some(restitution) = stop.restitution().filter(|&e| e > 0.0) else { return false };
-        let held = !hybrid.mode.basis.is_empty()
-            || hybrid.mode.stops.contains(&StopState::Closed)
-            || hybrid.mode.frictions.iter().any(|f| f.sticks());
+        let mobility = &stop.elongation.mobility;
+        let couples = |e: &Elongation| e.w.dot(mobility) != 0.0;
+        let stops = hybrid.mode.stops.iter().zip(&system.stops);
+        let frictions = hybrid.mode.frictions.iter().zip(&system.frictions);
+        let held = stops.filter(|(s, _)| **s == StopState::Closed).any(|(_, s)| couples(&s.elongation))
+            || frictions.filter(|(s, _)| s.sticks()).any(|(_, f)| couples(&f.elongation));
         let (e, w) = (&stop.elongation, &stop.elongation.w);
         let compliance = w.dot(&e.mobility);
         let speed = e.rate_terms.dot(hybrid.z.as_slice());

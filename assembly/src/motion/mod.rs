@@ -74,6 +74,7 @@ pub struct Motion {
     tables: HashMap<Mode, Arc<Table>>,
     table: Arc<Table>,
     scratch: Scratch,
+    vectors: pulp::Arch,
 }
 
 /// Memory of a sub-step.
@@ -81,6 +82,8 @@ pub struct Motion {
 struct Scratch {
     /// The sizes of the coordinates at its start.
     sizes: Vec<f64>,
+    /// By functional its start.
+    heads: Vec<step::Head>,
     /// By functional the intervals in which it may pass zero.
     near: Vec<u8>,
     /// The state at an interval's start.
@@ -152,8 +155,20 @@ impl Motion {
             system.signals.one,
         ));
         let size = hybrid.z.len();
-        let scratch = Scratch { start: vec![0.0; size], point: DVector::zeros(size), ..Scratch::default() };
-        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty, scratch };
+        let scratch = Scratch {
+            sizes: vec![0.0; size],
+            start: vec![0.0; size],
+            point: DVector::zeros(size),
+            ..Scratch::default()
+        };
+        let mut motion = Self {
+            assembly,
+            hybrid,
+            tables: HashMap::new(),
+            table: empty,
+            scratch,
+            vectors: pulp::Arch::new(),
+        };
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }

@@ -5,6 +5,7 @@ use crate::energy::NODES;
 use crate::error::Error;
 use crate::flow::{INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable};
 use crate::mode::Watch;
+use crate::system::System;
 use vibro_impact::events::first_crossing;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
@@ -149,7 +150,7 @@ impl Motion {
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
             let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
-            self.hybrid.due = self.substep(goal, at_knot)?;
+            self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
             if self.hybrid.due.is_some() {
                 if pause != Pause::BeforeEvent {
                     self.pass_event(observer)?;
@@ -177,37 +178,40 @@ impl Motion {
     }
 
     /// A sub-step of at most the table's length towards `goal`, or to the event before which it ends.
+    #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
-        let table = self.table.clone();
-        let remaining = goal.minus(self.hybrid.time).value();
-        let mut scratch = std::mem::take(&mut self.scratch);
-        let sizes = &mut scratch.sizes;
-        sizes.clear();
-        sizes.extend(self.hybrid.z.iter().map(|x| x.abs()));
-        let span = self.within_reach(table.length.min(remaining), sizes);
-        let passage = self.first_passage(span, &mut scratch);
+        let Self { table, hybrid, scratch, assembly, .. } = self;
+        let table = &**table;
+        let remaining = goal.minus(hybrid.time).value();
+        scratch.look(table, hybrid);
+        let flight = Flight { table, hybrid };
+        let span = flight.within_reach(table.length.min(remaining), &scratch.heads);
+        let passage = flight.first_passage(span, scratch);
         let whole = span == table.length && passage.is_none();
-        let end = passage.as_ref().map_or_else(|| Point::end(span, &table), |p| p.at);
-        let dt = if passage.is_none() { span } else { end.time(&table) };
-        self.account(&table, whole, (end.interval, dt), &mut scratch);
-        let z = self.hybrid.z.as_mut_slice();
-        let Scratch { start, series, .. } = &mut scratch;
+        let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
+        let dt = if passage.is_none() { span } else { end.time(table) };
+        if hybrid.energy.are_kept() {
+            account(&assembly.system, table, hybrid, whole.then_some(dt).ok_or((end.interval, dt)), scratch);
+        }
+        let z = hybrid.z.as_mut_slice();
+        let Scratch { start, series, .. } = scratch;
         if whole {
             table.at_interval_end(INTERVALS - 1, z, series, start);
             z.copy_from_slice(start);
         } else {
-            if end.interval > 0 {
-                table.at_interval_end(end.interval - 1, z, series, start);
-            } else {
-                start.copy_from_slice(z);
+            // From the nearer end of the interval.
+            let later = end.dt > 0.5 * table.interval();
+            let (passed, dt) =
+                if later { (end.interval + 1, end.dt - table.interval()) } else { (end.interval, end.dt) };
+            match passed.checked_sub(1) {
+                Some(last) => table.at_interval_end(last, z, series, start),
+                None => start.copy_from_slice(z),
             }
-            series.expand(&table, start, end.dt, 0);
-            series.at(1.0, z);
+            table.near(start, dt, at_knot, series, z);
         }
-        self.scratch = scratch;
         let reaches = passage.is_none() && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        if dt > PROGRESS * table.length {
+        if dt > PROGRESS * self.table.length {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
@@ -217,7 +221,7 @@ impl Motion {
         self.hybrid.sizes.include(&self.hybrid.z);
         self.keep_contacts();
         if let Some(passage) = passage {
-            let watch = table.watched[passage.place].watch;
+            let watch = self.table.watched[passage.place].watch;
             self.hybrid.chain += 1;
             self.hybrid.last = Some(watch);
             if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
@@ -229,25 +233,9 @@ impl Motion {
         Ok(knot.then_some(Due::Knot))
     }
 
-    /// The energy accounts of a flight over a time from the present state, which ends in a certain interval.
-    fn account(&mut self, table: &Table, whole: bool, (last, dt): (usize, f64), scratch: &mut Scratch) {
-        let Hybrid { energy, mode, z, .. } = &mut self.hybrid;
-        if !energy.are_kept() {
-            return;
-        }
-        let Scratch { series, point, .. } = scratch;
-        let nodes = if whole { table.nodes() } else { &[] };
-        if nodes.is_empty() {
-            series.expand(table, z.as_slice(), dt, last);
-        }
-        energy.add((&self.assembly.system, mode, table), dt, point, |k, to| match nodes.get(k) {
-            Some(node) => node.times(z.as_slice(), to),
-            None => series.at(NODES[k].0, to),
-        });
-    }
-
     /// Watched functionals begin the next sub-step away from zero, but for those that are zero throughout the mode, of which every
     /// coefficient is rounding.
+    #[inline(always)]
     fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.table.watched) {
@@ -256,19 +244,90 @@ impl Motion {
             *order = if stays { ORDERS } else { 0 };
         }
     }
+}
 
+/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused, so that all give the same bits.
+struct Substep<'a> {
+    motion: &'a mut Motion,
+    goal: DoubleDouble,
+    at_knot: bool,
+}
+
+impl pulp::WithSimd for Substep<'_> {
+    type Output = Result<Option<Due>, Error>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        self.motion.substep(self.goal, self.at_knot)
+    }
+}
+
+/// A watched functional where a sub-step begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Head {
+    value: f64,
+    slope: f64,
+    /// A bound of its second derivative throughout the sub-step.
+    bend: f64,
+}
+
+impl Scratch {
+    /// Takes in the state at a sub-step's start.
+    #[inline(always)]
+    fn look(&mut self, table: &Table, hybrid: &Hybrid) {
+        let z = hybrid.z.as_slice();
+        self.sizes.iter_mut().zip(z).for_each(|(size, x)| *size = x.abs());
+        self.heads.clear();
+        self.heads.extend(table.watched.iter().map(|w| Head {
+            value: w.terms.dot(z),
+            slope: w.slope.dot(z),
+            bend: w.bend(&self.sizes),
+        }));
+    }
+}
+
+/// The energy accounts of a flight over a whole sub-step of a length, or into an interval and over a time.
+fn account(
+    system: &System,
+    table: &Table,
+    hybrid: &mut Hybrid,
+    flight: Result<f64, (usize, f64)>,
+    scratch: &mut Scratch,
+) {
+    let Hybrid { energy, mode, z, .. } = hybrid;
+    let Scratch { series, point, .. } = scratch;
+    let nodes = if flight.is_ok() { table.nodes() } else { &[] };
+    let (last, dt) = flight.map_or_else(|partial| partial, |dt| (INTERVALS - 1, dt));
+    if nodes.is_empty() {
+        series.expand(table, z.as_slice(), dt, table.orders_to(last));
+    }
+    energy.add((system, mode, table), dt, point, |k, to| match nodes.get(k) {
+        Some(node) => node.times(z.as_slice(), to),
+        None => series.at(NODES[k].0, to),
+    });
+}
+
+/// A sub-step's start in a mode.
+struct Flight<'a> {
+    table: &'a Table,
+    hybrid: &'a Hybrid,
+}
+
+impl Flight<'_> {
     /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
-    fn within_reach(&self, mut span: f64, sizes: &[f64]) -> f64 {
-        let (table, z) = (&self.table, self.hybrid.z.as_slice());
+    #[inline(always)]
+    fn within_reach(&self, mut span: f64, heads: &[Head]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
-        for w in &table.watched {
+        for (w, head) in self.table.watched.iter().zip(heads) {
             if !matches!(w.watch, Watch::Meets(_) | Watch::Presses(_)) {
                 continue;
             }
+            let path = |span: f64| span * (head.slope.abs() + 0.5 * head.bend * span);
+            if path(span) <= REACH * head.value.abs() {
+                continue; // its size is at least its value's
+            }
             let size = w.terms.size(self.hybrid.sizes.0.as_slice());
-            let slope = w.slope.dot(z).abs();
-            let curvature = w.bend(sizes);
-            while span * (slope + 0.5 * curvature * span) > REACH * size && span > least {
+            while path(span) > REACH * size && span > least {
                 span *= 0.5;
             }
         }
@@ -276,14 +335,15 @@ impl Motion {
     }
 
     /// The first passage of a watched functional from below zero to above within a span, or the proof that there is none.
+    #[inline(always)]
     fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
-        let (table, z) = (&*self.table, self.hybrid.z.as_slice());
+        let (table, z) = (self.table, self.hybrid.z.as_slice());
         let late = self.late_passage(span, &mut scratch.series);
-        let Scratch { sizes, near, start, series, .. } = scratch;
+        let Scratch { heads, near, start, series, .. } = scratch;
         near.clear();
         let mut any = 0;
-        for (w, &order) in table.watched.iter().zip(&self.hybrid.departing) {
-            let intervals = near_intervals(w, order, z, sizes, table.interval());
+        for ((w, &order), head) in table.watched.iter().zip(&self.hybrid.departing).zip(heads.iter()) {
+            let intervals = near_intervals(w, order, z, head, table.interval());
             any |= intervals;
             near.push(intervals);
         }
@@ -316,13 +376,15 @@ impl Motion {
 
     /// The first passage of a functional that leaves zero with a high order: at the ends of the first intervals it may still be rounding, so
     /// that it is searched in one piece, with the zero at its start divided out.
+    #[inline(never)]
     fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
-        let table = &*self.table;
+        let table = self.table;
         let late = |order: usize| (LATE..ORDERS).contains(&order);
         if !self.hybrid.departing.iter().copied().any(late) {
             return None;
         }
-        series.expand(table, self.hybrid.z.as_slice(), span, Point::end(span, table).interval);
+        let last = Point::end(span, table).interval;
+        series.expand(table, self.hybrid.z.as_slice(), span, table.orders_to(last));
         let mut first: Option<(f64, usize)> = None;
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
             if late(order) {
@@ -339,6 +401,7 @@ impl Motion {
 
     /// The first passage within a time `length` from the start of an interval, with its time, among the functionals that may have one
     /// there.
+    #[inline(always)]
     fn passage_within(
         &self,
         near: &[u8],
@@ -381,11 +444,12 @@ impl Motion {
 /// The intervals of a sub-step in which a functional may pass zero, as bits: of the others it is proved that it stays below zero.
 /// Between two samples a distance h apart it lies within M h²/8 of their chord, where M bounds its second derivative. With
 /// `order` it leaves zero at the start.
-fn near_intervals(w: &WatchTable, order: usize, z: &[f64], sizes: &[f64], step: f64) -> u8 {
+#[inline(always)]
+fn near_intervals(w: &WatchTable, order: usize, z: &[f64], head: &Head, step: f64) -> u8 {
     if order >= LATE {
         return 0; // zero throughout, or searched in one piece
     }
-    let (value, slope, bend) = (w.terms.dot(z), w.slope.dot(z), w.bend(sizes));
+    let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;
     if order == 0 && value + length * (slope.max(0.0) + 0.5 * bend * length) < 0.0 {
         return 0;
