@@ -271,20 +271,9 @@ impl Series {
         }
     }
 
-    /// The coefficients, from order 0 on.
-    pub fn terms(&self) -> impl Iterator<Item = &[f64]> {
-        self.terms.chunks(self.size)
-    }
-
-    /// The state at a part of the span from 0 to 1. Ascending powers in one pass: the small ones are of no more than the rounding of
-    /// the first.
-    pub fn at(&self, u: f64, to: &mut [f64]) {
-        to.fill(0.0);
-        let mut power = 1.0;
-        for term in self.terms.chunks(self.size) {
-            to.iter_mut().zip(term).for_each(|(sum, x)| *sum += power * x);
-            power *= u;
-        }
+    /// The coefficients, from order 0 on, one after another.
+    pub fn terms(&self) -> &[f64] {
+        &self.terms
     }
 }
 

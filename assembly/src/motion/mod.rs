@@ -89,7 +89,9 @@ struct Scratch {
     /// The state at an interval's start.
     start: Vec<f64>,
     series: Series,
-    /// The state at which powers are found.
+    /// The states at which powers are found.
+    states: Vec<f64>,
+    /// One of them.
     point: DVector<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
-use crate::energy::NODES;
+use crate::energy::Samples;
 use crate::error::Error;
 use crate::flow::{INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable};
 use crate::mode::Watch;
@@ -287,6 +287,7 @@ impl Scratch {
 }
 
 /// The energy accounts of a flight over a whole sub-step of a length, or into an interval and over a time.
+#[inline(always)]
 fn account(
     system: &System,
     table: &Table,
@@ -295,16 +296,21 @@ fn account(
     scratch: &mut Scratch,
 ) {
     let Hybrid { energy, mode, z, .. } = hybrid;
-    let Scratch { series, point, .. } = scratch;
+    let Scratch { series, point, states, .. } = scratch;
     let nodes = if flight.is_ok() { table.nodes() } else { &[] };
     let (last, dt) = flight.map_or_else(|partial| partial, |dt| (INTERVALS - 1, dt));
-    if nodes.is_empty() {
+    let size = z.len();
+    let samples = if nodes.is_empty() {
         series.expand(table, z.as_slice(), dt, table.orders_to(last));
-    }
-    energy.add((system, mode, table), dt, point, |k, to| match nodes.get(k) {
-        Some(node) => node.times(z.as_slice(), to),
-        None => series.at(NODES[k].0, to),
-    });
+        Samples::Series(series.terms(), size)
+    } else {
+        states.resize(nodes.len() * size, 0.0);
+        for (node, state) in nodes.iter().zip(states.chunks_mut(size)) {
+            node.times(z.as_slice(), state);
+        }
+        Samples::States(states, size)
+    };
+    energy.add((system, mode, table), dt, &samples, point);
 }
 
 /// A sub-step's start in a mode.
@@ -384,12 +390,13 @@ impl Flight<'_> {
             return None;
         }
         let last = Point::end(span, table).interval;
-        series.expand(table, self.hybrid.z.as_slice(), span, table.orders_to(last));
+        let z = self.hybrid.z.as_slice();
+        series.expand(table, z, span, table.orders_to(last));
         let mut first: Option<(f64, usize)> = None;
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
             if late(order) {
                 let mut c = [0.0; ORDERS];
-                let coefficients = series.terms().skip(order).map(|z| w.terms.dot(z));
+                let coefficients = series.terms().chunks_exact(z.len()).skip(order).map(|z| w.terms.dot(z));
                 c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);
                 c[0] = c[0].min(-f64::MIN_POSITIVE);
                 let hi = first.map_or(1.0, |(u, _)| u);
