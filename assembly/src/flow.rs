@@ -1,18 +1,30 @@
-//! Exact flow of a mode: the transition over a sub-step, and for each watched functional samples, a bound between them and its
-//! Taylor coefficients, all as rows that act on the augmented state (docs/assembly-law.md (A5), (A6)).
+//! Exact flow of a mode: the transition over a sub-step and its intervals, and for each watched functional samples, a bound
+//! between them and its Taylor coefficients, all as columns that act on the augmented state (docs/assembly-law.md (A5), (A6)).
 
 use crate::energy::NODES;
+use crate::kernel::{Blocks, Sparse, SparseMatrix, combine};
 use crate::mode::{Linear, Watch};
 use crate::system::Row;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
+use std::sync::OnceLock;
 
-/// Taylor coefficients of a functional over a sub-step. With rate times length at most 2 the first one left out
-/// is under 2²⁶/26! < 2e-19 of the largest coordinate.
+/// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
+/// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
 pub const ORDERS: usize = 26;
 /// Rate times the length of a sub-step.
 const RADIUS: f64 = 2.0;
-/// Samples of a functional in a sub-step, at the ends of as many equal intervals.
-pub const SAMPLES: usize = 8;
+/// Intervals of a sub-step, at whose ends functionals are sampled.
+pub const INTERVALS: usize = 8;
+/// Taylor coefficients of a functional over an interval: with a radius of a quarter the first one left out is under
+/// 0.25¹⁴/14! < 5e-20 of the largest coordinate.
+pub const LOCAL: usize = 14;
+/// Up to this many coordinates the transitions to the interval ends are kept as dense matrices; beyond, a power series with the
+/// entries that are not zero costs no more.
+const DENSE: usize = 32;
+/// Up to this many coordinates a point within an interval is found by dense matrices of each order.
+const SMALL: usize = 16;
+/// Times that half an interval is halved for the orders of a series over a part of it.
+const PARTS: usize = 6;
 /// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
 const LEAST_RATE: f64 = 1e-3;
 /// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number of them gives a bound.
@@ -29,29 +41,64 @@ pub struct WatchTable {
     pub watch: Watch,
     /// The functional.
     pub row: Row,
-    /// Its values at the interval ends, a column each.
-    pub samples: DMatrix<f64>,
+    /// Its terms.
+    pub terms: Sparse,
+    /// Its time derivative.
+    pub slope: Sparse,
+    /// Its second time derivative.
+    pub bow: Sparse,
+    /// The sizes of the terms that its time derivative is the sum of.
+    pub slope_sizes: Sparse,
     /// |functional''| is at most the sum of this times the coordinates' sizes, throughout the sub-step.
-    pub curvature: Row,
-    /// Its Taylor coefficients about the start, in units of the sub-step, a column an order.
-    pub coefficients: DMatrix<f64>,
-    /// The sizes of the terms that the coefficients are sums of.
-    pub terms: DMatrix<f64>,
+    pub curvature: Vec<f64>,
+    /// Its values at the interval ends, by coordinate.
+    samples: Vec<[f64; INTERVALS]>,
+    /// Its Taylor coefficients about a point, in units of an interval, by coordinate.
+    local: Vec<[f64; LOCAL]>,
+}
+
+impl WatchTable {
+    /// Its values at the interval ends.
+    #[inline(always)]
+    pub fn samples(&self, z: &[f64]) -> [f64; INTERVALS] {
+        combine(&self.samples, z)
+    }
+
+    /// Its Taylor coefficients about a point, in units of an interval.
+    #[inline(always)]
+    pub fn local(&self, z: &[f64]) -> [f64; LOCAL] {
+        combine(&self.local, z)
+    }
+
+    /// A bound of its second derivative throughout the sub-step.
+    #[inline(always)]
+    pub fn bend(&self, sizes: &[f64]) -> f64 {
+        self.curvature.iter().zip(sizes).map(|(c, s)| c * s).sum()
+    }
 }
 
 /// The flow of a mode.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Table {
-    /// z' = A z.
-    pub a: DMatrix<f64>,
+    /// A of z' = A z, by its entries.
+    pub a: SparseMatrix,
+    /// The sizes of the terms of A's entries.
+    sizes: SparseMatrix,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
     /// Length of a sub-step, s.
     pub length: f64,
-    /// z at the sub-step's end from z at its start.
-    pub transition: DMatrix<f64>,
-    /// z at the places of the sub-step at which the powers are found ([`NODES`]).
-    pub nodes: Vec<DMatrix<f64>>,
+    /// z at the interval ends from z at the sub-step's start, where these matrices are kept.
+    transitions: Vec<Blocks>,
+    /// The terms of exp(A h) of orders 1, 2, … for an interval h, as far as they act on the machine's coordinates, where these
+    /// matrices are kept.
+    powers: Vec<Blocks>,
+    /// z at the places of the sub-step at which powers are found ([`NODES`]), made when they are first needed.
+    nodes: OnceLock<Vec<Blocks>>,
+    /// Orders of a power series from the sub-step's start into each interval.
+    orders: [usize; INTERVALS],
+    /// The same for halves of an interval, quarters, eighths and so on.
+    orders_of_parts: [usize; PARTS],
     /// What is watched.
     pub watched: Vec<WatchTable>,
     /// The forces of the basis.
@@ -64,107 +111,225 @@ impl Table {
         let Linear { a, terms, lambda, watched } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
-        let places: Vec<f64> = [1.0, 1.0 / SAMPLES as f64].into_iter().chain(NODES.map(|n| n.0)).collect();
-        let mut nodes = exponentials(&a, rate, length, &places);
-        let (transition, interval) = (nodes.remove(0), nodes.remove(0));
-        let step = length / SAMPLES as f64;
-        let spread = spread(&a, rate, step);
+        let (a, sizes) = (SparseMatrix::of(&a), SparseMatrix::of(&terms));
+        let step = length / INTERVALS as f64;
+        let kept = if a.len() <= DENSE { INTERVALS } else { 0 };
+        let ends: Vec<f64> = (1..=kept).map(|i| i as f64 / INTERVALS as f64).collect();
+        let transitions = exponentials(&a, rate, length, &ends).iter().map(Blocks::of).collect();
+        let interval = exponentials(&a, rate, step, &[1.0]).remove(0);
+        let spread = exponentials(&a.abs(), rate, step, &[1.0]).remove(0);
         let watched = watched
             .into_iter()
-            .map(|(watch, row)| watch_table(watch, row, (&a, &terms), length, &interval, &spread))
+            .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
             .collect();
-        Self { a, rate, length, transition, nodes, watched, lambda }
+        let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
+        let orders_of_parts = std::array::from_fn(|k| series_orders(rate * step * 0.5f64.powi(k as i32 + 1)));
+        let nodes = OnceLock::new();
+        let count = if a.len() <= SMALL { series_orders(0.5 * rate * step) } else { 0 };
+        let mut power = DMatrix::identity(a.len(), a.len());
+        let powers = (1..=count).map(|k| {
+            power = a.times_matrix(&power, step / k as f64);
+            Blocks::of(&power.rows(0, one).into_owned())
+        });
+        let powers = powers.collect();
+        Self { powers, a, sizes, rate, length, transitions, nodes, orders, orders_of_parts, watched, lambda }
     }
 
-    /// The states within a time `dt`, at most a sub-step.
-    pub fn taylor(&self, z: &DVector<f64>, dt: f64) -> Taylor {
-        let orders = series_orders(self.rate * dt);
-        let mut terms = Vec::with_capacity(orders + 1);
-        terms.push(z.clone());
-        for k in 1..=orders {
-            let mut next = DVector::zeros(z.len());
-            next.gemv(1.0, &self.a, &terms[k - 1], 0.0);
-            next *= dt / k as f64;
-            terms.push(next);
+    /// Length of an interval, s.
+    pub fn interval(&self) -> f64 {
+        self.length / INTERVALS as f64
+    }
+
+    /// Orders of a power series from the sub-step's start into interval `last`.
+    pub fn orders_to(&self, last: usize) -> usize {
+        self.orders[last]
+    }
+
+    /// Orders of a power series over a time of at most half an interval, forwards or back.
+    #[inline(always)]
+    pub fn orders_within(&self, dt: f64) -> usize {
+        let (mut k, mut part) = (0, 0.25 * self.interval());
+        while k + 1 < PARTS && dt.abs() <= part {
+            (k, part) = (k + 1, 0.5 * part);
         }
-        Taylor { terms }
+        self.orders_of_parts[k]
+    }
+
+    /// The state at a time of at most half an interval after or before `z`. Signals, whose values at a time are known, may stay as in `to`
+    /// unless `all` are asked for.
+    #[inline(always)]
+    pub fn near(&self, z: &[f64], dt: f64, all: bool, series: &mut Series, to: &mut [f64]) {
+        let orders = self.orders_within(dt);
+        if all || self.powers.is_empty() {
+            series.expand(self, z, dt, orders);
+            return series.at_end(to);
+        }
+        let u = dt / self.interval();
+        let machine = self.powers[0].rows();
+        to[..machine].copy_from_slice(&z[..machine]);
+        let mut factor = 1.0;
+        for power in &self.powers[..orders] {
+            factor *= u;
+            power.add(z, factor, &mut to[..machine]);
+        }
+    }
+
+    /// The state at the end of interval `i` from that at the sub-step's start.
+    #[inline(always)]
+    pub fn at_interval_end(&self, i: usize, z: &[f64], series: &mut Series, to: &mut [f64]) {
+        match self.transitions.get(i) {
+            Some(matrix) => matrix.times(z, to),
+            None => {
+                series.expand(self, z, (i + 1) as f64 * self.interval(), self.orders_to(i));
+                series.at_end(to);
+            }
+        }
+    }
+
+    /// The states at [`NODES`] of a whole sub-step, where matrices are kept.
+    pub fn nodes(&self) -> &[Blocks] {
+        self.nodes.get_or_init(|| {
+            if self.transitions.is_empty() {
+                return Vec::new();
+            }
+            exponentials(&self.a, self.rate, self.length, &NODES.map(|n| n.0))
+                .iter()
+                .map(Blocks::of)
+                .collect()
+        })
+    }
+
+    /// The first of a functional's derivatives from `from` on, in units of the sub-step, for which `is` holds of its value and of
+    /// the sum of its terms' sizes, with that value.
+    pub fn first_derivative(
+        &self,
+        row: &Row,
+        from: usize,
+        z: &[f64],
+        sizes: &[f64],
+        is: impl Fn(f64, f64) -> bool,
+    ) -> Option<(usize, f64)> {
+        let mut rows = (row.as_slice().to_vec(), row.abs().as_slice().to_vec());
+        let mut next = rows.clone();
+        for k in 0..ORDERS {
+            let value = dot(&rows.0, z);
+            if k >= from && is(value, dot(&rows.1, sizes)) {
+                return Some((k, value));
+            }
+            let factor = self.length / (k + 1) as f64;
+            self.a.after_row(&rows.0, factor, &mut next.0);
+            self.sizes.after_row(&rows.1, factor, &mut next.1);
+            std::mem::swap(&mut rows, &mut next);
+        }
+        None
     }
 
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
-        let watched: usize = self.watched.iter().map(|w| 2 * w.coefficients.len() + w.samples.len()).sum();
-        (self.nodes.len() + 2) * self.a.len() + watched
+        let size = self.a.len();
+        (self.transitions.len()
+            + self.powers.len()
+            + if self.transitions.is_empty() { 0 } else { NODES.len() })
+            * size
+            * size
+            + 2 * (self.a.entries() + self.sizes.entries())
+            + self.watched.len() * size * (INTERVALS + LOCAL + 2)
     }
 }
 
-/// The states within a span as a power series in its part that has passed.
-#[derive(Debug)]
-pub struct Taylor {
-    terms: Vec<DVector<f64>>,
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-impl Taylor {
-    /// The state at a part of the span from 0 to 1.
-    pub fn at(&self, u: f64) -> DVector<f64> {
-        let mut sum = DVector::zeros(self.terms[0].len());
-        // Ascending powers in one pass: the small ones are of no more than the rounding of the first.
-        let mut power = 1.0;
-        for term in &self.terms {
-            sum.axpy(power, term, 1.0);
-            power *= u;
+/// The states within a span as a power series in the part of it that has passed; its memory is used again.
+#[derive(Clone, Debug, Default)]
+pub struct Series {
+    terms: Vec<f64>,
+    size: usize,
+}
+
+impl Series {
+    /// The states within a time `dt` from `z`, by so many orders.
+    #[inline(always)]
+    pub fn expand(&mut self, table: &Table, z: &[f64], dt: f64, orders: usize) {
+        let size = z.len();
+        self.size = size;
+        self.terms.resize((orders + 1) * size, 0.0);
+        self.terms[..size].copy_from_slice(z);
+        for k in 1..=orders {
+            let (before, after) = self.terms.split_at_mut(k * size);
+            table.a.times(&before[(k - 1) * size..], dt / k as f64, &mut after[..size]);
         }
-        sum
+    }
+
+    /// The state at the end of the span.
+    #[inline(always)]
+    pub fn at_end(&self, to: &mut [f64]) {
+        to.fill(0.0);
+        for term in self.terms.chunks_exact(self.size) {
+            to.iter_mut().zip(term).for_each(|(sum, x)| *sum += x);
+        }
+    }
+
+    /// The coefficients, from order 0 on, one after another.
+    pub fn terms(&self) -> &[f64] {
+        &self.terms
     }
 }
 
 fn watch_table(
     watch: Watch,
     row: Row,
-    (a, terms_of_a): (&DMatrix<f64>, &DMatrix<f64>),
-    length: f64,
+    (a, sizes): (&SparseMatrix, &SparseMatrix),
+    step: f64,
     interval: &DMatrix<f64>,
     spread: &DMatrix<f64>,
 ) -> WatchTable {
     let size = row.len();
-    let mut coefficients = DMatrix::zeros(size, ORDERS);
-    let mut terms = DMatrix::zeros(size, ORDERS);
-    let (mut next, mut next_terms) = (row.clone(), row.abs());
-    for k in 0..ORDERS {
-        coefficients.set_column(k, &next);
-        terms.set_column(k, &next_terms);
-        let factor = length / (k + 1) as f64;
-        next = a.tr_mul(&next) * factor;
-        next_terms = terms_of_a.tr_mul(&next_terms) * factor;
+    let after = |row: &Row, factor: f64| {
+        let mut next = Row::zeros(size);
+        a.after_row(row.as_slice(), factor, next.as_mut_slice());
+        next
+    };
+    let mut local = vec![[0.0; LOCAL]; size];
+    let mut next = row.clone();
+    for k in 0..LOCAL {
+        local.iter_mut().zip(next.iter()).for_each(|(column, x)| column[k] = *x);
+        next = after(&next, step / (k + 1) as f64);
     }
-    let mut samples = DMatrix::zeros(size, SAMPLES);
+    let mut samples = vec![[0.0; INTERVALS]; size];
     let mut sample = row.clone();
-    let second = a.tr_mul(&a.tr_mul(&row));
     // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
-    let mut peak = second.abs();
-    for k in 0..SAMPLES {
+    let mut peak = Row::zeros(size);
+    for k in 0..INTERVALS {
+        peak = peak.zip_map(&after(&after(&sample, 1.0), 1.0).abs(), f64::max);
         sample = interval.tr_mul(&sample);
-        samples.set_column(k, &sample);
-        if k + 1 < SAMPLES {
-            let there = a.tr_mul(&a.tr_mul(&sample)).abs();
-            peak = peak.zip_map(&there, f64::max);
-        }
+        samples.iter_mut().zip(sample.iter()).for_each(|(column, x)| column[k] = *x);
     }
-    let curvature = spread.tr_mul(&peak) * BOUND_MARGIN;
-    WatchTable { watch, row, samples, curvature, coefficients, terms }
-}
-
-/// exp(|A| t) entry by entry, which bounds the growth of a row over a time t.
-fn spread(a: &DMatrix<f64>, rate: f64, t: f64) -> DMatrix<f64> {
-    exponentials(&a.abs(), rate, t, &[1.0]).remove(0)
+    let curvature = (spread.tr_mul(&peak) * BOUND_MARGIN).as_slice().to_vec();
+    let mut slope_sizes = vec![0.0; size];
+    sizes.after_row(row.abs().as_slice(), 1.0, &mut slope_sizes);
+    let first = after(&row, 1.0);
+    WatchTable {
+        watch,
+        terms: Sparse::of(row.as_slice()),
+        slope: Sparse::of(first.as_slice()),
+        bow: Sparse::of(after(&first, 1.0).as_slice()),
+        slope_sizes: Sparse::of(&slope_sizes),
+        row,
+        curvature,
+        samples,
+        local,
+    }
 }
 
 /// exp(A u t) at several parts u of a time.
-fn exponentials(a: &DMatrix<f64>, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
-    let mut term = DMatrix::identity(a.nrows(), a.nrows());
+fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
+    let mut term = DMatrix::identity(a.len(), a.len());
     let mut sums = vec![term.clone(); parts.len()];
     let mut powers = vec![1.0; parts.len()];
     for k in 1..=series_orders(rate * t) {
-        term = a * term * (t / k as f64);
+        term = a.times_matrix(&term, t / k as f64);
         for ((sum, power), u) in sums.iter_mut().zip(&mut powers).zip(parts) {
             *power *= u;
             sum.zip_apply(&term, |s, x| *s += *power * x);

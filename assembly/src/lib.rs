@@ -15,6 +15,7 @@ pub mod energy;
 pub mod error;
 pub mod file;
 pub mod flow;
+mod kernel;
 mod kinds;
 pub mod law;
 pub mod mode;

@@ -143,9 +143,10 @@ impl System {
 
     /// The value of [`stop_force`](Self::stop_force).
     pub fn stop_force_at(&self, i: usize, state: StopState, z: &DVector<f64>) -> Option<f64> {
+        let z = z.as_slice();
         match state {
-            StopState::Pressed => Some(self.stops[i].force.dot(z)),
-            StopState::Capped => Some(2.0 * self.stops[i].spring.dot(z)),
+            StopState::Pressed => Some(self.stops[i].force_terms.dot(z)),
+            StopState::Capped => Some(2.0 * self.stops[i].spring_terms.dot(z)),
             _ => None,
         }
     }
@@ -167,13 +168,20 @@ impl System {
         let mut forces = self.forces.clone();
         for (i, &state) in stops.iter().enumerate() {
             if let Some(force) = self.stop_force(i, state) {
-                forces.ger(-1.0, &self.stops[i].elongation.w, &force, 1.0);
+                add_outer(&mut forces, &self.stops[i].elongation.w, &force);
             }
         }
         for (i, &state) in frictions.iter().enumerate() {
             if let Some(force) = self.friction_force(i, state) {
-                forces.ger(-1.0, &self.frictions[i].elongation.w, &force, 1.0);
+                add_outer(&mut forces, &self.frictions[i].elongation.w, &force);
             }
+        }
+        // Forces are summed up before they are divided, so that what cancels leaves zeros.
+        if self.is_diagonal {
+            for (mut row, inertia) in forces.row_iter_mut().zip(self.mass.diagonal().iter()) {
+                row /= *inertia;
+            }
+            return forces;
         }
         self.inertia.solve(&forces)
     }
@@ -297,6 +305,13 @@ impl System {
     fn is_constant_and_negative(&self, row: &DVector<f64>) -> bool {
         let one = self.signals.one;
         row[one] < 0.0 && row.iter().enumerate().all(|(j, &x)| j == one || x == 0.0)
+    }
+}
+
+/// Takes a force in a direction from the forces on the coordinates.
+fn add_outer(forces: &mut DMatrix<f64>, w: &DVector<f64>, force: &Row) {
+    for (i, &w) in w.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+        forces.row_mut(i).iter_mut().zip(force.iter()).for_each(|(sum, f)| *sum -= w * f);
     }
 }
 

@@ -82,6 +82,8 @@ pub struct Signals {
     /// Frequencies, Hz; each has a cosine and a sine behind the number 1.
     frequencies: Vec<f64>,
     pieces: Vec<Piece>,
+    /// The times of all steps and of all knots of records, in order.
+    knots: Vec<f64>,
     /// The length of the augmented state.
     pub size: usize,
     /// How many signals take an input.
@@ -107,7 +109,14 @@ struct Parts {
 impl Builder {
     /// For an augmented state whose coordinates before `one` are not signals.
     pub fn new(one: usize) -> Self {
-        let signals = Signals { one, frequencies: Vec::new(), pieces: Vec::new(), size: 0, inputs: 0 };
+        let signals = Signals {
+            one,
+            frequencies: Vec::new(),
+            pieces: Vec::new(),
+            knots: Vec::new(),
+            size: 0,
+            inputs: 0,
+        };
         Self { signals, parts: Vec::new() }
     }
 
@@ -157,6 +166,11 @@ impl Builder {
             place += piece.count;
         }
         signals.size = place;
+        for piece in &signals.pieces {
+            signals.knots.extend(piece.steps.iter().map(|s| s.time));
+            signals.knots.extend(piece.table.iter().flat_map(|t| &t.knots).map(|k| k.0));
+        }
+        signals.knots.sort_by(f64::total_cmp);
         let rows = self.parts.iter().map(|parts| {
             let mut row = DVector::zeros(signals.size);
             row[signals.one] = parts.constant;
@@ -232,10 +246,7 @@ impl Signals {
 
     /// The first knot after a time, s.
     pub fn next_knot(&self, time: f64) -> Option<f64> {
-        let steps = self.pieces.iter().flat_map(|p| p.steps.iter().map(|s| s.time));
-        let knots =
-            self.pieces.iter().filter_map(|p| p.table.as_ref()).flat_map(|t| t.knots.iter().map(|k| k.0));
-        steps.chain(knots).filter(|&t| t > time).min_by(f64::total_cmp)
+        self.knots.get(self.knots.partition_point(|&t| t <= time)).copied()
     }
 
     /// The first place behind the coordinates whose size never changes: 1, cosines and sines.

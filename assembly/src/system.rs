@@ -3,6 +3,7 @@
 
 use crate::description::{Arms, BodyKind, DampingLimit, Description, StopLaw};
 use crate::error::Error;
+use crate::kernel::Sparse;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -25,6 +26,10 @@ pub struct Elongation {
     pub drift: Row,
     /// L⁻¹ w.
     pub column: DVector<f64>,
+    /// The change of the velocities by a unit of impulse, M⁻¹ w.
+    pub mobility: DVector<f64>,
+    /// The terms of the rate.
+    pub(crate) rate_terms: Sparse,
 }
 
 /// A body's coordinate.
@@ -38,6 +43,8 @@ pub struct BodyRows {
     pub weights: DVector<f64>,
     /// The part that prescribed bodies make.
     pub drift: Row,
+    /// The terms of the rate.
+    pub(crate) v_terms: Sparse,
 }
 
 /// A spring with its dashpot.
@@ -68,6 +75,10 @@ pub struct StopRows {
     pub force: Row,
     /// The force of its spring alone: stiffness (e - gap).
     pub spring: Row,
+    /// The terms of e - gap, of the force and of its spring's part.
+    pub(crate) excess_terms: Sparse,
+    pub(crate) force_terms: Sparse,
+    pub(crate) spring_terms: Sparse,
 }
 
 impl StopRows {
@@ -96,6 +107,8 @@ pub struct FrictionRows {
     pub static_level: Row,
     /// Whether the two differ.
     pub has_static: bool,
+    /// The terms of the level while slipping, and of the level up to which it sticks.
+    pub(crate) level_terms: Sparse,
 }
 
 /// The machine as matrices; it does not change during a motion.
@@ -111,6 +124,8 @@ pub struct System {
     pub inertia: Cholesky<f64, Dyn>,
     /// The inertia.
     pub mass: DMatrix<f64>,
+    /// Whether no link couples the coordinates' inertias.
+    pub(crate) is_diagonal: bool,
     /// The forces on the coordinates that always act: M a = forces · z + …
     pub forces: DMatrix<f64>,
     /// All bodies.
@@ -123,6 +138,8 @@ pub struct System {
     pub frictions: Vec<FrictionRows>,
     /// The force of each load.
     pub loads: Vec<Row>,
+    /// The terms of the same.
+    pub(crate) load_terms: Vec<Sparse>,
     /// The body of each load.
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
@@ -240,12 +257,14 @@ impl System {
             forces: DMatrix::zeros(n, signals.size),
             signals,
             inertia,
+            is_diagonal: mass == DMatrix::from_diagonal(&mass.diagonal()),
             mass,
             bodies,
             springs: Vec::new(),
             stops: Vec::new(),
             frictions: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
+            load_terms: loads.iter().map(|&i| Sparse::of(rows[i].as_slice())).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
             has_motions: motions.iter().any(Option::is_some),
             inertias,
@@ -271,6 +290,8 @@ impl System {
             w: DVector::zeros(self.coordinates),
             drift: Row::zeros(size),
             column: DVector::zeros(self.coordinates),
+            mobility: DVector::zeros(self.coordinates),
+            rate_terms: Sparse::default(),
         };
         for &(body, arm) in &arms.terms {
             let rows = &self.bodies[body];
@@ -281,6 +302,8 @@ impl System {
         }
         sum.column = sum.w.clone();
         self.inertia.l_dirty().solve_lower_triangular_mut(&mut sum.column);
+        sum.mobility = self.inertia.solve(&sum.w);
+        sum.rate_terms = Sparse::of(sum.rate.as_slice());
         sum
     }
 
@@ -302,13 +325,26 @@ impl System {
             };
             let spring = stiffness * &excess;
             let force = &spring + damping * &elongation.rate;
-            self.stops.push(StopRows { elongation, excess, law: stop.law, force, spring });
+            let terms = |row: &Row| Sparse::of(row.as_slice());
+            self.stops.push(StopRows {
+                excess_terms: terms(&excess),
+                force_terms: terms(&force),
+                spring_terms: terms(&spring),
+                elongation,
+                excess,
+                law: stop.law,
+                force,
+                spring,
+            });
         }
         for (friction, (level, static_level)) in d.frictions.iter().zip(levels) {
+            let (level, static_row) = (rows[*level].clone(), rows[static_level.unwrap_or(*level)].clone());
             self.frictions.push(FrictionRows {
                 elongation: self.elongation(&friction.arms),
-                level: rows[*level].clone(),
-                static_level: rows[static_level.unwrap_or(*level)].clone(),
+                level_terms: Sparse::of(level.as_slice()),
+
+                level,
+                static_level: static_row,
                 has_static: static_level.is_some(),
             });
         }
@@ -363,7 +399,8 @@ fn bodies(
                 s[k] += reduction.q[i][k];
                 v[n + k] += reduction.q[i][k];
             }
-            BodyRows { s, v, weights: reduction.q[i].clone(), drift: prescribed(i, 2) }
+            let v_terms = Sparse::of(v.as_slice());
+            BodyRows { s, v, weights: reduction.q[i].clone(), drift: prescribed(i, 2), v_terms }
         })
         .collect()
 }

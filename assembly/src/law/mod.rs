@@ -4,6 +4,7 @@ pub mod box_qp;
 pub mod impact;
 pub mod selection;
 
+use crate::kernel::Sparse;
 use crate::system::Row;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -19,6 +20,11 @@ impl Sizes {
     /// The sum of the sizes of a row's terms.
     pub fn of(&self, row: &Row) -> f64 {
         row.iter().zip(self.0.iter()).map(|(r, s)| r.abs() * s).sum()
+    }
+
+    /// The same of a row by its terms.
+    pub(crate) fn zero_of(&self, row: &Sparse) -> f64 {
+        ZERO * row.size(self.0.as_slice())
     }
 
     /// Below this a row's value counts as zero.

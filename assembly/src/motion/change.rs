@@ -19,7 +19,7 @@ impl Motion {
         }
         let table = Arc::new(Table::new(assembly.system.linear(&saved.mode), assembly.system.signals.one));
         let tables = HashMap::from([(saved.mode.clone(), table.clone())]);
-        Some(Self { assembly, hybrid: saved.clone(), tables, table, late: 0.0 })
+        Some(Self::of(assembly, saved.clone(), tables, table))
     }
 
     /// The same motion from the present instant on in a machine with the same elements, of which numbers have changed: bodies keep
@@ -65,7 +65,8 @@ impl Motion {
         }
         let departing = Vec::new();
         let hybrid = Hybrid { z, sizes, mode, departing, chain: 0, last: None, due: None, ..old.hybrid };
-        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: old.table, late: old.late };
+        let late = old.late;
+        let mut motion = Self { late, ..Self::of(assembly, hybrid, HashMap::new(), old.table) };
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }

@@ -1,7 +1,7 @@
 //! What happens at an event: impacts, the mode that follows, and what is reported.
 
 use super::event::{Event, EventKind};
-use super::{Motion, Observer};
+use super::{Hybrid, Motion, Observer};
 use crate::error::Error;
 use crate::flow::ORDERS;
 use crate::law::box_qp::{Jam, triangle};
@@ -9,7 +9,6 @@ use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{Selection, Touching};
 use crate::law::{Sizes, ZERO};
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
-use crate::motion::step::column_dot;
 use crate::system::{Elongation, System};
 use nalgebra::DVector;
 
@@ -37,7 +36,7 @@ impl Flags {
     /// and the force of a compliant stop with a dashpot is no longer at a limit.
     fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
         let mut flags = self.clone();
-        let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero(&e.rate);
+        let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate_terms);
         let frictions = flags.resting.iter_mut().zip(&system.frictions);
         frictions.for_each(|(rests, friction)| *rests &= !moved(&friction.elongation));
         let stops = flags.limits.iter_mut().zip(&system.stops);
@@ -46,9 +45,19 @@ impl Flags {
     }
 }
 
+/// Whether a bounce with a speed against an acceleration stays below the `least` height that is followed, by (A15).
+pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
+    rebound * rebound < 2.0 * acceleration * least
+}
+
 impl Motion {
     /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero.
     pub(super) fn settle(&mut self, ended: &[Watch], observer: &mut Observer) -> Result<(), Error> {
+        if let [Watch::Meets(stop)] = *ended
+            && self.lone_impact(stop, observer)
+        {
+            return Ok(());
+        }
         let flags = self.flags(ended);
         self.place_on_contacts(&flags);
         let before = self.hybrid.mode.clone();
@@ -100,7 +109,8 @@ impl Motion {
         };
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
-                let near = stop.excess.dot(&hybrid.z) >= -hybrid.sizes.zero(&stop.excess);
+                let near =
+                    stop.excess_terms.dot(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess_terms);
                 flags.stops[i] = near || hybrid.mode.stops.get(i) == Some(&StopState::Closed);
             }
         }
@@ -218,15 +228,16 @@ impl Motion {
         let linear = self.table_of(&mode);
         let system = &self.assembly.system;
         let n = system.coordinates;
-        let acceleration: DVector<f64> = linear.a.rows(n, n) * &self.hybrid.z;
+        let z = self.hybrid.z.as_slice();
+        let acceleration = DVector::from_fn(n, |k, _| linear.a.row_times(n + k, z));
         let mut found = Vec::new();
         for i in candidates {
             let stop = &system.stops[i];
             let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
             let scale = self.hybrid.sizes.of(&stop.excess);
-            let least = self.least_bounce(restitution[i]);
-            if a > 0.0 && rebound >= 0.0 && rebound * rebound < 2.0 * a * least * scale {
+            let least = self.least_bounce(restitution[i]) * scale;
+            if a > 0.0 && rebound >= 0.0 && is_low(rebound, a, least) {
                 let left =
                     if restitution[i] < 1.0 { 2.0 * rebound / (a * (1.0 - restitution[i])) } else { 0.0 };
                 found.push((i, left));
@@ -237,7 +248,7 @@ impl Motion {
 
     /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops are met late by a depth d, a ball
     /// falls on by it, and its bounces do not get lower than d e²/(1 - e²).
-    fn least_bounce(&self, restitution: f64) -> f64 {
+    pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
         let lost = 1.0 - restitution * restitution;
         if self.late == 0.0 || lost == 0.0 {
             return LEAST_BOUNCE;
@@ -261,17 +272,25 @@ impl Motion {
         self.table = self.table_of(&mode);
         self.hybrid.mode = mode;
         self.keep_contacts();
-        let hybrid = &self.hybrid;
-        let departing = self.table.watched.iter().map(|w| {
-            let zero = |k: usize| ZERO * column_dot(&w.terms, k, &hybrid.sizes.0);
-            let value = |k: usize| column_dot(&w.coefficients, k, &hybrid.z);
-            // The law says that the first is negative; what rounding has made positive counts as zero.
-            let leaves = |&k: &usize| value(k) < -zero(k) || value(k) > DOUBTFUL * zero(k);
-            let order = (0..ORDERS).find(leaves).unwrap_or(ORDERS);
-            // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
-            if order < ORDERS && value(order) > 0.0 { order.saturating_sub(1) } else { order }
-        });
-        self.hybrid.departing = departing.collect();
+        let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
+        let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
+        // The law says that the first derivative is negative; what rounding has made positive counts as zero.
+        let leaves = |value: f64, size: f64| value < -ZERO * size || value > DOUBTFUL * ZERO * size;
+        departing.clear();
+        departing.extend(self.table.watched.iter().map(|w| {
+            if leaves(w.terms.dot(z), w.terms.size(sizes)) {
+                return 0;
+            }
+            let slope = w.slope.dot(z);
+            if slope < 0.0 && leaves(slope, w.slope_sizes.size(sizes)) {
+                return 1;
+            }
+            match self.table.first_derivative(&w.row, 1, z, sizes, leaves) {
+                None => ORDERS,
+                // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
+                Some((order, value)) => order - usize::from(value > 0.0),
+            }
+        }));
     }
 
     fn report_impacts(&mut self, impacts: &Impacts, observer: &mut Observer) {
@@ -329,7 +348,7 @@ impl Motion {
     }
 }
 
-fn report(observer: &mut Observer, time: f64, kind: EventKind) {
+pub(super) fn report(observer: &mut Observer, time: f64, kind: EventKind) {
     if let Some(observer) = observer {
         observer(&Event { time, kind });
     }

@@ -8,7 +8,7 @@
 use super::event::Event;
 use super::{Motion, Observer, saved};
 use crate::assembly::Assembly;
-use crate::energy::{Accounts, NODES};
+use crate::energy::{Accounts, NODES, Samples};
 use crate::error::Error;
 use crate::mode::Watch;
 use crate::system::{Row, System};
@@ -269,8 +269,11 @@ impl Motion {
         let mut energy = self.hybrid.energy.clone();
         let (dt, system) = (self.time() - course.time, &self.assembly.system);
         if dt > 0.0 {
-            let states = NODES.iter().map(|node| self.between(course, node.0));
-            energy.add(system, &self.hybrid.mode, &self.table, states, dt);
+            let states: Vec<f64> =
+                NODES.iter().flat_map(|node| self.between(course, node.0).data.as_vec().clone()).collect();
+            let samples = Samples::States(&states, self.hybrid.z.len());
+            let mut point = self.hybrid.z.clone();
+            energy.add((system, &self.hybrid.mode, &self.table), dt, &samples, &mut point);
         }
         energy
     }
@@ -297,7 +300,9 @@ impl Motion {
 
     /// Rates and accelerations of a state.
     fn rates_of(&self, z: &DVector<f64>) -> DVector<f64> {
-        self.table.a.rows(0, self.assembly.system.signals.one) * z
+        let mut rates = DVector::zeros(self.assembly.system.signals.one);
+        self.table.a.times(z.as_slice(), 1.0, rates.as_mut_slice());
+        rates
     }
 
     fn refill_on(&mut self, course: &Course) {

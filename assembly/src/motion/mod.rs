@@ -4,6 +4,7 @@ mod change;
 mod contact;
 mod course;
 mod event;
+mod lone;
 pub(crate) mod saved;
 mod step;
 mod variation;
@@ -13,7 +14,7 @@ pub use event::{Event, EventKind};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::Table;
+use crate::flow::{Series, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
@@ -78,6 +79,26 @@ pub struct Motion {
     table: Arc<Table>,
     /// By this part of its size a watched functional has passed zero at its event: nothing in an exact motion.
     late: f64,
+    scratch: Scratch,
+    vectors: pulp::Arch,
+}
+
+/// Memory of a sub-step.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    /// The sizes of the coordinates at its start.
+    sizes: Vec<f64>,
+    /// By functional its start.
+    heads: Vec<step::Head>,
+    /// By functional the intervals in which it may pass zero.
+    near: Vec<u8>,
+    /// The state at an interval's start.
+    start: Vec<f64>,
+    series: Series,
+    /// The states at which powers are found.
+    states: Vec<f64>,
+    /// One of them.
+    point: DVector<f64>,
 }
 
 impl Motion {
@@ -141,9 +162,26 @@ impl Motion {
             },
             system.signals.one,
         ));
-        let mut motion = Self { assembly, hybrid, tables: HashMap::new(), table: empty, late: 0.0 };
+        let mut motion = Self::of(assembly, hybrid, HashMap::new(), empty);
         motion.settle(&[], &mut None)?;
         Ok(motion)
+    }
+
+    /// With memory of the machine's size.
+    fn of(
+        assembly: Arc<Assembly>,
+        hybrid: Hybrid,
+        tables: HashMap<Mode, Arc<Table>>,
+        table: Arc<Table>,
+    ) -> Self {
+        let size = hybrid.z.len();
+        let scratch = Scratch {
+            sizes: vec![0.0; size],
+            start: vec![0.0; size],
+            point: DVector::zeros(size),
+            ..Scratch::default()
+        };
+        Self { assembly, hybrid, tables, table, late: 0.0, scratch, vectors: pulp::Arch::new() }
     }
 
     /// The machine.
@@ -178,7 +216,7 @@ impl Motion {
     pub fn body(&self, i: usize) -> [f64; 3] {
         let system = &self.assembly.system;
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
-        let acceleration = self.table.a.rows(n, n) * z;
+        let acceleration = DVector::from_fn(n, |k, _| self.table.a.row_times(n + k, z.as_slice()));
         [rows.s.dot(z), rows.v.dot(z), rows.weights.dot(&acceleration) + rows.drift.dot(z)]
     }
 

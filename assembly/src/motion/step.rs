@@ -1,11 +1,11 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
-use super::{Due, Hybrid, Motion, Observer, Outcome};
-use crate::energy::NODES;
+use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
+use crate::energy::Samples;
 use crate::error::Error;
-use crate::flow::{ORDERS, SAMPLES, WatchTable};
+use crate::flow::{INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable};
 use crate::mode::Watch;
-use nalgebra::DVector;
+use crate::system::System;
 use vibro_impact::events::first_crossing;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
@@ -18,7 +18,8 @@ const HALVINGS: i32 = 6;
 const WORK: (u64, f64) = (20_000, 64.0);
 /// Events at one instant without progress, for each element and one more.
 const CHAIN: usize = 100;
-
+/// From this order on a functional that leaves zero is at the first interval's end under 0.25⁶/6! < 4e-7 of its size.
+const LATE: usize = 6;
 /// Parts of a mode's sub-step that count as progress of time: a few roundings.
 const PROGRESS: f64 = 1e-15;
 /// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
@@ -32,10 +33,33 @@ enum Pause {
     BeforeEvent,
 }
 
-/// The end of a sub-step: how far, and the watched functional that ends it.
+/// Where a sub-step ends, or is searched: a part of an interval.
+#[derive(Clone, Copy)]
+struct Point {
+    /// The interval.
+    interval: usize,
+    /// Time from its start, s.
+    dt: f64,
+}
+
+impl Point {
+    /// The end of a span of a sub-step.
+    fn end(span: f64, table: &Table) -> Self {
+        let step = table.interval();
+        let interval = ((span / step).ceil() as usize).clamp(1, INTERVALS) - 1;
+        Self { interval, dt: span - interval as f64 * step }
+    }
+
+    /// Time from the sub-step's start, s.
+    fn time(&self, table: &Table) -> f64 {
+        self.interval as f64 * table.interval() + self.dt
+    }
+}
+
+/// The first passage of a watched functional in a sub-step.
 struct Passage {
-    /// Part of the span.
-    u: f64,
+    at: Point,
+    /// The functional's place.
     place: usize,
 }
 
@@ -126,7 +150,7 @@ impl Motion {
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
             let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
-            self.hybrid.due = self.substep(goal, at_knot)?;
+            self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
             if self.hybrid.due.is_some() {
                 if pause != Pause::BeforeEvent {
                     self.pass_event(observer)?;
@@ -154,37 +178,40 @@ impl Motion {
     }
 
     /// A sub-step of at most the table's length towards `goal`, or to the event before which it ends.
+    #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
-        let table = self.table.clone();
-        let remaining = goal.minus(self.hybrid.time).value();
-        let mut span = table.length.min(remaining);
-        let z = &self.hybrid.z.clone();
-        let sizes = z.abs();
-        span = self.within_reach(span, &sizes);
-        let whole = span == table.length;
-        let mut passage = self.first_passage(span, whole, &sizes);
-        // A root early in the span is found anew in a shorter one, of which the coefficients' rounding is smaller.
-        if let Some(near) =
-            passage.as_ref().map(|p| 2.0 * p.u * span).filter(|&near| near > 0.0 && near < 0.5 * span)
-            && let Some(again) = self.first_passage(near, false, &sizes)
-        {
-            (span, passage) = (near, Some(again));
+        let Self { table, hybrid, scratch, assembly, .. } = self;
+        let table = &**table;
+        let remaining = goal.minus(hybrid.time).value();
+        scratch.look(table, hybrid);
+        let flight = Flight { table, hybrid };
+        let span = flight.within_reach(table.length.min(remaining), &scratch.heads);
+        let passage = flight.first_passage(span, scratch);
+        let whole = span == table.length && passage.is_none();
+        let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
+        let dt = if passage.is_none() { span } else { end.time(table) };
+        if hybrid.energy.are_kept() {
+            account(&assembly.system, table, hybrid, whole.then_some(dt).ok_or((end.interval, dt)), scratch);
         }
-        let part = passage.as_ref().map_or(1.0, |p| p.u);
-        let dt = part * span;
-        let reaches = passage.is_none() && span >= remaining;
-        let Hybrid { energy, mode, .. } = &mut self.hybrid;
-        let next = if whole && passage.is_none() {
-            energy.add(&self.assembly.system, mode, &table, table.nodes.iter().map(|m| m * z), dt);
-            &table.transition * z
+        let z = hybrid.z.as_mut_slice();
+        let Scratch { start, series, .. } = scratch;
+        if whole {
+            table.at_interval_end(INTERVALS - 1, z, series, start);
+            z.copy_from_slice(start);
         } else {
-            let series = table.taylor(z, dt);
-            energy.add(&self.assembly.system, mode, &table, NODES.iter().map(|node| series.at(node.0)), dt);
-            series.at(1.0)
-        };
-        self.hybrid.z = next;
+            // From the nearer end of the interval.
+            let later = end.dt > 0.5 * table.interval();
+            let (passed, dt) =
+                if later { (end.interval + 1, end.dt - table.interval()) } else { (end.interval, end.dt) };
+            match passed.checked_sub(1) {
+                Some(last) => table.at_interval_end(last, z, series, start),
+                None => start.copy_from_slice(z),
+            }
+            table.near(start, dt, at_knot, series, z);
+        }
+        let reaches = passage.is_none() && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        if dt > PROGRESS * table.length {
+        if dt > PROGRESS * self.table.length {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
@@ -194,12 +221,13 @@ impl Motion {
         self.hybrid.sizes.include(&self.hybrid.z);
         self.keep_contacts();
         if let Some(passage) = passage {
+            let watch = self.table.watched[passage.place].watch;
             self.hybrid.chain += 1;
-            self.hybrid.last = Some(table.watched[passage.place].watch);
+            self.hybrid.last = Some(watch);
             if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
                 return Err(self.stuck("the modes change without end"));
             }
-            return Ok(Some(Due::Passage(table.watched[passage.place].watch)));
+            return Ok(Some(Due::Passage(watch)));
         }
         self.watch_again();
         Ok(knot.then_some(Due::Knot))
@@ -207,26 +235,105 @@ impl Motion {
 
     /// Watched functionals begin the next sub-step away from zero, but for those that are zero throughout the mode, of which every
     /// coefficient is rounding.
+    #[inline(always)]
     fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.table.watched) {
-            let stays = *order == ORDERS && w.row.dot(z).abs() <= LEAVES_ZERO * sizes.zero(&w.row);
+            let stays =
+                *order == ORDERS && w.terms.dot(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.terms);
             *order = if stays { ORDERS } else { 0 };
         }
     }
+}
 
+/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused, so that all give the same bits.
+struct Substep<'a> {
+    motion: &'a mut Motion,
+    goal: DoubleDouble,
+    at_knot: bool,
+}
+
+impl pulp::WithSimd for Substep<'_> {
+    type Output = Result<Option<Due>, Error>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        self.motion.substep(self.goal, self.at_knot)
+    }
+}
+
+/// A watched functional where a sub-step begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Head {
+    value: f64,
+    slope: f64,
+    /// A bound of its second derivative throughout the sub-step.
+    bend: f64,
+}
+
+impl Scratch {
+    /// Takes in the state at a sub-step's start.
+    #[inline(always)]
+    fn look(&mut self, table: &Table, hybrid: &Hybrid) {
+        let z = hybrid.z.as_slice();
+        self.sizes.iter_mut().zip(z).for_each(|(size, x)| *size = x.abs());
+        self.heads.clear();
+        self.heads.extend(table.watched.iter().map(|w| Head {
+            value: w.terms.dot(z),
+            slope: w.slope.dot(z),
+            bend: w.bend(&self.sizes),
+        }));
+    }
+}
+
+/// The energy accounts of a flight over a whole sub-step of a length, or into an interval and over a time.
+#[inline(always)]
+fn account(
+    system: &System,
+    table: &Table,
+    hybrid: &mut Hybrid,
+    flight: Result<f64, (usize, f64)>,
+    scratch: &mut Scratch,
+) {
+    let Hybrid { energy, mode, z, .. } = hybrid;
+    let Scratch { series, point, states, .. } = scratch;
+    let nodes = if flight.is_ok() { table.nodes() } else { &[] };
+    let (last, dt) = flight.map_or_else(|partial| partial, |dt| (INTERVALS - 1, dt));
+    let size = z.len();
+    let samples = if nodes.is_empty() {
+        series.expand(table, z.as_slice(), dt, table.orders_to(last));
+        Samples::Series(series.terms(), size)
+    } else {
+        states.resize(nodes.len() * size, 0.0);
+        for (node, state) in nodes.iter().zip(states.chunks_mut(size)) {
+            node.times(z.as_slice(), state);
+        }
+        Samples::States(states, size)
+    };
+    energy.add((system, mode, table), dt, &samples, point);
+}
+
+/// A sub-step's start in a mode.
+struct Flight<'a> {
+    table: &'a Table,
+    hybrid: &'a Hybrid,
+}
+
+impl Flight<'_> {
     /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
-    fn within_reach(&self, mut span: f64, sizes: &DVector<f64>) -> f64 {
-        let table = &self.table;
+    #[inline(always)]
+    fn within_reach(&self, mut span: f64, heads: &[Head]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
-        for w in &table.watched {
+        for (w, head) in self.table.watched.iter().zip(heads) {
             if !matches!(w.watch, Watch::Meets(_) | Watch::Presses(_)) {
                 continue;
             }
-            let size = self.hybrid.sizes.of(&w.row);
-            let slope = column_dot(&w.coefficients, 1, &self.hybrid.z).abs() / table.length;
-            let curvature = w.curvature.dot(sizes);
-            while span * (slope + 0.5 * curvature * span) > REACH * size && span > least {
+            let path = |span: f64| span * (head.slope.abs() + 0.5 * head.bend * span);
+            if path(span) <= REACH * head.value.abs() {
+                continue; // its size is at least its value's
+            }
+            let size = w.terms.size(self.hybrid.sizes.0.as_slice());
+            while path(span) > REACH * size && span > least {
                 span *= 0.5;
             }
         }
@@ -234,27 +341,96 @@ impl Motion {
     }
 
     /// The first passage of a watched functional from below zero to above within a span, or the proof that there is none.
-    fn first_passage(&self, span: f64, whole: bool, sizes: &DVector<f64>) -> Option<Passage> {
-        let (table, z) = (&self.table, &self.hybrid.z);
-        let mut first: Option<Passage> = None;
-        for (place, w) in table.watched.iter().enumerate() {
-            let order = self.hybrid.departing.get(place).copied().unwrap_or(0);
-            if order == 0 && whole && first.is_none() && clear_by_samples(w, z, sizes, table.length) {
+    #[inline(always)]
+    fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
+        let (table, z) = (self.table, self.hybrid.z.as_slice());
+        let late = self.late_passage(span, &mut scratch.series);
+        let Scratch { heads, near, start, series, .. } = scratch;
+        near.clear();
+        let mut any = 0;
+        for ((w, &order), head) in table.watched.iter().zip(&self.hybrid.departing).zip(heads.iter()) {
+            let intervals = near_intervals(w, order, z, head, table.interval());
+            any |= intervals;
+            near.push(intervals);
+        }
+        let end = Point::end(span, table);
+        for interval in (0..=end.interval).filter(|i| any & (1 << i) != 0) {
+            let from = if interval == 0 {
+                z
+            } else {
+                table.at_interval_end(interval - 1, z, series, start);
+                &start[..]
+            };
+            let length = if interval == end.interval { end.dt } else { table.interval() };
+            let Some((mut dt, mut place)) = self.passage_within(near, from, interval, length) else {
                 continue;
+            };
+            // A root early in the interval is found anew in a shorter one, of which the coefficients' rounding is smaller.
+            if interval == 0
+                && dt > 0.0
+                && dt < 0.25 * length
+                && let Some(again) = self.passage_within(near, from, interval, 2.0 * dt)
+            {
+                (dt, place) = again;
             }
-            let mut c = [0.0; ORDERS];
-            let ratio = span / table.length;
+            let at = Point { interval, dt };
+            let first = Passage { at, place };
+            return Some(late.filter(|late| late.at.time(table) < at.time(table)).unwrap_or(first));
+        }
+        late
+    }
+
+    /// The first passage of a functional that leaves zero with a high order: at the ends of the first intervals it may still be rounding, so
+    /// that it is searched in one piece, with the zero at its start divided out.
+    #[inline(never)]
+    fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
+        let table = self.table;
+        let late = |order: usize| (LATE..ORDERS).contains(&order);
+        if !self.hybrid.departing.iter().copied().any(late) {
+            return None;
+        }
+        let last = Point::end(span, table).interval;
+        let z = self.hybrid.z.as_slice();
+        series.expand(table, z, span, table.orders_to(last));
+        let mut first: Option<(f64, usize)> = None;
+        for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
+            if late(order) {
+                let mut c = [0.0; ORDERS];
+                let coefficients = series.terms().chunks_exact(z.len()).skip(order).map(|z| w.terms.dot(z));
+                c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);
+                c[0] = c[0].min(-f64::MIN_POSITIVE);
+                let hi = first.map_or(1.0, |(u, _)| u);
+                first = first_crossing(&c, 0.0, hi, &mut 0).map(|u| (u, place)).or(first);
+            }
+        }
+        first.map(|(u, place)| Passage { at: Point::end(u * span, table), place })
+    }
+
+    /// The first passage within a time `length` from the start of an interval, with its time, among the functionals that may have one
+    /// there.
+    #[inline(always)]
+    fn passage_within(
+        &self,
+        near: &[u8],
+        from: &[f64],
+        interval: usize,
+        length: f64,
+    ) -> Option<(f64, usize)> {
+        let mut first: Option<(f64, usize)> = None;
+        let ratio = length / self.table.interval();
+        for (place, w) in
+            self.table.watched.iter().enumerate().filter(|(place, _)| near[*place] & (1 << interval) != 0)
+        {
+            let order = if interval == 0 { self.hybrid.departing[place] } else { 0 };
+            let mut c = w.local(from);
             let mut scale = 1.0;
-            for (k, ck) in c.iter_mut().enumerate() {
-                *ck = column_dot(&w.coefficients, k, z) * scale;
+            for ck in &mut c {
+                *ck *= scale;
                 scale *= ratio;
-            }
-            if order >= ORDERS {
-                continue; // zero throughout
             }
             if order > 0 {
                 c.copy_within(order.., 0);
-                c[ORDERS - order..].fill(0.0);
+                c[LOCAL - order..].fill(0.0);
                 c[0] = c[0].min(-f64::MIN_POSITIVE);
             } else {
                 c[0] = c[0].min(0.0);
@@ -263,26 +439,38 @@ impl Motion {
             if c[0] + rest < 0.0 {
                 continue;
             }
-            let hi = first.as_ref().map_or(1.0, |p| p.u);
+            let hi = first.map_or(1.0, |(dt, _)| dt / length);
             if let Some(u) = first_crossing(&c, 0.0, hi, &mut 0) {
-                first = Some(Passage { u, place });
+                first = Some((u * length, place));
             }
         }
         first
     }
 }
 
-/// A column of a matrix times a vector.
-pub fn column_dot(matrix: &nalgebra::DMatrix<f64>, column: usize, z: &DVector<f64>) -> f64 {
-    let size = z.len();
-    let column = &matrix.as_slice()[column * size..(column + 1) * size];
-    column.iter().zip(z.as_slice()).map(|(a, b)| a * b).sum()
-}
-
-/// Whether samples and the bound between them prove that a functional stays below zero throughout a whole sub-step: between two
-/// samples a distance h apart it lies within M h²/8 of their chord.
-fn clear_by_samples(w: &WatchTable, z: &DVector<f64>, sizes: &DVector<f64>, length: f64) -> bool {
-    let h = length / SAMPLES as f64;
-    let margin = w.curvature.dot(sizes) * h * h * 0.125;
-    w.row.dot(z) < -margin && (0..SAMPLES).all(|k| column_dot(&w.samples, k, z) < -margin)
+/// The intervals of a sub-step in which a functional may pass zero, as bits: of the others it is proved that it stays below zero.
+/// Between two samples a distance h apart it lies within M h²/8 of their chord, where M bounds its second derivative. With
+/// `order` it leaves zero at the start.
+#[inline(always)]
+fn near_intervals(w: &WatchTable, order: usize, z: &[f64], head: &Head, step: f64) -> u8 {
+    if order >= LATE {
+        return 0; // zero throughout, or searched in one piece
+    }
+    let Head { value, slope, bend } = *head;
+    let length = step * INTERVALS as f64;
+    if order == 0 && value + length * (slope.max(0.0) + 0.5 * bend * length) < 0.0 {
+        return 0;
+    }
+    let margin = bend * step * step * 0.125;
+    // From zero it goes down throughout the first interval if the slope outweighs what the second derivative adds.
+    let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
+    let (mut near, mut before) = (0, !leaves && (order > 0 || value >= -margin));
+    for (k, sample) in w.samples(z).into_iter().enumerate() {
+        let here = sample >= -margin;
+        if before || here {
+            near |= 1 << k;
+        }
+        before = here;
+    }
+    if leaves { near & !1 } else { near }
 }

@@ -10,7 +10,8 @@ impl Motion {
     pub fn time_derivative(&self, order: usize) -> Self {
         let mut z = self.hybrid.z.clone();
         for _ in 0..order {
-            z = &self.table.a * z;
+            let before = z.clone();
+            self.table.a.times(before.as_slice(), 1.0, z.as_mut_slice());
         }
         self.with_state(z)
     }

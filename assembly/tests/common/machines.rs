@@ -13,14 +13,31 @@ fn nice(range: f64) -> impl Strategy<Value = f64> {
 }
 
 fn signal(size: f64) -> impl Strategy<Value = Signal> {
-    (nice(size), nice(size), 0.2..3.0f64, 0.0..6.2f64, prop::option::of((0.0..2.0f64, nice(size)))).prop_map(
-        |(constant, amplitude, frequency, phase, step)| Signal {
+    let step = prop::option::of((0.0..2.0f64, nice(size)));
+    (nice(size), nice(size), 0.2..3.0f64, 0.0..6.2f64, step, record(size)).prop_map(
+        |(constant, amplitude, frequency, phase, step, table)| Signal {
             constant,
             harmonics: if amplitude == 0.0 { vec![] } else { vec![Harmonic { amplitude, frequency, phase }] },
             steps: step.map(|(time, height)| Step { time, height }).into_iter().collect(),
+            table,
             ..Signal::default()
         },
     )
+}
+
+/// A record through a few knots, in one signal of five.
+fn record(size: f64) -> impl Strategy<Value = Option<Record>> {
+    let knots = prop::collection::vec((0.1..1.0f64, nice(size)), 2..5);
+    prop::option::weighted(0.2, (knots, any::<bool>())).prop_map(|record| {
+        record.map(|(steps, cubic)| {
+            let mut time = 0.0;
+            let knots = steps.into_iter().map(|(dt, value)| {
+                time += dt;
+                (time, value)
+            });
+            Record { knots: knots.collect(), cubic }
+        })
+    })
 }
 
 /// Between a body and the one before it, or the ground.
@@ -31,9 +48,22 @@ fn place(bodies: usize) -> impl Strategy<Value = Vec<(usize, f64)>> {
     })
 }
 
-/// A machine of one to six bodies.
+/// A machine of one to six bodies, sometimes of up to twelve; in some a wheel is linked to the first.
 pub fn assembly() -> impl Strategy<Value = Description> {
-    (1usize..=6).prop_flat_map(|count| {
+    let count = prop_oneof![4 => 1usize..=6, 1 => 7usize..=11];
+    let wheel = prop::option::weighted(0.3, (inertia(), prop_oneof![-3.0..-0.3f64, 0.3..3.0f64]));
+    (count.prop_flat_map(machine), wheel).prop_map(|(mut d, wheel)| {
+        if let (Some((m, ratio)), BodyKind::Free(first)) = (wheel, d.bodies[0].kind.clone()) {
+            let count = d.bodies.len();
+            d.bodies.push(body("wheel", m, first.s / ratio, first.v / ratio));
+            d.links.push(Link { name: "gear".into(), arms: arms(&[(0, 1.0), (count, -ratio)]) });
+        }
+        d
+    })
+}
+
+fn machine(count: usize) -> impl Strategy<Value = Description> {
+    {
         let bodies = prop::collection::vec((inertia(), nice(1.0), nice(1.0), nice(1.0)), count);
         let springs = prop::collection::vec(
             (place(count), 0.0..3.0f64, prop_oneof![Just(0.0), 0.0..2.0f64]),
@@ -99,13 +129,15 @@ pub fn assembly() -> impl Strategy<Value = Description> {
                 d
             },
         )
-    })
+    }
 }
 
-fn scaled(signal: &Signal, ratio: f64) -> Signal {
+/// A signal times a number.
+pub fn scaled(signal: &Signal, ratio: f64) -> Signal {
     let mut other = signal.clone();
     other.constant *= ratio;
     other.harmonics.iter_mut().for_each(|h| h.amplitude *= ratio);
     other.steps.iter_mut().for_each(|s| s.height *= ratio);
+    other.table.iter_mut().flat_map(|t| &mut t.knots).for_each(|k| k.1 *= ratio);
     other
 }

@@ -1,0 +1,172 @@
+//! Products of small matrices with vectors, for the inner loop: columns of fixed length, which become vector instructions, and
+//! lists of the entries that are not zero. Nothing here takes memory but the makers.
+
+use nalgebra::DMatrix;
+
+/// Σ_j columns\[j\] z_j.
+#[inline(always)]
+pub fn combine<const R: usize>(columns: &[[f64; R]], z: &[f64]) -> [f64; R] {
+    let mut sum = [0.0; R];
+    for (column, x) in columns.iter().zip(z) {
+        for (s, c) in sum.iter_mut().zip(column) {
+            *s += c * x;
+        }
+    }
+    sum
+}
+
+/// The entries of a row that are not zero, with their places.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sparse(Vec<(usize, f64)>);
+
+impl Sparse {
+    /// Of a row.
+    pub fn of(row: &[f64]) -> Self {
+        Self(row.iter().copied().enumerate().filter(|&(_, x)| x != 0.0).collect())
+    }
+
+    /// The row times a vector.
+    #[inline(always)]
+    pub fn dot(&self, z: &[f64]) -> f64 {
+        self.0.iter().map(|&(j, x)| x * z[j]).sum()
+    }
+
+    /// The sum of the sizes of the row's terms, for a vector of sizes.
+    #[inline(always)]
+    pub fn size(&self, sizes: &[f64]) -> f64 {
+        self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
+    }
+
+    /// Places and entries.
+    pub fn terms(&self) -> &[(usize, f64)] {
+        &self.0
+    }
+}
+
+/// A square matrix by the entries of its rows that are not zero.
+#[derive(Clone, Debug)]
+pub struct SparseMatrix {
+    /// Where each row's entries begin, and where the last ends.
+    rows: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+}
+
+impl SparseMatrix {
+    /// Of a matrix.
+    pub fn of(matrix: &DMatrix<f64>) -> Self {
+        let (mut rows, mut entries) = (vec![0], Vec::new());
+        for i in 0..matrix.nrows() {
+            entries.extend((0..matrix.ncols()).map(|j| (j, matrix[(i, j)])).filter(|&(_, x)| x != 0.0));
+            rows.push(entries.len());
+        }
+        Self { rows, entries }
+    }
+
+    #[inline(always)]
+    fn row(&self, i: usize) -> &[(usize, f64)] {
+        &self.entries[self.rows[i]..self.rows[i + 1]]
+    }
+
+    /// The number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len() - 1
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The entries that are not zero.
+    pub fn entries(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// `to` = `factor` × matrix × `from`.
+    #[inline(always)]
+    pub fn times(&self, from: &[f64], factor: f64, to: &mut [f64]) {
+        for (i, y) in to.iter_mut().enumerate() {
+            let sum: f64 = self.row(i).iter().map(|&(j, x)| x * from[j]).sum();
+            *y = factor * sum;
+        }
+    }
+
+    /// A row of the matrix times a vector.
+    #[inline(always)]
+    pub fn row_times(&self, i: usize, z: &[f64]) -> f64 {
+        self.row(i).iter().map(|&(j, x)| x * z[j]).sum()
+    }
+
+    /// `to` = `factor` × `row` × matrix.
+    pub fn after_row(&self, row: &[f64], factor: f64, to: &mut [f64]) {
+        to.fill(0.0);
+        for (i, &r) in row.iter().enumerate() {
+            if r != 0.0 {
+                self.row(i).iter().for_each(|&(j, x)| to[j] += r * x);
+            }
+        }
+        to.iter_mut().for_each(|y| *y *= factor);
+    }
+
+    /// `factor` × matrix × `right`.
+    pub fn times_matrix(&self, right: &DMatrix<f64>, factor: f64) -> DMatrix<f64> {
+        let mut product = DMatrix::zeros(self.len(), right.ncols());
+        for (from, to) in
+            right.as_slice().chunks(right.nrows()).zip(product.as_mut_slice().chunks_mut(self.len()))
+        {
+            self.times(from, factor, to);
+        }
+        product
+    }
+
+    /// The matrix of the entries' sizes.
+    pub fn abs(&self) -> Self {
+        let entries = self.entries.iter().map(|&(j, x)| (j, x.abs())).collect();
+        Self { rows: self.rows.clone(), entries }
+    }
+}
+
+/// Rows of a matrix that are found together.
+const BLOCK: usize = 8;
+
+/// A dense matrix in blocks of eight rows.
+#[derive(Clone, Debug)]
+pub struct Blocks {
+    rows: usize,
+    columns: usize,
+    blocks: Vec<[f64; BLOCK]>,
+}
+
+impl Blocks {
+    /// Of a matrix.
+    pub fn of(matrix: &DMatrix<f64>) -> Self {
+        let columns = matrix.ncols();
+        let entry = |i: usize, j: usize| if i < matrix.nrows() { matrix[(i, j)] } else { 0.0 };
+        let blocks = (0..matrix.nrows().div_ceil(BLOCK))
+            .flat_map(|b| (0..columns).map(move |j| std::array::from_fn(|k| entry(b * BLOCK + k, j))));
+        Self { rows: matrix.nrows(), columns, blocks: blocks.collect() }
+    }
+
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds `factor` × matrix × `from`.
+    #[inline(always)]
+    pub fn add(&self, from: &[f64], factor: f64, to: &mut [f64]) {
+        for (block, to) in self.blocks.chunks(self.columns).zip(to.chunks_mut(BLOCK)) {
+            let sum = combine(block, from);
+            to.iter_mut().zip(sum).for_each(|(y, x)| *y += factor * x);
+        }
+    }
+
+    /// `to` = matrix × `from`.
+    #[inline(always)]
+    pub fn times(&self, from: &[f64], to: &mut [f64]) {
+        for (block, to) in self.blocks.chunks(self.columns).zip(to.chunks_mut(BLOCK)) {
+            let sum = combine(block, from);
+            to.copy_from_slice(&sum[..to.len()]);
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Machines that are the same but for how they are written: mirrored, in other units, at another time, in another order. What follows
+//! from which is known without any other method.
+
+mod common;
+
+use common::machines::{assembly, scaled};
+use common::*;
+use proptest::prelude::*;
+use std::sync::Arc;
+use vibro_assembly::description::*;
+use vibro_assembly::motion::Event;
+use vibro_assembly::{Assembly, Motion};
+
+/// Events after which a motion is followed no longer: bounces of restitution 1 that are pressed together have no end.
+const EVENTS: usize = 300;
+/// Followed so long, s, in so many parts: their ends are sums without rounding at any start.
+const END: (f64, u32) = (2.0, 16);
+/// A start that is off by this shows how much a motion magnifies an error.
+const OFF: f64 = 1e-10;
+/// Errors that two motions make, in the same measure. Displacements are off by some tens of roundings, 1e-14, speeds by up to sqrt(k/m) =
+/// 1e3/s times that, where a body of 0.01 kg is on a spring or stop of 1e4 N/m.
+const OWN: f64 = 3e-11;
+/// Speeds of what sticks fall by 1e-16 a sub-step; under this they count as zero, before powers of two can underflow.
+const NOTHING: f64 = 1e-200;
+/// A motion that magnifies errors by more than this is at a place where a rounding decides what follows.
+const DECIDED: f64 = 1e4;
+
+/// States by time: s and v of every body.
+type Path = Vec<Vec<f64>>;
+
+fn path(mut m: Motion, bodies: &[usize]) -> (Path, Vec<Event>) {
+    let (mut states, mut events) = (Vec::new(), Vec::new());
+    let start = m.time();
+    for k in 1..=END.1 {
+        let end = start + END.0 * f64::from(k) / f64::from(END.1);
+        while m.time() < end {
+            if events.len() > EVENTS || m.advance_to_event(end, &mut |e| events.push(e.clone())).is_err() {
+                return (states, events);
+            }
+        }
+        states.push(bodies.iter().flat_map(|&i| m.body(i)[..2].to_vec()).collect());
+    }
+    (states, events)
+}
+
+fn all(d: &Description) -> Vec<usize> {
+    (0..d.bodies.len()).collect()
+}
+
+/// Every signal of a machine.
+fn signals(d: &mut Description) -> impl Iterator<Item = &mut Signal> {
+    let levels =
+        d.frictions.iter_mut().flat_map(|f| std::iter::once(&mut f.force).chain(&mut f.static_force));
+    levels.chain(d.loads.iter_mut().map(|load| &mut load.force))
+}
+
+fn free(d: &mut Description) -> impl Iterator<Item = &mut Free> {
+    d.bodies.iter_mut().filter_map(|b| if let BodyKind::Free(free) = &mut b.kind { Some(free) } else { None })
+}
+
+fn all_arms(d: &mut Description) -> impl Iterator<Item = &mut Arms> {
+    let springs = d.springs.iter_mut().map(|x| &mut x.arms);
+    let stops = d.stops.iter_mut().map(|x| &mut x.arms);
+    let frictions = d.frictions.iter_mut().map(|x| &mut x.arms);
+    springs.chain(stops).chain(frictions).chain(d.links.iter_mut().map(|x| &mut x.arms))
+}
+
+/// The nearest time to which any of some minutes is added without rounding.
+fn on_grid(time: f64) -> f64 {
+    (time * 1048576.0).round() / 1048576.0
+}
+
+/// Whether two paths agree within what the motion makes of errors.
+fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError> {
+    let mut off = d.clone();
+    free(&mut off).for_each(|b| b.v += OFF);
+    let (moved, _) = path(motion(off), &all(d));
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    let (mut magnified, mut size) = (1.0f64, 1.0f64);
+    for (k, ((a, b), c)) in one.iter().zip(other).zip(&moved).enumerate() {
+        magnified = magnified.max(distance(a, c) / OFF);
+        if magnified > DECIDED {
+            break;
+        }
+        size = a.iter().fold(size, |most, x| most.max(x.abs()));
+        let error = distance(a, b) / (magnified * size);
+        prop_assert!(error < OWN, "part {}: {:e}, magnified {}\n{:?}\n{:?}", k, error, magnified, a, b);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn invariant_a_mirror_image_changes_no_bit(d in assembly()) {
+        let mut mirrored = d.clone();
+        free(&mut mirrored).for_each(|b| (b.s, b.v, b.gravity) = (-b.s, -b.v, -b.gravity));
+        all_arms(&mut mirrored).flat_map(|arms| &mut arms.terms).for_each(|term| term.1 = -term.1);
+        mirrored.loads.iter_mut().for_each(|load| load.force = scaled(&load.force, -1.0));
+        let (one, events) = path(motion(d.clone()), &all(&d));
+        let (other, their_events) = path(motion(mirrored), &all(&d));
+        let back: Path = other.iter().map(|state| state.iter().map(|x| -x).collect()).collect();
+        prop_assert_eq!(one, back);
+        prop_assert_eq!(events, their_events);
+    }
+
+    #[test]
+    fn invariant_units_of_length_and_mass_change_no_bit(d in assembly()) {
+        // Powers of two, so that nothing is rounded anew.
+        let (length, mass) = (1024.0, 0.015625);
+        let mut other = d.clone();
+        other.gravity *= length;
+        free(&mut other).for_each(|b| (b.s, b.v, b.inertia) = (b.s * length, b.v * length, b.inertia * mass));
+        for spring in &mut other.springs {
+            (spring.stiffness, spring.damping) = (spring.stiffness * mass, spring.damping * mass);
+            spring.preload *= mass * length;
+        }
+        for stop in &mut other.stops {
+            stop.gap *= length;
+            if let StopLaw::Compliant { stiffness, damping, .. } = &mut stop.law {
+                (*stiffness, *damping) = (*stiffness * mass, *damping * mass);
+            }
+        }
+        signals(&mut other).for_each(|signal| *signal = scaled(signal, mass * length));
+        let (one, events) = path(motion(d.clone()), &all(&d));
+        let (scaled, their_events) = path(motion(other), &all(&d));
+        let kept = |x: f64| if x.abs() < NOTHING { 0.0 } else { x };
+        let in_units = |path: &Path, unit: f64| -> Path {
+            path.iter().map(|state| state.iter().map(|x| kept(x / unit)).collect()).collect()
+        };
+        prop_assert_eq!(in_units(&one, 1.0), in_units(&scaled, length));
+        prop_assert_eq!(events.len(), their_events.len());
+    }
+
+    #[test]
+    fn invariant_the_time_of_the_start(d in assembly(), later in (0..200u8).prop_map(|k| 0.25 * f64::from(k))) {
+        // Knots at times that a sum with the start's does not round.
+        let mut d = d;
+        for signal in signals(&mut d) {
+            signal.steps.iter_mut().for_each(|s| s.time = on_grid(s.time));
+            signal.table.iter_mut().flat_map(|t| &mut t.knots).for_each(|k| k.0 = on_grid(k.0));
+        }
+        let mut other = d.clone();
+        for signal in signals(&mut other) {
+            signal.harmonics.iter_mut().for_each(|h| h.phase -= std::f64::consts::TAU * (h.frequency * later).fract());
+            signal.steps.iter_mut().for_each(|s| s.time += later);
+            signal.table.iter_mut().flat_map(|t| &mut t.knots).for_each(|k| k.0 += later);
+        }
+        let (one, _) = path(motion(d.clone()), &all(&d));
+        let shifted = Motion::starting_at(Arc::new(Assembly::new(other).unwrap()), later).unwrap();
+        agree(&d, &one, &path(shifted, &all(&d)).0)?;
+    }
+
+    #[test]
+    fn invariant_the_order_in_the_file(d in assembly()) {
+        let mut other = d.clone();
+        other.bodies.reverse();
+        let last = d.bodies.len() - 1;
+        all_arms(&mut other).flat_map(|arms| &mut arms.terms).for_each(|term| term.0 = last - term.0);
+        other.loads.iter_mut().for_each(|load| load.body = last - load.body);
+        other.springs.reverse();
+        other.stops.reverse();
+        other.frictions.reverse();
+        other.loads.reverse();
+        let (one, _) = path(motion(d.clone()), &all(&d));
+        let places: Vec<usize> = all(&d).into_iter().rev().collect();
+        agree(&d, &one, &path(motion(other), &places).0)?;
+    }
+}
+
+/// A ball under gravity on a floor, from one metre.
+fn ball(stop: Stop) -> Description {
+    Description {
+        gravity: 9.81,
+        bodies: vec![heavy("ball", 1.0, -1.0, 1.0, 0.0)],
+        stops: vec![stop],
+        ..Description::default()
+    }
+}
+
+#[test]
+fn closed_form_rigid_stop_as_the_limit_of_a_stiff_one() {
+    let rigid = path(motion(ball(rigid("floor", &[(0, -1.0)], 0.0, 1.0))), &[0]).0;
+    let mut before = f64::INFINITY;
+    for exponent in [6, 8, 10, 12, 14] {
+        let stiffness = 10f64.powi(exponent);
+        let floor = compliant("floor", &[(0, -1.0)], 0.0, stiffness, 0.0, DampingLimit::NoPull);
+        let soft = path(motion(ball(floor)), &[0]).0;
+        let apart = (rigid.last().unwrap()[0] - soft.last().unwrap()[0]).abs();
+        // Two contacts of half a period π sqrt(m/k) each, in which the rigid ball flies at under 5 m/s both ways.
+        let most = 2.0 * 10.0 * std::f64::consts::PI / stiffness.sqrt();
+        assert!(apart <= most && apart < 0.2 * before, "1e{exponent}: {apart:e}, {most:e}, {before:e}");
+        before = apart;
+    }
+}
+
+/// Oscillators m = 1, k = 1 about 0 from (0, 1): their largest e is 1.
+fn oscillators(gaps: &[f64]) -> Description {
+    let bodies = gaps.iter().enumerate().map(|(i, _)| body(&format!("b{i}"), 1.0, 0.0, 1.0));
+    let springs = gaps.iter().enumerate().map(|(i, _)| spring(&[(i, 1.0)], 1.0, 0.0));
+    let stops = gaps.iter().enumerate().map(|(i, &gap)| rigid(&format!("s{i}"), &[(i, 1.0)], gap, 0.5));
+    Description {
+        bodies: bodies.collect(),
+        springs: springs.collect(),
+        stops: stops.collect(),
+        ..Description::default()
+    }
+}
+
+#[test]
+fn closed_form_grazing_by_a_part_of_the_gap() {
+    for depth in [1e-6, 1e-9, 1e-11] {
+        for (gap, hits) in [(1.0 - depth, 1), (1.0 + depth, 0)] {
+            let all = events(&mut motion(oscillators(&[gap])), 3.0);
+            let found = times(&all, |k| matches!(k, vibro_assembly::motion::EventKind::Impact { .. }));
+            assert_eq!(found.len(), hits, "{depth:e} {gap} {all:?}");
+            // A root of sin t = gap: the rounding of gap, over the speed there, which is sqrt(2 depth).
+            let near = 1e-15 / (2.0 * depth).sqrt();
+            assert!(found.iter().all(|t| (t - gap.asin()).abs() < 4.0 * near), "{depth:e} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn closed_form_corners_met_at_one_instant() {
+    // Three stops at one time, each as if it were alone; and two between which a body is caught.
+    let alone = path(motion(oscillators(&[0.5])), &[0]).0;
+    let together = path(motion(oscillators(&[0.5, 0.5, 0.5])), &[0, 1, 2]).0;
+    for (a, b) in alone.iter().zip(&together) {
+        let apart = b.chunks(2).flat_map(|b| [(a[0] - b[0]).abs(), (a[1] - b[1]).abs()]).fold(0.0, f64::max);
+        assert!(apart < 1e-14, "{a:?} {b:?}");
+    }
+    // A body that meets a stop and another body at one instant: masses 1 and 1, the second at rest between them.
+    let d = Description {
+        bodies: vec![body("a", 1.0, -1.0, 1.0), body("b", 1.0, 1.0, -1.0), body("c", 1.0, 0.0, 0.0)],
+        stops: vec![
+            rigid("ac", &[(0, 1.0), (2, -1.0)], 0.0, 1.0),
+            rigid("cb", &[(2, 1.0), (1, -1.0)], 0.0, 1.0),
+        ],
+        ..Description::default()
+    };
+    let mut m = motion(d);
+    m.advance_to(2.0).unwrap();
+    for (i, v) in [-1.0, 1.0, 0.0].into_iter().enumerate() {
+        assert!((m.body(i)[1] - v).abs() < 1e-15, "{i} {:?}", m.body(i));
+    }
+}
