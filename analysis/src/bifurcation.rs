@@ -304,13 +304,16 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
     )
 }
 
+/// What is observed at some starts, with a workspace.
+type Observe<'a, S, W, P> = dyn Fn(&mut W, &[S]) -> Result<Vec<Option<P>>> + Sync + 'a;
+
 /// A diagram from its chains, one for each direction, and from what is observed at some of their starts, with a workspace that is used
 /// for one part after another.
 pub(crate) fn in_both_directions<S: Send + Sync, W: Default, P>(
     values: usize,
     task: &Task,
     chain: &(dyn Fn(bool) -> Result<Vec<S>> + Sync),
-    observe: &(dyn Fn(&mut W, &[S]) -> Result<Vec<Option<P>>> + Sync),
+    observe: &Observe<'_, S, W, P>,
 ) -> Result<Option<Diagram<P>>>
 where
     P: Clone + Serialize + serde::de::DeserializeOwned + Send,

@@ -49,7 +49,10 @@ pub enum Measure {
     Exponent,
 }
 
-const OF_QUANTITIES: [(&str, fn(Quantity) -> Measure); 4] = [
+/// A kind of measure of a quantity: its word and what makes it.
+type OfQuantity = (&'static str, fn(Quantity) -> Measure);
+
+const OF_QUANTITIES: [OfQuantity; 4] = [
     ("amplitude", Measure::Amplitude),
     ("rms", Measure::Rms),
     ("peak_to_peak", Measure::PeakToPeak),

@@ -13,7 +13,7 @@ const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
 /// Lengths up to this, m, are shown in mm.
-const SMALL: f64 = 0.1;
+const SHORT: f64 = 0.1;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
 
@@ -66,8 +66,9 @@ fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[(String
     let layers = layers.collect();
     // Small lengths are told in mm, so that the numbers at the axis are short.
     let sizes = record.rows.iter().flat_map(|row| curves.iter().map(|(_, column)| row[1 + column].abs()));
+    let size = sizes.fold(0.0, f64::max);
     let y = match label {
-        "s (m)" if sizes.fold(0.0, f64::max) < SMALL => Axis::new("s (mm)").times(1e3),
+        "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),
         _ => Axis::new(label),
     };
     Some(Panel { title: title.into(), x: time_axis(record), y, layers })

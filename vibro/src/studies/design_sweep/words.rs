@@ -144,7 +144,10 @@ impl Told for assembly::Machine {
     }
 
     fn words(measure: &assembly::Measure) -> String {
-        measure.description()
+        match measure {
+            assembly::Measure::Power(name) => format!("mean power of {name}"),
+            other => other.description(),
+        }
     }
 
     fn measure_unit(&self, measure: &assembly::Measure) -> &'static str {
