@@ -27,37 +27,37 @@ use vibro_figures::canvas::{Canvas, Drawing};
 #[derive(Debug)]
 pub struct Sketch {
     layout: Layout,
-    named: bool,
-    /// Side of the square in whose middle it stands, for an icon.
-    square: Option<f64>,
+    icon: bool,
 }
+
+/// Side of an icon, in units of the drawing.
+const ICON: f64 = 1024.0;
 
 impl Sketch {
     /// The sketch with all names.
     pub fn new(machine: &Description) -> Self {
-        Self { layout: Layout::new(machine), named: true, square: None }
+        Self { layout: Layout::new(machine), icon: false }
     }
 
     /// The sketch without names in a square, with heavier strokes.
     pub fn icon(machine: &Description) -> Self {
-        let layout = Layout::new(machine);
-        let square = Some(layout.width.max(layout.height));
-        Self { layout, named: false, square }
+        Self { layout: Layout::new(machine), icon: true }
     }
 }
 
 impl Drawing for Sketch {
     fn size(&self) -> (u32, u32) {
-        let (width, height) = match self.square {
-            Some(side) => (side, side),
-            None => (self.layout.width, self.layout.height),
-        };
+        let (width, height) = if self.icon { (ICON, ICON) } else { (self.layout.width, self.layout.height) };
         (width.ceil() as u32, height.ceil() as u32)
     }
 
     fn draw(&self, canvas: &mut Canvas) {
+        if !self.icon {
+            return symbols::draw(canvas, &self.layout, true, 1.0);
+        }
         let Layout { width, height, .. } = self.layout;
-        let by = self.square.map_or((0.0, 0.0), |side| (0.5 * (side - width), 0.5 * (side - height)));
-        canvas.moved(by, |canvas| symbols::draw(canvas, &self.layout, self.named));
+        let scale = ICON / width.max(height);
+        let by = (0.5 * (ICON - scale * width), 0.5 * (ICON - scale * height));
+        canvas.moved(by, |canvas| symbols::draw(canvas, &self.layout, false, scale));
     }
 }

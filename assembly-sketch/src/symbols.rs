@@ -13,15 +13,16 @@ const HATCH: f64 = 26.0;
 /// Distance between a stop's plates.
 const GAP: f64 = 34.0;
 
-/// The pen of everything, and whether names are written.
+/// The pen of everything, whether names are written, and the units of the drawing in one of the layout.
 struct Hand<'c> {
     canvas: &'c mut Canvas,
     named: bool,
+    scale: f64,
 }
 
 /// Draws the machine.
-pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool) {
-    let mut hand = Hand { canvas, named };
+pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool, scale: f64) {
+    let mut hand = Hand { canvas, named, scale };
     layout.walls.iter().for_each(|wall| hand.wall(*wall));
     layout.lines.iter().for_each(|line| hand.line(line.to_vec()));
     layout.bodies.iter().for_each(|body| hand.body(body, layout.top, layout.bottom));
@@ -34,18 +35,31 @@ impl Hand<'_> {
         if self.named { 6.0 } else { 10.0 }
     }
 
+    fn scaled(&self, places: &[Place]) -> Vec<Place> {
+        places.iter().map(|(x, y)| (self.scale * x, self.scale * y)).collect()
+    }
+
+    fn stroke(&mut self, points: &[Place], colour: Colour, width: f64) {
+        let (points, width) = (self.scaled(points), self.scale * width);
+        self.canvas.lines(&[points], Pen::solid(colour, width));
+    }
+
+    fn fill(&mut self, corners: &[Place], colour: Colour) {
+        let corners = self.scaled(corners);
+        self.canvas.polygon(&corners, colour, 1.0);
+    }
+
     fn line(&mut self, points: Vec<Place>) {
-        let width = self.width();
-        self.canvas.lines(&[points], Pen::solid(BLACK, width));
+        self.stroke(&points, BLACK, self.width());
     }
 
     fn thick(&mut self, points: Vec<Place>) {
-        let width = 2.0 * self.width();
-        self.canvas.lines(&[points], Pen::solid(BLACK, width));
+        self.stroke(&points, BLACK, 2.0 * self.width());
     }
 
     fn write(&mut self, at: Place, words: &str, size: f64, along: Along) {
         if self.named {
+            let (at, size) = ((self.scale * at.0, self.scale * at.1), self.scale * size);
             let writing = Writing { size, colour: BLACK, along, across: Across::Centre, upwards: false };
             self.canvas.text(at, words, &writing);
         }
@@ -58,16 +72,14 @@ impl Hand<'_> {
         let strokes = ((bottom - top) / HATCH).floor().max(1.0) as usize;
         for k in 0..strokes {
             let y = top + (bottom - top) * (k as f64 + 0.2) / strokes as f64;
-            let lines = [vec![(x, y), (x + out, y + 0.8 * out.abs())]];
-            let width = 0.7 * self.width();
-            self.canvas.lines(&lines, Pen::solid(GREY, width));
+            self.stroke(&[(x, y), (x + out, y + 0.8 * out.abs())], GREY, 0.7 * self.width());
         }
     }
 
     fn body(&mut self, body: &BodyBox, top: f64, bottom: f64) {
         let BodyBox { left, right, prescribed, rotates, gravity, .. } = *body;
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        self.canvas.polygon(&corners, if prescribed { WHITE } else { BODY }, 1.0);
+        self.fill(&corners, if prescribed { WHITE } else { BODY });
         if prescribed {
             // Strokes at both ends, away from the name.
             for (from, to) in [(top, top + 44.0), (bottom - 44.0, bottom)] {
@@ -75,8 +87,7 @@ impl Hand<'_> {
                 for k in 0..strokes {
                     let x = left + (right - left) * k as f64 / strokes as f64;
                     let end = (x + 0.8 * (right - left) / strokes as f64).min(right);
-                    let width = 0.7 * self.width();
-                    self.canvas.lines(&[vec![(x, to), (end, from)]], Pen::solid(GREY, width));
+                    self.stroke(&[(x, to), (end, from)], GREY, 0.7 * self.width());
                 }
             }
         }
@@ -120,7 +131,7 @@ impl Hand<'_> {
         let base = (tip.0 - 2.4 * half * dx, tip.1 - 2.4 * half * dy);
         let corners =
             [tip, (base.0 - half * dy, base.1 + half * dx), (base.0 + half * dy, base.1 - half * dx)];
-        self.canvas.polygon(&corners, BLACK, 1.0);
+        self.fill(&corners, BLACK);
     }
 
     fn arrow(&mut self, from: Place, to: Place) {
@@ -156,8 +167,8 @@ impl Hand<'_> {
             }
             Some(Symbol::Link) => {
                 self.thick(vec![(from, y), (to, y)]);
-                let radius = 2.2 * self.width();
-                self.canvas.circles(&[(from, y), (to, y)], radius, BLACK, None);
+                let (ends, radius) = (self.scaled(&[(from, y), (to, y)]), 2.2 * self.scale * self.width());
+                self.canvas.circles(&ends, radius, BLACK, None);
             }
             None => self.arrow((to - 130.0, y), (to - 2.0 * self.width() - 3.0, y)),
         }

@@ -30,7 +30,7 @@ impl Machine {
         let handling = self.life.handling;
         let early = handling.event_mode && handling.early_return;
         let at_event = if early { AtEvent::EndBefore } else { AtEvent::Pass };
-        let shown = self.moving.as_ref().map(|moving| moving.discrete()).filter(|_| handling.event_mode);
+        let shown = self.moving.as_ref().filter(|_| handling.event_mode).map(Moving::discrete);
         let events = match self.ahead.take() {
             Some(mut ahead) => {
                 let events = run(&mut ahead.motion, end, at_event, log)?;

@@ -147,7 +147,7 @@ impl Moving {
         self.course.as_mut().is_some_and(|course| self.motion.accept(course))
     }
 
-    /// Applies the law of an event; whether states have changed.
+    /// Applies the law of an event; whether a solver is to start anew.
     pub(super) fn handle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<bool, Error> {
         match &mut self.course {
             Some(course) => self.motion.handle_on(course, observer),

@@ -216,8 +216,8 @@ impl Motion {
         self.is_at_knot(course) || self.indicators().iter().any(|indicator| *indicator <= 0.0)
     }
 
-    /// The law at an event: impacts and the mode that follows where something watched has passed zero, and a signal's knot; true
-    /// where states have changed.
+    /// The law at an event: impacts and the mode that follows where something watched has passed zero, and a signal's knot. True where
+    /// there was one: states or, which for a solver is as much of a new start, their derivatives have changed.
     ///
     /// # Errors
     /// As [`apply_event`](Self::apply_event); nothing has changed then.
@@ -229,10 +229,9 @@ impl Motion {
         let before = (self.hybrid.clone(), course.clone());
         self.accept(course);
         match self.settle_on(course, &mut Some(observer)) {
-            Ok(()) => {
+            Ok(changed) => {
                 (course.time, course.z) = (self.time(), self.hybrid.z.clone());
-                let own = self.assembly.system.signals.one;
-                Ok(before.0.z.rows(0, own) != self.hybrid.z.rows(0, own))
+                Ok(changed)
             }
             Err(error) => {
                 self.restore(&before.0);
@@ -242,23 +241,26 @@ impl Motion {
         }
     }
 
-    fn settle_on(&mut self, course: &mut Course, observer: &mut Observer) -> Result<(), Error> {
+    fn settle_on(&mut self, course: &mut Course, observer: &mut Observer) -> Result<bool, Error> {
+        let mut changed = false;
         if self.is_at_knot(course) {
             course.event = self.time();
             self.refill_on(course);
             self.knot(observer)?;
+            changed = true;
         }
         for _ in 0..CHAIN * (self.assembly.system.indicators() + 1) {
             let ended = self.passed();
             if ended.is_empty() {
-                return Ok(());
+                return Ok(changed);
             }
+            changed = true;
             course.event = self.time();
             self.hybrid.last = ended.first().copied();
             let (mode, z) = (self.hybrid.mode.clone(), self.hybrid.z.clone());
             self.settle(&ended, observer)?;
             if mode == self.hybrid.mode && z == self.hybrid.z {
-                return Ok(());
+                return Ok(changed);
             }
         }
         Err(self.stuck("the modes change without end"))
