@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod lone;
+mod passage;
 pub(crate) mod saved;
 mod step;
 mod variation;
@@ -89,7 +90,7 @@ struct Scratch {
     /// The sizes of the coordinates at its start.
     sizes: Vec<f64>,
     /// By functional its start.
-    heads: Vec<step::Head>,
+    heads: Vec<passage::Head>,
     /// By functional the intervals in which it may pass zero.
     near: Vec<u8>,
     /// The state at an interval's start.
