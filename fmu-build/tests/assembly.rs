@@ -24,16 +24,11 @@ fn example(name: &str) -> PathBuf {
     root().join("examples/assembly").join(name).with_extension("toml")
 }
 
-/// The library without the optimisations of a release, on which no bit depends.
+/// The library that cargo compiled for this test, without the optimisations of a release, on which no bit depends.
 fn kit() -> Kit {
-    // Where all tests run cargo has compiled most of it already.
-    let target = fmu_build::compile::target();
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.current_dir(root()).args(["build", "-p", "vibro-machine", "--locked"]);
-    run("building the library", &mut cargo);
-    let prefix = std::env::consts::DLL_PREFIX;
-    let library = target.join("debug").join(format!("{prefix}vibro_machine{SHARED_LIBRARY}"));
-    Kit { binaries: Binaries::own(fs::read(library).expect("it was built")), ..Kit::default() }
+    let name = format!("{}vibro_machine{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX);
+    let library = std::env::current_exe().expect("a test has a file").with_file_name(name);
+    Kit { binaries: Binaries::own(fs::read(library).expect("it lies beside the test")), ..Kit::default() }
 }
 
 /// The engine's motion at the communication points of a machine's description, as the FMU's outputs have it.
