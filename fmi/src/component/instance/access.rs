@@ -120,7 +120,7 @@ impl Instance {
         self.events.carried_out &= references.is_empty();
         // A host's solver sees a set at once, not with the next step.
         let before =
-            (self.life.interface == Interface::ModelExchange).then(|| (self.settings, self.parameters_set));
+            (self.life.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
         for (i, &reference) in references.iter().enumerate() {
             self.assign(&WRITERS[numbering.place(reference)], read(i));
         }
