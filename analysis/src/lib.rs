@@ -74,6 +74,7 @@ pub mod sobol;
 pub mod start;
 pub mod statistics;
 pub mod stroboscopic;
+mod text;
 pub mod trajectories;
 mod variation;
 pub mod verdict;

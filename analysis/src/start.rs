@@ -52,19 +52,7 @@ impl Default for StartRule {
     }
 }
 
-impl TryFrom<String> for StartRule {
-    type Error = Error;
-
-    fn try_from(text: String) -> Result<Self> {
-        text.parse()
-    }
-}
-
-impl From<StartRule> for String {
-    fn from(start: StartRule) -> Self {
-        start.to_string()
-    }
-}
+crate::text::written_as_text!(StartRule);
 
 /// A coordinate by either of its names: its place, and whether its numbers are in SI.
 pub(crate) fn coordinate(name: &str) -> Option<(usize, bool)> {

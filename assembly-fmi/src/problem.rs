@@ -42,3 +42,8 @@ impl Refusal for MachineProblem {
         }
     }
 }
+
+/// Why bytes are no saved state of this machine.
+pub(crate) fn refused(what: impl Into<String>) -> Problem {
+    Problem::SavedState { what: what.into().into() }
+}

@@ -3,6 +3,7 @@
 //! with it. The checksum notices accidents; it is no signature, and what the bytes say is checked as well.
 
 use crate::machine::{SavedMoving, Shown};
+use crate::problem::refused;
 use fmi_doors::{Life, Problem};
 use serde::{Deserialize, Serialize};
 use vibro_assembly::signals::Input;
@@ -26,10 +27,6 @@ pub struct SavedState {
     /// The motion.
     pub(crate) moving: Option<SavedMoving>,
     pub(crate) latched: Option<Shown>,
-}
-
-pub(crate) fn refused(what: impl Into<String>) -> Problem {
-    Problem::SavedState { what: what.into().into() }
 }
 
 impl SavedState {

@@ -2,33 +2,13 @@
 //! without the mechanical energy, so that the balance is a test (docs/assembly-law.md (A16) to (A18)).
 
 use crate::flow::Table;
+pub use crate::kernel::NODES;
 use crate::kernel::Sparse;
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use vibro_impact::numerics::double_double::DoubleDouble;
-
-/// Abscissas and weights of Gauss's rule with ten nodes on [0, 1] (Abramowitz and Stegun, table 25.4). The powers are
-/// products of two functions of rate r over a span of at most 2/r: the rule's error is (10!)⁴ 4²⁰/(21 (20!)³) < 1e-18 of their size.
-pub const NODES: [(f64, f64); 10] = {
-    let half = [
-        (0.148_874_338_981_631_22, 0.295_524_224_714_752_87),
-        (0.433_395_394_129_247_2, 0.269_266_719_309_996_35),
-        (0.679_409_568_299_024_4, 0.219_086_362_515_982_04),
-        (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
-        (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
-    ];
-    let mut nodes = [(0.0, 0.0); 10];
-    let mut k = 0;
-    while k < 5 {
-        let (x, weight): (f64, f64) = half[k];
-        nodes[4 - k] = (0.5 - 0.5 * x, 0.5 * weight);
-        nodes[5 + k] = (0.5 + 0.5 * x, 0.5 * weight);
-        k += 1;
-    }
-    nodes
-};
 
 /// Values at the [`NODES`] of a flight.
 pub type AtNodes = [f64; NODES.len()];
@@ -248,7 +228,7 @@ fn power_of_motions(system: &System, mode: &Mode, table: &Table, z: &DVector<f64
         power += row.dot(z) * prescribed(&system.elongation_of(contact).rate);
     }
     // Links that tie free bodies to prescribed ones carry these bodies' inertia and weight.
-    let acceleration = DVector::from_fn(n, |k, _| table.a.row_times(n + k, z.as_slice()));
+    let acceleration = table.a.rows_times(n..2 * n, z.as_slice());
     for (i, body) in system.bodies.iter().enumerate() {
         if system.inertias[i] > 0.0 {
             let s2 = body.weights.dot(&acceleration) + body.drift.dot(z);

@@ -1,8 +1,7 @@
 //! Exact flow of a mode: the transition over a sub-step and its intervals, and for each watched functional samples, a bound
 //! between them and its Taylor coefficients, all as columns that act on the augmented state (docs/assembly-law.md (A5), (A6)).
 
-use crate::energy::NODES;
-use crate::kernel::{Blocks, Sparse, SparseMatrix, combine};
+use crate::kernel::{Blocks, NODES, Sparse, SparseMatrix, combine};
 use crate::mode::{Linear, Watch};
 use crate::system::Row;
 use nalgebra::DMatrix;

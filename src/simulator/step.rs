@@ -71,8 +71,8 @@ impl Simulator {
         match (self.loaded(), self.keeps_energy_accounts) {
             (false, false) => self.dispatch::<false>(end, pause, observer),
             (false, true) => self.dispatch::<true>(end, pause, observer),
-            (true, false) => self.run_as::<_, 1, false>(pulp::Scalar, end, pause, observer),
-            (true, true) => self.run_as::<_, 1, true>(pulp::Scalar, end, pause, observer),
+            // Under loads every sub-step is a general one, which asks itself whether accounts are kept.
+            (true, _) => self.run_as::<_, 1, false>(pulp::Scalar, end, pause, observer),
         }
     }
 

@@ -117,19 +117,7 @@ impl fmt::Display for Measure {
     }
 }
 
-impl TryFrom<String> for Measure {
-    type Error = Error;
-
-    fn try_from(text: String) -> Result<Self> {
-        text.parse()
-    }
-}
-
-impl From<Measure> for String {
-    fn from(measure: Measure) -> Self {
-        measure.to_string()
-    }
-}
+crate::text::written_as_text!(Measure);
 
 /// The place of a stop by its name.
 fn stop(d: &Description, name: &str) -> Option<usize> {

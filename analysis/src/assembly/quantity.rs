@@ -63,19 +63,7 @@ impl fmt::Display for Quantity {
     }
 }
 
-impl TryFrom<String> for Quantity {
-    type Error = Error;
-
-    fn try_from(text: String) -> Result<Self> {
-        text.parse()
-    }
-}
-
-impl From<Quantity> for String {
-    fn from(quantity: Quantity) -> Self {
-        quantity.to_string()
-    }
-}
+crate::text::written_as_text!(Quantity);
 
 /// Whose quantity it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

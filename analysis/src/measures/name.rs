@@ -220,16 +220,4 @@ impl std::str::FromStr for Measure {
     }
 }
 
-impl TryFrom<String> for Measure {
-    type Error = Error;
-
-    fn try_from(name: String) -> Result<Self> {
-        name.parse()
-    }
-}
-
-impl From<Measure> for String {
-    fn from(measure: Measure) -> Self {
-        measure.name()
-    }
-}
+crate::text::written_as_text!(Measure);

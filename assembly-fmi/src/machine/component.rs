@@ -3,7 +3,8 @@
 use super::{Machine, Moving};
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
-use crate::saved_state::{SavedState, refused};
+use crate::problem::refused;
+use crate::saved_state::SavedState;
 use crate::table::{Quantity, Role};
 use fmi_doors::log::Log;
 use fmi_doors::{

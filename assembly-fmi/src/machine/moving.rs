@@ -2,7 +2,7 @@
 
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
-use crate::saved_state::refused;
+use crate::problem::refused;
 use crate::table::{Energy, Quantity};
 use crate::units::{friction_state, stop_state};
 use serde::{Deserialize, Serialize};

@@ -229,7 +229,7 @@ impl Motion {
         let system = &self.assembly.system;
         let n = system.coordinates;
         let z = self.hybrid.z.as_slice();
-        let acceleration = DVector::from_fn(n, |k, _| linear.a.row_times(n + k, z));
+        let acceleration = linear.a.rows_times(n..2 * n, z);
         let mut found = Vec::new();
         for i in candidates {
             let stop = &system.stops[i];

@@ -8,8 +8,9 @@
 use super::event::Event;
 use super::{Motion, Observer, saved};
 use crate::assembly::Assembly;
-use crate::energy::{Accounts, NODES, Samples};
+use crate::energy::{Accounts, Samples};
 use crate::error::Error;
+use crate::kernel::NODES;
 use crate::mode::Watch;
 use crate::system::{Row, System};
 use nalgebra::DVector;
@@ -302,9 +303,7 @@ impl Motion {
 
     /// Rates and accelerations of a state.
     fn rates_of(&self, z: &DVector<f64>) -> DVector<f64> {
-        let mut rates = DVector::zeros(self.assembly.system.signals.one);
-        self.table.a.times(z.as_slice(), 1.0, rates.as_mut_slice());
-        rates
+        self.table.a.rows_times(0..self.assembly.system.signals.one, z.as_slice())
     }
 
     fn refill_on(&mut self, course: &Course) {

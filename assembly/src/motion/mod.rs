@@ -217,8 +217,9 @@ impl Motion {
     pub fn body(&self, i: usize) -> [f64; 3] {
         let system = &self.assembly.system;
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
-        let acceleration = DVector::from_fn(n, |k, _| self.table.a.row_times(n + k, z.as_slice()));
-        [rows.s.dot(z), rows.v.dot(z), rows.weights.dot(&acceleration) + rows.drift.dot(z)]
+        let weights = rows.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+        let acceleration: f64 = weights.map(|(k, w)| w * self.table.a.row_times(n + k, z.as_slice())).sum();
+        [rows.s.dot(z), rows.v.dot(z), acceleration + rows.drift.dot(z)]
     }
 
     /// A body's coordinate alone, m or rad.

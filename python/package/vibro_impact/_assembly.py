@@ -245,6 +245,16 @@ def _of(described: _native.Described) -> Assembly:
     return found
 
 
+def _column(columns: list[str], values: Floats, name: str) -> Floats:
+    """The column of that name."""
+    try:
+        index = columns.index(name)
+    except ValueError:
+        raise KeyError(f"{name}: allowed are {', '.join(columns)}") from None
+    found: Floats = values[:, index]
+    return found
+
+
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblyRun(Result):
     """A motion of a machine of your own; ``run["box.s"]`` is an array."""
@@ -263,12 +273,7 @@ class AssemblyRun(Result):
     "Energies, shape (n,), fields kinetic, stored, balance, J."
 
     def __getitem__(self, name: str) -> Floats:
-        try:
-            index = self.columns.index(name)
-        except ValueError:
-            raise KeyError(f"{name}: allowed are {', '.join(self.columns)}") from None
-        found: Floats = self.values[:, index]
-        return found
+        return _column(self.columns, self.values, name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -292,12 +297,7 @@ class AssemblyEnds(Result):
     "Shape (n, k), SI."
 
     def __getitem__(self, name: str) -> Floats:
-        try:
-            index = self.columns.index(name)
-        except ValueError:
-            raise KeyError(f"{name}: allowed are {', '.join(self.columns)}") from None
-        found: Floats = self.values[:, index]
-        return found
+        return _column(self.columns, self.values, name)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
