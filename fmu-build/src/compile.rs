@@ -1,4 +1,5 @@
-//! Compiles the library that goes into the archive, by a nested cargo.
+//! The library that goes into the archive: the one that cargo compiled with this packager, or, to be handed on, one that a nested
+//! cargo compiles as a whole.
 
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -74,12 +75,20 @@ pub fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
 }
 
-/// Compiles the library for this machine and returns its path.
+/// The library that cargo compiled with this packager, which depends on its crate: it lies in the folder of what was
+/// compiled. No compiler runs, but the library may name folders of this machine, and it needs the unwinder of its compiler.
 ///
 /// # Errors
-/// [`Error::Cargo`] when cargo cannot be run or fails.
-pub fn library() -> Result<PathBuf> {
-    Compiler::default().library()
+/// [`Error::Cargo`] where it is not there, as when the packager was taken away from that folder.
+pub fn at_hand() -> Result<PathBuf> {
+    let missing = |problem: String| Error::Cargo { command: "cargo build --bin fmu-build".into(), problem };
+    let program = std::env::current_exe().map_err(|e| missing(format!("cannot name this program: {e}")))?;
+    let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, Library::Vibro.name());
+    // Tests lie beside it, programs one folder above.
+    let folder = program.parent().unwrap_or(Path::new(""));
+    let places = [folder.join("deps").join(&name), folder.join(&name)];
+    let found = places.iter().find(|path| path.is_file()).cloned();
+    found.ok_or_else(|| missing(format!("left no {}; with --portable it is compiled anew", places[0].display())))
 }
 
 /// Where sources come from and where compiled files go.
@@ -137,7 +146,8 @@ impl Compiler {
         Self { workspace: workspace.into(), target: target.into(), library: Library::Vibro }
     }
 
-    /// Compiles the library for this machine and returns its path.
+    /// Compiles the library for this machine, to be handed on: as a whole, without names of its folders, needing the C library and its
+    /// mathematics alone.
     ///
     /// # Errors
     /// [`Error::Cargo`] when cargo cannot be run or fails.

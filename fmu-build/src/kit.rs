@@ -42,7 +42,7 @@ impl Kit {
     /// # Errors
     /// [`Error::Cargo`], [`Error::File`].
     pub fn own() -> Result<Self> {
-        let make = || Ok((platforms::own_of(Library::Machine)?, Vec::new()));
+        let make = || Ok((platforms::own(Library::Machine)?, Vec::new()));
         Ok(Shelf::of("own").kit(make)?.0)
     }
 

@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
 use fmu_build::assembly;
+use fmu_build::compile::Library;
 use fmu_build::kit::Kit;
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
@@ -29,6 +30,10 @@ struct Arguments {
     /// Pack a binary for every platform that can be built here, and say what the others need
     #[arg(long)]
     all_platforms: bool,
+    /// Compile the library for this machine anew, as for a release: optimised as a whole, without names of this machine's folders,
+    /// needing nothing but the C library. Takes minutes; for FMUs that are handed on
+    #[arg(long, conflicts_with = "all_platforms")]
+    portable: bool,
     /// Make a further FMU of FMI 3.0 with arrays: displacements, velocities and accelerations as vectors, derivatives over a
     /// step as matrices. Several importers cannot read arrays
     #[arg(long)]
@@ -131,7 +136,9 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     let mut left_out = match arguments.all_platforms {
         true => package::build_all(&output, &versions, live.as_deref())?,
         false => {
-            package::write(&output, &versions, &platforms::own()?, live.as_deref()).map(|()| Vec::new())?
+            let binaries =
+                if arguments.portable { platforms::own(Library::Vibro)? } else { platforms::at_hand()? };
+            package::write(&output, &versions, &binaries, live.as_deref()).map(|()| Vec::new())?
         }
     };
     left_out.extend(missing);

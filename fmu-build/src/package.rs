@@ -102,12 +102,12 @@ const NEEDS: &str = "The library needs the C library of the system and its mathe
 it was built for all platforms, else that of the machine that built it; on Windows the universal C run time (part of Windows 10 \
 and later); on macOS libSystem.\n";
 
-/// Compiles the library for this machine and writes the usual archives, that of FMI 2.0 to `output` and the other beside it.
+/// Writes the usual archives for this machine, that of FMI 2.0 to `output` and the other beside it.
 ///
 /// # Errors
 /// Everything that can go wrong on the way.
 pub fn build(output: &Path) -> Result<()> {
-    write(output, &Version::USUAL, &platforms::own()?, None)
+    write(output, &Version::USUAL, &platforms::at_hand()?, None)
 }
 
 /// Writes archives around binaries compiled before.

@@ -1,6 +1,6 @@
 //! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
 
-use crate::compile::{Compiler, Library, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
+use crate::compile::{self, Compiler, Library, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 use crate::error::{Error, Result};
 use crate::version::Version;
 use std::collections::BTreeMap;
@@ -139,19 +139,19 @@ fn read(library: &PathBuf) -> Result<Vec<u8>> {
     fs::read(library).map_err(Error::file("reading", library))
 }
 
-/// The binary of this machine alone, by its own compiler.
+/// The binary of this machine that was compiled with the packager.
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
-pub fn own() -> Result<Binaries> {
-    own_of(Library::Vibro)
+pub fn at_hand() -> Result<Binaries> {
+    Ok(Binaries::own(read(&compile::at_hand()?)?))
 }
 
-/// The same of another library.
+/// The binary of this machine alone, by its own compiler, to be handed on.
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
-pub fn own_of(library: Library) -> Result<Binaries> {
+pub fn own(library: Library) -> Result<Binaries> {
     Ok(Binaries::own(read(&Compiler::from(library).library()?)?))
 }
 
@@ -183,7 +183,7 @@ pub fn all_of(library: Library, only: &[String]) -> Result<(Binaries, Vec<LeftOu
         }
     }
     if !binaries.iter().any(|binary| binary.folder == PLATFORM) {
-        binaries.extend(own_of(library)?.0);
+        binaries.extend(own(library)?.0);
     }
     Ok((Binaries(binaries), left_out))
 }

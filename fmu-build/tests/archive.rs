@@ -3,7 +3,7 @@
 use fmu_build::archive::{self, Content};
 use fmu_build::platforms::Binaries;
 use fmu_build::version::Version;
-use fmu_build::{Error, compile, package};
+use fmu_build::{Error, package};
 
 fn content() -> Content {
     Content::from([
@@ -58,17 +58,5 @@ fn packing_twice_gives_the_same_bytes() {
     for version in Version::ALL {
         let pack = || archive::to_bytes(&package::content(version, &binaries(), None).unwrap()).unwrap();
         assert!(pack() == pack(), "{version:?}");
-    }
-}
-
-#[test]
-fn the_binary_names_no_folder_of_this_machine() {
-    let binary = std::fs::read(compile::library().unwrap()).unwrap();
-    let here = compile::workspace().to_str().unwrap().as_bytes();
-    let target = compile::target().to_str().unwrap().to_owned();
-    let home = std::env::home_dir().unwrap();
-    let home = home.join(".cargo").to_str().unwrap().to_owned();
-    for folder in [here, home.as_bytes(), target.as_bytes()] {
-        assert!(!binary.windows(folder.len()).any(|window| window == folder));
     }
 }

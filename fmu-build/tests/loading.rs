@@ -86,7 +86,7 @@ fn in_its_own_process(library: &Path, panic: bool) {
 
 #[test]
 fn two_hundred_load_unload_cycles_leave_nothing_behind() {
-    in_its_own_process(&compile::library().unwrap(), false);
+    in_its_own_process(&compile::at_hand().unwrap(), false);
 }
 
 #[test]

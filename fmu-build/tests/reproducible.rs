@@ -1,6 +1,9 @@
-//! Two builds in two folders give the same bytes.
+//! The library that is handed on: two builds in two folders give the same bytes, which name neither and need the C library alone.
+
+mod common;
 
 use fmu_build::compile::{self, Compiler};
+use fmu_build::inspect;
 use std::fs;
 use std::path::Path;
 
@@ -40,4 +43,16 @@ fn another_folder_gives_the_same_bytes() {
     let (here, there) = (fs::read(here).unwrap(), fs::read(there).unwrap());
     let differ = here.iter().zip(&there).position(|(a, b)| a != b);
     assert!(here == there, "{} and {} bytes, first difference at {differ:?}", here.len(), there.len());
+
+    assert_eq!(inspect::exports(&here).unwrap(), common::functions());
+    // No libgcc_s, say, which a host's machine may lack.
+    let needs = inspect::needs(&here).unwrap();
+    assert!(!needs.is_empty(), "even sin() comes from somewhere");
+    let foreign: Vec<&String> = needs.iter().filter(|name| !inspect::is_system(name)).collect();
+    assert!(foreign.is_empty(), "{foreign:?} of {needs:?}");
+    let home = std::env::home_dir().unwrap().join(".cargo");
+    for folder in [compile::workspace(), &compile::target(), &home] {
+        let name = folder.to_str().unwrap().as_bytes();
+        assert!(!here.windows(name.len()).any(|window| window == name), "{}", folder.display());
+    }
 }

@@ -104,6 +104,7 @@ pub unsafe fn call<C: Component>(
 
 /// Logs a problem and returns its status.
 #[cold]
+#[inline(never)]
 fn refuse<C: Component>(
     instance: &Instance<C>,
     host: &mut Host,
@@ -278,21 +279,21 @@ macro_rules! export_fmi2 {
             fmi2GetReal, GetReal(array vr: u32[nvr], value nvr: usize, out value: f64[nvr])
                 |instance, _| instance.get($crate::fmi2::instance::REAL, vr, |i, x| value.put(i, x));
             fmi2GetInteger, GetInteger(array vr: u32[nvr], value nvr: usize, out value: ::std::ffi::c_int[nvr])
-                |instance, _| instance.get($crate::fmi2::instance::INTEGER, vr, |i, x| value.put(i, x as ::std::ffi::c_int));
+                |instance, _| instance.get_any($crate::fmi2::instance::INTEGER, vr, &mut |i, x| value.put(i, x as ::std::ffi::c_int));
             fmi2GetBoolean, GetBoolean(array vr: u32[nvr], value nvr: usize, out value: $crate::fmi2::types::FmiBoolean[nvr])
-                |instance, _| instance.get($crate::fmi2::instance::BOOLEAN, vr, |i, x| value.put(i, (x != 0.0).into()));
+                |instance, _| instance.get_any($crate::fmi2::instance::BOOLEAN, vr, &mut |i, x| value.put(i, (x != 0.0).into()));
             /// There are no String variables, so any reference is an error.
             fmi2GetString, GetString(array vr: u32[nvr], value nvr: usize, out value: *const ::std::ffi::c_char[nvr])
-                |instance, _| instance.get($crate::fmi2::instance::STRING, vr, |i, _| value.put(i, c"".as_ptr()));
+                |instance, _| instance.get_any($crate::fmi2::instance::STRING, vr, &mut |i, _| value.put(i, c"".as_ptr()));
             fmi2SetReal, SetReal(array vr: u32[nvr], value nvr: usize, array value: f64[nvr])
                 |instance, _| instance.set($crate::fmi2::instance::REAL, vr, |i| value[i]);
             fmi2SetInteger, SetInteger(array vr: u32[nvr], value nvr: usize, array value: ::std::ffi::c_int[nvr])
-                |instance, _| instance.set($crate::fmi2::instance::INTEGER, vr, |i| value[i].into());
+                |instance, _| instance.set_any($crate::fmi2::instance::INTEGER, vr, &|i| value[i].into());
             fmi2SetBoolean, SetBoolean(array vr: u32[nvr], value nvr: usize, array value: $crate::fmi2::types::FmiBoolean[nvr])
-                |instance, _| instance.set($crate::fmi2::instance::BOOLEAN, vr, |i| value[i].into());
+                |instance, _| instance.set_any($crate::fmi2::instance::BOOLEAN, vr, &|i| value[i].into());
             /// There are no String variables, so any reference is an error.
             fmi2SetString, SetString(array vr: u32[nvr], value nvr: usize, array value: *const ::std::ffi::c_char[nvr])
-                |instance, _| instance.set($crate::fmi2::instance::STRING, vr, |_| 0.0);
+                |instance, _| instance.set_any($crate::fmi2::instance::STRING, vr, &|_| 0.0);
 
             "2.1.8":
             /// Writes into a new FMU state, or over one that this instance gave out.

@@ -394,6 +394,15 @@ impl<C: Component> Instance<C> {
         Ok(self.component.get(bases, references, write)?)
     }
 
+    /// The same for the types that are seldom asked for, compiled once for all of them.
+    ///
+    /// # Errors
+    /// As [`get`](Self::get).
+    #[inline(never)]
+    pub fn get_any(&mut self, bases: Bases, references: &[u32], write: &mut dyn FnMut(usize, f64)) -> Outcome<C> {
+        self.get(bases, references, write)
+    }
+
     /// `fmi2Set…` (FMI 2.0, 2.1.7).
     ///
     /// # Errors
@@ -401,6 +410,15 @@ impl<C: Component> Instance<C> {
     #[inline(always)]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome<C> {
         Ok(self.component.set(bases, references, read)?)
+    }
+
+    /// The same for the types that are seldom set, compiled once for all of them.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    #[inline(never)]
+    pub fn set_any(&mut self, bases: Bases, references: &[u32], read: &dyn Fn(usize) -> f64) -> Outcome<C> {
+        self.set(bases, references, read)
     }
 }
 

@@ -136,6 +136,7 @@ unsafe fn go_on<C: Component>(
 
 /// Logs a problem, and leaves the instance in the state that its status means.
 #[cold]
+#[inline(never)]
 fn refuse<C: Component>(
     instance: &mut Instance<C>,
     host: &mut Host,

@@ -245,6 +245,21 @@ impl<C: Component> Instance<C> {
         Ok(check_count("nValues", count, written)?)
     }
 
+    /// The same for the types that are seldom asked for, compiled once for all of them.
+    ///
+    /// # Errors
+    /// As [`get`](Self::get).
+    #[inline(never)]
+    pub fn get_any(
+        &mut self,
+        bases: Bases,
+        references: &[u32],
+        count: usize,
+        write: &mut dyn FnMut(usize, f64),
+    ) -> Outcome<C> {
+        self.get(bases, references, count, write)
+    }
+
     /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.6.2): takes value `i` from `read`.
     ///
     /// # Errors
@@ -260,6 +275,21 @@ impl<C: Component> Instance<C> {
         check_count("nValues", count, references.len())?;
         self.check_set(references)?;
         Ok(self.component.set(bases, references, read)?)
+    }
+
+    /// The same for the types that are seldom set, compiled once for all of them.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    #[inline(never)]
+    pub fn set_any(
+        &mut self,
+        bases: Bases,
+        references: &[u32],
+        count: usize,
+        read: &dyn Fn(usize) -> f64,
+    ) -> Outcome<C> {
+        self.set(bases, references, count, read)
     }
 
     /// `fmi3EnterEventMode` (FMI 3.0.2, 3.2.1 and 4.2.1).

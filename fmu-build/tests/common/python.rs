@@ -25,7 +25,7 @@ pub fn root() -> &'static Path {
 pub fn fmu() -> PathBuf {
     let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
     let versions = Version::ALL;
-    let built = platforms::own().and_then(|binaries| package::write(&path, &versions, &binaries, None));
+    let built = platforms::at_hand().and_then(|binaries| package::write(&path, &versions, &binaries, None));
     built.unwrap_or_else(|error| panic!("{error}"));
     path
 }
