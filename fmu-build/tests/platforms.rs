@@ -180,26 +180,3 @@ fn libraries(platform: &Platform) -> Option<&'static str> {
     };
     Path::new(folder).is_dir().then_some(folder)
 }
-
-#[test]
-fn a_missing_tool_is_named_with_what_to_install() {
-    let folder = tempfile::tempdir().unwrap();
-    let fmu = folder.path().join("x.fmu");
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let without: Vec<_> =
-        std::env::split_paths(&path).filter(|folder| !folder.join("cargo-zigbuild").exists()).collect();
-    let output = Command::new(env!("CARGO_BIN_EXE_fmu-build"))
-        .args(["--all-platforms", "--no-run", "--output"])
-        .arg(&fmu)
-        .env("PATH", std::env::join_paths(without).unwrap())
-        .output()
-        .unwrap();
-    let printed = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    for platform in PLATFORMS {
-        let line = printed.lines().find(|line| line.starts_with(platform.folder)).unwrap();
-        assert!(line.contains(platforms::TOOLS), "{line}");
-        let packed = archive::read(&fmu, &platform.path(Version::Fmi2)).is_ok();
-        assert_eq!(packed, platform.folder == PLATFORM, "{line}");
-    }
-}

@@ -2,10 +2,13 @@
 
 mod common;
 
-use fmu_build::compile::{self, Compiler};
-use fmu_build::inspect;
+use fmu_build::compile::{self, Compiler, PLATFORM};
+use fmu_build::platforms::{self, PLATFORMS};
+use fmu_build::version::Version;
+use fmu_build::{archive, inspect};
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 /// What stands in a work tree and is no source of it.
 const MADE: [&str; 4] = ["target", "dist", "vibro-out", "__pycache__"];
@@ -33,7 +36,7 @@ fn copy(from: &Path, to: &Path) {
 
 /// The second folder is elsewhere and its path has another length; everything in it is compiled anew, dependencies too.
 #[test]
-#[ignore = "compiles the library twice: cargo test -p fmu-build --test reproducible -- --ignored"]
+#[ignore = "compiles the library twice: cargo test -p fmu-build --test portable -- --ignored"]
 fn another_folder_gives_the_same_bytes() {
     let second = compile::target().join("reproducible-in-another-folder");
     copy(compile::workspace(), &second.join("sources"));
@@ -54,5 +57,45 @@ fn another_folder_gives_the_same_bytes() {
     for folder in [compile::workspace(), &compile::target(), &home] {
         let name = folder.to_str().unwrap().as_bytes();
         assert!(!here.windows(name.len()).any(|window| window == name), "{}", folder.display());
+    }
+}
+
+/// The archive of the option that the packager has for it, which is also run.
+#[test]
+#[ignore = "compiles the library: cargo test -p fmu-build --test portable -- --ignored"]
+fn the_portable_library_is_what_is_packed() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("x.fmu");
+    let mut packager = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    let output = packager.args(["--portable", "--periods", "60", "--output"]).arg(&fmu).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(printed.contains("bit for bit"), "{printed}");
+    let platform = PLATFORMS.into_iter().find(|platform| platform.folder == PLATFORM).unwrap();
+    let packed = archive::read(&fmu, &platform.path(Version::Fmi2)).unwrap();
+    assert!(packed == fs::read(Compiler::default().library().unwrap()).unwrap());
+}
+
+#[test]
+#[ignore = "compiles the library: cargo test -p fmu-build --test portable -- --ignored"]
+fn a_missing_tool_is_named_with_what_to_install() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("x.fmu");
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let without: Vec<_> =
+        std::env::split_paths(&path).filter(|folder| !folder.join("cargo-zigbuild").exists()).collect();
+    let output = Command::new(env!("CARGO_BIN_EXE_fmu-build"))
+        .args(["--all-platforms", "--no-run", "--output"])
+        .arg(&fmu)
+        .env("PATH", std::env::join_paths(without).unwrap())
+        .output()
+        .unwrap();
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for platform in PLATFORMS {
+        let line = printed.lines().find(|line| line.starts_with(platform.folder)).unwrap();
+        assert!(line.contains(platforms::TOOLS), "{line}");
+        let packed = archive::read(&fmu, &platform.path(Version::Fmi2)).is_ok();
+        assert_eq!(packed, platform.folder == PLATFORM, "{line}");
     }
 }
