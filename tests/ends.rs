@@ -1,5 +1,6 @@
 //! Where advances end: every state reached can be saved and restored, and an end that comes at once after an event adds none.
 
+use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Event, Loads, Pause, Snapshot};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
@@ -168,4 +169,59 @@ fn invariant_loads_set_right_after_a_release_move_nothing() {
     }
     println!("{again} further releases in 360");
     assert!(again > 0, "no further release is reported: docs/guarantees.md says that one may be");
+}
+
+/// A block without springs under a constant load, which rises to a stop: where its path turns within rounding of the stop, the impact
+/// may depend on where steps end, and nowhere else (docs/numerics.md, "Statement").
+#[test]
+fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
+    /// η of docs/numerics.md, section 2, in parts of the motion's size.
+    const OVERSHOOT: f64 = 2e-12;
+    let p = Parameters {
+        box_damping: 0.0,
+        secondary_damping: 0.0,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 0.0,
+        drive_frequency: 1.0,
+        block_mass: 1.0,
+        ..Parameters::default()
+    };
+    let (gap, rate) = (p.stop_gap, Model::new(&p).unwrap().rate);
+    let (mut grazes, mut others) = (0, 0);
+    for load in (0..40).map(|n| 0.02 + 0.01 * f64::from(n)) {
+        for size in [0.0, 1e-16, 2e-16, 4e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10] {
+            for past in [size, -size] {
+                let speed = (2.0 * load * gap * (1.0 + past)).sqrt();
+                let mut simulator =
+                    Simulator::new(&p, &State { x: [0.0; 3], v: [0.0, speed, 0.0] }, 0.0).unwrap();
+                let derivatives = [[0.0; 4], [-load, 0.0, 0.0, 0.0], [0.0; 4]];
+                simulator.set_loads(&Loads { derivatives }).unwrap();
+                let (top, end) = (speed / load, 1.5 * speed / load);
+                let impacts = |inner: Option<f64>| {
+                    let mut simulator = simulator.clone();
+                    inner.into_iter().for_each(|time| simulator.advance_to(time).unwrap());
+                    simulator.advance_to(end).unwrap();
+                    (simulator.impacts().upper, simulator.impacts().last_speed)
+                };
+                let whole = impacts(None);
+                for exponent in 2..40 {
+                    let away = 2f64.powi(-exponent) * top;
+                    for inner in [top - away, top + away] {
+                        let split = impacts(Some(inner));
+                        if split.0 == whole.0 {
+                            others += 1;
+                            continue;
+                        }
+                        grazes += 1;
+                        let eta = OVERSHOOT * (gap + speed / rate + load / (rate * rate));
+                        let (slow, said) =
+                            (whole.1.max(split.1), format!("{load} {past} {inner}: {whole:?} {split:?}"));
+                        assert!(past.abs() * gap < eta && slow <= (2.0 * load * eta).sqrt(), "{said}");
+                    }
+                }
+            }
+        }
+    }
+    println!("{grazes} of {} depend on the step", grazes + others);
+    assert!(grazes > 0, "no graze depends on the step: docs/guarantees.md says that one may");
 }
