@@ -7,6 +7,20 @@ use crate::model::{
     SECONDARY, SECONDARY_RATE, SmoothMode,
 };
 
+/// A bound on what a series of seven coefficients or more leaves out up to a time of `reach`/rate from its point, in parts of the
+/// motion's size S (docs/numerics.md, section 1): rate bounds the bodies alone, and at resonance the drive adds up from order to order,
+/// so that it is reach^n/(n-1)! and not reach^n/n!.
+pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
+    assert!(coefficients >= 7, "the bound on a coefficient holds from order seven on");
+    let mut term = reach;
+    let mut k = 1;
+    while k < coefficients {
+        term *= reach / k as f64;
+        k += 1;
+    }
+    term / (1.0 - reach / coefficients as f64)
+}
+
 /// Coefficients of a series about an interval's centre, of radius 0.075/rate: the remainder is under 0.075¹⁰/9! < 1.6e-17 of the
 /// motion's size S (docs/numerics.md, section 1).
 pub const CENTRED: usize = 10;
