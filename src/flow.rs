@@ -16,7 +16,7 @@ use crate::numerics::simd::{PADDED, Rows, product, row};
 pub use polynomial::polynomial;
 use polynomial::{PLACES, at_interval_ends, at_places};
 use pulp::Simd;
-pub use series::{ANCHORED, CENTRED, Series, WHOLE, remainder};
+pub use series::{ANCHORED, CENTRED, PIECE, Series, WHOLE, expand_along, remainder};
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;

@@ -1,10 +1,8 @@
 //! Extrema and mean square of one coordinate along the series of the flow.
 
 use super::Coordinate;
-use crate::smooth_pieces::TERMS;
 use vibro_impact::events::first_crossing;
-use vibro_impact::flow::Series;
-use vibro_impact::flow::weighted_sum;
+use vibro_impact::flow::{PIECE, Series, weighted_sum};
 use vibro_impact::numerics::simd::value;
 
 /// Gauss–Legendre nodes and weights on [0, 1]. Along a series, whose time times the model's rate r is at most 1.2, derivatives of order k
@@ -58,9 +56,9 @@ impl Extent {
 
     /// Takes up a series of the flow, whose variable runs over [0, 1], over `radius` s.
     #[inline(always)]
-    pub fn take(&mut self, series: &Series<TERMS>, radius: f64) {
+    pub fn take(&mut self, series: &Series<PIECE>, radius: f64) {
         let (weights, first) = self.coordinate.weights();
-        let q: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.states[k], first));
+        let q: [f64; PIECE] = std::array::from_fn(|k| weighted_sum(&weights, &series.states[k], first));
         if self.squares {
             let square = |u: f64| value(&q, u).powi(2);
             self.square += radius * NODES.iter().map(|(u, weight)| weight * square(*u)).sum::<f64>();
@@ -72,11 +70,11 @@ impl Extent {
         if q[0] + spread <= self.largest && q[0] - spread >= self.least {
             return;
         }
-        let slope: [f64; TERMS] =
-            std::array::from_fn(|k| if k + 1 < TERMS { (k + 1) as f64 * q[k + 1] } else { 0.0 });
+        let slope: [f64; PIECE] =
+            std::array::from_fn(|k| if k + 1 < PIECE { (k + 1) as f64 * q[k + 1] } else { 0.0 });
         let (mut rising, mut from) = (slope[0] > 0.0, 0.0);
         // The slope has no more zeros than its degree.
-        for _ in 0..TERMS {
+        for _ in 0..PIECE {
             let sought = if rising { slope.map(|c| -c) } else { slope };
             let Some(u) = first_crossing(&sought, from, 1.0, &mut 0) else { break };
             self.meet(value(&q, u));
