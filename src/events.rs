@@ -15,10 +15,9 @@ use pulp::Simd;
 
 /// An interval is halved at most this often. A piece is then 2⁻⁵⁵ long, under the spacing of the doubles about ±1.
 const MAX_DEPTH: u32 = 56;
-/// At most this many pieces are looked at. Where dominance fails p' and p'' are both small, so that about four pieces a level
-/// are halved around each root of multiplicity three or more, of which a polynomial of degree 11 has three at most: under 700
-/// pieces. More are needed only where p is nothing but the round-off of its coefficients.
-const MAX_PIECES: u32 = 2000;
+/// At most this many pieces are looked at: no polynomial of degree 19 or less needs as many, and hardly any a hundred
+/// (docs/numerics.md, "Second stage").
+const MAX_PIECES: u32 = 50_000;
 /// Newton's method in a bracket bisects wherever a step leaves the bracket, so that this many steps are never taken.
 const MAX_ITERATIONS: u32 = 200;
 /// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`]. The proof holds
@@ -308,9 +307,25 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
     }
 }
 
+/// A place at which the computed p goes from ≤ 0 to > 0 in [lo, hi], for a piece on which p is nothing but rounding: `None` unless
+/// p(hi) > 0, and `lo` where p(lo) > 0 too.
+fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Option<f64> {
+    if value(c, hi) <= 0.0 {
+        return None;
+    }
+    if value(c, lo) > 0.0 {
+        return Some(lo);
+    }
+    for _ in 0..MAX_DEPTH {
+        let mid = 0.5 * (lo + hi);
+        *(if value(c, mid) > 0.0 { &mut hi } else { &mut lo }) = mid;
+    }
+    Some(lo)
+}
+
 /// Halves the interval until the shape of p is certain on every piece; needed about once in thousands of sub-steps.
 ///
-/// Where neither 56 halvings nor 2000 pieces settle the shape, the sign of p at the piece's end decides (docs/numerics.md,
+/// Where p is nothing but rounding on a piece, which no halving would settle, the signs of the computed p decide (docs/numerics.md,
 /// "Second stage").
 #[cold]
 #[inline(never)]
@@ -330,13 +345,16 @@ fn subdivide<const N: usize>(
     if local[0] + spread <= 0.0 {
         return None;
     }
+    let sizes: f64 = c.iter().map(|x| x.abs()).sum();
+    if local[0].abs() + spread <= N as f64 * f64::EPSILON * sizes {
+        return change_of_sign(c, lo, hi);
+    }
     match shape(&local) {
         (Shape::Unknown, _) if depth < MAX_DEPTH && *pieces > 0 => {
             subdivide(c, lo, mid, depth + 1, pieces, iterations)
                 .or_else(|| subdivide(c, mid, hi, depth + 1, pieces, iterations))
         }
-        // Shorter than doubles resolve, or nothing but round-off.
-        (Shape::Unknown, _) => (value(&local, 1.0) > 0.0).then_some(lo),
+        (Shape::Unknown, _) => change_of_sign(c, lo, hi),
         known => crossing_of_shape(&local, known, -1.0, 1.0, iterations).map(|v| mid + half * v),
     }
 }

@@ -28,7 +28,7 @@
 //! parameters → steady (multiple scales, strong coupling, exact orbit)
 //! ```
 //!
-//! The modules `model`, `flow`, `events` and `numerics` are for the other packages of the workspace and are not shown here; what the
+//! The modules `model`, `flow`, `events`, `energy` and `numerics` are for the other packages of the workspace and are not shown here; what the
 //! simulator's signatures need of them is in [`simulator`].
 //!
 //! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's oracle.
@@ -37,9 +37,10 @@
 //! documentation as the modules `theory` and `numerical_method`.
 #![forbid(unsafe_code)]
 
+// The insides that the other packages of the workspace stand on: not for users, and free to change from version to version.
+#[doc(hidden)]
 pub mod energy;
 pub mod error;
-// The insides that the other packages of the workspace stand on: not for users, and free to change from version to version.
 #[doc(hidden)]
 pub mod events;
 #[doc(hidden)]

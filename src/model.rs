@@ -79,7 +79,7 @@ pub struct Model {
     pub rate: f64,
 }
 
-/// What an impact is told by, docs/theory.md (10) to (12).
+/// What is reported of an impact, docs/theory.md (10) to (12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// The approach speed |w'⁻|, m/s.

@@ -1,7 +1,7 @@
 //! The constants of docs/numerics.md, sections 1 and 2, at machines and states that are chosen to break them.
 
 use vibro_impact::Parameters;
-use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, Table, WHOLE, substep};
+use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, Table, WHOLE, remainder, substep};
 use vibro_impact::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
     SmoothMode,
@@ -119,6 +119,27 @@ fn closed_form_coefficients_of_a_box_in_resonance() {
             assert!((lane[BOX].abs() * factorial - (1.0 + 0.5 * k as f64)).abs() < ROUNDING, "{k}: {lane:?}");
         }
     }
+}
+
+/// What series leave out of the swing of a resonant box that only its drive moves: half of the bound, since the coefficients are (k-1)/2 or
+/// k/2 over k!. Without the drive's part the bound would be smaller by a factor of n, and would not hold.
+#[test]
+fn closed_form_remainders_of_a_box_in_resonance() {
+    fn left_out<const N: usize>(model: &Model, reach: f64) -> f64 {
+        let z = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5f64.sqrt(), 0.5f64.sqrt()];
+        let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &z, None, reach);
+        let sum =
+            |coordinate: usize| series.states[N..].iter().map(|state| state[coordinate]).sum::<f64>().abs();
+        sum(BOX).max(sum(BOX_RATE))
+    }
+    let model = resonant_box();
+    let parts = [
+        left_out::<9>(&model, 0.08) / remainder(9, 0.08),
+        left_out::<10>(&model, 0.09) / remainder(10, 0.09),
+        left_out::<12>(&model, 0.15) / remainder(12, 0.15),
+        left_out::<20>(&model, 1.2) / remainder(20, 1.2),
+    ];
+    assert!(parts.iter().all(|part| *part > 0.2 && *part <= 1.0), "{parts:?}");
 }
 
 /// The coefficients of order k from seven on are at most (rT)ᵏ/(k-1)! S, those of the acceleration in rest (3k+1) (rT)ᵏ/k! r² S.

@@ -54,6 +54,48 @@ fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
     }
 }
 
+/// The same with a0 - c t³, whose snap is zero at first too.
+#[test]
+fn closed_form_a_block_that_its_load_lets_go_late_does_not_come_to_rest() {
+    let (kappa, a0) = (0.5, 1e-3);
+    for part in [0.3, 0.6, 0.99] {
+        let u = part * (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
+        // The path -u + a0 t/2 - c t⁴/20 stays below zero for c > 135 a0⁴/(1024 u³).
+        for excess in [1.1, 3.0] {
+            let c = excess * 135.0 * a0.powi(4) / (1024.0 * u.powi(3));
+            let (_, events) = bounce((kappa, 1e3), u, [a0, 0.0, 0.0, -6.0 * c], 20.0 * u / a0);
+            assert!(matches!(events[..], [Event::Impact { .. }]), "{events:?}");
+        }
+    }
+}
+
+/// The same where no load lets go, but a spring: the box swings as -X cos t, the load on the block follows it to the third order, and
+/// the relative acceleration is a0 - X t⁴/24.
+#[test]
+fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
+    let (kappa, rate) = (0.5, 1.0);
+    // So small that the run is half as long as the series reaches.
+    let a0 = 2e-12;
+    for part in [0.6, 0.99] {
+        let u = part * (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
+        // The path -u + a0 t/2 - X t⁵/720 stays below zero for X > 72 a0 (a0/(2.5 u))⁴.
+        for excess in [1.1, 3.0] {
+            let x = excess * 72.0 * a0 * (a0 / (2.5 * u)).powi(4);
+            let p = Parameters { box_stiffness: 1.0, ..machine(kappa, rate) };
+            let at_stop = State { x: [-x, 1.0 - x, 0.0], v: [0.0, u / kappa, 0.0] };
+            // Of the impact that begins the run the box's speed is to be zero after it.
+            let kick = (1.0 + kappa) * u / kappa * p.block_mass / (p.box_mass + p.block_mass);
+            let at_stop = State { v: [-kick, u / kappa - kick, 0.0], ..at_stop };
+            let mut simulator = Simulator::new(&p, &at_stop, 0.0).unwrap();
+            let load = [a0 + x, 0.0, -x, 0.0].map(|a| a * p.block_mass);
+            simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
+            let mut events = Vec::new();
+            simulator.advance_observed(8.0 * u / a0, &mut |event| events.push(*event)).unwrap();
+            assert!(matches!(events[..], [Event::Impact { .. }]), "{events:?}");
+        }
+    }
+}
+
 /// ∫ (τ - t) a(t0 + t) dt over 0..τ divided by τ, and the same with t: the speeds of departure and return of a flight of length τ,
 /// of which the first is to be u. In the time unit of the run, with a(t) = 1 + b t + c t² + d t³.
 fn speeds(a: &[f64; 4], t0: f64, tau: f64) -> (f64, f64) {

@@ -1,7 +1,8 @@
 //! Where advances end: every state reached can be saved and restored, and an end that comes at once after an event adds none.
 
+use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{Event, Loads, Pause, Snapshot};
+use vibro_impact::simulator::{Contact, Event, Loads, Pause, Snapshot};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 fn machine(f10: f64, kappa: f64) -> Parameters {
@@ -168,4 +169,106 @@ fn invariant_loads_set_right_after_a_release_move_nothing() {
     }
     println!("{again} further releases in 360");
     assert!(again > 0, "no further release is reported: docs/guarantees.md says that one may be");
+}
+
+/// A block without springs under a constant load, which rises to a stop: where its path turns within rounding of the stop, the impact
+/// may depend on where steps end, and nowhere else (docs/numerics.md, "Statement").
+#[test]
+fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
+    /// η of docs/numerics.md, section 2, in parts of the motion's size.
+    const OVERSHOOT: f64 = 2e-12;
+    let p = Parameters {
+        box_damping: 0.0,
+        secondary_damping: 0.0,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 0.0,
+        drive_frequency: 1.0,
+        block_mass: 1.0,
+        ..Parameters::default()
+    };
+    let (gap, rate) = (p.stop_gap, Model::new(&p).unwrap().rate);
+    let (mut grazes, mut others) = (0, 0);
+    for load in (0..40).map(|n| 0.02 + 0.01 * f64::from(n)) {
+        for size in [0.0, 1e-16, 2e-16, 4e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10] {
+            for past in [size, -size] {
+                let speed = (2.0 * load * gap * (1.0 + past)).sqrt();
+                let mut simulator =
+                    Simulator::new(&p, &State { x: [0.0; 3], v: [0.0, speed, 0.0] }, 0.0).unwrap();
+                let derivatives = [[0.0; 4], [-load, 0.0, 0.0, 0.0], [0.0; 4]];
+                simulator.set_loads(&Loads { derivatives }).unwrap();
+                let (top, end) = (speed / load, 1.5 * speed / load);
+                let impacts = |inner: Option<f64>| {
+                    let mut simulator = simulator.clone();
+                    inner.into_iter().for_each(|time| simulator.advance_to(time).unwrap());
+                    simulator.advance_to(end).unwrap();
+                    (simulator.impacts().upper, simulator.impacts().last_speed)
+                };
+                let whole = impacts(None);
+                for exponent in 2..40 {
+                    let away = 2f64.powi(-exponent) * top;
+                    for inner in [top - away, top + away] {
+                        let split = impacts(Some(inner));
+                        if split.0 == whole.0 {
+                            others += 1;
+                            continue;
+                        }
+                        grazes += 1;
+                        let eta = OVERSHOOT * (gap + speed / rate + load / (rate * rate));
+                        let (slow, said) =
+                            (whole.1.max(split.1), format!("{load} {past} {inner}: {whole:?} {split:?}"));
+                        assert!(past.abs() * gap < eta && slow <= (2.0 * load * eta).sqrt(), "{said}");
+                    }
+                }
+            }
+        }
+    }
+    println!("{grazes} of {} depend on the step", grazes + others);
+    assert!(grazes > 0, "no graze depends on the step: docs/guarantees.md says that one may");
+}
+
+/// The last bounces of a chatter run are as low as the rounding of the gap, and what is kept of them between two advances is rounded to
+/// that: some may come or go with where steps end. The motion and the rest at its end are the same.
+#[test]
+fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
+    /// Of displacements in gaps, and of velocities.
+    const ROUNDING: f64 = 1e-12;
+    /// The speed of a bounce 10⁻¹² gaps high, under the largest acceleration of these motions, 1 m/s².
+    const SLOW: f64 = 1.5e-6;
+    /// A run in which a bounce is so slow has ended by then, s.
+    const LATER: f64 = 1e-4;
+    let (mut changed, mut runs) = (0, 0);
+    for (load, kappa) in [(-0.05, 0.5), (-0.03, 0.75), (-0.1, 0.2)] {
+        let p = Parameters { constant_loads: [0.0, load, 0.0], ..machine(1.0, kappa) };
+        let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+        for _ in 0..100 {
+            let before = simulator.clone();
+            simulator.advance_until(simulator.time() + 20.0 * p.period(), Pause::BeforeEvent, None).unwrap();
+            let event = simulator.time();
+            simulator.apply_due_event(None);
+            let mut whole = before.clone();
+            whole.advance_to(event + LATER).unwrap();
+            if whole.contact() == Contact::Flight || simulator.impacts().last_speed > SLOW {
+                continue;
+            }
+            runs += 1;
+            for exponent in 9..18 {
+                for part in [-1.0, 1.0] {
+                    let mut split = before.clone();
+                    let end = DoubleDouble::sum(event, part * 10f64.powi(-exponent));
+                    let _ = split.advance_until(end, Pause::Never, None); // an end before the present is refused
+                    split.advance_to(event + LATER).unwrap();
+                    changed += i32::from(split.impacts().lower != whole.impacts().lower);
+                    assert_eq!(split.contact(), whole.contact());
+                    let (a, b) = (split.state(), whole.state());
+                    let pairs = a.x.iter().zip(b.x).chain(a.v.iter().zip(b.v));
+                    pairs.for_each(|(a, b)| assert!((a - b).abs() < ROUNDING, "{a} {b}"));
+                }
+            }
+        }
+    }
+    println!("{changed} of {} ends change the number of bounces", 18 * runs);
+    assert!(
+        runs > 20 && changed > 0,
+        "{runs} runs, {changed}: docs/guarantees.md says that the number may change"
+    );
 }

@@ -27,12 +27,13 @@ pub use name::{Coordinate, Measure};
 use crate::attractor::MotionClass;
 use crate::error::Result;
 use crate::lyapunov::{self, SpectrumOptions};
-use crate::smooth_pieces::{PieceEnd, expand_along, smooth_pieces};
+use crate::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::trajectories::Start;
 use crate::verdict::verdict;
 use extent::Extent;
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
+use vibro_impact::flow::expand_along;
 use vibro_impact::model::Model;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Simulator;
@@ -175,6 +176,7 @@ fn deviation(numbers: &[f64]) -> f64 {
 fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Vec<Window>> {
     let p = *simulator.parameters();
     let model = Model::new(&p)?;
+    let forces = model.constant_forces();
     let extent = |c: Coordinate| {
         let mut of = measures.iter().filter(|m| m.coordinate() == Some(c)).peekable();
         of.peek().is_some().then(|| Extent::new(c, of.any(|m| m.needs_square())))
@@ -196,7 +198,8 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
                     arch.dispatch(
                         #[inline(always)]
                         || {
-                            expand_along(&model, piece.mode, &piece.start, piece.span, |series, radius| {
+                            let from = (&piece.start, forces.as_ref());
+                            expand_along(&model, piece.mode, from, piece.span, |series, radius| {
                                 extents.iter_mut().for_each(|extent| extent.take(series, radius));
                             })
                         },

@@ -140,8 +140,7 @@ struct Motion {
 fn collect<P>(branch: &Branch<P>, motion: impl Fn(f64, &P) -> Motion) -> Vec<Vec<ResponsePoint>> {
     let convert = |p: &continuation::BranchPoint<P>| {
         let Motion { c, b, a, w, clear, groups } = motion(p.value, &p.solution);
-        let rho = std::f64::consts::FRAC_2_PI * (1.0 - groups.kappa) / (1.0 + groups.kappa);
-        let right = c * (1.0 + rho * rho) >= 1.0;
+        let right = Manifold::new(groups.kappa).is_ok_and(|manifold| c >= manifold.c_smin());
         ResponsePoint {
             value: p.value,
             sheet: p.sheet,

@@ -4,14 +4,9 @@
 //! the flow (docs/theory.md (8)) gives the motion along the piece again.
 
 use vibro_impact::error::{Error, Result};
-use vibro_impact::flow::Series;
-use vibro_impact::model::{Augmented, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use vibro_impact::flow::expand_along;
+use vibro_impact::model::{Augmented, Model, SmoothMode};
 use vibro_impact::simulator::{Event, Pause, Simulator};
-
-/// Terms of a series over a time of at most [`PIECE_TIMES_RATE`] over the model's rate: the remainder is
-/// 1.2²⁰/20! < 2e-17.
-pub(crate) const TERMS: usize = 20;
-const PIECE_TIMES_RATE: f64 = 1.2;
 
 /// How a piece ends.
 #[derive(Clone, Copy, Debug)]
@@ -43,30 +38,6 @@ pub(crate) struct Piece {
     /// Its duration, s.
     pub(crate) span: f64,
     pub(crate) end: PieceEnd,
-}
-
-/// The flow under the model's constant loads over `span` s as consecutive series: `visit` gets each with its length in s, its variable running over
-/// [0, 1]. Returns the state at the end.
-#[inline(always)]
-pub(crate) fn expand_along(
-    model: &Model,
-    mode: SmoothMode,
-    start: &Augmented,
-    span: f64,
-    mut visit: impl FnMut(&Series<TERMS>, f64),
-) -> Augmented {
-    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
-    let (radius, forces) = (span / count, model.constant_forces());
-    let mut z = *start;
-    for _ in 0..count as u64 {
-        let series = Series::<TERMS>::expand(model, mode, &z, forces.as_ref(), radius);
-        visit(&series, radius);
-        z = series.at(1.0);
-        if mode == SmoothMode::Rest {
-            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
-        }
-    }
-    z
 }
 
 /// The flow along a piece and its variations are those of the machine under its drive and its constant loads.
@@ -118,7 +89,8 @@ pub(crate) fn smooth_pieces(
         )?;
         if let Some(at) = release {
             visit(&Piece { mode: way, start, span: at - time, end: PieceEnd::Release });
-            start = expand_along(model, way, &start, at - time, |_, _| ());
+            let forces = model.constant_forces();
+            start = expand_along(model, way, (&start, forces.as_ref()), at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
         let Some((at, side, speed, impulse)) = hit else {

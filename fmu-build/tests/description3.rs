@@ -25,6 +25,11 @@ fn named<'a>(model: &'a mut ModelDescription, name: &str) -> &'a mut Attributes 
     variables.into_iter().find(|v| v.name == name).unwrap()
 }
 
+/// The value reference of a variable in this description: it may change with every row of the table.
+fn reference(model: &mut ModelDescription, name: &str) -> u32 {
+    named(model, name).value_reference
+}
+
 type Damage = fn(&mut ModelDescription);
 
 /// What each check must notice, and a word of its message.
@@ -36,7 +41,7 @@ const DAMAGES: [(&str, Damage); 33] = [
     ("does not divide", |m| m.default_experiment.step = 0.1),
     ("m1 is defined twice", |m| named(m, "box.k").name = "m1".into()),
     ("is not a structured name", |m| named(m, "box.k").name = "der(box".into()),
-    ("has value reference 2", |m| named(m, "box.k").value_reference = 2),
+    ("has value reference", |m| named(m, "box.k").value_reference = reference(m, "box.m")),
     ("has no description", |m| named(m, "box.k").description.clear()),
     ("is not a defined type", |m| named(m, "mode").declared_type = None),
     ("is not a defined type", |m| named(m, "impacts.clock").declared_type = Some("Time".into())),
@@ -56,22 +61,28 @@ const DAMAGES: [(&str, Damage); 33] = [
         let aliases = named(m, "box.s").aliases.split_off(0);
         named(m, "stop.s").aliases = aliases;
     }),
-    ("allowed are clocks", |m| named(m, "impacts.clocked.time").clocks = Some("1".into())),
-    ("is no state", |m| named(m, "box.a").derivative = Some(75)),
-    ("another variable is the derivative", |m| named(m, "block.a").derivative = Some(22)),
+    ("allowed are clocks", |m| {
+        named(m, "impacts.clocked.time").clocks = Some(reference(m, "time").to_string());
+    }),
+    ("is no state", |m| named(m, "box.a").derivative = Some(reference(m, "impacts.clocked.side"))),
+    ("another variable is the derivative", |m| {
+        named(m, "block.a").derivative = Some(reference(m, "box.v"));
+    }),
     ("reinit belongs", |m| named(m, "stop.s").reinit = Some(true)),
     ("is missing from Output", |m| drop(m.model_structure.outputs.pop())),
     ("does not belong in ContinuousStateDerivative", |m| {
-        m.model_structure.derivatives[0].value_reference = 22
+        m.model_structure.derivatives[0].value_reference = reference(m, "box.v");
     }),
     ("dependencies of", |m| m.model_structure.outputs[2].dependencies = None),
     ("InitialUnknown: dependencies of", |m| {
         // A factor that is fixed is known only after initialization.
-        let unknown =
-            m.model_structure.initial_unknowns.iter_mut().find(|u| u.dependencies.as_deref() == Some("2 5"));
+        let ratio = reference(m, "groups.epsilon");
+        let unknown = m.model_structure.initial_unknowns.iter_mut().find(|u| u.value_reference == ratio);
         unknown.unwrap().kinds = Some("fixed fixed".into());
     }),
-    ("allowed are continuous locals", |m| m.model_structure.event_indicators[0].value_reference = 15),
+    ("allowed are continuous locals", |m| {
+        m.model_structure.event_indicators[0].value_reference = reference(m, "mode");
+    }),
 ];
 
 #[test]

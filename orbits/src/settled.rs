@@ -5,7 +5,7 @@ use super::system::System;
 use super::word::OrbitWord;
 use vibro_analysis::stroboscopic::{StroboscopicState, dimensionless};
 use vibro_analysis::{Error, Result};
-use vibro_impact::simulator::{Event, Simulator, State};
+use vibro_impact::simulator::{Contact, Event, Simulator, State};
 
 /// The longest period that is looked for, in drive periods.
 const LONGEST: u32 = 32;
@@ -47,7 +47,9 @@ pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     let p = system.parameters();
     let mut simulator = simulator(system, state)?;
     let start = dimensionless(p, &simulator.state());
-    let (mut phases, mut letters, mut rests) = (Vec::new(), Vec::new(), false);
+    let (mut phases, mut letters) = (Vec::new(), Vec::new());
+    // A block that a load holds at a stop throughout has no event.
+    let mut rests = simulator.contact() != Contact::Flight;
     for q in 1..=LONGEST {
         simulator.advance_observed(f64::from(q) * p.period(), &mut |event| match *event {
             Event::Impact { time, side, .. } => {

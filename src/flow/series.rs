@@ -7,6 +7,20 @@ use crate::model::{
     SECONDARY, SECONDARY_RATE, SmoothMode,
 };
 
+/// A bound on what a series of seven coefficients or more leaves out up to a time of `reach`/rate from its point, in parts of the
+/// motion's size S (docs/numerics.md, section 1): rate bounds the bodies alone, and at resonance the drive adds up from order to order,
+/// so that it is reach^n/(n-1)! and not reach^n/n!.
+pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
+    assert!(coefficients >= 7, "the bound on a coefficient holds from order seven on");
+    let mut term = reach;
+    let mut k = 1;
+    while k < coefficients {
+        term *= reach / k as f64;
+        k += 1;
+    }
+    term / (1.0 - reach / coefficients as f64)
+}
+
 /// Coefficients of a series about an interval's centre, of radius 0.075/rate: the remainder is under 0.075¹⁰/9! < 1.6e-17 of the
 /// motion's size S (docs/numerics.md, section 1).
 pub const CENTRED: usize = 10;
@@ -14,6 +28,12 @@ pub const CENTRED: usize = 10;
 pub const ANCHORED: usize = 12;
 /// Coefficients of a series over a whole sub-step of 2.4/rate, for the tables: the remainder is under 4e-20 of the size.
 pub const WHOLE: usize = 30;
+
+/// Coefficients of each series of [`expand_along`]: the remainder is under 3.4e-16 of the size.
+pub const PIECE: usize = 20;
+/// Longest time that one of these series covers, times the model's rate.
+const PIECE_TIMES_RATE: f64 = 1.2;
+const _: () = assert!(remainder(PIECE, PIECE_TIMES_RATE) < 3.4e-16);
 
 /// 1/(k+1) of the recurrence.
 const RECIPROCALS: [f64; WHOLE] = {
@@ -116,4 +136,28 @@ impl<const N: usize> Series<N> {
             SmoothMode::Rest => self.free,
         }
     }
+}
+
+/// The flow from `start` over `span` s, under forces that do not change, as consecutive series: `visit` gets each with its length in s,
+/// its variable running over [0, 1]. Returns the state at the end.
+#[inline(always)]
+pub fn expand_along(
+    model: &Model,
+    mode: SmoothMode,
+    (start, forces): (&Augmented, Option<&Forces>),
+    span: f64,
+    mut visit: impl FnMut(&Series<PIECE>, f64),
+) -> Augmented {
+    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
+    let radius = span / count;
+    let mut z = *start;
+    for _ in 0..count as u64 {
+        let series = Series::<PIECE>::expand(model, mode, &z, forces, radius);
+        visit(&series, radius);
+        z = series.at(1.0);
+        if mode == SmoothMode::Rest {
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
+        }
+    }
+    z
 }

@@ -37,8 +37,9 @@ impl Saltation {
         if rate == 0.0 {
             return Self { restitution: -1.0, kick: 0.0, push: 0.0 };
         }
-        // a_w⁺ + κ a_w⁻. The free acceleration is affine in w' (docs/theory.md (13)), whose parts cancel: what is left is 1 + κ times
-        // the acceleration of a block that moves with the box, as fast as their centre of mass, also where a merge followed.
+        // a_w⁺ + κ a_w⁻. With the centre of mass held, docs/theory.md (83), the free acceleration (6) is affine in w', whose parts
+        // cancel: what is left is 1 + κ times that of a block that moves with the box, as fast as their centre of mass, also where a
+        // merge followed.
         let mut together = *after;
         together[BOX_RATE] += model.block_share * after[RELATIVE_RATE];
         together[RELATIVE_RATE] = 0.0;

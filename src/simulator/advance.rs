@@ -38,7 +38,7 @@ impl Simulator {
     ///
     /// # Errors
     /// [`Error::Step`] for an end before the present or not finite, [`Error::PrecisionLost`] for one that a double no longer
-    /// tells from a moment later: nothing has changed then. [`Error::WorkLimit`] for a motion that does not get on: the
+    /// tells from a moment later: nothing has changed then. [`Error::WorkLimit`] for a motion that hardly progresses: the
     /// state then stands at the time named.
     pub fn advance_until(
         &mut self,

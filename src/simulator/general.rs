@@ -143,7 +143,7 @@ impl Simulator {
         // A block that let go without speed may still have none that rounding does not hide: w'' is zero at a release but for
         // rounding. The terms that are not zero tell whether it is on its way out or has just come back.
         let orders = series.states.iter().enumerate().skip(usize::from(order));
-        let rate: f64 = orders.map(|(k, lane)| k as f64 * (side * lane[RELATIVE])).sum();
+        let rate: f64 = orders.map(|(k, state)| k as f64 * (side * state[RELATIVE])).sum();
         if order == 1 || rate >= 0.0 {
             return 0;
         }

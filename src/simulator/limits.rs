@@ -13,7 +13,7 @@ const MAX_DRIFT: f64 = 1e10;
 /// shorter than the resolution of the motion that they are part of.
 const MAX_VIOLENCE: f64 = 1e12;
 
-/// What is told of a load that is too large for the system.
+/// What is said of a load that is too large for the system.
 pub(super) const VIOLENT_LOAD: &str =
     "load over its body's mass, stop.gap and the square of the fastest rate";
 

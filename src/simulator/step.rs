@@ -12,11 +12,11 @@ use std::ops::ControlFlow;
 /// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about ten drive periods); the
 /// rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// The sub-steps that one advance may take however little its motion gets on. Each ends at an event, or is cut short because
+/// The sub-steps that one advance may take however little its motion progresses. Each ends at an event, or is cut short because
 /// the block is fast; it takes 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends
 /// within about a second.
 const WORK_BASE: u64 = 1_000_000;
-/// The further sub-steps that it may take for each sub-step length that the motion gets on. An ordinary motion, with an impact
+/// The further sub-steps that it may take for each sub-step length by which the motion progresses. An ordinary motion, with an impact
 /// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is.
 const WORK_PER_SUBSTEP: f64 = 32.0;
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,

@@ -1,14 +1,13 @@
 //! Extrema and mean square of one coordinate along the series of the flow.
 
 use super::Coordinate;
-use crate::smooth_pieces::TERMS;
 use vibro_impact::events::first_crossing;
-use vibro_impact::flow::Series;
-use vibro_impact::flow::weighted_sum;
+use vibro_impact::flow::{PIECE, Series, weighted_sum};
 use vibro_impact::numerics::simd::value;
 
-/// Gauss–Legendre nodes and weights on [0, 1]. Along a series, whose time times the model's rate is at most 1.2, squares grow
-/// at most like exp(2.4 u), so that the rule's error is under (8!)⁴ 2.4¹⁶/(17 (16!)³) = 2e-17 of the integral.
+/// Gauss–Legendre nodes and weights on [0, 1]. Along a series, whose time times the model's rate r is at most 1.2, derivatives of order k
+/// of a displacement are at most rᵏ max(3 + k/2, k + 1) of the motion's size S (docs/numerics.md, section 1), of a rate r times as much,
+/// so that the sixteenth of the square is at most 77 (2r)¹⁶ S², and the rule's error under 77 (8!)⁴ 2.4¹⁶/(17 (16!)³) < 2e-15 of S² times the length.
 const NODES: [(f64, f64); 8] = [
     (0.019_855_071_751_231_912, 0.050_614_268_145_188_53),
     (0.101_666_761_293_186_64, 0.111_190_517_226_687_23),
@@ -57,9 +56,9 @@ impl Extent {
 
     /// Takes up a series of the flow, whose variable runs over [0, 1], over `radius` s.
     #[inline(always)]
-    pub fn take(&mut self, series: &Series<TERMS>, radius: f64) {
+    pub fn take(&mut self, series: &Series<PIECE>, radius: f64) {
         let (weights, first) = self.coordinate.weights();
-        let q: [f64; TERMS] = std::array::from_fn(|k| weighted_sum(&weights, &series.states[k], first));
+        let q: [f64; PIECE] = std::array::from_fn(|k| weighted_sum(&weights, &series.states[k], first));
         if self.squares {
             let square = |u: f64| value(&q, u).powi(2);
             self.square += radius * NODES.iter().map(|(u, weight)| weight * square(*u)).sum::<f64>();
@@ -71,11 +70,11 @@ impl Extent {
         if q[0] + spread <= self.largest && q[0] - spread >= self.least {
             return;
         }
-        let slope: [f64; TERMS] =
-            std::array::from_fn(|k| if k + 1 < TERMS { (k + 1) as f64 * q[k + 1] } else { 0.0 });
+        let slope: [f64; PIECE] =
+            std::array::from_fn(|k| if k + 1 < PIECE { (k + 1) as f64 * q[k + 1] } else { 0.0 });
         let (mut rising, mut from) = (slope[0] > 0.0, 0.0);
         // The slope has no more zeros than its degree.
-        for _ in 0..TERMS {
+        for _ in 0..PIECE {
             let sought = if rising { slope.map(|c| -c) } else { slope };
             let Some(u) = first_crossing(&sought, from, 1.0, &mut 0) else { break };
             self.meet(value(&q, u));

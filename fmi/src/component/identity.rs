@@ -36,7 +36,7 @@ pub const NAMING_CONVENTION: &str = "structured";
 
 /// The experiment that a host takes where nobody says otherwise: 100 periods of the default drive, in 200 steps each. The step is a
 /// reporting interval in Co-Simulation, but hosts take it for that of their solver in Model Exchange, and Euler's rule wants it
-/// short (docs/theory.md, section 12). The quotient of duration and step is a whole number, as some hosts demand.
+/// short (docs/theory.md (115)). The quotient of duration and step is a whole number, as some hosts demand.
 pub fn default_experiment() -> Experiment {
     let period = Parameters::default().period();
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }

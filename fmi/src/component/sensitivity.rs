@@ -8,7 +8,7 @@
 
 use super::values::StepMatrices;
 use vibro_impact::Error;
-use vibro_impact::flow::{Series, WHOLE, shifted};
+use vibro_impact::flow::{Series, WHOLE, remainder, shifted};
 use vibro_impact::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
     Saltation, SmoothMode,
@@ -17,8 +17,10 @@ use vibro_impact::simulator::{DueEvent, Pause, Simulator};
 
 /// Columns: six states, then value and derivatives 1 to 3 of three loads.
 const COLUMNS: usize = 6 + 12;
-/// Longest part of a piece that one series covers, times the model's rate: the remainder of 30 terms is under 1/30!.
+/// Longest part of a piece that one series covers, times the model's rate: the remainder is under 2e-31 of the variation's size
+/// (docs/numerics.md, section 1).
 const REACH: f64 = 1.0;
+const _: () = assert!(remainder(WHOLE, REACH) < 2e-31);
 
 /// A variation of the state, and of the loads as polynomials from the step's begin.
 #[derive(Clone, Copy)]

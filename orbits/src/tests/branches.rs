@@ -221,6 +221,12 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let system = crate::System::new(&resting).unwrap();
     let error = orbit_of(&system, &settle(&system, &moving_block(&resting), 600).unwrap()).unwrap_err();
     assert!(error.to_string().contains("rests at a stop"), "{error}");
+    // A block that its load holds at a stop from the start on meets no event.
+    let held = Parameters { drive_amplitude: 0.01, constant_loads: [0.0, -100.0, 0.0], ..chaos };
+    let system = crate::System::new(&held).unwrap();
+    let at_stop = State { x: [0.0, -held.stop_gap, 0.0], v: [0.0; 3] };
+    let error = orbit_of(&system, &settle(&system, &at_stop, 2000).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("rests at a stop"), "{error}");
 }
 
 /// The curve of a special point of the symmetric branch over force and restitution coefficient.

@@ -139,7 +139,7 @@ impl Rounds<'_> {
         (sampled & self.reporting) | self.finding
     }
 
-    /// Renews the drive's phase of a motion and checks whether it gets on.
+    /// Renews the drive's phase of a motion and checks whether it progresses.
     #[inline(never)]
     fn renew(&mut self, lane: usize) {
         let Some(motion) = &mut self.motions[lane] else { return };

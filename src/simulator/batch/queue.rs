@@ -84,7 +84,7 @@ pub struct LaneUse {
     pub occupied: u64,
     /// Sub-steps done in lanes.
     pub substeps: u64,
-    /// Times that a motion was handed over to the code for a single one, for one sub-step or more.
+    /// Times that a motion was passed to the code for a single one, for one sub-step or more.
     pub handed_over: u64,
 }
 

@@ -8,8 +8,8 @@
 //! do for the gap.
 
 use crate::events::first_crossing;
-use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, weighted_sum};
-use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
+use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, SmoothMode};
 use crate::numerics::simd::{product, value, weigh};
 use crate::simulator::Simulator;
 use crate::simulator::batch::queue::Maximum;
@@ -48,8 +48,11 @@ impl MaximumFinder {
                 self.search_flight(simd, simulator, z, (time, span), found);
             }
             SmoothMode::Flight | SmoothMode::Rest => {
+                if span <= 0.0 {
+                    return; // only the law of an impact
+                }
                 let mut begin = time;
-                expand_along(&simulator.model, (mode, z, forces), span, |series, radius| {
+                expand_along(&simulator.model, mode, (z, forces), span, |series, radius| {
                     self.search_series(series, (0.0, 1.0), (begin, radius), found);
                     begin += radius;
                 });
@@ -119,7 +122,7 @@ impl MaximumFinder {
         }
         let half = 0.5 * simulator.interval();
         let centre_time = (2 * index + 1) as f64 * half;
-        // The last piece of a sub-step may reach beyond its interval by a sixth.
+        // The last piece of a sub-step may reach beyond its interval by a tenth.
         let radius = half.max(end - centre_time);
         let (from, to) = (-half / radius, (end - centre_time) / radius);
         let centre = product(pulp::Scalar, &simulator.flight.core.centre[index], z);
@@ -194,32 +197,4 @@ fn rate_table(model: &Model, weights: &[f64; 3], substep: f64) -> RateTable {
         }
     }
     pulp::Arch::new().dispatch(Fill(model, weights, substep))
-}
-
-/// Terms of a series over a time of at most 1.2 over the model's rate: the remainder is 1.2²⁰/20! < 2e-17.
-const PIECE: usize = 20;
-const PIECE_TIMES_RATE: f64 = 1.2;
-
-/// The flow under forces that do not change over `span` s as consecutive series: `visit` gets each with its length in s, its
-/// variable running over [0, 1].
-fn expand_along(
-    model: &Model,
-    (mode, start, forces): (SmoothMode, &Augmented, Option<&Forces>),
-    span: f64,
-    mut visit: impl FnMut(&Series<PIECE>, f64),
-) {
-    if span <= 0.0 {
-        return; // only the law of an impact
-    }
-    let count = (span * model.rate / PIECE_TIMES_RATE).ceil().max(1.0);
-    let radius = span / count;
-    let mut z = *start;
-    for _ in 0..count as u64 {
-        let series = Series::<PIECE>::expand(model, mode, &z, forces, radius);
-        visit(&series, radius);
-        z = series.at(1.0);
-        if mode == SmoothMode::Rest {
-            (z[RELATIVE], z[RELATIVE_RATE]) = (start[RELATIVE], 0.0);
-        }
-    }
 }

@@ -2,7 +2,7 @@
 //! state there.
 
 use super::rows::LaneSystems;
-use crate::flow::CENTRED;
+use crate::flow::{CENTRED, remainder};
 use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
 use crate::simulator::batch::vectors::{Mask, Row, Wide};
 use pulp::Simd;
@@ -21,6 +21,7 @@ const FACTORIALS: [f64; CENTRED] = {
 /// 0.09¹⁰/9!, is still under the rounding of a double (docs/numerics.md, section 1), and a gap that is only just short of the stop
 /// at the end can be followed into the next interval.
 pub(super) const REACH: f64 = 6.0 / 5.0;
+const _: () = assert!(remainder(CENTRED, 0.075 * REACH) < 9.8e-17);
 /// How far the first iterate of a search may be, in half intervals: up to here the bounds up to [`REACH`] still tell enough
 /// (docs/numerics.md, section 7).
 const BEYOND: f64 = 5.0 / 4.0;

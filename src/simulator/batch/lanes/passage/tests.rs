@@ -110,6 +110,32 @@ proptest! {
     }
 }
 
+/// u - z + c (u⁴ - z⁴) with the zero z, from straight to as bent as a zero is sought in lanes: the starting value, from three orders,
+/// knows nothing of the fourth, so that for some c one Newton step is just enough, for some two or three, and for some none is.
+#[test]
+fn closed_form_zeros_that_count_as_found_are_exact() {
+    /// The polynomial's rounding over its slope, and half a unit of u.
+    const EXACT: f64 = 8.0 * f64::EPSILON;
+    let (mut proved, mut given_up) = (0, 0);
+    for z in [-0.9f64, -0.3, 0.4, 0.8, 1.0, 1.15] {
+        for step in 0..800 {
+            let size = 0.03 * 10f64.powf(-f64::from(step) / 60.0);
+            let paths = std::array::from_fn(|lane| {
+                let c = size * (1.0 - 0.015 * lane as f64) * if lane % 2 == 0 { 1.0 } else { -1.0 };
+                let mut path = [0.0; CENTRED];
+                (path[0], path[1], path[4]) = (-(z + c * z.powi(4)), 1.0, c);
+                path
+            });
+            for (u, found, _) in pulp::Arch::new().dispatch(Find { paths: &paths, from: -1.0, divide: false })
+            {
+                assert!(!found || (u - z).abs() <= EXACT, "{z} {size:e}: {u} is off by {:e}", u - z);
+                *(if found { &mut proved } else { &mut given_up }) += 1;
+            }
+        }
+    }
+    assert!(proved > 10 * given_up && given_up > 100, "{proved} found, {given_up} not");
+}
+
 /// A path without a zero in reach whose iterates go far out, to where nothing is bounded, and come back into reach: the steps' lengths
 /// alone pass for a proof. Straight but for 1e-11 in reach, it bends at 2e5, where the order nine is tuned.
 #[test]
