@@ -141,6 +141,8 @@ pub mod values;
 pub use component::Component;
 pub use events::{Advance, EarlyEnd, Handled, Piece, StepOutcome, StepReason};
 pub use instantiation::{Instantiation, Named, Version};
+#[doc(hidden)]
+pub use libc; // what the macros name
 pub use life::{EventHandling, Experiment, Interface, Life, Phase};
 pub use problem::{Problem, Refusal};
 pub use values::{Base, Bases, Dependency, DependencyKind};

@@ -88,7 +88,9 @@ pub fn at_hand() -> Result<PathBuf> {
     let folder = program.parent().unwrap_or(Path::new(""));
     let places = [folder.join("deps").join(&name), folder.join(&name)];
     let found = places.iter().find(|path| path.is_file()).cloned();
-    found.ok_or_else(|| missing(format!("left no {}; with --portable it is compiled anew", places[0].display())))
+    found.ok_or_else(|| {
+        missing(format!("left no {}; with --portable it is compiled anew", places[0].display()))
+    })
 }
 
 /// Where sources come from and where compiled files go.

@@ -15,7 +15,14 @@ fn closed_form_of_the_bouncing_ball_in_fmpy() {
     // Archives of an earlier run would be packed again.
     let _ = fs::remove_dir_all(&folder);
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.current_dir(root()).args(["build", "--example", "bouncing_ball", "--example", "describe", "--locked"]);
+    cargo.current_dir(root()).args([
+        "build",
+        "--example",
+        "bouncing_ball",
+        "--example",
+        "describe",
+        "--locked",
+    ]);
     run("building it", &mut cargo);
     let examples = target.join("debug/examples");
     run("describing it", Command::new(examples.join("describe")).arg(&folder));

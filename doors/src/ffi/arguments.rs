@@ -11,9 +11,9 @@ macro_rules! __c_type {
     (array $type:ty) => { *const $type };
     (states $type:ty) => { *const $type };
     (out $type:ty) => { *mut $type };
-    (texts) => { *const *const ::std::ffi::c_char };
-    (state) => { *mut ::std::ffi::c_void };
-    (handle) => { *mut *mut ::std::ffi::c_void };
+    (texts) => { *const *const $crate::libc::c_char };
+    (state) => { *mut $crate::libc::c_void };
+    (handle) => { *mut *mut $crate::libc::c_void };
 }
 
 /// An argument of this kind in safe types; to be used where `?` is. Before it stands the instance whose call it is.

@@ -1,5 +1,8 @@
 //! Where the library lies that this code was loaded from: beside it in an FMU are its resources.
 
+#![allow(unsafe_code)] // the system is asked by its C functions
+#![deny(unsafe_op_in_unsafe_fn)]
+
 use std::path::PathBuf;
 
 /// The path of the library, or of the program, that this code is part of; none where the system does not tell.
@@ -28,30 +31,22 @@ fn mapped_at(line: &[u8], address: usize) -> Option<PathBuf> {
 
 #[cfg(target_vendor = "apple")]
 fn of_address(address: usize) -> Option<PathBuf> {
-    use std::ffi::{CStr, OsStr, c_char, c_int, c_void};
+    use std::ffi::{CStr, OsStr};
     use std::os::unix::ffi::OsStrExt;
-    /// `Dl_info` of `dlfcn.h`.
-    #[repr(C)]
-    struct Info {
-        file: *const c_char,
-        base: *mut c_void,
-        symbol: *const c_char,
-        value: *mut c_void,
-    }
-    unsafe extern "C" {
-        fn dladdr(address: *const c_void, info: *mut Info) -> c_int;
-    }
-    let null = std::ptr::null_mut();
-    let mut info = Info { file: null.cast(), base: null, symbol: null.cast(), value: null };
+    let null = std::ptr::null_mut::<libc::c_void>();
+    let mut info =
+        libc::Dl_info { dli_fname: null.cast(), dli_fbase: null, dli_sname: null.cast(), dli_saddr: null };
     // SAFETY: dladdr takes any address, and writes an `Info` to a place that is one.
-    let found = unsafe { dladdr(address as *const c_void, &mut info) } != 0 && !info.file.is_null();
-    // SAFETY: where it has found one, `file` is a C string that lives as long as the library is loaded.
-    found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.file) }.to_bytes())))
+    let found =
+        unsafe { libc::dladdr(address as *const libc::c_void, &mut info) } != 0 && !info.dli_fname.is_null();
+    // SAFETY: where it has found one, `dli_fname` is a C string that lives as long as the library is loaded.
+    found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.dli_fname) }.to_bytes())))
 }
 
 #[cfg(windows)]
 fn of_address(address: usize) -> Option<PathBuf> {
-    use std::ffi::{OsString, c_void};
+    use libc::c_void;
+    use std::ffi::OsString;
     use std::os::windows::ffi::OsStringExt;
     /// The address is one in the module; its reference count stays (`GET_MODULE_HANDLE_EX_FLAG_…`).
     const FROM_ADDRESS_UNCHANGED: u32 = 4 | 2;

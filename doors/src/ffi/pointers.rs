@@ -4,8 +4,9 @@
 #![deny(unsafe_op_in_unsafe_fn)]
 
 use super::Fault;
+use libc::{c_char, c_void};
 use std::cell::Cell;
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::CStr;
 use std::mem::MaybeUninit;
 use std::ptr;
 

@@ -399,7 +399,12 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// As [`get`](Self::get).
     #[inline(never)]
-    pub fn get_any(&mut self, bases: Bases, references: &[u32], write: &mut dyn FnMut(usize, f64)) -> Outcome<C> {
+    pub fn get_any(
+        &mut self,
+        bases: Bases,
+        references: &[u32],
+        write: &mut dyn FnMut(usize, f64),
+    ) -> Outcome<C> {
         self.get(bases, references, write)
     }
 

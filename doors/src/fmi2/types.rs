@@ -2,7 +2,7 @@
 //! types.
 
 use crate::events::Handled;
-use std::ffi::c_int;
+use libc::c_int;
 
 /// `fmi2Boolean`.
 pub type FmiBoolean = c_int;

@@ -25,8 +25,8 @@ use crate::ffi::panics::guarded;
 use crate::ffi::pointers::{aligned, array, c_str};
 use crate::log::Category;
 use crate::messages::{self, Sink, Status, c_text, report};
+use libc::{c_char, c_void};
 use std::cell::RefCell;
-use std::ffi::{c_char, c_void};
 
 pub use instantiation::{
     Request, instantiate_co_simulation, instantiate_model_exchange, instantiate_scheduled,

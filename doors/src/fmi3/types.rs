@@ -2,7 +2,7 @@
 
 use crate::events::Handled;
 use crate::values::DependencyKind;
-use std::ffi::c_int;
+use libc::c_int;
 
 /// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte there.
 pub type FmiBoolean = u8;

@@ -131,7 +131,7 @@ macro_rules! __instances_of_fmi3 {
         /// `fmi3GetVersion` (FMI 3.0.2, 2.2.4).
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
-        pub extern "C" fn fmi3GetVersion() -> *const ::std::ffi::c_char {
+        pub extern "C" fn fmi3GetVersion() -> *const $crate::libc::c_char {
             c"3.0".as_ptr()
         }
 
@@ -144,12 +144,12 @@ macro_rules! __instances_of_fmi3 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi3InstantiateModelExchange(
-            instanceName: *const ::std::ffi::c_char,
-            instantiationToken: *const ::std::ffi::c_char,
-            resourcePath: *const ::std::ffi::c_char,
+            instanceName: *const $crate::libc::c_char,
+            instantiationToken: *const $crate::libc::c_char,
+            resourcePath: *const $crate::libc::c_char,
             _visible: $crate::fmi3::types::FmiBoolean,
             loggingOn: $crate::fmi3::types::FmiBoolean,
-            instanceEnvironment: *mut ::std::ffi::c_void,
+            instanceEnvironment: *mut $crate::libc::c_void,
             logMessage: Option<$crate::fmi3::abi::FmiLogMessage>,
         ) -> $crate::fmi3::abi::FmiInstance {
             let request = $crate::fmi3::abi::Request {
@@ -172,16 +172,16 @@ macro_rules! __instances_of_fmi3 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)] // the standard's
         pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
-            instanceName: *const ::std::ffi::c_char,
-            instantiationToken: *const ::std::ffi::c_char,
-            resourcePath: *const ::std::ffi::c_char,
+            instanceName: *const $crate::libc::c_char,
+            instantiationToken: *const $crate::libc::c_char,
+            resourcePath: *const $crate::libc::c_char,
             _visible: $crate::fmi3::types::FmiBoolean,
             loggingOn: $crate::fmi3::types::FmiBoolean,
             eventModeUsed: $crate::fmi3::types::FmiBoolean,
             earlyReturnAllowed: $crate::fmi3::types::FmiBoolean,
             requiredIntermediateVariables: *const u32,
             nRequiredIntermediateVariables: usize,
-            instanceEnvironment: *mut ::std::ffi::c_void,
+            instanceEnvironment: *mut $crate::libc::c_void,
             logMessage: Option<$crate::fmi3::abi::FmiLogMessage>,
             intermediateUpdate: Option<$crate::fmi3::abi::FmiIntermediateUpdate>,
         ) -> $crate::fmi3::abi::FmiInstance {
@@ -213,14 +213,14 @@ macro_rules! __instances_of_fmi3 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)] // the standard's
         pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
-            instanceName: *const ::std::ffi::c_char,
-            instantiationToken: *const ::std::ffi::c_char,
-            resourcePath: *const ::std::ffi::c_char,
+            instanceName: *const $crate::libc::c_char,
+            instantiationToken: *const $crate::libc::c_char,
+            resourcePath: *const $crate::libc::c_char,
             _visible: $crate::fmi3::types::FmiBoolean,
             loggingOn: $crate::fmi3::types::FmiBoolean,
-            instanceEnvironment: *mut ::std::ffi::c_void,
+            instanceEnvironment: *mut $crate::libc::c_void,
             logMessage: Option<$crate::fmi3::abi::FmiLogMessage>,
-            _clockUpdate: Option<unsafe extern "C" fn(*mut ::std::ffi::c_void)>,
+            _clockUpdate: Option<unsafe extern "C" fn(*mut $crate::libc::c_void)>,
             _lockPreemption: Option<unsafe extern "C" fn()>,
             _unlockPreemption: Option<unsafe extern "C" fn()>,
         ) -> $crate::fmi3::abi::FmiInstance {
