@@ -356,7 +356,7 @@ def main():
     arguments = parser.parse_args()
     TARGET.mkdir(parents=True, exist_ok=True)
     fmu = TARGET / "VibroImpact3DOF.fmu"
-    run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "--no-run", "--output", fmu])
+    run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "--portable", "--no-run", "--output", fmu])
     lines, missing, failed = [], [], []
     for name, host in HOSTS:
         try:
