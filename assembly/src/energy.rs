@@ -228,11 +228,12 @@ fn power_of_motions(system: &System, mode: &Mode, table: &Table, z: &DVector<f64
         power += row.dot(z) * prescribed(&system.elongation_of(contact).rate);
     }
     // Links that tie free bodies to prescribed ones carry these bodies' inertia and weight.
-    let acceleration = table.a.rows_times(n..2 * n, z.as_slice());
     for (i, body) in system.bodies.iter().enumerate() {
-        if system.inertias[i] > 0.0 {
-            let s2 = body.weights.dot(&acceleration) + body.drift.dot(z);
-            power += (system.inertias[i] * s2 - system.weights[i]) * prescribed(&body.v);
+        let rate = prescribed(&body.v);
+        if system.inertias[i] > 0.0 && rate != 0.0 {
+            let weights = body.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+            let free: f64 = weights.map(|(k, w)| w * table.a.row_times(n + k, z.as_slice())).sum();
+            power += (system.inertias[i] * (free + body.drift.dot(z)) - system.weights[i]) * rate;
         }
     }
     power

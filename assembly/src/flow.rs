@@ -2,6 +2,7 @@
 //! between them and its Taylor coefficients, all as columns that act on the augmented state (docs/assembly-law.md (A5), (A6)).
 
 use crate::kernel::{Blocks, NODES, Sparse, SparseMatrix, combine};
+use crate::law::ZERO;
 use crate::mode::{Linear, Watch};
 use crate::system::Row;
 use nalgebra::DMatrix;
@@ -102,12 +103,14 @@ pub struct Table {
     pub watched: Vec<WatchTable>,
     /// The forces of the basis.
     pub lambda: Vec<Row>,
+    /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
+    pub triangle: DMatrix<f64>,
 }
 
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms, lambda, watched } = linear;
+        let Linear { a, terms, lambda, triangle, watched } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
         let (a, sizes) = (SparseMatrix::of(&a), SparseMatrix::of(&terms));
@@ -131,7 +134,20 @@ impl Table {
             Blocks::of(&power.rows(0, one).into_owned())
         });
         let powers = powers.collect();
-        Self { powers, a, sizes, rate, length, transitions, nodes, orders, orders_of_parts, watched, lambda }
+        Self {
+            powers,
+            a,
+            sizes,
+            rate,
+            length,
+            transitions,
+            nodes,
+            orders,
+            orders_of_parts,
+            watched,
+            lambda,
+            triangle,
+        }
     }
 
     /// Length of an interval, s.
@@ -198,27 +214,41 @@ impl Table {
         })
     }
 
-    /// The first of a functional's derivatives from `from` on, in units of the sub-step, for which `is` holds of its value and of
-    /// the sum of its terms' sizes, with that value.
-    pub fn first_derivative(
+    /// The order of the first derivative of a functional that is not zero, and its value; those that are positive count as zero up to
+    /// `doubt` times what is zero else. None where all are. `rows` is memory.
+    pub fn departure(
         &self,
-        row: &Row,
-        from: usize,
+        w: &WatchTable,
         z: &[f64],
         sizes: &[f64],
-        is: impl Fn(f64, f64) -> bool,
+        doubt: f64,
+        rows: &mut Rows,
     ) -> Option<(usize, f64)> {
-        let mut rows = (row.as_slice().to_vec(), row.abs().as_slice().to_vec());
-        let mut next = rows.clone();
-        for k in 0..ORDERS {
-            let value = dot(&rows.0, z);
-            if k >= from && is(value, dot(&rows.1, sizes)) {
+        let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
+        let value = w.terms.dot(z);
+        if leaves(value, w.terms.size(sizes)) {
+            return Some((0, value));
+        }
+        let slope = w.slope.dot(z);
+        if leaves(slope, w.slope_sizes.size(sizes)) {
+            return Some((1, slope));
+        }
+        let size = w.row.len();
+        let Rows { row, next_row, terms, next_terms } = rows;
+        [&mut *row, next_row, terms, next_terms].into_iter().for_each(|memory| memory.resize(size, 0.0));
+        row.copy_from_slice(w.row.as_slice());
+        terms.iter_mut().zip(w.row.iter()).for_each(|(term, x)| *term = x.abs());
+        for k in 1..ORDERS {
+            // In units of the sub-step.
+            let factor = self.length / k as f64;
+            self.a.after_row(row, factor, next_row);
+            self.sizes.after_row(terms, factor, next_terms);
+            std::mem::swap(row, next_row);
+            std::mem::swap(terms, next_terms);
+            let value = dot(row, z);
+            if leaves(value, dot(terms, sizes)) {
                 return Some((k, value));
             }
-            let factor = self.length / (k + 1) as f64;
-            self.a.after_row(&rows.0, factor, &mut next.0);
-            self.sizes.after_row(&rows.1, factor, &mut next.1);
-            std::mem::swap(&mut rows, &mut next);
         }
         None
     }
@@ -234,6 +264,15 @@ impl Table {
             + 2 * (self.a.entries() + self.sizes.entries())
             + self.watched.len() * size * (INTERVALS + LOCAL + 2)
     }
+}
+
+/// Memory for a functional's derivative and for the sizes of its terms.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    row: Vec<f64>,
+    next_row: Vec<f64>,
+    terms: Vec<f64>,
+    next_terms: Vec<f64>,
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -4,6 +4,7 @@
 use crate::description::{Arms, BodyKind, DampingLimit, Description, StopLaw};
 use crate::error::Error;
 use crate::kernel::Sparse;
+use crate::mode::StopState;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -88,6 +89,11 @@ impl StopRows {
             StopLaw::Rigid { restitution } => Some(restitution),
             StopLaw::Compliant { .. } => None,
         }
+    }
+
+    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
+    pub fn entered(&self) -> StopState {
+        if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
     }
 
     /// Whether the dashpot's share is limited as in an `ElastoGap`.

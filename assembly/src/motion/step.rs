@@ -122,7 +122,7 @@ impl Motion {
                 }
             }
             work -= 1.0;
-            work += WORK.1 * (self.time() - from) / self.table.length;
+            work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
             if work < 0.0 {
                 return Err(self.stuck("the limit of work in one call is reached"));
@@ -142,8 +142,8 @@ impl Motion {
     /// A sub-step of at most the table's length towards `goal`, or to the event before which it ends.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
-        let Self { table, hybrid, scratch, assembly, .. } = self;
-        let table = &**table;
+        let Self { tables, place, hybrid, scratch, assembly, .. } = self;
+        let table = &*tables.at(*place).table;
         let remaining = goal.minus(hybrid.time).value();
         scratch.look(table, hybrid);
         let flight = Flight { table, hybrid };
@@ -173,17 +173,17 @@ impl Motion {
         }
         let reaches = passage.is_none() && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        if dt > PROGRESS * self.table.length {
+        if dt > PROGRESS * self.table().length {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
         if !knot {
             self.refill();
         }
-        self.hybrid.sizes.include(&self.hybrid.z);
+        self.hybrid.sizes.include(self.hybrid.z.as_slice());
         self.keep_contacts();
         if let Some(passage) = passage {
-            let watch = self.table.watched[passage.place].watch;
+            let watch = self.table().watched[passage.place].watch;
             self.hybrid.chain += 1;
             self.hybrid.last = Some(watch);
             if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
@@ -200,7 +200,7 @@ impl Motion {
     #[inline(always)]
     fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
-        for (order, w) in departing.iter_mut().zip(&self.table.watched) {
+        for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             let stays =
                 *order == ORDERS && w.terms.dot(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.terms);
             *order = if stays { ORDERS } else { 0 };
