@@ -18,13 +18,12 @@ pub const INTERVALS: usize = 8;
 /// Taylor coefficients of a functional over an interval: with a radius of a quarter the first one left out is under
 /// 0.25¹⁴/14! < 5e-20 of the largest coordinate.
 pub const LOCAL: usize = 14;
-/// Up to this many coordinates the transitions to the interval ends are kept as dense matrices; beyond, a power series with the
-/// entries that are not zero costs no more.
+/// Taylor coefficients of the velocities within an interval, behind the constant ones: the first one left out is under
+/// 0.25¹³/13! < 3e-18 of the largest coordinate.
+const WITHIN: usize = 12;
+/// Up to this many coordinates the transitions to the interval ends are kept as dense matrices, and the velocities' coefficients; beyond, a power
+/// series with the entries that are not zero costs no more.
 const DENSE: usize = 32;
-/// Up to this many coordinates a point within an interval is found by dense matrices of each order.
-const SMALL: usize = 16;
-/// Times that half an interval is halved for the orders of a series over a part of it.
-const PARTS: usize = 6;
 /// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
 const LEAST_RATE: f64 = 1e-3;
 /// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number of them gives a bound.
@@ -90,15 +89,13 @@ pub struct Table {
     pub length: f64,
     /// z at the interval ends from z at the sub-step's start, where these matrices are kept.
     transitions: Vec<Blocks>,
-    /// The terms of exp(A h) of orders 1, 2, … for an interval h, as far as they act on the machine's coordinates, where these
-    /// matrices are kept.
-    powers: Vec<Blocks>,
+    /// The Taylor coefficients of the velocities from order 1 on, in units of an interval, where these matrices are kept: one velocity after
+    /// another, each by coordinate.
+    velocities: Vec<[f64; WITHIN]>,
     /// z at the places of the sub-step at which powers are found ([`NODES`]), made when they are first needed.
     nodes: OnceLock<Vec<Blocks>>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
-    /// The same for halves of an interval, quarters, eighths and so on.
-    orders_of_parts: [usize; PARTS],
     /// What is watched.
     pub watched: Vec<WatchTable>,
     /// The forces of the basis.
@@ -125,29 +122,12 @@ impl Table {
             .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
             .collect();
         let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
-        let orders_of_parts = std::array::from_fn(|k| series_orders(rate * step * 0.5f64.powi(k as i32 + 1)));
         let nodes = OnceLock::new();
-        let count = if a.len() <= SMALL { series_orders(0.5 * rate * step) } else { 0 };
-        let mut power = DMatrix::identity(a.len(), a.len());
-        let powers = (1..=count).map(|k| {
-            power = a.times_matrix(&power, step / k as f64);
-            Blocks::of(&power.rows(0, one).into_owned())
-        });
-        let powers = powers.collect();
-        Self {
-            powers,
-            a,
-            sizes,
-            rate,
-            length,
-            transitions,
-            nodes,
-            orders,
-            orders_of_parts,
-            watched,
-            lambda,
-            triangle,
-        }
+        let kept = if a.len() <= DENSE { one / 2..one } else { 0..0 };
+        let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
+        let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
+        let velocities = velocities.collect();
+        Self { velocities, a, sizes, rate, length, transitions, nodes, orders, watched, lambda, triangle }
     }
 
     /// Length of an interval, s.
@@ -160,32 +140,28 @@ impl Table {
         self.orders[last]
     }
 
-    /// Orders of a power series over a time of at most half an interval, forwards or back.
-    #[inline(always)]
-    pub fn orders_within(&self, dt: f64) -> usize {
-        let (mut k, mut part) = (0, 0.25 * self.interval());
-        while k + 1 < PARTS && dt.abs() <= part {
-            (k, part) = (k + 1, 0.5 * part);
-        }
-        self.orders_of_parts[k]
-    }
-
-    /// The state at a time of at most half an interval after or before `z`. Signals, whose values at a time are known, may stay as in `to`
+    /// The state at a time within an interval from that at its start. Signals, whose values at a time are known, may stay as in `to`
     /// unless `all` are asked for.
     #[inline(always)]
-    pub fn near(&self, z: &[f64], dt: f64, all: bool, series: &mut Series, to: &mut [f64]) {
-        let orders = self.orders_within(dt);
-        if all || self.powers.is_empty() {
-            series.expand(self, z, dt, orders);
+    pub fn within(&self, z: &[f64], dt: f64, all: bool, series: &mut Series, to: &mut [f64]) {
+        if all || self.velocities.is_empty() {
+            series.expand(self, z, dt, self.orders[0]);
             return series.at_end(to);
         }
         let u = dt / self.interval();
-        let machine = self.powers[0].rows();
-        to[..machine].copy_from_slice(&z[..machine]);
-        let mut factor = 1.0;
-        for power in &self.powers[..orders] {
-            factor *= u;
-            power.add(z, factor, &mut to[..machine]);
+        let mut powers = [u; WITHIN];
+        for k in 1..WITHIN {
+            powers[k] = powers[(k - 1) / 2] * powers[k / 2];
+        }
+        let integrals: [f64; WITHIN] = std::array::from_fn(|k| powers[k] / (k + 2) as f64);
+        let machine = self.velocities.len() / z.len();
+        let (q, v) = z.split_at(machine);
+        let (to_q, to_v) = to.split_at_mut(machine);
+        for (j, columns) in self.velocities.chunks_exact(z.len()).enumerate() {
+            let c = combine(columns, z);
+            // The larger terms last.
+            to_q[j] = q[j] + (v[j] + product(&c, &integrals)) * dt;
+            to_v[j] = v[j] + product(&c, &powers);
         }
     }
 
@@ -198,6 +174,15 @@ impl Table {
                 series.expand(self, z, (i + 1) as f64 * self.interval(), self.orders_to(i));
                 series.at_end(to);
             }
+        }
+    }
+
+    /// The state at the start of interval `i` from that at the sub-step's start.
+    #[inline(always)]
+    pub fn at_interval_start(&self, i: usize, z: &[f64], series: &mut Series, to: &mut [f64]) {
+        match i.checked_sub(1) {
+            Some(last) => self.at_interval_end(last, z, series, to),
+            None => to.copy_from_slice(z),
         }
     }
 
@@ -256,12 +241,9 @@ impl Table {
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
-        (self.transitions.len()
-            + self.powers.len()
-            + if self.transitions.is_empty() { 0 } else { NODES.len() })
-            * size
-            * size
+        (self.transitions.len() + if self.transitions.is_empty() { 0 } else { NODES.len() }) * size * size
             + 2 * (self.a.entries() + self.sizes.entries())
+            + self.velocities.len() * WITHIN
             + self.watched.len() * size * (INTERVALS + LOCAL + 2)
     }
 }
@@ -273,6 +255,16 @@ pub struct Rows {
     next_row: Vec<f64>,
     terms: Vec<f64>,
     next_terms: Vec<f64>,
+}
+
+/// The sum of the products of two series' terms, added up in pairs.
+#[inline(always)]
+fn product(a: &[f64; WITHIN], b: &[f64; WITHIN]) -> f64 {
+    let mut sums = [0.0; WITHIN / 3];
+    for (a, b) in a.chunks_exact(WITHIN / 3).zip(b.chunks_exact(WITHIN / 3)).rev() {
+        sums.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -315,6 +307,18 @@ impl Series {
     }
 }
 
+/// The Taylor coefficients of a functional times `factor`, in units of a time `step`, by coordinate.
+fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64, step: f64) -> Vec<[f64; K]> {
+    let mut columns = vec![[0.0; K]; row.len()];
+    let (mut row, mut next): (Vec<f64>, _) = (row.iter().map(|x| factor * x).collect(), vec![0.0; row.len()]);
+    for k in 0..K {
+        columns.iter_mut().zip(&row).for_each(|(column, x)| column[k] = *x);
+        a.after_row(&row, step / (k + 1) as f64, &mut next);
+        std::mem::swap(&mut row, &mut next);
+    }
+    columns
+}
+
 fn watch_table(
     watch: Watch,
     row: Row,
@@ -329,12 +333,7 @@ fn watch_table(
         a.after_row(row.as_slice(), factor, next.as_mut_slice());
         next
     };
-    let mut local = vec![[0.0; LOCAL]; size];
-    let mut next = row.clone();
-    for k in 0..LOCAL {
-        local.iter_mut().zip(next.iter()).for_each(|(column, x)| column[k] = *x);
-        next = after(&next, step / (k + 1) as f64);
-    }
+    let local = taylor(a, row.as_slice(), 1.0, step);
     let mut samples = vec![[0.0; INTERVALS]; size];
     let mut sample = row.clone();
     // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.

@@ -89,6 +89,13 @@ impl SparseMatrix {
         &self.entries[self.rows[i]..self.rows[i + 1]]
     }
 
+    /// A row with its zeros.
+    pub fn row_of(&self, i: usize) -> DVector<f64> {
+        let mut row = DVector::zeros(self.len());
+        self.row(i).iter().for_each(|&(j, x)| row[j] = x);
+        row
+    }
+
     /// The number of rows.
     pub fn len(&self) -> usize {
         self.rows.len() - 1
@@ -159,7 +166,6 @@ const BLOCK: usize = 8;
 /// A dense matrix in blocks of eight rows.
 #[derive(Clone, Debug)]
 pub struct Blocks {
-    rows: usize,
     columns: usize,
     blocks: Vec<[f64; BLOCK]>,
 }
@@ -171,21 +177,7 @@ impl Blocks {
         let entry = |i: usize, j: usize| if i < matrix.nrows() { matrix[(i, j)] } else { 0.0 };
         let blocks = (0..matrix.nrows().div_ceil(BLOCK))
             .flat_map(|b| (0..columns).map(move |j| std::array::from_fn(|k| entry(b * BLOCK + k, j))));
-        Self { rows: matrix.nrows(), columns, blocks: blocks.collect() }
-    }
-
-    /// The number of rows.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Adds `factor` × matrix × `from`.
-    #[inline(always)]
-    pub fn add(&self, from: &[f64], factor: f64, to: &mut [f64]) {
-        for (block, to) in self.blocks.chunks(self.columns).zip(to.chunks_mut(BLOCK)) {
-            let sum = combine(block, from);
-            to.iter_mut().zip(sum).for_each(|(y, x)| *y += factor * x);
-        }
+        Self { columns, blocks: blocks.collect() }
     }
 
     /// `to` = matrix × `from`.

@@ -11,7 +11,7 @@ use crate::system::Elongation;
 impl Motion {
     /// What follows where the functional `watch` has passed zero, if its element alone is concerned; tells whether it is.
     pub(super) fn lone_event(&mut self, watch: Watch, observer: &mut Observer) -> bool {
-        if self.is_general {
+        if self.is_general || !self.hybrid.mode.is_independent() {
             return false;
         }
         match watch {
@@ -74,7 +74,7 @@ impl Motion {
     fn lone_change(&mut self, watch: Watch, next: Element, observer: &mut Observer) -> bool {
         let place = self.tables.place_after(self.place, next, &self.assembly.system);
         let mode = &self.tables.at(place).mode;
-        if !mode.is_independent() {
+        if !mode.is_independent() || self.is_also_near(next, watch) {
             return false;
         }
         let (was, before) = (self.hybrid.mode.state_of(next), self.place);
@@ -92,6 +92,13 @@ impl Motion {
         self.hybrid.mode.assign(&self.tables.at(before).mode);
         self.hybrid.z.copy_from_slice(&self.scratch.start);
         false
+    }
+
+    /// Whether another functional of an element than `watch` counts as zero too: where a friction's level is rounding of its force, say.
+    fn is_also_near(&self, element: Element, watch: Watch) -> bool {
+        let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
+        let mut others = self.table().watched.iter().filter(|w| w.watch != watch && w.watch.is_of(element));
+        others.any(|w| w.terms.dot(z) >= -sizes.zero_of(&w.terms))
     }
 
     /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it, and all others are below by more than

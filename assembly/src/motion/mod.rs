@@ -96,6 +96,8 @@ struct Scratch {
     near: Vec<u8>,
     /// The state at an interval's start.
     start: Vec<f64>,
+    /// The interval, while a sub-step is made.
+    interval: Option<usize>,
     series: Series,
     /// Derivatives of a functional.
     rows: Rows,

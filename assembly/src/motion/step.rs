@@ -156,20 +156,15 @@ impl Motion {
             account(&assembly.system, table, hybrid, whole.then_some(dt).ok_or((end.interval, dt)), scratch);
         }
         let z = hybrid.z.as_mut_slice();
-        let Scratch { start, series, .. } = scratch;
+        let Scratch { start, interval, series, .. } = scratch;
         if whole {
             table.at_interval_end(INTERVALS - 1, z, series, start);
             z.copy_from_slice(start);
         } else {
-            // From the nearer end of the interval.
-            let later = end.dt > 0.5 * table.interval();
-            let (passed, dt) =
-                if later { (end.interval + 1, end.dt - table.interval()) } else { (end.interval, end.dt) };
-            match passed.checked_sub(1) {
-                Some(last) => table.at_interval_end(last, z, series, start),
-                None => start.copy_from_slice(z),
+            if *interval != Some(end.interval) {
+                table.at_interval_start(end.interval, z, series, start);
             }
-            table.near(start, dt, at_knot, series, z);
+            table.within(start, end.dt, at_knot, series, z);
         }
         let reaches = passage.is_none() && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
