@@ -1,12 +1,11 @@
 //! Exact flow of a mode: the transition over a sub-step and its intervals, and for each watched functional samples, a bound
 //! between them and its Taylor coefficients, all as columns that act on the augmented state (docs/assembly-law.md (A5), (A6)).
 
-use crate::kernel::{Blocks, NODES, Sparse, SparseMatrix, combine};
+use crate::kernel::{Blocks, Sparse, SparseMatrix, combine};
 use crate::law::ZERO;
 use crate::mode::{Linear, Watch};
 use crate::system::Row;
 use nalgebra::DMatrix;
-use std::sync::OnceLock;
 
 /// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
 /// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
@@ -92,8 +91,6 @@ pub struct Table {
     /// The Taylor coefficients of the velocities from order 1 on, in units of an interval, where these matrices are kept: one velocity after
     /// another, each by coordinate.
     velocities: Vec<[f64; WITHIN]>,
-    /// z at the places of the sub-step at which powers are found ([`NODES`]), made when they are first needed.
-    nodes: OnceLock<Vec<Blocks>>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
     /// What is watched.
@@ -122,12 +119,11 @@ impl Table {
             .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
             .collect();
         let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
-        let nodes = OnceLock::new();
         let kept = if a.len() <= DENSE { one / 2..one } else { 0..0 };
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         let velocities = velocities.collect();
-        Self { velocities, a, sizes, rate, length, transitions, nodes, orders, watched, lambda, triangle }
+        Self { velocities, a, sizes, rate, length, transitions, orders, watched, lambda, triangle }
     }
 
     /// Length of an interval, s.
@@ -186,17 +182,9 @@ impl Table {
         }
     }
 
-    /// The states at [`NODES`] of a whole sub-step, where matrices are kept.
-    pub fn nodes(&self) -> &[Blocks] {
-        self.nodes.get_or_init(|| {
-            if self.transitions.is_empty() {
-                return Vec::new();
-            }
-            exponentials(&self.a, self.rate, self.length, &NODES.map(|n| n.0))
-                .iter()
-                .map(Blocks::of)
-                .collect()
-        })
+    /// Whether matrices and coefficients are kept; else a state's series is found by the entries that are not zero.
+    pub fn is_dense(&self) -> bool {
+        !self.transitions.is_empty()
     }
 
     /// The order of the first derivative of a functional that is not zero, and its value; those that are positive count as zero up to
@@ -241,7 +229,7 @@ impl Table {
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
-        (self.transitions.len() + if self.transitions.is_empty() { 0 } else { NODES.len() }) * size * size
+        self.transitions.len() * size * size
             + 2 * (self.a.entries() + self.sizes.entries())
             + self.velocities.len() * WITHIN
             + self.watched.len() * size * (INTERVALS + LOCAL + 2)
@@ -308,7 +296,7 @@ impl Series {
 }
 
 /// The Taylor coefficients of a functional times `factor`, in units of a time `step`, by coordinate.
-fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64, step: f64) -> Vec<[f64; K]> {
+pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64, step: f64) -> Vec<[f64; K]> {
     let mut columns = vec![[0.0; K]; row.len()];
     let (mut row, mut next): (Vec<f64>, _) = (row.iter().map(|x| factor * x).collect(), vec![0.0; row.len()]);
     for k in 0..K {

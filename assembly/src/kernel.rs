@@ -59,6 +59,13 @@ impl Sparse {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
     }
 
+    /// The row with its zeros.
+    pub fn dense(&self, size: usize) -> Vec<f64> {
+        let mut row = vec![0.0; size];
+        self.0.iter().for_each(|&(j, x)| row[j] = x);
+        row
+    }
+
     /// Places and entries.
     pub fn terms(&self) -> &[(usize, f64)] {
         &self.0

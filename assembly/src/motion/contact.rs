@@ -20,7 +20,7 @@ const LATE_BOUNCES: f64 = 100.0;
 
 /// A watched functional's coefficient that is positive where the law says negative is rounding up to this many times the size under
 /// which it counts as zero; beyond, the modes would change without end, which is told.
-const DOUBTFUL: f64 = 1e3;
+pub(super) const DOUBTFUL: f64 = 1e3;
 
 /// What an event says of the elements that take part.
 #[derive(Clone, Default)]

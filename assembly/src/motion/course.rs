@@ -275,8 +275,7 @@ impl Motion {
             let states: Vec<f64> =
                 NODES.iter().flat_map(|node| self.between(course, node.0).data.as_vec().clone()).collect();
             let samples = Samples::States(&states, self.hybrid.z.len());
-            let mut point = self.hybrid.z.clone();
-            energy.add((system, &self.hybrid.mode, self.table()), dt, &samples, &mut point);
+            energy.add(self.tables.at(self.place).powers(system), dt, &samples, &mut Vec::new());
         }
         energy
     }

@@ -74,7 +74,7 @@ impl Motion {
     fn lone_change(&mut self, watch: Watch, next: Element, observer: &mut Observer) -> bool {
         let place = self.tables.place_after(self.place, next, &self.assembly.system);
         let mode = &self.tables.at(place).mode;
-        if !mode.is_independent() || self.is_also_near(next, watch) {
+        if !mode.is_independent() || self.is_at_corner(next) {
             return false;
         }
         let (was, before) = (self.hybrid.mode.state_of(next), self.place);
@@ -94,11 +94,12 @@ impl Motion {
         false
     }
 
-    /// Whether another functional of an element than `watch` counts as zero too: where a friction's level is rounding of its force, say.
-    fn is_also_near(&self, element: Element, watch: Watch) -> bool {
+    /// Whether more than one functional of an element is at zero or so near that the general law may take it for rounding: where a friction's level
+    /// vanishes beside the forces that it holds against, say.
+    fn is_at_corner(&self, element: Element) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
-        let mut others = self.table().watched.iter().filter(|w| w.watch != watch && w.watch.is_of(element));
-        others.any(|w| w.terms.dot(z) >= -sizes.zero_of(&w.terms))
+        let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
+        own.filter(|w| w.terms.dot(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.terms)).count() > 1
     }
 
     /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it, and all others are below by more than

@@ -103,10 +103,8 @@ struct Scratch {
     rows: Rows,
     /// By contact how far it is off.
     off: Vec<f64>,
-    /// The states at which powers are found.
-    states: Vec<f64>,
-    /// One of them.
-    point: DVector<f64>,
+    /// By functional its values where powers are found.
+    values: Vec<crate::energy::AtNodes>,
 }
 
 impl Motion {
@@ -169,12 +167,7 @@ impl Motion {
     /// With memory of the machine's size, before the mode that follows is put in force.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
-        let scratch = Scratch {
-            sizes: vec![0.0; size],
-            start: vec![0.0; size],
-            point: DVector::zeros(size),
-            ..Scratch::default()
-        };
+        let scratch = Scratch { sizes: vec![0.0; size], start: vec![0.0; size], ..Scratch::default() };
         let (tables, vectors) = (Tables::default(), pulp::Arch::new());
         Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, scratch, vectors }
     }

@@ -60,11 +60,11 @@ impl Scratch {
         self.interval = None;
         self.sizes.iter_mut().zip(z).for_each(|(size, x)| *size = x.abs());
         self.heads.clear();
-        self.heads.extend(table.watched.iter().map(|w| Head {
-            value: w.terms.dot(z),
-            slope: w.slope.dot(z),
-            bend: w.bend(&self.sizes),
-        }));
+        // Closures handed to a vector's methods would not be compiled for the computer's vectors.
+        for w in &table.watched {
+            let (value, slope) = (w.terms.dot(z), w.slope.dot(z));
+            self.heads.push(Head { value, slope, bend: w.bend(&self.sizes) });
+        }
     }
 }
 

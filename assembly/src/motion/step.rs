@@ -4,8 +4,7 @@ use super::passage::{Flight, Point};
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
 use crate::energy::Samples;
 use crate::error::Error;
-use crate::flow::{INTERVALS, ORDERS, Table};
-use crate::system::System;
+use crate::flow::{INTERVALS, ORDERS};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
@@ -143,7 +142,8 @@ impl Motion {
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
-        let table = &*tables.at(*place).table;
+        let met = tables.at(*place);
+        let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
         scratch.look(table, hybrid);
         let flight = Flight { table, hybrid };
@@ -153,7 +153,15 @@ impl Motion {
         let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
         if hybrid.energy.are_kept() {
-            account(&assembly.system, table, hybrid, whole.then_some(dt).ok_or((end.interval, dt)), scratch);
+            let (powers, Scratch { series, values, .. }) = (met.powers(&assembly.system), &mut *scratch);
+            let z = hybrid.z.as_slice();
+            let samples = if powers.are_dense() {
+                Samples::Start(z, dt / table.length)
+            } else {
+                series.expand(table, z, dt, table.orders_to(end.interval));
+                Samples::Series(series.terms(), z.len())
+            };
+            hybrid.energy.add(powers, dt, &samples, values);
         }
         let z = hybrid.z.as_mut_slice();
         let Scratch { start, interval, series, .. } = scratch;
@@ -217,31 +225,4 @@ impl pulp::WithSimd for Substep<'_> {
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
         self.motion.substep(self.goal, self.at_knot)
     }
-}
-
-/// The energy accounts of a flight over a whole sub-step of a length, or into an interval and over a time.
-#[inline(always)]
-fn account(
-    system: &System,
-    table: &Table,
-    hybrid: &mut Hybrid,
-    flight: Result<f64, (usize, f64)>,
-    scratch: &mut Scratch,
-) {
-    let Hybrid { energy, mode, z, .. } = hybrid;
-    let Scratch { series, point, states, .. } = scratch;
-    let nodes = if flight.is_ok() { table.nodes() } else { &[] };
-    let (last, dt) = flight.map_or_else(|partial| partial, |dt| (INTERVALS - 1, dt));
-    let size = z.len();
-    let samples = if nodes.is_empty() {
-        series.expand(table, z.as_slice(), dt, table.orders_to(last));
-        Samples::Series(series.terms(), size)
-    } else {
-        states.resize(nodes.len() * size, 0.0);
-        for (node, state) in nodes.iter().zip(states.chunks_mut(size)) {
-            node.times(z.as_slice(), state);
-        }
-        Samples::States(states, size)
-    };
-    energy.add((system, mode, table), dt, &samples, point);
 }

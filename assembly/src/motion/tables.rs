@@ -1,10 +1,11 @@
 //! The modes that a motion has met, with their tables, and to which of them the change of one element leads.
 
+use crate::energy::Powers;
 use crate::flow::Table;
 use crate::mode::{Element, Mode};
 use crate::system::System;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Numbers in the tables that are kept, 128 MB; beyond, all are dropped and those in use are made again.
 const KEPT_NUMBERS: usize = 16 << 20;
@@ -14,8 +15,22 @@ const KEPT_NUMBERS: usize = 16 << 20;
 pub(super) struct Met {
     pub(super) mode: Mode,
     pub(super) table: Arc<Table>,
+    /// Its powers, made when they are first needed.
+    powers: OnceLock<Arc<Powers>>,
     /// The modes in which one element has another state, by their places.
     changes: Vec<(Element, usize)>,
+}
+
+impl Met {
+    /// The powers of its energy accounts.
+    pub(super) fn powers(&self, system: &System) -> &Powers {
+        self.powers.get_or_init(|| Arc::new(Powers::new(system, &self.mode, &self.table)))
+    }
+
+    /// Numbers that are kept.
+    fn numbers(&self) -> usize {
+        self.table.numbers() + self.powers.get().map_or(0, |powers| powers.numbers())
+    }
 }
 
 /// Modes by their places, in the order in which they were met.
@@ -33,7 +48,7 @@ impl Tables {
 
     /// Forgets all where there are too many, so that places that were found before count no more.
     pub(super) fn make_room(&mut self) {
-        if self.met.iter().map(|met| met.table.numbers()).sum::<usize>() > KEPT_NUMBERS {
+        if self.met.iter().map(Met::numbers).sum::<usize>() > KEPT_NUMBERS {
             self.met.clear();
             self.places.clear();
         }
@@ -45,7 +60,7 @@ impl Tables {
             return place;
         }
         let table = Arc::new(Table::new(system.linear(mode), system.signals.one));
-        self.met.push(Met { mode: mode.clone(), table, changes: Vec::new() });
+        self.met.push(Met { mode: mode.clone(), table, powers: OnceLock::new(), changes: Vec::new() });
         self.places.insert(mode.clone(), self.met.len() - 1);
         self.met.len() - 1
     }
