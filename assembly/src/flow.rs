@@ -350,17 +350,18 @@ fn watch_table(
 
 /// exp(A u t) at several parts u of a time.
 fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
+    // Transposed until the end.
     let mut term = DMatrix::identity(a.len(), a.len());
     let mut sums = vec![term.clone(); parts.len()];
     let mut powers = vec![1.0; parts.len()];
     for k in 1..=series_orders(rate * t) {
-        term = a.times_matrix(&term, t / k as f64);
+        term = a.times_rows(&term, t / k as f64);
         for ((sum, power), u) in sums.iter_mut().zip(&mut powers).zip(parts) {
             *power *= u;
             sum.zip_apply(&term, |s, x| *s += *power * x);
         }
     }
-    sums
+    sums.iter().map(DMatrix::transpose).collect()
 }
 
 /// Orders of a series of radius x, so that what is left out is under [`REMAINDER`].

@@ -149,13 +149,15 @@ impl SparseMatrix {
         to.iter_mut().for_each(|y| *y *= factor);
     }
 
-    /// `factor` × matrix × `right`.
-    pub fn times_matrix(&self, right: &DMatrix<f64>, factor: f64) -> DMatrix<f64> {
-        let mut product = DMatrix::zeros(self.len(), right.ncols());
-        for (from, to) in
-            right.as_slice().chunks(right.nrows()).zip(product.as_mut_slice().chunks_mut(self.len()))
-        {
-            self.times(from, factor, to);
+    /// `factor` × matrix × the transpose of `right`, transposed: whole columns are added up.
+    pub fn times_rows(&self, right: &DMatrix<f64>, factor: f64) -> DMatrix<f64> {
+        let size = right.nrows();
+        let mut product = DMatrix::zeros(size, self.len());
+        for (i, to) in product.as_mut_slice().chunks_mut(size).enumerate() {
+            for &(j, x) in self.row(i) {
+                to.iter_mut().zip(&right.as_slice()[j * size..][..size]).for_each(|(y, r)| *y += x * r);
+            }
+            to.iter_mut().for_each(|y| *y *= factor);
         }
         product
     }

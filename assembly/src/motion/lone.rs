@@ -74,7 +74,7 @@ impl Motion {
     fn lone_change(&mut self, watch: Watch, next: Element, observer: &mut Observer) -> bool {
         let place = self.tables.place_after(self.place, next, &self.assembly.system);
         let mode = &self.tables.at(place).mode;
-        if !mode.is_independent() || self.is_at_corner(next) {
+        if !mode.is_independent() || self.is_at_corner(next, watch) {
             return false;
         }
         let (was, before) = (self.hybrid.mode.state_of(next), self.place);
@@ -94,12 +94,14 @@ impl Motion {
         false
     }
 
-    /// Whether more than one functional of an element is at zero or so near that the general law may take it for rounding: where a friction's level
-    /// vanishes beside the forces that it holds against, say.
-    fn is_at_corner(&self, element: Element) -> bool {
+    /// Whether at the passage of `watch` another functional of its element is at zero too, or so near that the general law may take it for rounding:
+    /// where a friction's level vanishes beside the forces that it holds against, say. An `ElastoGap` has two of the same kind.
+    fn is_at_corner(&self, element: Element, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
-        own.filter(|w| w.terms.dot(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.terms)).count() > 1
+        let mut near = own.filter(|w| w.terms.dot(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.terms));
+        let mut passed = false;
+        near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
     }
 
     /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it, and all others are below by more than
