@@ -1,11 +1,11 @@
 //! Exact flow of a mode: the transition over a sub-step and its intervals, and for each watched functional samples, a bound
 //! between them and its Taylor coefficients, all as columns that act on the augmented state (docs/assembly-law.md (A5), (A6)).
 
-use crate::kernel::{Blocks, NODES, Sparse, SparseMatrix, combine};
+use crate::kernel::{Blocks, Sparse, SparseMatrix, combine};
+use crate::law::ZERO;
 use crate::mode::{Linear, Watch};
 use crate::system::Row;
 use nalgebra::DMatrix;
-use std::sync::OnceLock;
 
 /// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
 /// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
@@ -17,13 +17,12 @@ pub const INTERVALS: usize = 8;
 /// Taylor coefficients of a functional over an interval: with a radius of a quarter the first one left out is under
 /// 0.25¹⁴/14! < 5e-20 of the largest coordinate.
 pub const LOCAL: usize = 14;
-/// Up to this many coordinates the transitions to the interval ends are kept as dense matrices; beyond, a power series with the
-/// entries that are not zero costs no more.
+/// Taylor coefficients of the velocities within an interval, behind the constant ones: the first one left out is under
+/// 0.25¹³/13! < 3e-18 of the largest coordinate.
+const WITHIN: usize = 12;
+/// Up to this many coordinates the transitions to the interval ends are kept as dense matrices, and the velocities' coefficients; beyond, a power
+/// series with the entries that are not zero costs no more.
 const DENSE: usize = 32;
-/// Up to this many coordinates a point within an interval is found by dense matrices of each order.
-const SMALL: usize = 16;
-/// Times that half an interval is halved for the orders of a series over a part of it.
-const PARTS: usize = 6;
 /// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
 const LEAST_RATE: f64 = 1e-3;
 /// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number of them gives a bound.
@@ -89,25 +88,23 @@ pub struct Table {
     pub length: f64,
     /// z at the interval ends from z at the sub-step's start, where these matrices are kept.
     transitions: Vec<Blocks>,
-    /// The terms of exp(A h) of orders 1, 2, … for an interval h, as far as they act on the machine's coordinates, where these
-    /// matrices are kept.
-    powers: Vec<Blocks>,
-    /// z at the places of the sub-step at which powers are found ([`NODES`]), made when they are first needed.
-    nodes: OnceLock<Vec<Blocks>>,
+    /// The Taylor coefficients of the velocities from order 1 on, in units of an interval, where these matrices are kept: one velocity after
+    /// another, each by coordinate.
+    velocities: Vec<[f64; WITHIN]>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
-    /// The same for halves of an interval, quarters, eighths and so on.
-    orders_of_parts: [usize; PARTS],
     /// What is watched.
     pub watched: Vec<WatchTable>,
     /// The forces of the basis.
     pub lambda: Vec<Row>,
+    /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
+    pub triangle: DMatrix<f64>,
 }
 
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms, lambda, watched } = linear;
+        let Linear { a, terms, lambda, triangle, watched } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
         let (a, sizes) = (SparseMatrix::of(&a), SparseMatrix::of(&terms));
@@ -122,16 +119,11 @@ impl Table {
             .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
             .collect();
         let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
-        let orders_of_parts = std::array::from_fn(|k| series_orders(rate * step * 0.5f64.powi(k as i32 + 1)));
-        let nodes = OnceLock::new();
-        let count = if a.len() <= SMALL { series_orders(0.5 * rate * step) } else { 0 };
-        let mut power = DMatrix::identity(a.len(), a.len());
-        let powers = (1..=count).map(|k| {
-            power = a.times_matrix(&power, step / k as f64);
-            Blocks::of(&power.rows(0, one).into_owned())
-        });
-        let powers = powers.collect();
-        Self { powers, a, sizes, rate, length, transitions, nodes, orders, orders_of_parts, watched, lambda }
+        let kept = if a.len() <= DENSE { one / 2..one } else { 0..0 };
+        let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
+        let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
+        let velocities = velocities.collect();
+        Self { velocities, a, sizes, rate, length, transitions, orders, watched, lambda, triangle }
     }
 
     /// Length of an interval, s.
@@ -144,32 +136,28 @@ impl Table {
         self.orders[last]
     }
 
-    /// Orders of a power series over a time of at most half an interval, forwards or back.
-    #[inline(always)]
-    pub fn orders_within(&self, dt: f64) -> usize {
-        let (mut k, mut part) = (0, 0.25 * self.interval());
-        while k + 1 < PARTS && dt.abs() <= part {
-            (k, part) = (k + 1, 0.5 * part);
-        }
-        self.orders_of_parts[k]
-    }
-
-    /// The state at a time of at most half an interval after or before `z`. Signals, whose values at a time are known, may stay as in `to`
+    /// The state at a time within an interval from that at its start. Signals, whose values at a time are known, may stay as in `to`
     /// unless `all` are asked for.
     #[inline(always)]
-    pub fn near(&self, z: &[f64], dt: f64, all: bool, series: &mut Series, to: &mut [f64]) {
-        let orders = self.orders_within(dt);
-        if all || self.powers.is_empty() {
-            series.expand(self, z, dt, orders);
+    pub fn within(&self, z: &[f64], dt: f64, all: bool, series: &mut Series, to: &mut [f64]) {
+        if all || self.velocities.is_empty() {
+            series.expand(self, z, dt, self.orders[0]);
             return series.at_end(to);
         }
         let u = dt / self.interval();
-        let machine = self.powers[0].rows();
-        to[..machine].copy_from_slice(&z[..machine]);
-        let mut factor = 1.0;
-        for power in &self.powers[..orders] {
-            factor *= u;
-            power.add(z, factor, &mut to[..machine]);
+        let mut powers = [u; WITHIN];
+        for k in 1..WITHIN {
+            powers[k] = powers[(k - 1) / 2] * powers[k / 2];
+        }
+        let integrals: [f64; WITHIN] = std::array::from_fn(|k| powers[k] / (k + 2) as f64);
+        let machine = self.velocities.len() / z.len();
+        let (q, v) = z.split_at(machine);
+        let (to_q, to_v) = to.split_at_mut(machine);
+        for (j, columns) in self.velocities.chunks_exact(z.len()).enumerate() {
+            let c = combine(columns, z);
+            // The larger terms last.
+            to_q[j] = q[j] + (v[j] + product(&c, &integrals)) * dt;
+            to_v[j] = v[j] + product(&c, &powers);
         }
     }
 
@@ -185,40 +173,55 @@ impl Table {
         }
     }
 
-    /// The states at [`NODES`] of a whole sub-step, where matrices are kept.
-    pub fn nodes(&self) -> &[Blocks] {
-        self.nodes.get_or_init(|| {
-            if self.transitions.is_empty() {
-                return Vec::new();
-            }
-            exponentials(&self.a, self.rate, self.length, &NODES.map(|n| n.0))
-                .iter()
-                .map(Blocks::of)
-                .collect()
-        })
+    /// The state at the start of interval `i` from that at the sub-step's start.
+    #[inline(always)]
+    pub fn at_interval_start(&self, i: usize, z: &[f64], series: &mut Series, to: &mut [f64]) {
+        match i.checked_sub(1) {
+            Some(last) => self.at_interval_end(last, z, series, to),
+            None => to.copy_from_slice(z),
+        }
     }
 
-    /// The first of a functional's derivatives from `from` on, in units of the sub-step, for which `is` holds of its value and of
-    /// the sum of its terms' sizes, with that value.
-    pub fn first_derivative(
+    /// Whether matrices and coefficients are kept; else a state's series is found by the entries that are not zero.
+    pub fn is_dense(&self) -> bool {
+        !self.transitions.is_empty()
+    }
+
+    /// The order of the first derivative of a functional that is not zero, and its value; those that are positive count as zero up to
+    /// `doubt` times what is zero else. None where all are. `rows` is memory.
+    pub fn departure(
         &self,
-        row: &Row,
-        from: usize,
+        w: &WatchTable,
         z: &[f64],
         sizes: &[f64],
-        is: impl Fn(f64, f64) -> bool,
+        doubt: f64,
+        rows: &mut Rows,
     ) -> Option<(usize, f64)> {
-        let mut rows = (row.as_slice().to_vec(), row.abs().as_slice().to_vec());
-        let mut next = rows.clone();
-        for k in 0..ORDERS {
-            let value = dot(&rows.0, z);
-            if k >= from && is(value, dot(&rows.1, sizes)) {
+        let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
+        let value = w.terms.dot(z);
+        if leaves(value, w.terms.size(sizes)) {
+            return Some((0, value));
+        }
+        let slope = w.slope.dot(z);
+        if leaves(slope, w.slope_sizes.size(sizes)) {
+            return Some((1, slope));
+        }
+        let size = w.row.len();
+        let Rows { row, next_row, terms, next_terms } = rows;
+        [&mut *row, next_row, terms, next_terms].into_iter().for_each(|memory| memory.resize(size, 0.0));
+        row.copy_from_slice(w.row.as_slice());
+        terms.iter_mut().zip(w.row.iter()).for_each(|(term, x)| *term = x.abs());
+        for k in 1..ORDERS {
+            // In units of the sub-step.
+            let factor = self.length / k as f64;
+            self.a.after_row(row, factor, next_row);
+            self.sizes.after_row(terms, factor, next_terms);
+            std::mem::swap(row, next_row);
+            std::mem::swap(terms, next_terms);
+            let value = dot(row, z);
+            if leaves(value, dot(terms, sizes)) {
                 return Some((k, value));
             }
-            let factor = self.length / (k + 1) as f64;
-            self.a.after_row(&rows.0, factor, &mut next.0);
-            self.sizes.after_row(&rows.1, factor, &mut next.1);
-            std::mem::swap(&mut rows, &mut next);
         }
         None
     }
@@ -226,14 +229,30 @@ impl Table {
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
-        (self.transitions.len()
-            + self.powers.len()
-            + if self.transitions.is_empty() { 0 } else { NODES.len() })
-            * size
-            * size
+        self.transitions.len() * size * size
             + 2 * (self.a.entries() + self.sizes.entries())
+            + self.velocities.len() * WITHIN
             + self.watched.len() * size * (INTERVALS + LOCAL + 2)
     }
+}
+
+/// Memory for a functional's derivative and for the sizes of its terms.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    row: Vec<f64>,
+    next_row: Vec<f64>,
+    terms: Vec<f64>,
+    next_terms: Vec<f64>,
+}
+
+/// The sum of the products of two series' terms, added up in pairs.
+#[inline(always)]
+fn product(a: &[f64; WITHIN], b: &[f64; WITHIN]) -> f64 {
+    let mut sums = [0.0; WITHIN / 3];
+    for (a, b) in a.chunks_exact(WITHIN / 3).zip(b.chunks_exact(WITHIN / 3)).rev() {
+        sums.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -276,6 +295,18 @@ impl Series {
     }
 }
 
+/// The Taylor coefficients of a functional times `factor`, in units of a time `step`, by coordinate.
+pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64, step: f64) -> Vec<[f64; K]> {
+    let mut columns = vec![[0.0; K]; row.len()];
+    let (mut row, mut next): (Vec<f64>, _) = (row.iter().map(|x| factor * x).collect(), vec![0.0; row.len()]);
+    for k in 0..K {
+        columns.iter_mut().zip(&row).for_each(|(column, x)| column[k] = *x);
+        a.after_row(&row, step / (k + 1) as f64, &mut next);
+        std::mem::swap(&mut row, &mut next);
+    }
+    columns
+}
+
 fn watch_table(
     watch: Watch,
     row: Row,
@@ -290,12 +321,7 @@ fn watch_table(
         a.after_row(row.as_slice(), factor, next.as_mut_slice());
         next
     };
-    let mut local = vec![[0.0; LOCAL]; size];
-    let mut next = row.clone();
-    for k in 0..LOCAL {
-        local.iter_mut().zip(next.iter()).for_each(|(column, x)| column[k] = *x);
-        next = after(&next, step / (k + 1) as f64);
-    }
+    let local = taylor(a, row.as_slice(), 1.0, step);
     let mut samples = vec![[0.0; INTERVALS]; size];
     let mut sample = row.clone();
     // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
@@ -324,17 +350,18 @@ fn watch_table(
 
 /// exp(A u t) at several parts u of a time.
 fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
+    // Transposed until the end.
     let mut term = DMatrix::identity(a.len(), a.len());
     let mut sums = vec![term.clone(); parts.len()];
     let mut powers = vec![1.0; parts.len()];
     for k in 1..=series_orders(rate * t) {
-        term = a.times_matrix(&term, t / k as f64);
+        term = a.times_rows(&term, t / k as f64);
         for ((sum, power), u) in sums.iter_mut().zip(&mut powers).zip(parts) {
             *power *= u;
             sum.zip_apply(&term, |s, x| *s += *power * x);
         }
     }
-    sums
+    sums.iter().map(DMatrix::transpose).collect()
 }
 
 /// Orders of a series of radius x, so that what is left out is under [`REMAINDER`].

@@ -59,6 +59,13 @@ impl Sparse {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
     }
 
+    /// The row with its zeros.
+    pub fn dense(&self, size: usize) -> Vec<f64> {
+        let mut row = vec![0.0; size];
+        self.0.iter().for_each(|&(j, x)| row[j] = x);
+        row
+    }
+
     /// Places and entries.
     pub fn terms(&self) -> &[(usize, f64)] {
         &self.0
@@ -87,6 +94,13 @@ impl SparseMatrix {
     #[inline(always)]
     fn row(&self, i: usize) -> &[(usize, f64)] {
         &self.entries[self.rows[i]..self.rows[i + 1]]
+    }
+
+    /// A row with its zeros.
+    pub fn row_of(&self, i: usize) -> DVector<f64> {
+        let mut row = DVector::zeros(self.len());
+        self.row(i).iter().for_each(|&(j, x)| row[j] = x);
+        row
     }
 
     /// The number of rows.
@@ -135,13 +149,15 @@ impl SparseMatrix {
         to.iter_mut().for_each(|y| *y *= factor);
     }
 
-    /// `factor` × matrix × `right`.
-    pub fn times_matrix(&self, right: &DMatrix<f64>, factor: f64) -> DMatrix<f64> {
-        let mut product = DMatrix::zeros(self.len(), right.ncols());
-        for (from, to) in
-            right.as_slice().chunks(right.nrows()).zip(product.as_mut_slice().chunks_mut(self.len()))
-        {
-            self.times(from, factor, to);
+    /// `factor` × matrix × the transpose of `right`, transposed: whole columns are added up.
+    pub fn times_rows(&self, right: &DMatrix<f64>, factor: f64) -> DMatrix<f64> {
+        let size = right.nrows();
+        let mut product = DMatrix::zeros(size, self.len());
+        for (i, to) in product.as_mut_slice().chunks_mut(size).enumerate() {
+            for &(j, x) in self.row(i) {
+                to.iter_mut().zip(&right.as_slice()[j * size..][..size]).for_each(|(y, r)| *y += x * r);
+            }
+            to.iter_mut().for_each(|y| *y *= factor);
         }
         product
     }
@@ -159,7 +175,6 @@ const BLOCK: usize = 8;
 /// A dense matrix in blocks of eight rows.
 #[derive(Clone, Debug)]
 pub struct Blocks {
-    rows: usize,
     columns: usize,
     blocks: Vec<[f64; BLOCK]>,
 }
@@ -171,21 +186,7 @@ impl Blocks {
         let entry = |i: usize, j: usize| if i < matrix.nrows() { matrix[(i, j)] } else { 0.0 };
         let blocks = (0..matrix.nrows().div_ceil(BLOCK))
             .flat_map(|b| (0..columns).map(move |j| std::array::from_fn(|k| entry(b * BLOCK + k, j))));
-        Self { rows: matrix.nrows(), columns, blocks: blocks.collect() }
-    }
-
-    /// The number of rows.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Adds `factor` × matrix × `from`.
-    #[inline(always)]
-    pub fn add(&self, from: &[f64], factor: f64, to: &mut [f64]) {
-        for (block, to) in self.blocks.chunks(self.columns).zip(to.chunks_mut(BLOCK)) {
-            let sum = combine(block, from);
-            to.iter_mut().zip(sum).for_each(|(y, x)| *y += factor * x);
-        }
+        Self { columns, blocks: blocks.collect() }
     }
 
     /// `to` = matrix × `from`.

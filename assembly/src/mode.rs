@@ -24,6 +24,13 @@ pub enum StopState {
     Capped,
 }
 
+impl StopState {
+    /// Whether e is beyond a compliant stop's gap.
+    pub fn is_inside(self) -> bool {
+        matches!(self, Self::Pressed | Self::Free | Self::Capped)
+    }
+}
+
 /// The state of a friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum FrictionState {
@@ -77,6 +84,44 @@ pub struct Mode {
     pub basis: Vec<Contact>,
 }
 
+/// An element in a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// A stop, by its place.
+    Stop(usize, StopState),
+    /// A friction, by its place.
+    Friction(usize, FrictionState),
+}
+
+impl Mode {
+    /// The state of the same element.
+    pub fn state_of(&self, element: Element) -> Element {
+        match element {
+            Element::Stop(i, _) => Element::Stop(i, self.stops[i]),
+            Element::Friction(i, _) => Element::Friction(i, self.frictions[i]),
+        }
+    }
+
+    /// Becomes another mode of the same machine, in its own memory.
+    pub(crate) fn assign(&mut self, other: &Self) {
+        self.stops.clone_from(&other.stops);
+        self.frictions.clone_from(&other.frictions);
+        self.basis.clone_from(&other.basis);
+    }
+
+    /// All closed stops and sticking frictions.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> {
+        let closed = self.stops.iter().enumerate().filter(|(_, state)| **state == StopState::Closed);
+        let sticking = self.frictions.iter().enumerate().filter(|(_, state)| state.sticks());
+        closed.map(|(i, _)| Contact::Stop(i)).chain(sticking.map(|(i, _)| Contact::Friction(i)))
+    }
+
+    /// Whether its contacts are independent of one another.
+    pub fn is_independent(&self) -> bool {
+        self.contacts().eq(self.basis.iter().copied())
+    }
+}
+
 /// What a watched functional tells when it passes from below zero to above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Watch {
@@ -98,6 +143,20 @@ pub enum Watch {
     Level(usize),
 }
 
+impl Watch {
+    /// Whether it is a functional of an element.
+    pub fn is_of(self, element: Element) -> bool {
+        match self {
+            Self::Meets(i) | Self::Opens(i) | Self::Presses(i) | Self::Changes(i) | Self::Leaves(i) => {
+                matches!(element, Element::Stop(own, _) if own == i)
+            }
+            Self::Stops(i) | Self::Slips(i, _) | Self::Level(i) => {
+                matches!(element, Element::Friction(own, _) if own == i)
+            }
+        }
+    }
+}
+
 /// The linear system of a mode.
 #[derive(Clone, Debug)]
 pub struct Linear {
@@ -107,6 +166,8 @@ pub struct Linear {
     pub terms: DMatrix<f64>,
     /// The forces of the basis, by its order.
     pub lambda: Vec<Row>,
+    /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
+    pub triangle: DMatrix<f64>,
     /// What ends the mode, each negative inside it.
     pub watched: Vec<(Watch, Row)>,
 }
@@ -204,6 +265,17 @@ impl System {
         basis
     }
 
+    /// The mode in which an element has another state.
+    pub fn with_element(&self, mode: &Mode, element: Element) -> Mode {
+        let mut mode = mode.clone();
+        match element {
+            Element::Stop(i, state) => mode.stops[i] = state,
+            Element::Friction(i, state) => mode.frictions[i] = state,
+        }
+        mode.basis = self.independent(&mode.contacts().collect::<Vec<_>>());
+        mode
+    }
+
     /// The linear system of a mode.
     pub fn linear(&self, mode: &Mode) -> Linear {
         let (n, size) = (self.coordinates, self.signals.size);
@@ -211,8 +283,9 @@ impl System {
         let mut acceleration_terms = acceleration.abs();
         let m = mode.basis.len();
         let mut lambda = Vec::new();
+        let columns = self.columns(&mode.basis);
+        let r = triangle(&columns);
         if m > 0 {
-            let columns = self.columns(&mode.basis);
             let mut demand = DMatrix::zeros(m, size); // e'' without contact forces
             for (k, &contact) in mode.basis.iter().enumerate() {
                 let e = self.elongation_of(contact);
@@ -220,7 +293,6 @@ impl System {
                 demand.set_row(k, &row.transpose());
             }
             let sizes = demand.abs();
-            let r = triangle(&columns);
             r.tr_solve_upper_triangular_mut(&mut demand);
             r.solve_upper_triangular_mut(&mut demand);
             clean(&mut demand, &columns, &sizes);
@@ -246,7 +318,7 @@ impl System {
         let mut terms = a.abs();
         terms.view_mut((n, 0), (n, size)).copy_from(&acceleration_terms);
         let watched = self.watched(mode, &lambda);
-        Linear { a, terms, lambda, watched }
+        Linear { a, terms, lambda, triangle: r, watched }
     }
 
     /// The functionals that end a mode.

@@ -4,6 +4,7 @@
 use crate::description::{Arms, BodyKind, DampingLimit, Description, StopLaw};
 use crate::error::Error;
 use crate::kernel::Sparse;
+use crate::mode::StopState;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -43,8 +44,6 @@ pub struct BodyRows {
     pub weights: DVector<f64>,
     /// The part that prescribed bodies make.
     pub drift: Row,
-    /// The terms of the rate.
-    pub(crate) v_terms: Sparse,
 }
 
 /// A spring with its dashpot.
@@ -90,6 +89,11 @@ impl StopRows {
         }
     }
 
+    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
+    pub fn entered(&self) -> StopState {
+        if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
+    }
+
     /// Whether the dashpot's share is limited as in an `ElastoGap`.
     pub fn is_elastogap(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Elastogap, .. })
@@ -107,8 +111,6 @@ pub struct FrictionRows {
     pub static_level: Row,
     /// Whether the two differ.
     pub has_static: bool,
-    /// The terms of the level while slipping, and of the level up to which it sticks.
-    pub(crate) level_terms: Sparse,
 }
 
 /// The machine as matrices; it does not change during a motion.
@@ -138,8 +140,6 @@ pub struct System {
     pub frictions: Vec<FrictionRows>,
     /// The force of each load.
     pub loads: Vec<Row>,
-    /// The terms of the same.
-    pub(crate) load_terms: Vec<Sparse>,
     /// The body of each load.
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
@@ -264,7 +264,6 @@ impl System {
             stops: Vec::new(),
             frictions: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
-            load_terms: loads.iter().map(|&i| Sparse::of(rows[i].as_slice())).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
             has_motions: motions.iter().any(Option::is_some),
             inertias,
@@ -341,8 +340,6 @@ impl System {
             let (level, static_row) = (rows[*level].clone(), rows[static_level.unwrap_or(*level)].clone());
             self.frictions.push(FrictionRows {
                 elongation: self.elongation(&friction.arms),
-                level_terms: Sparse::of(level.as_slice()),
-
                 level,
                 static_level: static_row,
                 has_static: static_level.is_some(),
@@ -399,8 +396,7 @@ fn bodies(
                 s[k] += reduction.q[i][k];
                 v[n + k] += reduction.q[i][k];
             }
-            let v_terms = Sparse::of(v.as_slice());
-            BodyRows { s, v, weights: reduction.q[i].clone(), drift: prescribed(i, 2), v_terms }
+            BodyRows { s, v, weights: reduction.q[i].clone(), drift: prescribed(i, 2) }
         })
         .collect()
 }

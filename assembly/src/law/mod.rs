@@ -33,7 +33,8 @@ impl Sizes {
     }
 
     /// Takes in a state.
-    pub fn include(&mut self, z: &DVector<f64>) {
-        self.0.iter_mut().zip(z.iter()).for_each(|(s, x)| *s = s.max(x.abs()));
+    #[inline(always)]
+    pub fn include(&mut self, z: &[f64]) {
+        self.0.as_mut_slice().iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
     }
 }

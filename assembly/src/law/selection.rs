@@ -148,8 +148,7 @@ impl<'a> Selection<'a> {
                 Stop::AtEdge => {
                     let sign = self.sign(&stop.elongation.rate, order);
                     if sign != 0.0 {
-                        self.stops[i] =
-                            Stop::Is(if sign > 0.0 { self.entering(i) } else { StopState::Below });
+                        self.stops[i] = Stop::Is(if sign > 0.0 { stop.entered() } else { StopState::Below });
                     }
                 }
                 Stop::AtLimit(above, below) if order > 0 => {

@@ -3,11 +3,9 @@
 use super::{Hybrid, Motion};
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::Table;
 use crate::law::Sizes;
 use crate::mode::StopState;
 use nalgebra::DVector;
-use std::collections::HashMap;
 use std::sync::Arc;
 
 impl Motion {
@@ -17,9 +15,9 @@ impl Motion {
         if !saved.fits(&assembly) {
             return None;
         }
-        let table = Arc::new(Table::new(assembly.system.linear(&saved.mode), assembly.system.signals.one));
-        let tables = HashMap::from([(saved.mode.clone(), table.clone())]);
-        Some(Self::of(assembly, saved.clone(), tables, table))
+        let mut motion = Self::of(assembly, saved.clone());
+        motion.place = motion.tables.place_of(&saved.mode, &motion.assembly.system);
+        Some(motion)
     }
 
     /// The same motion from the present instant on in a machine with the same elements, of which numbers have changed: bodies keep
@@ -50,7 +48,7 @@ impl Motion {
         let mut sizes = Sizes(DVector::zeros(size));
         sizes.0.rows_mut(0, own).copy_from(&old.hybrid.sizes.0.rows(0, own));
         sizes.0.rows_range_mut(own..system.signals.constant_size_until()).fill(1.0);
-        sizes.include(&z);
+        sizes.include(z.as_slice());
         let mut mode = old.hybrid.mode.clone();
         for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
             let (excess, zero) = (stop.excess.dot(&z), sizes.zero(&stop.excess));
@@ -65,8 +63,8 @@ impl Motion {
         }
         let departing = Vec::new();
         let hybrid = Hybrid { z, sizes, mode, departing, chain: 0, last: None, due: None, ..old.hybrid };
-        let late = old.late;
-        let mut motion = Self { late, ..Self::of(assembly, hybrid, HashMap::new(), old.table) };
+        let (late, is_general) = (old.late, old.is_general);
+        let mut motion = Self { late, is_general, ..Self::of(assembly, hybrid) };
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }

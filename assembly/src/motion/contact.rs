@@ -4,13 +4,13 @@ use super::event::{Event, EventKind};
 use super::{Hybrid, Motion, Observer};
 use crate::error::Error;
 use crate::flow::ORDERS;
+use crate::law::Sizes;
 use crate::law::box_qp::{Jam, triangle};
 use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{Selection, Touching};
-use crate::law::{Sizes, ZERO};
-use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
+use crate::mode::{Contact, Element, FrictionState, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// A stop whose bounces would be lower than this part of its largest e so far is closed.
 const LEAST_BOUNCE: f64 = 1e-12;
@@ -20,7 +20,7 @@ const LATE_BOUNCES: f64 = 100.0;
 
 /// A watched functional's coefficient that is positive where the law says negative is rounding up to this many times the size under
 /// which it counts as zero; beyond, the modes would change without end, which is told.
-const DOUBTFUL: f64 = 1e3;
+pub(super) const DOUBTFUL: f64 = 1e3;
 
 /// What an event says of the elements that take part.
 #[derive(Clone, Default)]
@@ -53,8 +53,8 @@ pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
 impl Motion {
     /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero.
     pub(super) fn settle(&mut self, ended: &[Watch], observer: &mut Observer) -> Result<(), Error> {
-        if let [Watch::Meets(stop)] = *ended
-            && self.lone_impact(stop, observer)
+        if let [watch] = *ended
+            && self.lone_event(watch, observer)
         {
             return Ok(());
         }
@@ -74,7 +74,7 @@ impl Motion {
 
     /// A knot of a signal: prescribed bodies may have jumped.
     pub(super) fn knot(&mut self, observer: &mut Observer) -> Result<(), Error> {
-        self.hybrid.sizes.include(&self.hybrid.z);
+        self.hybrid.sizes.include(self.hybrid.z.as_slice());
         self.check_jumps()?;
         report(observer, self.time(), EventKind::Knot);
         self.settle(&[], observer)
@@ -136,45 +136,25 @@ impl Motion {
     /// The rows that are zero by the law: e - gap and e' of closed stops, e' of sticking friction, moved onto zero by the least
     /// change in the inertia's metric.
     pub(super) fn keep_contacts(&mut self) {
-        let basis = self.hybrid.mode.basis.clone();
-        if basis.is_empty() {
+        let Hybrid { mode, z, .. } = &mut self.hybrid;
+        if mode.basis.is_empty() {
             return;
         }
-        let stops: Vec<Contact> = basis.iter().copied().filter(|c| matches!(c, Contact::Stop(_))).collect();
-        self.project(&stops, false);
-        self.project(&basis, true);
+        let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
+        // Stops come first, and so does their part of the triangle.
+        let stops = mode.basis.iter().take_while(|c| matches!(c, Contact::Stop(_))).count();
+        project(system, &mode.basis[..stops], r, false, z, &mut self.scratch.off);
+        project(system, &mode.basis, r, true, z, &mut self.scratch.off);
     }
 
     /// Puts touching stops exactly on their gap.
     fn place_on_contacts(&mut self, flags: &Flags) {
         let contacts: Vec<Contact> =
             (0..flags.stops.len()).filter(|&i| flags.stops[i]).map(Contact::Stop).collect();
-        let independent = self.assembly.system.independent(&contacts);
-        self.project(&independent, false);
-    }
-
-    fn project(&mut self, contacts: &[Contact], rates: bool) {
-        if contacts.is_empty() {
-            return;
-        }
         let system = &self.assembly.system;
-        let (n, m) = (system.coordinates, contacts.len());
-        let z = &self.hybrid.z;
-        let mut off = DVector::from_fn(m, |k, _| match (contacts[k], rates) {
-            (Contact::Stop(i), false) => system.stops[i].excess.dot(z),
-            (contact, _) => system.elongation_of(contact).rate.dot(z),
-        });
-        let r = triangle(&system.columns(contacts));
-        r.tr_solve_upper_triangular_mut(&mut off);
-        r.solve_upper_triangular_mut(&mut off);
-        let mut sum = DVector::zeros(n);
-        for (k, &contact) in contacts.iter().enumerate() {
-            sum.axpy(off[k], &system.elongation_of(contact).w, 1.0);
-        }
-        let change = system.inertia.solve(&sum);
-        let first = if rates { n } else { 0 };
-        let mut part = self.hybrid.z.rows_mut(first, n);
-        part -= change;
+        let independent = system.independent(&contacts);
+        let r = triangle(&system.columns(&independent));
+        project(system, &independent, &r, false, &mut self.hybrid.z, &mut self.scratch.off);
     }
 
     fn jammed(&self, jam: &Jam) -> Error {
@@ -195,7 +175,7 @@ impl Motion {
             let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
             let impacts = instant.collide(&mut z).map_err(|jam| self.jammed(&jam))?;
             self.hybrid.z = z;
-            self.hybrid.sizes.include(&self.hybrid.z);
+            self.hybrid.sizes.include(self.hybrid.z.as_slice());
             if impacts.sequence.is_empty() {
                 return Ok((impacts, closing));
             }
@@ -225,11 +205,12 @@ impl Motion {
             return Ok(Vec::new());
         }
         let mode = self.select(flags)?;
-        let linear = self.table_of(&mode);
         let system = &self.assembly.system;
+        let place = self.tables.place_of(&mode, system);
+        let table = &self.tables.at(place).table;
         let n = system.coordinates;
         let z = self.hybrid.z.as_slice();
-        let acceleration = linear.a.rows_times(n..2 * n, z);
+        let acceleration = table.a.rows_times(n..2 * n, z);
         let mut found = Vec::new();
         for i in candidates {
             let stop = &system.stops[i];
@@ -269,27 +250,20 @@ impl Motion {
 
     /// Puts a mode in force, and finds the order with which each watched functional leaves zero.
     fn enter(&mut self, mode: Mode) {
-        self.table = self.table_of(&mode);
+        self.tables.make_room();
+        self.place = self.tables.place_of(&mode, &self.assembly.system);
         self.hybrid.mode = mode;
         self.keep_contacts();
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
-        // The law says that the first derivative is negative; what rounding has made positive counts as zero.
-        let leaves = |value: f64, size: f64| value < -ZERO * size || value > DOUBTFUL * ZERO * size;
+        let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
         departing.clear();
-        departing.extend(self.table.watched.iter().map(|w| {
-            if leaves(w.terms.dot(z), w.terms.size(sizes)) {
-                return 0;
-            }
-            let slope = w.slope.dot(z);
-            if slope < 0.0 && leaves(slope, w.slope_sizes.size(sizes)) {
-                return 1;
-            }
-            match self.table.first_derivative(&w.row, 1, z, sizes, leaves) {
-                None => ORDERS,
-                // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
-                Some((order, value)) => order - usize::from(value > 0.0),
-            }
+        // The law says that the first derivative is negative; what rounding has made positive counts as zero.
+        departing.extend(table.watched.iter().map(|w| match table.departure(w, z, sizes, DOUBTFUL, rows) {
+            None => ORDERS,
+            Some((0, _)) => 0,
+            // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
+            Some((order, value)) => order - usize::from(value > 0.0),
         }));
     }
 
@@ -307,44 +281,95 @@ impl Motion {
     }
 
     fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
+        for (i, &was) in before.stops.iter().enumerate() {
+            let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
+            self.report_change(Element::Stop(i, was), left, observer);
+        }
+        for (i, &was) in before.frictions.iter().enumerate() {
+            self.report_change(Element::Friction(i, was), 0.0, observer);
+        }
+    }
+
+    /// What has become of an element that was in another state; a stop that closes would have bounced for the time `left`.
+    pub(super) fn report_change(&self, was: Element, left: f64, observer: &mut Observer) {
+        match (was, self.hybrid.mode.state_of(was)) {
+            (Element::Stop(i, was), Element::Stop(_, now)) => self.report_stop(i, was, now, left, observer),
+            (Element::Friction(i, was), Element::Friction(_, now)) => {
+                self.report_friction(i, was, now, observer);
+            }
+            _ => {}
+        }
+    }
+
+    fn report_stop(&self, i: usize, was: StopState, now: StopState, left: f64, observer: &mut Observer) {
+        let press = || EventKind::Press {
+            stop: i,
+            speed: self.assembly.system.stops[i].elongation.rate_terms.dot(self.hybrid.z.as_slice()),
+        };
+        let kind = match (was, now) {
+            (a, b) if a == b => return,
+            (_, StopState::Closed) => {
+                return report(observer, self.time() + left, EventKind::Close { stop: i });
+            }
+            (StopState::Closed, StopState::Open) => EventKind::Open { stop: i },
+            (StopState::Below, _) => press(),
+            (_, StopState::Below | StopState::Free) => EventKind::Free { stop: i },
+            (StopState::Free, _) => press(),
+            _ => return,
+        };
+        report(observer, self.time(), kind);
+    }
+
+    fn report_friction(&self, i: usize, was: FrictionState, now: FrictionState, observer: &mut Observer) {
+        if was == now || (was.sticks() && now.sticks()) {
+            return;
+        }
         let time = self.time();
-        for (i, &now) in self.hybrid.mode.stops.iter().enumerate() {
-            let Some(&was) = before.stops.get(i) else { continue };
-            let kind = match (was, now) {
-                (a, b) if a == b => continue,
-                (_, StopState::Closed) => {
-                    let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
-                    report(observer, time + left, EventKind::Close { stop: i });
-                    continue;
-                }
-                (StopState::Closed, StopState::Open) => EventKind::Open { stop: i },
-                (StopState::Below, _) => EventKind::Press { stop: i, speed: self.stop(i)[1] },
-                (_, StopState::Below | StopState::Free) => EventKind::Free { stop: i },
-                (StopState::Free, _) => EventKind::Press { stop: i, speed: self.stop(i)[1] },
-                _ => continue,
-            };
-            report(observer, time, kind);
+        let level = |acts| EventKind::Level { friction: i, acts };
+        match (was, now) {
+            (_, FrictionState::Off) => report(observer, time, level(false)),
+            (FrictionState::Off, _) => report(observer, time, level(true)),
+            _ => {}
         }
-        for (i, &now) in self.hybrid.mode.frictions.iter().enumerate() {
-            let Some(&was) = before.frictions.get(i) else { continue };
-            if was == now || (was.sticks() && now.sticks()) {
-                continue;
+        match now {
+            _ if now.sticks() => report(observer, time, EventKind::Stick { friction: i }),
+            FrictionState::Up | FrictionState::Down if was != FrictionState::Off => {
+                let (direction, force) = (now.direction(), self.friction(i)[2]);
+                report(observer, time, EventKind::Slip { friction: i, direction, force });
             }
-            let level = |acts| EventKind::Level { friction: i, acts };
-            match (was, now) {
-                (_, FrictionState::Off) => report(observer, time, level(false)),
-                (FrictionState::Off, _) => report(observer, time, level(true)),
-                _ => {}
-            }
-            match now {
-                _ if now.sticks() => report(observer, time, EventKind::Stick { friction: i }),
-                FrictionState::Up | FrictionState::Down if was != FrictionState::Off => {
-                    let (direction, force) = (now.direction(), self.friction(i)[2]);
-                    report(observer, time, EventKind::Slip { friction: i, direction, force });
-                }
-                _ => {}
-            }
+            _ => {}
         }
+    }
+}
+
+/// Moves rows that the law keeps at zero onto it by the least change in the inertia's metric: e - gap of stops, or the contacts'
+/// `rates`. Rᵀ R is the contacts' WᵀM⁻¹W, in a leading part of `r`; `off` is memory.
+fn project(
+    system: &System,
+    contacts: &[Contact],
+    r: &DMatrix<f64>,
+    rates: bool,
+    z: &mut DVector<f64>,
+    off: &mut Vec<f64>,
+) {
+    let m = contacts.len();
+    off.clear();
+    off.extend(contacts.iter().map(|&contact| match (contact, rates) {
+        (Contact::Stop(i), false) => system.stops[i].excess_terms.dot(z.as_slice()),
+        _ => system.elongation_of(contact).rate_terms.dot(z.as_slice()),
+    }));
+    for j in 0..m {
+        let known: f64 = (0..j).map(|i| r[(i, j)] * off[i]).sum();
+        off[j] = (off[j] - known) / r[(j, j)];
+    }
+    for j in (0..m).rev() {
+        let known: f64 = (j + 1..m).map(|k| r[(j, k)] * off[k]).sum();
+        off[j] = (off[j] - known) / r[(j, j)];
+    }
+    let first = if rates { system.coordinates } else { 0 };
+    for (&contact, off) in contacts.iter().zip(off.iter()) {
+        let mobility = system.elongation_of(contact).mobility.iter();
+        z.as_mut_slice()[first..].iter_mut().zip(mobility).for_each(|(x, m)| *x -= off * m);
     }
 }
 

@@ -187,7 +187,7 @@ impl Motion {
     fn watched_now(&self) -> impl Iterator<Item = (usize, f64)> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut last = None;
-        self.table.watched.iter().map(move |w| {
+        self.table().watched.iter().map(move |w| {
             let second = last.replace(w.watch) == Some(w.watch);
             let size = hybrid.sizes.of(&w.row);
             let value = if size > 0.0 { w.row.dot(&hybrid.z) / size } else { 0.0 };
@@ -198,7 +198,7 @@ impl Motion {
     /// What has passed zero, by more than half of what an indicator is late.
     fn passed(&self) -> Vec<Watch> {
         let passed = self.watched_now().map(|(_, value)| value > 0.5 * LATE);
-        passed.zip(&self.table.watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
+        passed.zip(&self.table().watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
     }
 
     /// The next knot of a signal, s.
@@ -275,8 +275,7 @@ impl Motion {
             let states: Vec<f64> =
                 NODES.iter().flat_map(|node| self.between(course, node.0).data.as_vec().clone()).collect();
             let samples = Samples::States(&states, self.hybrid.z.len());
-            let mut point = self.hybrid.z.clone();
-            energy.add((system, &self.hybrid.mode, &self.table), dt, &samples, &mut point);
+            energy.add(self.tables.at(self.place).powers(system), dt, &samples, &mut Vec::new());
         }
         energy
     }
@@ -303,7 +302,7 @@ impl Motion {
 
     /// Rates and accelerations of a state.
     fn rates_of(&self, z: &DVector<f64>) -> DVector<f64> {
-        self.table.a.rows_times(0..self.assembly.system.signals.one, z.as_slice())
+        self.table().a.rows_times(0..self.assembly.system.signals.one, z.as_slice())
     }
 
     fn refill_on(&mut self, course: &Course) {

@@ -1,19 +1,138 @@
-//! The impact of one stop while nothing else is at its limit: by far the commonest event, with a closed formula. It changes no
-//! mode; wherever that is not certain the general law decides.
+//! Events at which one element alone comes to a limit: by far the commonest. What follows is guessed, and certain where everything that is
+//! watched is then inside its limits by more than rounding: the mode that follows is unique. Wherever that is not so the general
+//! law decides.
 
 use super::event::EventKind;
 use super::{Motion, Observer, contact};
 use crate::law::ZERO;
-use crate::mode::{StopState, Watch};
+use crate::mode::{Element, FrictionState, StopState, Watch};
 use crate::system::Elongation;
 
 impl Motion {
+    /// What follows where the functional `watch` has passed zero, if its element alone is concerned; tells whether it is.
+    pub(super) fn lone_event(&mut self, watch: Watch, observer: &mut Observer) -> bool {
+        if self.is_general || !self.hybrid.mode.is_independent() {
+            return false;
+        }
+        match watch {
+            Watch::Meets(i) => self.lone_impact(i, observer),
+            _ => self
+                .followers(watch)
+                .into_iter()
+                .flatten()
+                .any(|next| self.lone_change(watch, next, observer)),
+        }
+    }
+
+    /// The states that may follow at the passage of `watch`, the likelier first.
+    fn followers(&self, watch: Watch) -> [Option<Element>; 2] {
+        let (system, hybrid) = (&self.assembly.system, &self.hybrid);
+        // Which friction leaves its static level first is another question than which mode is possible.
+        let others_are_static = |i: usize| {
+            let frictions = hybrid.mode.frictions.iter().zip(&system.frictions).enumerate();
+            frictions
+                .into_iter()
+                .any(|(j, (state, friction))| j != i && state.sticks() && friction.has_static)
+        };
+        let stop = |i: usize, state| [Some(Element::Stop(i, state)), None];
+        match watch {
+            Watch::Presses(i) => stop(i, system.stops[i].entered()),
+            Watch::Leaves(i) => stop(i, StopState::Below),
+            Watch::Opens(i) => stop(i, StopState::Open),
+            Watch::Changes(i) => {
+                let (rows, z) = (&system.stops[i], hybrid.z.as_slice());
+                let capped = rows.is_elastogap() && rows.force_terms.dot(z) > rows.spring_terms.dot(z);
+                let inside = rows.excess_terms.dot(z) > hybrid.sizes.zero_of(&rows.excess_terms);
+                stop(
+                    i,
+                    match hybrid.mode.stops[i] {
+                        StopState::Pressed if capped => StopState::Capped,
+                        StopState::Pressed if inside => StopState::Free,
+                        StopState::Pressed => StopState::Below,
+                        _ => StopState::Pressed,
+                    },
+                )
+            }
+            Watch::Stops(i) if !others_are_static(i) => {
+                let turned = match hybrid.mode.frictions[i] {
+                    FrictionState::Up => FrictionState::Down,
+                    _ => FrictionState::Up,
+                };
+                let turns = !system.frictions[i].has_static;
+                let stuck = Element::Friction(i, FrictionState::Stuck);
+                [Some(stuck), turns.then_some(Element::Friction(i, turned))]
+            }
+            Watch::Slips(i, up) if !others_are_static(i) => {
+                let state = if up { FrictionState::Up } else { FrictionState::Down };
+                [Some(Element::Friction(i, state)), None]
+            }
+            Watch::Meets(_) | Watch::Level(_) | Watch::Stops(_) | Watch::Slips(..) => [None, None],
+        }
+    }
+
+    /// The change of an element to its state `next`, where it is certain; else nothing changes.
+    fn lone_change(&mut self, watch: Watch, next: Element, observer: &mut Observer) -> bool {
+        let place = self.tables.place_after(self.place, next, &self.assembly.system);
+        let mode = &self.tables.at(place).mode;
+        if !mode.is_independent() || self.is_at_corner(next, watch) {
+            return false;
+        }
+        let (was, before) = (self.hybrid.mode.state_of(next), self.place);
+        self.hybrid.mode.assign(mode);
+        self.place = place;
+        self.scratch.start.copy_from_slice(self.hybrid.z.as_slice());
+        self.keep_contacts();
+        // A stop that is just entered stands at its edge.
+        let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
+        if self.departs_alone(next, entered) {
+            self.report_change(was, 0.0, observer);
+            return true;
+        }
+        self.place = before;
+        self.hybrid.mode.assign(&self.tables.at(before).mode);
+        self.hybrid.z.copy_from_slice(&self.scratch.start);
+        false
+    }
+
+    /// Whether at the passage of `watch` another functional of its element is at zero too, or so near that the general law may take it for rounding:
+    /// where a friction's level vanishes beside the forces that it holds against, say. An `ElastoGap` has two of the same kind.
+    fn is_at_corner(&self, element: Element, watch: Watch) -> bool {
+        let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
+        let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
+        let mut near = own.filter(|w| w.terms.dot(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.terms));
+        let mut passed = false;
+        near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
+    }
+
+    /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it, and all others are below by more than
+    /// rounding, as are those stops that are not watched since they press: all but the one that is `entered`. Then all conditions
+    /// of the mode hold (docs/assembly-law.md (A11)), and the orders of departure are noted.
+    fn departs_alone(&mut self, own: Element, entered: Option<usize>) -> bool {
+        let (hybrid, scratch, table) =
+            (&mut self.hybrid, &mut self.scratch, &self.tables.at(self.place).table);
+        let (z, sizes) = (hybrid.z.as_slice(), hybrid.sizes.0.as_slice());
+        let stops = hybrid.mode.stops.iter().zip(&self.assembly.system.stops).enumerate();
+        let mut pressing = stops.filter(|(i, (state, _))| state.is_inside() && Some(*i) != entered);
+        if pressing.any(|(_, (_, s))| s.excess_terms.dot(z) <= ZERO * s.excess_terms.size(sizes)) {
+            return false;
+        }
+        hybrid.departing.clear();
+        for w in &table.watched {
+            match table.departure(w, z, sizes, 1.0, &mut scratch.rows) {
+                Some((0, value)) if value < 0.0 => hybrid.departing.push(0),
+                Some((order, value)) if value < 0.0 && w.watch.is_of(own) => hybrid.departing.push(order),
+                _ => return false,
+            }
+        }
+        true
+    }
+
     /// The impact of the stop `i` at its gap, if it is a lone one; tells whether it was.
     ///
     /// It is one where its impulse (A7) moves no closed stop and no sticking friction, and where after it every watched
     /// functional but its own is below what counts as zero. Then no other open stop touches, the closed ones close with no speed, and by
     /// (A11) the mode in force follows: all its conditions hold with a margin, and the mode that follows is unique.
-    pub(super) fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
+    fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
         let assembly = self.assembly.clone();
         let system = &assembly.system;
         let stop = &system.stops[i];
@@ -21,14 +140,10 @@ impl Motion {
         let least = self.least_bounce(restitution);
         let hybrid = &mut self.hybrid;
         let n = system.coordinates;
-        let mobility = &stop.elongation.mobility;
-        let couples = |e: &Elongation| e.w.dot(mobility) != 0.0;
-        let stops = hybrid.mode.stops.iter().zip(&system.stops);
-        let frictions = hybrid.mode.frictions.iter().zip(&system.frictions);
-        let held = stops.filter(|(s, _)| **s == StopState::Closed).any(|(_, s)| couples(&s.elongation))
-            || frictions.filter(|(s, _)| s.sticks()).any(|(_, f)| couples(&f.elongation));
-        let (e, w) = (&stop.elongation, &stop.elongation.w);
-        let compliance = w.dot(&e.mobility);
+        let e = &stop.elongation;
+        let couples = |other: &Elongation| other.w.dot(&e.mobility) != 0.0;
+        let held = hybrid.mode.basis.iter().any(|&contact| couples(system.elongation_of(contact)));
+        let compliance = e.w.dot(&e.mobility);
         let speed = e.rate_terms.dot(hybrid.z.as_slice());
         if held || compliance <= 0.0 || speed <= hybrid.sizes.zero_of(&e.rate_terms) {
             return false;
@@ -43,39 +158,29 @@ impl Motion {
             z[k] -= off * m;
             z[n + k] -= impulse * m;
         }
-        let sizes = hybrid.sizes.0.as_mut_slice();
-        z.iter().zip(sizes.iter_mut()).for_each(|(x, size)| *size = size.max(x.abs()));
-        let others = self.table.watched.iter().filter(|w| w.watch != Watch::Meets(i));
-        let mut inside = others.map(|w| w.terms.dot(z) < -ZERO * w.terms.size(sizes));
-        let pressed = hybrid.mode.stops.iter().zip(&system.stops).all(|(state, stop)| match state {
-            StopState::Pressed | StopState::Free | StopState::Capped => {
-                stop.excess_terms.dot(z) > ZERO * stop.excess_terms.size(sizes)
-            }
-            StopState::Open | StopState::Closed | StopState::Below => true,
-        });
-        let rebound = -e.rate_terms.dot(z);
-        let alone = pressed
-            && inside.all(|x| x)
-            && rebound > ZERO * e.rate_terms.size(sizes)
-            && !self.table.watched.iter().any(|own| {
-                // A bounce too low to be followed, by (A15).
-                own.watch == Watch::Meets(i) && {
-                    let a = own.bow.dot(z);
-                    a > 0.0 && contact::is_low(rebound, a, least * own.terms.size(sizes))
-                }
-            });
-        if !alone {
-            z.copy_from_slice(before);
+        hybrid.sizes.include(z);
+        let prescribed = speed - e.w.iter().zip(&before[n..]).map(|(w, v)| w * v).sum::<f64>();
+        if self.is_low_bounce(i, least) || !self.departs_alone(Element::Stop(i, StopState::Open), None) {
+            self.hybrid.z.copy_from_slice(&self.scratch.start);
             return false;
         }
-        let prescribed = speed - w.iter().zip(&before[n..]).map(|(w, v)| w * v).sum::<f64>();
+        let hybrid = &mut self.hybrid;
         hybrid.energy.impact(0.5 * (1.0 - restitution) * speed * impulse, impulse * prescribed);
         let record = &mut hybrid.impacts[i];
         *record = (record.0 + 1, impulse);
-        let own = self.table.watched.iter().map(|w| usize::from(w.watch == Watch::Meets(i)));
-        hybrid.departing.clear();
-        hybrid.departing.extend(own);
         contact::report(observer, self.time(), EventKind::Impact { stop: i, speed, impulse, stops: 1 });
         true
+    }
+
+    /// Whether an open stop, which has just been left, is met again after a bounce that is too low to be followed, by (A15).
+    fn is_low_bounce(&self, i: usize, least: f64) -> bool {
+        let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
+        let rebound = -stop.elongation.rate_terms.dot(z);
+        let scale = stop.excess_terms.size(self.hybrid.sizes.0.as_slice());
+        let own = self.tables.at(self.place).table.watched.iter().find(|own| own.watch == Watch::Meets(i));
+        own.is_some_and(|own| {
+            let a = own.bow.dot(z);
+            a > 0.0 && contact::is_low(rebound, a, least * scale)
+        })
     }
 }

@@ -8,6 +8,7 @@ mod lone;
 mod passage;
 pub(crate) mod saved;
 mod step;
+mod tables;
 mod variation;
 
 pub use course::Course;
@@ -15,18 +16,15 @@ pub use event::{Event, EventKind};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::{Series, Table};
+use crate::flow::{Rows, Series, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 use std::sync::Arc;
+use tables::Tables;
 use vibro_impact::numerics::double_double::DoubleDouble;
-
-/// Numbers in the tables that are kept, 128 MB; beyond, all are dropped and those in use are made again.
-const KEPT_NUMBERS: usize = 16 << 20;
 
 /// What is told of events while a motion advances.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
@@ -76,10 +74,13 @@ pub struct Hybrid {
 pub struct Motion {
     assembly: Arc<Assembly>,
     hybrid: Hybrid,
-    tables: HashMap<Mode, Arc<Table>>,
-    table: Arc<Table>,
+    tables: Tables,
+    /// The place of the mode in force.
+    place: usize,
     /// By this part of its size a watched functional has passed zero at its event: nothing in an exact motion.
     late: f64,
+    /// Whether the general law decides at every event.
+    is_general: bool,
     scratch: Scratch,
     vectors: pulp::Arch,
 }
@@ -95,11 +96,15 @@ struct Scratch {
     near: Vec<u8>,
     /// The state at an interval's start.
     start: Vec<f64>,
+    /// The interval, while a sub-step is made.
+    interval: Option<usize>,
     series: Series,
-    /// The states at which powers are found.
-    states: Vec<f64>,
-    /// One of them.
-    point: DVector<f64>,
+    /// Derivatives of a functional.
+    rows: Rows,
+    /// By contact how far it is off.
+    off: Vec<f64>,
+    /// By functional its values where powers are found.
+    values: Vec<crate::energy::AtNodes>,
 }
 
 impl Motion {
@@ -134,7 +139,7 @@ impl Motion {
         let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
         system.signals.fill(time, &inputs, z.as_mut_slice());
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
-        sizes.include(&z);
+        sizes.include(z.as_slice());
         for j in system.signals.one..system.signals.constant_size_until() {
             sizes.0[j] = 1.0;
         }
@@ -154,35 +159,17 @@ impl Motion {
             last: None,
             due: None,
         };
-        let empty = Arc::new(Table::new(
-            crate::mode::Linear {
-                a: nalgebra::DMatrix::zeros(system.signals.size, system.signals.size),
-                terms: nalgebra::DMatrix::zeros(system.signals.size, system.signals.size),
-                lambda: Vec::new(),
-                watched: Vec::new(),
-            },
-            system.signals.one,
-        ));
-        let mut motion = Self::of(assembly, hybrid, HashMap::new(), empty);
+        let mut motion = Self::of(assembly, hybrid);
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }
 
-    /// With memory of the machine's size.
-    fn of(
-        assembly: Arc<Assembly>,
-        hybrid: Hybrid,
-        tables: HashMap<Mode, Arc<Table>>,
-        table: Arc<Table>,
-    ) -> Self {
+    /// With memory of the machine's size, before the mode that follows is put in force.
+    fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
-        let scratch = Scratch {
-            sizes: vec![0.0; size],
-            start: vec![0.0; size],
-            point: DVector::zeros(size),
-            ..Scratch::default()
-        };
-        Self { assembly, hybrid, tables, table, late: 0.0, scratch, vectors: pulp::Arch::new() }
+        let scratch = Scratch { sizes: vec![0.0; size], start: vec![0.0; size], ..Scratch::default() };
+        let (tables, vectors) = (Tables::default(), pulp::Arch::new());
+        Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, scratch, vectors }
     }
 
     /// The machine.
@@ -218,7 +205,7 @@ impl Motion {
         let system = &self.assembly.system;
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
         let weights = rows.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-        let acceleration: f64 = weights.map(|(k, w)| w * self.table.a.row_times(n + k, z.as_slice())).sum();
+        let acceleration: f64 = weights.map(|(k, w)| w * self.table().a.row_times(n + k, z.as_slice())).sum();
         [rows.s.dot(z), rows.v.dot(z), acceleration + rows.drift.dot(z)]
     }
 
@@ -269,7 +256,7 @@ impl Motion {
 
     fn contact_force(&self, contact: Contact) -> f64 {
         let place = self.hybrid.mode.basis.iter().position(|&c| c == contact);
-        place.map_or(0.0, |k| self.table.lambda[k].dot(&self.hybrid.z))
+        place.map_or(0.0, |k| self.table().lambda[k].dot(&self.hybrid.z))
     }
 
     /// Impacts of a stop since the start, and the last impulse, N s.
@@ -286,6 +273,14 @@ impl Motion {
     #[must_use]
     pub fn without_energy_accounts(mut self) -> Self {
         self.hybrid.energy = self.hybrid.energy.off();
+        self
+    }
+
+    /// The same motion with every event decided by the general law, also where one element alone is concerned: a second way to what follows, for tests
+    /// and comparisons.
+    #[must_use]
+    pub fn by_general_law(mut self) -> Self {
+        self.is_general = true;
         self
     }
 
@@ -334,7 +329,7 @@ impl Motion {
     /// Goes back to what was saved of a motion of the same machine.
     pub fn restore(&mut self, saved: &Hybrid) {
         self.hybrid = saved.clone();
-        self.table = self.table_of(&self.hybrid.mode.clone());
+        self.place = self.tables.place_of(&self.hybrid.mode, &self.assembly.system);
     }
 
     fn refill(&mut self) {
@@ -342,16 +337,8 @@ impl Motion {
         signals.fill(self.hybrid.time, &self.hybrid.inputs, self.hybrid.z.as_mut_slice());
     }
 
-    fn table_of(&mut self, mode: &Mode) -> Arc<Table> {
-        if let Some(table) = self.tables.get(mode) {
-            return table.clone();
-        }
-        if self.tables.values().map(|table| table.numbers()).sum::<usize>() > KEPT_NUMBERS {
-            self.tables.clear();
-        }
-        let system = &self.assembly.system;
-        let table = Arc::new(Table::new(system.linear(mode), system.signals.one));
-        self.tables.insert(mode.clone(), table.clone());
-        table
+    /// The table of the mode in force.
+    fn table(&self) -> &Table {
+        &self.tables.at(self.place).table
     }
 }

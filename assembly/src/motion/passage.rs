@@ -57,13 +57,14 @@ impl Scratch {
     #[inline(always)]
     pub(super) fn look(&mut self, table: &Table, hybrid: &Hybrid) {
         let z = hybrid.z.as_slice();
+        self.interval = None;
         self.sizes.iter_mut().zip(z).for_each(|(size, x)| *size = x.abs());
         self.heads.clear();
-        self.heads.extend(table.watched.iter().map(|w| Head {
-            value: w.terms.dot(z),
-            slope: w.slope.dot(z),
-            bend: w.bend(&self.sizes),
-        }));
+        // Closures handed to a vector's methods would not be compiled for the computer's vectors.
+        for w in &table.watched {
+            let (value, slope) = (w.terms.dot(z), w.slope.dot(z));
+            self.heads.push(Head { value, slope, bend: w.bend(&self.sizes) });
+        }
     }
 }
 
@@ -99,7 +100,7 @@ impl Flight<'_> {
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
         let late = self.late_passage(span, &mut scratch.series);
-        let Scratch { heads, near, start, series, .. } = scratch;
+        let Scratch { heads, near, start, interval: begun, series, .. } = scratch;
         near.clear();
         let mut any = 0;
         for ((w, &order), head) in table.watched.iter().zip(&self.hybrid.departing).zip(heads.iter()) {
@@ -109,12 +110,9 @@ impl Flight<'_> {
         }
         let end = Point::end(span, table);
         for interval in (0..=end.interval).filter(|i| any & (1 << i) != 0) {
-            let from = if interval == 0 {
-                z
-            } else {
-                table.at_interval_end(interval - 1, z, series, start);
-                &start[..]
-            };
+            table.at_interval_start(interval, z, series, start);
+            *begun = Some(interval);
+            let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
             let Some((mut dt, mut place)) = self.passage_within(near, from, interval, length) else {
                 continue;

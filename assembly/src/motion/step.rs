@@ -4,8 +4,7 @@ use super::passage::{Flight, Point};
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
 use crate::energy::Samples;
 use crate::error::Error;
-use crate::flow::{INTERVALS, ORDERS, Table};
-use crate::system::System;
+use crate::flow::{INTERVALS, ORDERS};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
@@ -122,7 +121,7 @@ impl Motion {
                 }
             }
             work -= 1.0;
-            work += WORK.1 * (self.time() - from) / self.table.length;
+            work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
             if work < 0.0 {
                 return Err(self.stuck("the limit of work in one call is reached"));
@@ -142,8 +141,9 @@ impl Motion {
     /// A sub-step of at most the table's length towards `goal`, or to the event before which it ends.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
-        let Self { table, hybrid, scratch, assembly, .. } = self;
-        let table = &**table;
+        let Self { tables, place, hybrid, scratch, assembly, .. } = self;
+        let met = tables.at(*place);
+        let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
         scratch.look(table, hybrid);
         let flight = Flight { table, hybrid };
@@ -153,37 +153,40 @@ impl Motion {
         let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
         if hybrid.energy.are_kept() {
-            account(&assembly.system, table, hybrid, whole.then_some(dt).ok_or((end.interval, dt)), scratch);
+            let (powers, Scratch { series, values, .. }) = (met.powers(&assembly.system), &mut *scratch);
+            let z = hybrid.z.as_slice();
+            let samples = if powers.are_dense() {
+                Samples::Start(z, dt / table.length)
+            } else {
+                series.expand(table, z, dt, table.orders_to(end.interval));
+                Samples::Series(series.terms(), z.len())
+            };
+            hybrid.energy.add(powers, dt, &samples, values);
         }
         let z = hybrid.z.as_mut_slice();
-        let Scratch { start, series, .. } = scratch;
+        let Scratch { start, interval, series, .. } = scratch;
         if whole {
             table.at_interval_end(INTERVALS - 1, z, series, start);
             z.copy_from_slice(start);
         } else {
-            // From the nearer end of the interval.
-            let later = end.dt > 0.5 * table.interval();
-            let (passed, dt) =
-                if later { (end.interval + 1, end.dt - table.interval()) } else { (end.interval, end.dt) };
-            match passed.checked_sub(1) {
-                Some(last) => table.at_interval_end(last, z, series, start),
-                None => start.copy_from_slice(z),
+            if *interval != Some(end.interval) {
+                table.at_interval_start(end.interval, z, series, start);
             }
-            table.near(start, dt, at_knot, series, z);
+            table.within(start, end.dt, at_knot, series, z);
         }
         let reaches = passage.is_none() && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        if dt > PROGRESS * self.table.length {
+        if dt > PROGRESS * self.table().length {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
         if !knot {
             self.refill();
         }
-        self.hybrid.sizes.include(&self.hybrid.z);
+        self.hybrid.sizes.include(self.hybrid.z.as_slice());
         self.keep_contacts();
         if let Some(passage) = passage {
-            let watch = self.table.watched[passage.place].watch;
+            let watch = self.table().watched[passage.place].watch;
             self.hybrid.chain += 1;
             self.hybrid.last = Some(watch);
             if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
@@ -200,7 +203,7 @@ impl Motion {
     #[inline(always)]
     fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
-        for (order, w) in departing.iter_mut().zip(&self.table.watched) {
+        for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             let stays =
                 *order == ORDERS && w.terms.dot(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.terms);
             *order = if stays { ORDERS } else { 0 };
@@ -222,31 +225,4 @@ impl pulp::WithSimd for Substep<'_> {
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
         self.motion.substep(self.goal, self.at_knot)
     }
-}
-
-/// The energy accounts of a flight over a whole sub-step of a length, or into an interval and over a time.
-#[inline(always)]
-fn account(
-    system: &System,
-    table: &Table,
-    hybrid: &mut Hybrid,
-    flight: Result<f64, (usize, f64)>,
-    scratch: &mut Scratch,
-) {
-    let Hybrid { energy, mode, z, .. } = hybrid;
-    let Scratch { series, point, states, .. } = scratch;
-    let nodes = if flight.is_ok() { table.nodes() } else { &[] };
-    let (last, dt) = flight.map_or_else(|partial| partial, |dt| (INTERVALS - 1, dt));
-    let size = z.len();
-    let samples = if nodes.is_empty() {
-        series.expand(table, z.as_slice(), dt, table.orders_to(last));
-        Samples::Series(series.terms(), size)
-    } else {
-        states.resize(nodes.len() * size, 0.0);
-        for (node, state) in nodes.iter().zip(states.chunks_mut(size)) {
-            node.times(z.as_slice(), state);
-        }
-        Samples::States(states, size)
-    };
-    energy.add((system, mode, table), dt, &samples, point);
 }

@@ -10,7 +10,7 @@ impl Motion {
     pub fn time_derivative(&self, order: usize) -> Self {
         let mut z = self.hybrid.z.clone();
         for _ in 0..order {
-            z = self.table.a.rows_times(0..z.len(), z.as_slice());
+            z = self.table().a.rows_times(0..z.len(), z.as_slice());
         }
         self.with_state(z)
     }

@@ -25,7 +25,7 @@ impl Selection<'_> {
         }
         if touching.edges[i] || excess == 0.0 {
             return match rate {
-                r if r > 0.0 => Stop::Is(self.entering(i)),
+                r if r > 0.0 => Stop::Is(stop.entered()),
                 r if r < 0.0 => Stop::Is(StopState::Below),
                 _ => Stop::AtEdge,
             };
@@ -53,12 +53,6 @@ impl Selection<'_> {
             return Stop::AtLimit(StopState::Pressed, StopState::Free);
         }
         Stop::Is(StopState::Pressed)
-    }
-
-    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
-    pub(super) fn entering(&self, i: usize) -> StopState {
-        let stop = &self.system.stops[i];
-        if stop.is_elastogap() && stop.force != stop.spring { StopState::Capped } else { StopState::Pressed }
     }
 
     pub(super) fn classify_friction(&self, i: usize, resting: bool) -> Friction {

@@ -1,0 +1,232 @@
+//! The powers in a mode: each is a product of two functionals of the state, and its mean over a flight is found by Gauss's rule.
+
+use super::{AtNodes, NODES};
+use crate::description::StopLaw;
+use crate::flow::{Table, taylor};
+use crate::kernel::{Sparse, combine};
+use crate::mode::{Mode, StopState};
+use crate::system::{Row, System};
+
+/// Taylor coefficients of a functional over a sub-step. With rate times length at most 2 the first one left out is under
+/// 2²⁴/24! < 3e-17 of the largest coordinate.
+const TERMS: usize = 24;
+/// Orders of a flight's power series, at most.
+const MOST_ORDERS: usize = 40;
+
+/// Powers of the nodes' places, by order.
+const POWERS: [AtNodes; MOST_ORDERS] = {
+    let mut powers = [[1.0; NODES.len()]; MOST_ORDERS];
+    let mut k = 1;
+    while k < MOST_ORDERS {
+        let mut i = 0;
+        while i < NODES.len() {
+            powers[k][i] = powers[k - 1][i] * NODES[i].0;
+            i += 1;
+        }
+        k += 1;
+    }
+    powers
+};
+
+/// What a power is put to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Account {
+    /// A load's work.
+    Load(usize),
+    /// The work of prescribed motions.
+    Motions,
+    /// What a spring's dashpot loses.
+    Dashpot(usize),
+    /// What a compliant stop loses.
+    Stop(usize),
+    /// What a friction loses.
+    Friction(usize),
+}
+
+/// A flight.
+pub enum Samples<'a> {
+    /// The state where it begins, and its part of the sub-step: where coefficients [are kept](Powers::are_dense).
+    Start(&'a [f64], f64),
+    /// The coefficients of the state's power series in the part that has passed, one after another, of so many coordinates.
+    Series(&'a [f64], usize),
+    /// The states at the nodes, likewise.
+    States(&'a [f64], usize),
+}
+
+/// A factor times the product of two functionals.
+#[derive(Clone, Debug)]
+struct Power {
+    account: Account,
+    factor: f64,
+    /// The functionals' places.
+    of: [usize; 2],
+}
+
+/// The powers in a mode.
+#[derive(Clone, Debug, Default)]
+pub struct Powers {
+    rows: Vec<Sparse>,
+    /// Taylor coefficients of the rows, in units of a sub-step, one row after another, each by coordinate.
+    columns: Vec<[f64; TERMS]>,
+    all: Vec<Power>,
+}
+
+impl Powers {
+    /// Of a machine in a mode.
+    pub fn new(system: &System, mode: &Mode, table: &Table) -> Self {
+        let mut powers = Self::default();
+        powers.add_losses(system, mode);
+        if system.has_motions {
+            powers.add_motions(system, mode, table);
+        }
+        if table.is_dense() {
+            let size = system.signals.size;
+            let columns =
+                powers.rows.iter().flat_map(|row| taylor(&table.a, &row.dense(size), 1.0, table.length));
+            powers.columns = columns.collect();
+        }
+        powers
+    }
+
+    fn add(&mut self, account: Account, factor: f64, left: &Row, right: &Row) {
+        let rows = [left, right].map(|row| Sparse::of(row.as_slice()));
+        if factor == 0.0 || rows.iter().any(|row| row.terms().is_empty()) {
+            return;
+        }
+        let of = rows.map(|row| {
+            self.rows.iter().position(|known| *known == row).unwrap_or_else(|| {
+                self.rows.push(row);
+                self.rows.len() - 1
+            })
+        });
+        self.all.push(Power { account, factor, of });
+    }
+
+    /// Loads, and what is lost; of compliant stops what their force does beyond the stored energy ½ k max(0, e - gap)².
+    fn add_losses(&mut self, system: &System, mode: &Mode) {
+        for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
+            self.add(Account::Load(i), 1.0, row, &system.bodies[body].v);
+        }
+        for (i, spring) in system.springs.iter().enumerate() {
+            let rate = &spring.elongation.rate;
+            self.add(Account::Dashpot(i), spring.damping, rate, rate);
+        }
+        for (i, stop) in system.stops.iter().enumerate() {
+            let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
+            match (mode.stops[i], stop.law) {
+                (StopState::Pressed, StopLaw::Compliant { damping, .. }) => {
+                    self.add(account, damping, rate, rate);
+                }
+                (StopState::Free, _) => self.add(account, -1.0, &stop.spring, rate),
+                (StopState::Capped, _) => self.add(account, 1.0, &stop.spring, rate),
+                _ => {}
+            }
+        }
+        for (i, friction) in system.frictions.iter().enumerate() {
+            let direction = mode.frictions[i].direction();
+            self.add(Account::Friction(i), direction, &friction.level, &friction.elongation.rate);
+        }
+    }
+
+    /// What prescribed bodies put in (docs/assembly-law.md (A17)).
+    fn add_motions(&mut self, system: &System, mode: &Mode, table: &Table) {
+        let n = system.coordinates;
+        let mut add = |factor: f64, force: &Row, rate: &Row| {
+            let mut prescribed = rate.clone();
+            prescribed.rows_mut(n, n).fill(0.0);
+            self.add(Account::Motions, factor, force, &prescribed);
+        };
+        for (row, &body) in system.loads.iter().zip(&system.load_bodies) {
+            add(-1.0, row, &system.bodies[body].v);
+        }
+        for spring in &system.springs {
+            add(1.0, &spring.force, &spring.elongation.rate);
+        }
+        for (i, stop) in system.stops.iter().enumerate() {
+            if let Some(force) = system.stop_force(i, mode.stops[i]) {
+                add(1.0, &force, &stop.elongation.rate);
+            }
+        }
+        for (i, friction) in system.frictions.iter().enumerate() {
+            if let Some(force) = system.friction_force(i, mode.frictions[i]) {
+                add(1.0, &force, &friction.elongation.rate);
+            }
+        }
+        for (&contact, force) in mode.basis.iter().zip(&table.lambda) {
+            add(1.0, force, &system.elongation_of(contact).rate);
+        }
+        // Links that tie free bodies to prescribed ones carry these bodies' inertia and weight.
+        for (i, body) in system.bodies.iter().enumerate().filter(|(i, _)| system.inertias[*i] > 0.0) {
+            let mut force = system.inertias[i] * &body.drift;
+            for (k, weight) in body.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                force.axpy(system.inertias[i] * weight, &table.a.row_of(n + k), 1.0);
+            }
+            force[system.signals.one] -= system.weights[i];
+            add(1.0, &force, &body.v);
+        }
+    }
+
+    /// Whether their Taylor coefficients are kept.
+    pub fn are_dense(&self) -> bool {
+        !self.columns.is_empty() || self.rows.is_empty()
+    }
+
+    /// Numbers that they hold.
+    pub fn numbers(&self) -> usize {
+        self.columns.len() * TERMS
+    }
+
+    /// The mean of each power over a flight, with its account; `values` is memory.
+    #[inline(always)]
+    pub fn for_each(&self, samples: &Samples, values: &mut Vec<AtNodes>, mut take: impl FnMut(Account, f64)) {
+        values.resize(self.rows.len(), [0.0; NODES.len()]);
+        match *samples {
+            Samples::Start(z, part) => {
+                let mut parts = [1.0; TERMS];
+                for k in 1..TERMS {
+                    parts[k] = parts[k / 2] * parts[(k - 1) / 2] * part;
+                }
+                for (value, columns) in values.iter_mut().zip(self.columns.chunks_exact(z.len())) {
+                    let mut c = combine(columns, z);
+                    c.iter_mut().zip(&parts).for_each(|(c, part)| *c *= part);
+                    *value = at_nodes(&c);
+                }
+            }
+            Samples::Series(terms, size) => {
+                for (value, row) in values.iter_mut().zip(&self.rows) {
+                    let mut c = [0.0; MOST_ORDERS];
+                    let orders = terms.len() / size;
+                    for (c, z) in c.iter_mut().zip(terms.chunks_exact(size)) {
+                        *c = row.dot(z);
+                    }
+                    *value = at_nodes(&c[..orders]);
+                }
+            }
+            Samples::States(states, size) => {
+                for (value, row) in values.iter_mut().zip(&self.rows) {
+                    *value = std::array::from_fn(|k| row.dot(&states[k * size..]));
+                }
+            }
+        }
+        for power in &self.all {
+            let [left, right] = power.of.map(|place| &values[place]);
+            let mut mean = 0.0;
+            for (k, node) in NODES.iter().enumerate() {
+                mean += node.1 * left[k] * right[k];
+            }
+            take(power.account, power.factor * mean);
+        }
+    }
+}
+
+/// A power series at the nodes.
+#[inline(always)]
+fn at_nodes(coefficients: &[f64]) -> AtNodes {
+    let mut sum = [0.0; NODES.len()];
+    for (c, powers) in coefficients.iter().zip(&POWERS) {
+        for (sum, power) in sum.iter_mut().zip(powers) {
+            *sum += c * power;
+        }
+    }
+    sum
+}

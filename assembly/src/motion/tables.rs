@@ -1,0 +1,78 @@
+//! The modes that a motion has met, with their tables, and to which of them the change of one element leads.
+
+use crate::energy::Powers;
+use crate::flow::Table;
+use crate::mode::{Element, Mode};
+use crate::system::System;
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+/// Numbers in the tables that are kept, 128 MB; beyond, all are dropped and those in use are made again.
+const KEPT_NUMBERS: usize = 16 << 20;
+
+/// A mode that was met.
+#[derive(Clone, Debug)]
+pub(super) struct Met {
+    pub(super) mode: Mode,
+    pub(super) table: Arc<Table>,
+    /// Its powers, made when they are first needed.
+    powers: OnceLock<Arc<Powers>>,
+    /// The modes in which one element has another state, by their places.
+    changes: Vec<(Element, usize)>,
+}
+
+impl Met {
+    /// The powers of its energy accounts.
+    pub(super) fn powers(&self, system: &System) -> &Powers {
+        self.powers.get_or_init(|| Arc::new(Powers::new(system, &self.mode, &self.table)))
+    }
+
+    /// Numbers that are kept.
+    fn numbers(&self) -> usize {
+        self.table.numbers() + self.powers.get().map_or(0, |powers| powers.numbers())
+    }
+}
+
+/// Modes by their places, in the order in which they were met.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tables {
+    met: Vec<Met>,
+    places: HashMap<Mode, usize>,
+}
+
+impl Tables {
+    /// The mode at a place.
+    pub(super) fn at(&self, place: usize) -> &Met {
+        &self.met[place]
+    }
+
+    /// Forgets all where there are too many, so that places that were found before count no more.
+    pub(super) fn make_room(&mut self) {
+        if self.met.iter().map(Met::numbers).sum::<usize>() > KEPT_NUMBERS {
+            self.met.clear();
+            self.places.clear();
+        }
+    }
+
+    /// The place of a mode, whose table is made where it is new.
+    pub(super) fn place_of(&mut self, mode: &Mode, system: &System) -> usize {
+        if let Some(&place) = self.places.get(mode) {
+            return place;
+        }
+        let table = Arc::new(Table::new(system.linear(mode), system.signals.one));
+        self.met.push(Met { mode: mode.clone(), table, powers: OnceLock::new(), changes: Vec::new() });
+        self.places.insert(mode.clone(), self.met.len() - 1);
+        self.met.len() - 1
+    }
+
+    /// The place of the mode that differs from the one at `place` by the state of an element.
+    pub(super) fn place_after(&mut self, place: usize, element: Element, system: &System) -> usize {
+        if let Some(&(_, next)) = self.met[place].changes.iter().find(|(known, _)| *known == element) {
+            return next;
+        }
+        let mode = system.with_element(&self.met[place].mode, element);
+        let next = self.place_of(&mode, system);
+        self.met[place].changes.push((element, next));
+        next
+    }
+}
