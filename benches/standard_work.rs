@@ -3,9 +3,9 @@
 
 use fmu_build::archive;
 use fmu_build::compile::{Library, PLATFORM, SHARED_LIBRARY};
+use fmu_build::host::Binary;
 use fmu_build::version::Version;
 use fmu_build::{package, platforms};
-use fmu_build::host::Binary;
 use std::fmt::Write as _;
 use std::time::Instant;
 use vibro_fmi::component::variables;

@@ -1,0 +1,23 @@
+//! The C interfaces of the doors' second component, the bouncing ball: the fuzzer's bytes choose calls and arguments.
+#![no_main]
+#![allow(missing_docs)]
+
+#[path = "../../../doors/examples/bouncing_ball.rs"]
+mod bouncing_ball;
+#[path = "../../../doors/tests/common/calls.rs"]
+mod calls;
+
+use calls::{Random, run_fmi2, run_fmi3};
+use libfuzzer_sys::fuzz_target;
+
+/// Calls a run, more than the bytes of most inputs choose.
+const CALLS: usize = 64;
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((kind, bytes)) = bytes.split_first() else { return };
+    let mut random = Random { bytes, seed: u64::from(*kind) };
+    match kind % 5 {
+        0 | 1 => run_fmi2(&mut random, i32::from(kind % 5), CALLS),
+        other => run_fmi3(&mut random, other == 2, other == 3, CALLS),
+    }
+});
