@@ -15,9 +15,11 @@ use pulp::Simd;
 
 /// An interval is halved at most this often. A piece is then 2⁻⁵⁵ long, under the spacing of the doubles about ±1.
 const MAX_DEPTH: u32 = 56;
-/// At most this many pieces are looked at: no polynomial of degree 19 or less needs as many, and hardly any a hundred
+/// The most coefficients of a polynomial that is searched: those of a described machine's series.
+const MAX_COEFFICIENTS: usize = 26;
+/// At most this many pieces are looked at: no polynomial of [`MAX_COEFFICIENTS`] or fewer needs as many, and hardly any a hundred
 /// (docs/numerics.md, "Second stage").
-const MAX_PIECES: u32 = 50_000;
+const MAX_PIECES: u32 = 100_000;
 /// Newton's method in a bracket bisects wherever a step leaves the bracket, so that this many steps are never taken.
 const MAX_ITERATIONS: u32 = 200;
 /// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`]. The proof holds
@@ -294,13 +296,14 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
 /// at `hi` is none either: p is not positive before the end, and the search that begins there finds it.
 ///
 /// Requires p(lo) ≤ 0 up to rounding. A positive p(lo), which rounding may leave, counts as zero: the answer is `lo` where p
-/// rises there, and the next passage, if there is one, where p falls. (So `0.5 + u²` on [0, 1], which breaks the requirement,
-/// gives 0.)
+/// rises there or is constant, and the next passage, if there is one, where p falls. (So `0.5 + u²` on [0, 1], which breaks the
+/// requirement, gives 0.)
 ///
 /// `None` proves that p has no passage but one by which it stays under `4 N² ε Σ|c_k|`, for coefficients as given
 /// (docs/numerics.md, "Second stage").
 #[inline(always)]
 pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
+    const { assert!(N <= MAX_COEFFICIENTS, "the bound on the number of pieces is proved up to here") };
     match shape(c) {
         (Shape::Unknown, _) => subdivide(c, lo, hi, 0, &mut { MAX_PIECES }, iterations),
         known => crossing_of_shape(c, known, lo, hi, iterations),

@@ -171,11 +171,32 @@ fn invariant_coefficients_stay_under_their_bound() {
     assert!(most.iter().all(|part| *part <= 1.0 + ROUNDING), "{most:?}");
 }
 
-/// The sizes of a sample's terms are at most 20 S in all, and 7 S are reached; its rounding is at most 800 ε S.
+/// δ of docs/numerics.md, section 2, in ε S.
+const SAMPLE_ROUNDING: f64 = 900.0;
+
+/// What the roundings of a sample add up to by the bounds of docs/numerics.md: those of the table's entries order by order, and those of
+/// twenty products and sums.
+#[test]
+fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
+    /// r times the length of a sub-step.
+    const REACH: f64 = 2.4;
+    const TERMS: f64 = 20.0;
+    let (mut entries, mut power) = (0.0, 1.0);
+    for k in (1..WHOLE).map(|k| k as f64) {
+        power *= REACH / k;
+        // The bound on the coefficient of order k of w, in S.
+        let bound = if k == 1.0 { 1.0 } else { k.max(2.5 + 0.5 * k) };
+        entries += (5.5 * k + 1.5) * bound * power;
+    }
+    assert!(entries < 650.0, "{entries}");
+    assert!(entries + 10.5 * TERMS < SAMPLE_ROUNDING, "{entries}");
+}
+
+/// The sizes of a sample's terms are at most 20 S in all, and 7 S are reached; its rounding is at most [`SAMPLE_ROUNDING`] ε S.
 #[test]
 fn second_method_rounding_of_samples() {
     const TERMS: f64 = 20.0;
-    const ERROR: f64 = 800.0 * f64::EPSILON;
+    const ERROR: f64 = SAMPLE_ROUNDING * f64::EPSILON;
     let mut next = random(2);
     let (mut terms, mut error) = (0.0f64, 0.0f64);
     for n in 0..400 {

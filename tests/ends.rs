@@ -272,3 +272,94 @@ fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
         "{runs} runs, {changed}: docs/guarantees.md says that the number may change"
     );
 }
+
+/// A box without spring and damper, and a block that its load presses to the upper stop with the acceleration `a`, from which it bounces
+/// with the speed `u`. Advances by `span` in equal `steps`: the impacts, the time of rest, and the largest distance from the stop at the
+/// ends of steps, gaps.
+fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64>, f64) {
+    let p = Parameters {
+        box_stiffness: 0.0,
+        box_damping: 0.0,
+        block_mass: 1.0,
+        secondary_mass: 1.0,
+        secondary_stiffness: 1.0,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 0.0,
+        stop_restitution: kappa,
+        ..Parameters::default()
+    };
+    let at_stop = State { x: [0.0, p.stop_gap, 0.0], v: [0.0, u / kappa, 0.0] };
+    let mut simulator = Simulator::new(&p, &at_stop, 0.0).unwrap();
+    simulator.set_loads(&Loads { derivatives: [[0.0; 4], [a, 0.0, 0.0, 0.0], [0.0; 4]] }).unwrap();
+    let (mut rest, mut height) = (None, 0.0f64);
+    for step in 1..=steps {
+        let end = span * f64::from(step) / f64::from(steps);
+        simulator
+            .advance_observed(end, &mut |event| {
+                if let Event::Rest { time, .. } = event {
+                    rest = Some(*time);
+                }
+            })
+            .unwrap();
+        height = height.max(p.stop_gap - simulator.relative_motion().0);
+    }
+    (simulator.impacts().upper, rest, height / p.stop_gap)
+}
+
+/// With κ near 1 thousands of bounces are within rounding of the stop: how many there are and when the block comes to rest depends on where
+/// steps end, and with κ = 1 whether it does. The block is on the stop but for the exception of docs/guarantees.md all the while.
+#[test]
+fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
+    /// η of docs/numerics.md, section 2, in gaps; the size of these motions is hardly more than the gap.
+    const OVERSHOOT: f64 = 2e-12;
+    let a = 1e-3;
+    let kappa = 0.998;
+    let u = (2.0 * a * 1e-13f64).sqrt();
+    let length = 2.0 * u / (a * (1.0 - kappa));
+    let divided = |steps| bounce(kappa, u, a, 1.5 * length, steps);
+    let (few, many) = (divided(1), divided(1000));
+    println!("κ {kappa}, run of {length} s: {few:?} {many:?}");
+    assert!(few.2.max(many.2) < OVERSHOOT, "{few:?} {many:?}");
+    assert!(few.0.abs_diff(many.0) > 500, "{few:?} {many:?}: docs/guarantees.md says by thousands");
+    let end = few.1.expect("a block at rest");
+    assert!((end - length).abs() < 1e-6 * length, "{end}");
+    assert!(many.1.is_none_or(|end| (end - length).abs() > 1e-3 * length), "{many:?}");
+
+    // 0.03 % faster than the limit by which such a run is closed.
+    let u = 1.0003 * (2.0 * a * 1e-12f64).sqrt();
+    let divided = |steps| bounce(1.0, u, a, 300.0 * 2.0 * u / a, steps);
+    let (few, many) = (divided(1), divided(1000));
+    println!("κ 1: {few:?} {many:?}");
+    assert!(few.2.max(many.2) < OVERSHOOT, "{few:?} {many:?}");
+    assert!(few.1.is_none() && many.1.is_some(), "{few:?} {many:?}: docs/guarantees.md says that it may");
+}
+
+/// w = w0 + v t + a t²/2 in many steps. Where each moves the block by a t²/2 of less than half a unit in the last place, this part is lost,
+/// and the roundings add up; they are a unit in the last place of the gap each at most.
+#[test]
+fn closed_form_many_short_steps_add_up_a_rounding_each() {
+    const STEPS: u32 = 10_000;
+    let p = Parameters {
+        box_stiffness: 0.0,
+        box_damping: 0.0,
+        coupling_stiffness: 0.0,
+        drive_amplitude: 0.0,
+        ..Parameters::default()
+    };
+    let (w0, v, a) = (0.6 * p.stop_gap, 1e-3, -1.0);
+    for step in [1e-9, 1e-8, 1e-7, 1e-6] {
+        let start = State { x: [0.0, w0, 0.0], v: [0.0, v, 0.0] };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        let load = [a * p.block_mass, 0.0, 0.0, 0.0];
+        simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
+        for n in 1..=STEPS {
+            simulator.advance_to(step * f64::from(n)).unwrap();
+        }
+        let t = step * f64::from(STEPS);
+        let exact = w0 + t * (v + 0.5 * a * t);
+        let each = (simulator.relative_motion().0 - exact) / (f64::from(STEPS) * p.stop_gap * f64::EPSILON);
+        println!("steps of {step} s: {each} units each");
+        assert!(each.abs() <= 1.0, "{step}: {each}");
+        assert!(step != 1e-8 || each > 0.1, "{each}: docs/guarantees.md says that they may add up");
+    }
+}

@@ -414,3 +414,45 @@ fn invariant_the_readme_is_short_and_the_index_has_every_page() {
         assert!(!is_page || listed.contains(&name), "docs/README.md does not list {name}");
     }
 }
+
+/// The names that the crate's root shows: its public modules and re-exports that are not hidden from the documentation.
+fn shown_names(root: &str) -> BTreeSet<String> {
+    let (mut shown, mut hidden) = (BTreeSet::new(), false);
+    for line in root.lines() {
+        if line.starts_with("#[") {
+            hidden |= line == "#[doc(hidden)]";
+            continue;
+        }
+        let public = line.strip_prefix("pub ").filter(|_| !hidden);
+        hidden = false;
+        let Some(item) = public else { continue };
+        if let Some(module) = item.strip_prefix("mod ") {
+            shown.insert(module.trim_end_matches([';', '{', '}', ' ']).to_owned());
+            continue;
+        }
+        let path = item.strip_prefix("use ").and_then(|path| path.strip_suffix(';'));
+        let path = path.unwrap_or_else(|| panic!("neither a module nor a re-export in one line: {line}"));
+        let names = path.rsplit_once("::").map_or(path, |(_, names)| names);
+        let names = names.trim_matches(['{', '}']).split(',').map(|name| name.trim().to_owned());
+        shown.extend(names);
+    }
+    shown
+}
+
+#[test]
+fn invariant_the_library_shows_what_the_design_page_lists() {
+    let read = |path: &str| fs::read_to_string(root().join(path)).expect("a file of the repository");
+    let design = read("docs/design.md");
+    let (_, section) = design.split_once("### What the library shows\n").expect("its section");
+    let listed = section.split("All else").next().expect("a list");
+    let listed: BTreeSet<String> = listed
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .map(str::to_owned)
+        .filter(|name| name != "vibro-impact")
+        .collect();
+    let shown = shown_names(&read("src/lib.rs"));
+    assert!(shown.contains("simulator") && shown.contains("State") && !shown.contains("flow"), "{shown:?}");
+    assert_eq!(shown, listed);
+}

@@ -146,10 +146,25 @@ fn second_method_roots_of_any_multiplicity() {
     assert!(subdivided > 1000, "{subdivided}");
 }
 
+/// No polynomial needs as many pieces as are allowed. Where the curvature of degree d is not certain, one of its roots is within 1/(2^(1/d) - 1) half
+/// lengths of the piece's centre, and the centres are two half lengths apart.
+#[test]
+fn closed_form_the_allowed_pieces_are_more_than_any_polynomial_needs() {
+    for degree in 1..=MAX_COEFFICIENTS - 3 {
+        let within = 1.0 / (2f64.powf(1.0 / degree as f64) - 1.0);
+        let about_a_root = (within + 1.0).floor() as u32;
+        let most = 1 + 2 * MAX_DEPTH * about_a_root * degree as u32;
+        assert!(most < MAX_PIECES, "{degree}: {most}");
+    }
+}
+
 #[test]
 fn closed_form_nothing_passes_zero_in_zero_or_noise() {
     let mut n = 0;
     assert_eq!(first_crossing(&[0.0; 9], -1.0, 1.0, &mut n), None);
+    // A constant above zero, which breaks the requirement, counts as zero and is answered soon too.
+    assert_eq!(first_crossing(&[1e-17, 0.0, 0.0, 0.0], -1.0, 1.0, &mut n), Some(-1.0));
+    assert!(n < 100, "{n}");
     // Alternating round-off about zero: whatever is answered, it is answered soon.
     let noise: [f64; 9] = std::array::from_fn(|k| if k % 2 == 0 { -1e-300 } else { 1e-300 });
     first_crossing(&noise, -1.0, 1.0, &mut n);

@@ -12,6 +12,7 @@ use crate::model::{
 /// so that it is reach^n/(n-1)! and not reach^n/n!.
 pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
     assert!(coefficients >= 7, "the bound on a coefficient holds from order seven on");
+    assert!(reach < coefficients as f64, "the terms left out fall from the first on");
     let mut term = reach;
     let mut k = 1;
     while k < coefficients {

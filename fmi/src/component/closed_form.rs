@@ -3,7 +3,7 @@
 use super::problem::Problem;
 use super::settings::SolutionMode;
 use super::steady::{ORDERS, Solution};
-use super::values::{OutputValues, coupling_force, indicators_of};
+use super::values::{Approach, OutputValues, coupling_force};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
@@ -334,7 +334,7 @@ impl ClosedForm {
             relative: (y[1], y[4]),
             contact_force: 0.0,
             coupling_force: coupling_force(p, &state.x),
-            indicators: indicators_of(p, Contact::Flight, y[1], 0.0),
+            indicators: Approach::new(p, y[1], 0.0).indicators(Contact::Flight),
             mechanical: energy::mechanical(p, &y),
             input: data.input + total(0),
             damped: data.damped + total(1),

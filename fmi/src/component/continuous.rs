@@ -4,7 +4,7 @@ mod law;
 mod varied;
 
 use super::problem::Problem;
-use super::values::{OutputValues, coupling_force, indicators};
+use super::values::{Approach, OutputValues, coupling_force};
 use super::variation::{Velocities, quadrature, velocities};
 use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
@@ -216,7 +216,8 @@ impl Continuous {
     pub(crate) fn indicators(&self) -> [f64; 3] {
         let (m, State { x, .. }) = (&self.model, &self.data.state);
         let pressing = self.data.contact.side() * self.accelerations().1;
-        indicators(self.data.contact, (m.gap, x[1] - x[0]), pressing, (m.k1 + m.k2, m.drive))
+        let approach = Approach { gap: m.gap, w: x[1] - x[0], pressing, spring: m.k1 + m.k2, drive: m.drive };
+        approach.indicators(self.data.contact)
     }
 
     /// Whether an accepted point is past an event that the host has missed: the block in a stop and moving on, or pulled on in

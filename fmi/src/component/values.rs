@@ -125,31 +125,45 @@ pub struct Tick {
 /// Indicator of what cannot happen in the present contact.
 const IDLE: f64 = 1.0;
 
-/// The event indicators: distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration
-/// that presses the block on (m/s²), in units of the largest that springs and drive make at one gap's displacement. `w` is the
-/// relative displacement (m), `spring` is k1/m1 + k23/m2 (1/s²), `drive` F10/m1 (m/s²).
-pub(crate) fn indicators(
-    contact: Contact,
-    (gap, w): (f64, f64),
-    pressing: f64,
-    (spring, drive): (f64, f64),
-) -> [f64; 3] {
-    match contact {
-        Contact::Flight => [(gap - w) / gap, (gap + w) / gap, IDLE],
-        Contact::RestUpper | Contact::RestLower => {
-            let scale = spring * gap + drive.abs();
-            [IDLE, IDLE, if scale > 0.0 { pressing / scale } else { pressing }]
+/// What the event indicators are made of.
+pub(crate) struct Approach {
+    /// L, m.
+    pub gap: f64,
+    /// The relative displacement, m.
+    pub w: f64,
+    /// The free relative acceleration that presses the block on, m/s².
+    pub pressing: f64,
+    /// k1/m1 + k23/m2, 1/s².
+    pub spring: f64,
+    /// F10/m1, m/s².
+    pub drive: f64,
+}
+
+impl Approach {
+    /// From the parameters, where the block presses with a contact force (N).
+    pub(crate) fn new(p: &Parameters, w: f64, contact_force: f64) -> Self {
+        Self {
+            gap: p.stop_gap,
+            w,
+            pressing: contact_force * (1.0 / p.box_mass + 1.0 / p.block_mass),
+            spring: p.box_stiffness / p.box_mass + p.coupling_stiffness / p.block_mass,
+            drive: p.drive_amplitude / p.box_mass,
+        }
+    }
+
+    /// The event indicators: distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration that
+    /// presses the block on, in units of the largest that springs and drive make at one gap's displacement.
+    pub(crate) fn indicators(&self, contact: Contact) -> [f64; 3] {
+        let Self { gap, w, pressing, spring, drive } = *self;
+        match contact {
+            Contact::Flight => [(gap - w) / gap, (gap + w) / gap, IDLE],
+            Contact::RestUpper | Contact::RestLower => {
+                let scale = spring * gap + drive.abs();
+                [IDLE, IDLE, if scale > 0.0 { pressing / scale } else { pressing }]
+            }
         }
     }
 }
-
-/// The same from the parameters, where the block presses with a contact force (N).
-pub(crate) fn indicators_of(p: &Parameters, contact: Contact, w: f64, contact_force: f64) -> [f64; 3] {
-    let pressing = contact_force * (1.0 / p.box_mass + 1.0 / p.block_mass);
-    let spring = p.box_stiffness / p.box_mass + p.coupling_stiffness / p.block_mass;
-    indicators(contact, (p.stop_gap, w), pressing, (spring, p.drive_amplitude / p.box_mass))
-}
-
 /// Force in the coupling spring, k23 (x2 - x3), N.
 pub(crate) fn coupling_force(p: &Parameters, x: &[f64; 3]) -> f64 {
     p.coupling_stiffness * (x[1] - x[2])
@@ -170,7 +184,7 @@ impl OutputValues {
             relative,
             contact_force,
             coupling_force: coupling_force(simulator.parameters(), &x),
-            indicators: indicators_of(simulator.parameters(), contact, relative.0, contact_force),
+            indicators: Approach::new(simulator.parameters(), relative.0, contact_force).indicators(contact),
             mechanical,
             input,
             damped,
