@@ -2,6 +2,8 @@
 #![cfg(target_os = "linux")] // looks into /proc
 #![allow(unsafe_code)] // calls one function by name
 
+mod common;
+
 use fmu_build::{compile, host};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,6 +21,8 @@ const GROWTH: u64 = 256 << 10;
 /// Names the library to the process that loads it, and what to do with it.
 const LIBRARY: &str = "VIBRO_IMPACT_LOADING";
 const PANIC: &str = "VIBRO_IMPACT_PANIC";
+/// Its token and the reference of the time, parted by a blank.
+const COMPONENT: &str = "VIBRO_IMPACT_COMPONENT";
 
 /// Resident memory of this process in bytes.
 fn resident() -> u64 {
@@ -34,11 +38,13 @@ fn is_mapped(library: &Path) -> bool {
 
 /// Loads, instantiates, steps, makes an error, frees, unloads.
 fn simulate(library: &Path) {
+    let component = std::env::var(COMPONENT).unwrap();
+    let (token, time) = component.split_once(' ').unwrap();
     let binary = host::Binary::load(library).unwrap();
-    let mut instance = binary.instantiate(&description::guid()).unwrap();
+    let mut instance = binary.instantiate(token).unwrap();
     instance.initialize(0.0).unwrap();
     instance.step(0.0, 30.0).unwrap();
-    assert_eq!(instance.real(&[reference("time")]).unwrap(), [30.0]);
+    assert_eq!(instance.real(&[time.parse().unwrap()]).unwrap(), [30.0]);
     assert!(instance.step(0.0, 1.0).is_err());
     assert!(is_mapped(library));
 }
@@ -71,12 +77,14 @@ fn cycles() {
     println!("{growth} bytes more after {CYCLES} cycles");
 }
 
-fn in_its_own_process(library: &Path, panic: bool) {
+/// Loads it over and over with a component's token and the reference of its time; without one, it panics.
+fn in_its_own_process(library: &Path, component: Option<(&str, u32)>) {
     let mut child = Command::new(std::env::current_exe().unwrap());
     child.args(["--exact", "cycles", "--nocapture"]).env(LIBRARY, library).env("RUST_BACKTRACE", "1");
-    if panic {
-        child.env(PANIC, "1");
-    }
+    match component {
+        Some((token, time)) => child.env(COMPONENT, format!("{token} {time}")),
+        None => child.env(PANIC, "1"),
+    };
     let output = child.output().unwrap();
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success() && out.contains("cycles"), "{out}{err}");
@@ -86,12 +94,21 @@ fn in_its_own_process(library: &Path, panic: bool) {
 
 #[test]
 fn two_hundred_load_unload_cycles_leave_nothing_behind() {
-    in_its_own_process(&compile::at_hand().unwrap(), false);
+    let component = (&*description::guid(), reference("time"));
+    in_its_own_process(&compile::at_hand().unwrap(), Some(component));
+}
+
+#[test]
+fn nor_do_those_of_the_second_component() {
+    let (folder, library) = common::ball::described("loaded-ball");
+    let text = std::fs::read_to_string(folder.join("fmi2/modelDescription.xml")).unwrap();
+    let token = text.split("guid=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+    in_its_own_process(&library, Some((token, 1)));
 }
 
 #[test]
 fn nor_do_two_hundred_with_a_panic() {
-    in_its_own_process(&panicking(), true);
+    in_its_own_process(&panicking(), None);
 }
 
 /// The library of `tests/panicking/`, which cargo compiled for this test and which lies beside it.

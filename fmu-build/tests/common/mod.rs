@@ -1,6 +1,7 @@
 //! What the library exports; code blocks of pages.
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
+pub mod ball;
 pub mod python;
 
 use std::collections::BTreeSet;
