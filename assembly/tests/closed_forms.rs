@@ -3,7 +3,11 @@
 mod common;
 
 use common::*;
+use nalgebra::DVector;
+use vibro_assembly::Assembly;
 use vibro_assembly::description::*;
+use vibro_assembly::law::Sizes;
+use vibro_assembly::law::impact::Instant;
 use vibro_assembly::motion::EventKind;
 
 /// Some roundings of numbers of order one, and of sums of a few hundred of them.
@@ -228,4 +232,49 @@ fn closed_form_redundant_stops() {
     m.advance_to(5.0).unwrap();
     assert_eq!(m.body(0)[0..2], [0.0, 0.0]);
     assert!((m.stop(0)[2] + m.stop(1)[2] - 2.0 * 9.81).abs() < ROUNDING * 10.0);
+}
+
+/// A light body that rests at a wall, and one of mass 1 that touches it with a speed.
+fn anvil(mass: f64, speed: f64) -> Description {
+    Description {
+        bodies: vec![body("light", mass, 0.0, 0.0), body("heavy", 1.0, 0.0, speed)],
+        stops: vec![rigid("wall", &[(0, 1.0)], 0.0, 0.5), rigid("contact", &[(0, -1.0), (1, 1.0)], 0.0, 0.0)],
+        ..Description::default()
+    }
+}
+
+#[test]
+fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
+    // The heavy body drives the light one against the wall, where both stop; then a load draws them away together. The two impulses on the light body
+    // cancel but for rounding, which is all that its speed has ever been.
+    for k in 1..100 {
+        let (mass, speed) = (0.83f64.powi(k), 0.37 * k as f64);
+        let mut d = anvil(mass, speed);
+        d.loads.push(Load { name: "load".into(), body: 0, force: constant(-1.0) });
+        let mut motion = motion(d);
+        let all = events(&mut motion, 1.0);
+        assert!(all.is_empty(), "{k}: {all:?}");
+        let way = -0.5 / (1.0 + mass);
+        for i in 0..2 {
+            let [s, v, _] = motion.body(i);
+            assert!((s - way).abs() < ROUNDING && (v - 2.0 * way).abs() < ROUNDING, "{k}, body {i}: {s} {v}");
+            assert_eq!(motion.impacts(i).0, 1, "{k}");
+        }
+    }
+}
+
+#[test]
+fn invariant_an_impact_without_impulse_ends_the_sequence() {
+    // A speed of the light body that is rounding beside what counts as zero of the heavy one's.
+    let machine = Assembly::new(anvil(0.01, 0.0)).unwrap();
+    let system = machine.system();
+    let mut z = DVector::zeros(system.signals.size);
+    z[system.coordinates] = 1e-16;
+    let before = z.clone();
+    let mut sizes = Sizes(z.clone());
+    sizes.0[system.coordinates + 1] = 1.0;
+    let instant = Instant { system, sizes: &sizes, touching: &[0, 1], restitution: &[0.5, 0.0] };
+    let impacts = instant.collide(&mut z).unwrap();
+    assert!(impacts.sequence.is_empty() && !impacts.projected, "{}", impacts.sequence.len());
+    assert_eq!(z, before);
 }

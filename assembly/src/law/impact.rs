@@ -29,6 +29,9 @@ pub struct Impacts {
     pub projected: bool,
     /// Energy that the projection took, J.
     pub projected_loss: f64,
+    /// By coordinate the largest sum of the sizes by which the impulses of one impact have changed its velocity; nothing where there was
+    /// one impulse in all. What several leave of a velocity together has the rounding of this size.
+    pub shares: Vec<f64>,
 }
 
 /// The velocities at an instant and the stops that touch there.
@@ -53,14 +56,15 @@ impl Instant<'_> {
     /// # Errors
     /// [`Jam`], whose contacts are places of stops.
     pub fn collide(&self, z: &mut DVector<f64>) -> Result<Impacts, Jam> {
-        let mut impacts = Impacts::default();
+        let mut impacts = Impacts { shares: vec![0.0; self.system.coordinates], ..Impacts::default() };
         let mut largest = 0.0f64;
         loop {
             let speeds: Vec<f64> = self.touching.iter().map(|&i| self.speed(i, z)).collect();
             largest = speeds.iter().fold(largest, |most, &u| most.max(u));
             let zero = |place: usize| {
-                let rate = &self.system.stops[self.touching[place]].elongation.rate;
-                (ZERO * largest).max(self.sizes.zero(rate))
+                let e = &self.system.stops[self.touching[place]].elongation;
+                let shares: f64 = e.w.iter().zip(&impacts.shares).map(|(w, share)| w.abs() * share).sum();
+                (ZERO * largest.max(shares)).max(self.sizes.zero(&e.rate))
             };
             if (0..speeds.len()).all(|k| speeds[k] <= zero(k)) {
                 return Ok(impacts);
@@ -75,7 +79,13 @@ impl Instant<'_> {
             let u: Vec<f64> = taking.iter().map(|&k| speeds[k].max(0.0)).collect();
             let zeros: Vec<f64> = taking.iter().map(|&k| zero(k)).collect();
             let impact = self.impact(&stops, &u, &zeros, z)?;
+            // One without impulse has changed nothing, and nothing would follow but the same again: speeds on one body that all count as
+            // zero beside what counts as zero of the others.
+            if impact.stops.is_empty() {
+                return Ok(impacts);
+            }
             impacts.sequence.push(impact);
+            self.take_shares(&mut impacts);
         }
     }
 
@@ -93,6 +103,18 @@ impl Instant<'_> {
         }
         self.apply(stops, &p, z);
         Ok(impact)
+    }
+
+    /// Takes in the sizes of what the last impact's impulses change the velocities by. The first impact of one stop alone needs no more than
+    /// the sizes of the velocities before and after it.
+    fn take_shares(&self, impacts: &mut Impacts) {
+        let alone = matches!(&impacts.sequence[..], [first] if first.stops.len() < 2);
+        let Some(impact) = impacts.sequence.last().filter(|_| !alone) else { return };
+        for (k, share) in impacts.shares.iter_mut().enumerate() {
+            let of =
+                |&(stop, _, p): &(usize, f64, f64)| p * self.system.stops[stop].elongation.mobility[k].abs();
+            *share = share.max(impact.stops.iter().map(of).sum());
+        }
     }
 
     /// The part of a stop's closing speed that prescribed bodies make.

@@ -35,6 +35,12 @@ impl Sizes {
     /// Takes in a state.
     #[inline(always)]
     pub fn include(&mut self, z: &[f64]) {
-        self.0.as_mut_slice().iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
+        self.include_from(0, z);
+    }
+
+    /// Takes in coordinates of the state, the first of them at a place.
+    #[inline(always)]
+    pub fn include_from(&mut self, first: usize, z: &[f64]) {
+        self.0.as_mut_slice()[first..].iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
     }
 }

@@ -176,6 +176,7 @@ impl Motion {
             let impacts = instant.collide(&mut z).map_err(|jam| self.jammed(&jam))?;
             self.hybrid.z = z;
             self.hybrid.sizes.include(self.hybrid.z.as_slice());
+            self.hybrid.sizes.include_from(system.coordinates, &impacts.shares);
             if impacts.sequence.is_empty() {
                 return Ok((impacts, closing));
             }
