@@ -4,7 +4,7 @@
 mod common;
 
 use fmu_build::compile::PLATFORM;
-use fmu_build::platforms::{self, PLATFORMS, Platform};
+use fmu_build::platforms::{PLATFORMS, Platform};
 use fmu_build::version::Version;
 use fmu_build::{archive, inspect, package};
 use std::path::Path;

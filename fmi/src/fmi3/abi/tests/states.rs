@@ -139,10 +139,10 @@ fn every_cell_of_both_state_machines() {
     for interface in [Interface::CoSimulation, Interface::ModelExchange] {
         for stage in STAGES {
             for function in FUNCTIONS {
-                let Some(host) = brought_to(interface, stage) else { continue };
                 if *function == Function::FreeInstance {
                     continue; // every instance is freed, in every state but inside a callback
                 }
+                let Some(host) = brought_to(interface, stage) else { continue };
                 let saved = |host: &Box3| {
                     let shared = unsafe { &*host.c.cast::<Shared<Instance>>() };
                     let instance = &mut shared.instance.borrow_mut().0;
