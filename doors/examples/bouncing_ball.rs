@@ -75,7 +75,7 @@ impl Ball {
     }
 
     fn bounce(&mut self, log: &mut dyn Log) {
-        self.bounces += 1;
+        self.bounces = self.bounces.saturating_add(1);
         (self.height, self.speed) = (0.0, -self.restitution * self.speed);
         if 2.0 * self.speed < REST * self.gravity {
             (self.speed, self.resting) = (0.0, true);

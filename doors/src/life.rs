@@ -148,12 +148,20 @@ impl Life {
     /// has no such phase, the motion goes on from there.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for one of the other interface type; nothing has changed then.
+    /// [`Problem::SavedState`] for one of the other interface type, or in a phase in which nothing is saved, as damaged bytes may say;
+    /// nothing has changed then.
     pub fn take_over(&mut self, saved: &Self) -> Result<(), Problem> {
         if saved.interface != self.interface {
             let (its, own) = (saved.interface.name(), self.interface.name());
             let what = format!("it is of {its}, this instance is of {own}").into();
             return Err(Problem::SavedState { what });
+        }
+        let foreign = match self.interface {
+            Interface::CoSimulation => Phase::Continuous,
+            Interface::ModelExchange => Phase::Step,
+        };
+        if [foreign, Phase::Broken].contains(&saved.phase) {
+            return Err(Problem::SavedState { what: "nothing is saved in its phase".into() });
         }
         (self.phase, self.experiment) = (saved.phase, saved.experiment);
         let stepping = self.interface == Interface::CoSimulation && !self.handling.event_mode;
