@@ -4,34 +4,13 @@
 
 mod common;
 
+#[path = "../../tests/common/allocations.rs"]
+mod allocations;
+
+use allocations::COUNT;
 use common::*;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;
-
-thread_local! {
-    /// Allocations of a test's own thread: the harness allocates in others meanwhile.
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: hands everything on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.set(COUNT.get() + 1);
-        // SAFETY: as the caller vouches.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as the caller vouches.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// A box on a mount, driven by a load and at its base, with a block between a rigid stop and a buffer.
 fn damper() -> Description {

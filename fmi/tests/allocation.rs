@@ -1,8 +1,10 @@
 //! Stepping, getting and setting allocate nothing, nor does a motion of a queue. Alone in its process, since it has an allocator of its own.
 #![allow(unsafe_code)] // an allocator is one, and so is the C interface
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+#[path = "../../tests/common/allocations.rs"]
+mod allocations;
+
+use allocations::COUNT;
 use std::ffi::CString;
 use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
@@ -13,29 +15,6 @@ use vibro_impact::Parameters;
 use vibro_impact::simulator::{
     Event, Maximum, MotionQueue, Plan, Reports, Simulator, State, TOGETHER, advance_queue,
 };
-
-thread_local! {
-    /// Allocations of a test's own thread: the harness allocates in others meanwhile.
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: hands everything on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.set(COUNT.get() + 1);
-        // SAFETY: as the caller vouches.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as the caller vouches.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Motions of different systems, a tenth of them with rest, of which all is reported.
 #[derive(Default)]
