@@ -45,6 +45,9 @@ impl Plan {
             co_simulation: Some(CoSimulation {
                 can_interpolate_inputs: true,
                 max_output_derivative_order: OUTPUT_ORDER,
+                recommended_intermediate_input_smoothness: 3,
+                provides_intermediate_update: true,
+                can_return_early_after_intermediate_update: true,
                 might_return_early_from_do_step: true,
                 has_event_mode: true,
                 ..CoSimulation::default()
@@ -56,7 +59,7 @@ impl Plan {
                 provides_adjoint_derivatives: true,
                 ..Capabilities::default()
             },
-            units: declared().map(Declared::unit).collect(),
+            units: declared().filter_map(Declared::unit).collect(),
             types,
             log_categories: fmi_doors::messages::log_categories(
                 "Impacts, stops that open or close, friction that sticks or slips, knots of signals",
@@ -117,14 +120,15 @@ impl Plan {
         let causality = match row.role {
             Role::Independent => Causality::Independent,
             Role::Parameter | Role::Tunable => Causality::Parameter,
-            Role::Local => Causality::Local,
+            Role::Local | Role::Sensitivity => Causality::Local,
             Role::Input => Causality::Input,
             Role::Output | Role::Discrete => Causality::Output,
         };
         let declared = Declared::of(row.unit).declared_type();
         let (name, meaning) = (row.name.clone(), row.meaning.clone());
         let real = Variable {
-            intermediate_update: false,
+            intermediate_update: row.is_seen_within_steps(),
+            dimensions: row.dimensions.clone(),
             ..Variable::real(reference, name, &declared, causality, meaning)
         };
         match (row.quantity, row.base) {

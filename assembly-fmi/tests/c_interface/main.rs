@@ -4,6 +4,7 @@
 mod derivatives;
 mod exchange;
 mod host;
+mod intermediate;
 mod parameters;
 mod resources;
 mod steps;
