@@ -15,8 +15,9 @@ use vibro_assembly::description::{BodyKind, Harmonic};
 const PERIODS: f64 = 20.0;
 /// What it runs without any, s.
 const DURATION: f64 = 10.0;
-/// Steps in either.
+/// Steps in either, and steps that are exact parts of any duration.
 const STEPS: f64 = 1000.0;
+const STEPS_OF_ANY: f64 = 1024.0;
 
 impl Plan {
     /// What the model description says of this machine.
@@ -38,7 +39,8 @@ impl Plan {
             generation_tool: concat!("vibro-impact ", env!("CARGO_PKG_VERSION")).into(),
             generation_date_and_time: None,
             structured_names: true,
-            model_exchange: Some(ModelExchange {
+            // Without states there is nothing for a host's solver, and one crashes on it.
+            model_exchange: self.has_states().then(|| ModelExchange {
                 needs_completed_integrator_step: true,
                 number_of_event_indicators: self.table.indicators.len(),
             }),
@@ -76,6 +78,11 @@ impl Plan {
             initial_unknowns: outputs().map(|(reference, _)| Unknown::on_anything(reference)).collect(),
             event_indicators: self.table.indicators.iter().copied().map(Unknown::on_anything).collect(),
         }
+    }
+
+    /// Whether a body moves by forces, so that Model Exchange is offered.
+    pub(crate) fn has_states(&self) -> bool {
+        !self.assembly.states().is_empty()
     }
 
     /// What the machine is, in a line.
@@ -185,7 +192,10 @@ impl Plan {
         let frequencies = harmonics.map(|Harmonic { frequency, .. }| *frequency);
         let slowest = frequencies.min_by(f64::total_cmp);
         let stop_time = slowest.map_or(DURATION, |frequency| PERIODS / frequency);
-        Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size: stop_time / STEPS }
+        // Importers exist that want the quotient of both to be a whole number, rounding or not.
+        let divides = |step_size: &f64| (stop_time / step_size).fract() == 0.0;
+        let step_size = Some(stop_time / STEPS).filter(divides).unwrap_or(stop_time / STEPS_OF_ANY);
+        Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size }
     }
 
     /// The text of `modelDescription.xml` of a version.

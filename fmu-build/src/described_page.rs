@@ -12,7 +12,7 @@ const STYLE: &str = "body{font-family:sans-serif;max-width:60rem;margin:2rem aut
     svg{max-width:100%;height:auto}code{white-space:nowrap}";
 
 /// Sections of the table: heading, what stands under it, roles.
-const SECTIONS: [(&str, &str, &[Role]); 4] = [
+const SECTIONS: [(&str, &str, &[Role]); 5] = [
     ("Inputs", "Added to a signal of the file; 0 until they are set.", &[Role::Input]),
     (
         "Outputs",
@@ -25,6 +25,11 @@ const SECTIONS: [(&str, &str, &[Role]); 4] = [
         &[Role::Parameter, Role::Tunable],
     ),
     ("Event indicators", "For the solver of a host in Model Exchange.", &[Role::Local]),
+    (
+        "Derivatives over a step",
+        "Read before an event's law they lack its jump, after it they have it.",
+        &[Role::Sensitivity],
+    ),
 ];
 
 /// The page. Names and units consist of letters, digits and signs to which HTML gives no meaning.
