@@ -39,8 +39,7 @@ impl Plan {
             generation_tool: concat!("vibro-impact ", env!("CARGO_PKG_VERSION")).into(),
             generation_date_and_time: None,
             structured_names: true,
-            // Without states there is nothing for a host's solver, and one crashes on it.
-            model_exchange: self.has_states().then(|| ModelExchange {
+            model_exchange: Some(ModelExchange {
                 needs_completed_integrator_step: true,
                 number_of_event_indicators: self.table.indicators.len(),
             }),
@@ -78,11 +77,6 @@ impl Plan {
             initial_unknowns: outputs().map(|(reference, _)| Unknown::on_anything(reference)).collect(),
             event_indicators: self.table.indicators.iter().copied().map(Unknown::on_anything).collect(),
         }
-    }
-
-    /// Whether a body moves by forces, so that Model Exchange is offered.
-    pub(crate) fn has_states(&self) -> bool {
-        !self.assembly.states().is_empty()
     }
 
     /// What the machine is, in a line.

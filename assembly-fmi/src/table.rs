@@ -284,7 +284,7 @@ impl Table {
                             last step";
         let inputs = 4 * self.inputs.len();
         let mut push = |name: &str, meaning: String, columns: usize, quantity: Quantity| {
-            if states * columns > 0 {
+            if columns > 0 {
                 let text = format!("{ROWS} by {meaning}, through all its events, in SI units");
                 self.push(name.into(), &text, NO_UNIT, Role::Sensitivity, quantity);
                 self.rows.iter_mut().rev().take(1).for_each(|row| row.dimensions = vec![states, columns]);

@@ -25,11 +25,7 @@ impl Component for Machine {
     const EARLY_END: EarlyEnd = EarlyEnd { event: "event", because: "since the host handles events" };
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
-        let plan = Plan::asked_for(request)?;
-        if request.interface == Interface::ModelExchange && !plan.has_states() {
-            return Err(Problem::NotOffered { what: "Model Exchange of a machine without states" }.into());
-        }
-        Ok(Self::new(Arc::new(plan), request.life()))
+        Ok(Self::new(Arc::new(Plan::asked_for(request)?), request.life()))
     }
 
     fn life(&self) -> &Life {

@@ -225,26 +225,3 @@ fn closed_form_the_jacobian_of_a_spring() {
     }
     unsafe { fmi3FreeInstance(c) };
 }
-
-#[test]
-fn a_machine_without_states_has_no_model_exchange() {
-    let text = "name = \"Cam\"\n[body.cam]\nmotion = { amplitude = 1.0, frequency = 1.0 }\n\
-                [spring.s]\nbetween = [\"ground\", \"cam\"]\nstiffness = 2.0\n";
-    let plan = Plan::new(text.into(), FILE).unwrap().with_arrays();
-    assert_eq!(plan.description().model_exchange, None);
-    assert_eq!(plan.table.reference("step.transition"), None);
-    let cam = Instance::of("cam", &plan, false);
-    cam.begin();
-    cam.step(0.0, 0.25);
-    assert!((cam.get("s.f") - 2.0).abs() < 1e-15 && cam.get("energy.residual").abs() < 1e-14);
-    let (token, folder) = (CString::new(plan.token()).unwrap(), resources("cam", &plan));
-    let folder = CString::new(folder.to_str().unwrap()).unwrap();
-    let mut messages: Vec<String> = Vec::new();
-    let host = std::ptr::from_mut(&mut messages).cast();
-    let (token, folder) = (token.as_ptr(), folder.as_ptr());
-    let c = unsafe { fmi3InstantiateModelExchange(c"a".as_ptr(), token, folder, 0, 1, host, Some(keep)) };
-    assert!(
-        c.is_null() && messages[0].contains("Model Exchange of a machine without states"),
-        "{messages:?}"
-    );
-}
