@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
 use fmu_build::assembly;
-use fmu_build::compile::Library;
+use fmu_build::compile::Product;
 use fmu_build::kit::Kit;
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
@@ -141,7 +141,7 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
         true => package::build_all(&output, &versions, live.as_deref())?,
         false => {
             let binaries =
-                if arguments.portable { platforms::own(Library::Vibro)? } else { platforms::at_hand()? };
+                if arguments.portable { platforms::own(Product::Vibro)? } else { platforms::at_hand()? };
             package::write(&output, &versions, &binaries, live.as_deref()).map(|()| Vec::new())?
         }
     };
