@@ -12,6 +12,7 @@ fmuCheck (FMI Library) where they are on PATH. They are named where they are not
 
 import argparse
 import csv
+import functools
 import os
 import re
 import shutil
@@ -140,11 +141,12 @@ def difference(got, expected, states=slice(1, 7)):
                for a, b in zip(times[round(row[0] * 1e6)], row[states]))
 
 
+@functools.cache
 def native_assembly(file, names, step, steps):
     """The engine's own values at the communication points of a machine of a file."""
     folder = TARGET / "native"
     run(["cargo", "run", "--quiet", "--bin", "vibro", "--", "assembly", "run", ROOT / "examples/assembly" / f"{file}.toml",
-         "--until", f"{step * steps!r}s", "--samples", steps, "--out", folder])
+         "--until", f"{step * steps!r}s", "--samples", steps, "--out", folder, "--replace"])
     return table((folder / "states.csv").read_text(), names)
 
 
