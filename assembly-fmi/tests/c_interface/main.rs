@@ -7,6 +7,8 @@ mod derivatives;
 mod exchange;
 mod host;
 mod intermediate;
+#[path = "../common/machines.rs"]
+mod machines;
 mod parameters;
 mod random_calls;
 mod resources;
