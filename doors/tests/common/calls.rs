@@ -5,6 +5,7 @@ use super::bouncing_ball::*;
 use fmi_doors::fmi2::abi::FmiComponent;
 use fmi_doors::fmi2::types::FmiEventInfo;
 use fmi_doors::fmi3::abi::FmiInstance;
+use fmi_doors::tabular::FromTable;
 use std::ffi::{CString, c_int, c_void};
 use std::ptr::{null, null_mut};
 
@@ -157,7 +158,7 @@ unsafe fn call_fmi3(
 }
 
 fn token() -> CString {
-    CString::new(&*description().token).unwrap()
+    CString::new(FromTable::<Ball>::token()).unwrap()
 }
 
 /// Calls of FMI 2.0 on an instance of the interface type 0 or 1.
