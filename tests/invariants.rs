@@ -101,6 +101,31 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
     }
 }
 
+/// In steps within an interval the damping in flight is found by another rule, half an interval long or all of it.
+#[test]
+fn invariant_energy_balance_in_short_steps() {
+    /// Of the energy that passed through (docs/guarantees.md).
+    const BOUND: f64 = 1e-12;
+    const STEPS: u32 = 10_000;
+    let basic = basic(1.5, 0.75);
+    // Here the drive itself is the fastest rate: the rules' errors are largest.
+    let fast = Parameters { drive_frequency: 50.0, drive_amplitude: 50.0, ..basic };
+    for p in [basic, fast] {
+        let interval = 0.15 / Model::new(&p).unwrap().rate;
+        for part in [0.99, 0.49, 0.1] {
+            let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+            let first = simulator.energy_accounts().mechanical;
+            for n in 1..=STEPS {
+                simulator.advance_to(f64::from(n) * part * interval).unwrap();
+            }
+            let l = simulator.energy_accounts();
+            let error = l.mechanical - first - l.input + l.damped + l.impact;
+            let passed = first.max(l.mechanical).max(l.damped).max(l.input);
+            assert!(error.abs() < BOUND * passed, "{part} of an interval: {error:e} of {passed}");
+        }
+    }
+}
+
 #[test]
 fn second_method_drive_work_in_closed_form_and_by_quadrature() {
     /// Rounding over 300 periods. Loads of no size have their work, and with it the drive's, found by quadrature.
