@@ -363,3 +363,44 @@ fn closed_form_many_short_steps_add_up_a_rounding_each() {
         assert!(step != 1e-8 || each > 0.1, "{each}: docs/guarantees.md says that they may add up");
     }
 }
+
+/// A block on a stop, all forces on which cancel but for a load that falls by next to nothing: its speed is rounding over a whole sub-step and
+/// longer, and rounding may add impacts, rests and releases. They do not move it.
+#[test]
+fn closed_form_a_block_that_hardly_any_force_moves_stays_at_its_stop() {
+    /// Speeds that are rounding, in gaps times the fastest rate, and the gap, as in docs/guarantees.md.
+    const SPEED: f64 = 20.0 * f64::EPSILON;
+    const NEAR: f64 = 2e-12;
+    const END: f64 = 1000.0;
+    let mut added = 0;
+    for kappa in [0.0, 0.5, 1.0] {
+        let p = Parameters { drive_amplitude: 0.0, stop_restitution: kappa, ..Parameters::default() };
+        let (rate, hold) = (Model::new(&p).unwrap().rate, p.coupling_stiffness * p.stop_gap);
+        // From about ε/100 of what would move it by a gap in the time 1/rate on.
+        for ramp in [1e-18, 1e-20, 1e-22, 1e-25] {
+            for step in [END, 0.3, 0.01] {
+                let start = State { x: [0.0, p.stop_gap, 0.0], v: [0.0; 3] };
+                let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+                let load = [hold + 10.0 * ramp, -ramp, 0.0, 0.0];
+                let derivatives = [[0.0; 4], load, [-hold, 0.0, 0.0, 0.0]];
+                simulator.set_loads(&Loads { derivatives }).unwrap();
+                for n in 1..=(END / step) as u32 {
+                    simulator
+                        .advance_observed(f64::from(n) * step, &mut |event| {
+                            if let Event::Impact { speed, .. } = *event {
+                                added += 1;
+                                assert!(
+                                    speed < SPEED * rate * p.stop_gap,
+                                    "{kappa} {ramp:e} {step}: {speed:e}"
+                                );
+                            }
+                        })
+                        .unwrap();
+                    let (w, _) = simulator.relative_motion();
+                    assert!(p.stop_gap - w < NEAR * p.stop_gap, "{kappa} {ramp:e} {step}: {w}");
+                }
+            }
+        }
+    }
+    assert!(added > 1000, "{added}: docs/guarantees.md says that there may be thousands");
+}

@@ -295,8 +295,10 @@ impl Simulator {
                         <= START_ROUNDING * (self.model.gap + p.iter().map(|x| x.abs()).sum::<f64>()),
                     "the block is beyond a stop where a search begins: {p:?}"
                 );
-                let hi = found.map_or(hi, |(u, _)| u);
-                if let Some(u) = first_crossing(&p, lo, hi, iterations) {
+                // Over the whole way, also behind a passage of the other stop, so that a motion and its mirror image have the same bits.
+                if let Some(u) = first_crossing(&p, lo, hi, iterations)
+                    && found.is_none_or(|(first, _)| u < first)
+                {
                     found = Some((u, side));
                 }
             }
