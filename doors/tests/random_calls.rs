@@ -8,13 +8,14 @@ mod calls;
 
 use bouncing_ball as component;
 use calls::{Random, Target, run_fmi2, run_fmi3};
+use fmi_doors::tabular::FromTable;
 use std::ffi::CString;
 
 /// Calls a run.
 const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
 
 fn ball() -> Target {
-    let token = CString::new(&*component::description().token).unwrap();
+    let token = CString::new(FromTable::<component::Ball>::token()).unwrap();
     Target { token, resources: None, references: 11, input: None }
 }
 

@@ -9,6 +9,7 @@ mod calls;
 
 use bouncing_ball as component;
 use calls::{Random, Target, run_fmi2, run_fmi3};
+use fmi_doors::tabular::FromTable;
 use libfuzzer_sys::fuzz_target;
 use std::ffi::CString;
 use std::sync::LazyLock;
@@ -17,7 +18,7 @@ use std::sync::LazyLock;
 const CALLS: usize = 64;
 
 static BALL: LazyLock<Target> = LazyLock::new(|| {
-    let token = CString::new(&*component::description().token).expect("no null byte");
+    let token = CString::new(FromTable::<component::Ball>::token()).expect("no null byte");
     Target { token, resources: None, references: 11, input: None }
 });
 
