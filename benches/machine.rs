@@ -22,7 +22,10 @@ fn chain() -> String {
     for i in 0..10 {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "[body.b{i}]\nmass = 1.0");
-        let _ = writeln!(text, "[spring.g{i}]\nbetween = [\"ground\", \"b{i}\"]\nstiffness = 20.0\ndamping = 0.2");
+        let _ = writeln!(
+            text,
+            "[spring.g{i}]\nbetween = [\"ground\", \"b{i}\"]\nstiffness = 20.0\ndamping = 0.2"
+        );
         if i > 1 {
             let _ = writeln!(text, "[spring.k{i}]\nbetween = [\"b{}\", \"b{i}\"]\nstiffness = 40.0", i - 1);
         }
@@ -41,6 +44,9 @@ fn timed(work: &mut dyn FnMut()) -> f64 {
     work();
     begin.elapsed().as_secs_f64()
 }
+
+/// A way of making all steps, by its name; it tells the seconds that they take.
+type Way<'a> = (&'a str, Box<dyn FnMut() -> f64 + 'a>);
 
 /// Calls `step` with the time of each step's begin.
 fn steps(mut step: impl FnMut(f64)) -> f64 {
@@ -106,7 +112,7 @@ fn main() {
     let reference = |name: &str| plan.table.reference(name).expect("a variable");
     let input = [reference("load.push.input")];
     let outputs: [u32; 10] = std::array::from_fn(|i| reference(&format!("b{i}.s")));
-    let mut ways: [(&str, Box<dyn FnMut() -> f64>); 5] = [
+    let mut ways: [Way<'_>; 5] = [
         ("the engine alone", Box::new(|| native(&plan, false))),
         (
             "`fmi2DoStep`",

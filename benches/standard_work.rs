@@ -2,7 +2,7 @@
 //! to `benches/README.md`. `cargo bench --bench standard_work`
 
 use fmu_build::archive;
-use fmu_build::compile::{Product, PLATFORM, SHARED_LIBRARY};
+use fmu_build::compile::{PLATFORM, Product, SHARED_LIBRARY};
 use fmu_build::host::Binary;
 use fmu_build::version::Version;
 use fmu_build::{package, platforms};

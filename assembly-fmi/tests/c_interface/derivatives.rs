@@ -158,12 +158,14 @@ fn second_method_derivatives_over_a_step_against_differences_of_steps() {
         let machine = run(size, 0, 0.0);
         assert!(machine.whole("upper.impacts") >= impacts, "{size}");
         let (transition, response) = (matrix(&machine, "step.transition"), matrix(&machine, "step.response"));
-        for changed in 0..5 {
+        let column =
+            |j: usize| [0, 1, 2, 3].map(|i: usize| if j < 4 { transition[i][j] } else { response[i][0] });
+        for (changed, column) in (0..5).map(column).enumerate() {
             let at = |places: f64| states(&run(size, changed, places * STEP));
             let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(at);
             for i in 0..4 {
                 let difference = (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * STEP);
-                let exact = if changed < 4 { transition[i][changed] } else { response[i][0] };
+                let exact = column[i];
                 let error = (exact - difference).abs();
                 assert!(
                     error < DIFFERENCE * (1.0 + exact.abs()),

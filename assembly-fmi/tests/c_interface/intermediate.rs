@@ -11,8 +11,9 @@ use vibro_assembly_fmi::{FILE, Plan};
 #[derive(Default)]
 struct Course {
     c: Option<FmiInstance>,
-    /// The input that it sets, as this function of time.
-    input: Option<(u32, fn(f64) -> f64)>,
+    /// The input that it sets, and as which function of time.
+    input: Option<u32>,
+    course: Option<fn(f64) -> f64>,
     /// What it reads.
     output: u32,
     /// Where it wants the step to end.
@@ -36,7 +37,7 @@ unsafe extern "C-unwind" fn update(
     unsafe { *early = 0 };
     if set != 0 {
         host.asked.push(time);
-        let (reference, value) = host.input.unwrap();
+        let (reference, value) = (host.input.unwrap(), host.course.unwrap());
         assert_eq!(unsafe { fmi3SetFloat64(c, &reference, 1, &value(time), 1) }, OK);
         return;
     }
@@ -53,7 +54,7 @@ unsafe extern "C-unwind" fn update(
 fn instance(plan: &Plan, name: &str, host: &mut Course, event_mode: bool) -> FmiInstance {
     let folder = CString::new(resources(name, plan).to_str().unwrap()).unwrap();
     let token = CString::new(plan.token()).unwrap();
-    let required: Vec<u32> = host.input.iter().map(|input| input.0).collect();
+    let required: Vec<u32> = host.input.into_iter().collect();
     let events = u8::from(event_mode);
     unsafe {
         let c = fmi3InstantiateCoSimulation(
@@ -104,7 +105,8 @@ fn closed_form_an_input_that_is_a_cubic_within_the_step() {
     let reference = |name: &str| plan.table.reference(name).unwrap();
     let push = |t: f64| 1.0 + 2.0 * t - 3.0 * t * t + 5.0 * t.powi(3);
     let mut host = Course {
-        input: Some((reference("load.push.input"), push)),
+        input: Some(reference("load.push.input")),
+        course: Some(push),
         output: reference("sled.v"),
         ..Course::default()
     };

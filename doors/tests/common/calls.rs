@@ -190,7 +190,7 @@ unsafe extern "C-unwind" fn update(
     // SAFETY: the host's own data, which live as long as the instance, and places for two values.
     unsafe {
         let host = &*host.cast::<Within>();
-        let (c, ends) = (host.instance.get(), may_return != 0 && time.to_bits() % 3 == 0);
+        let (c, ends) = (host.instance.get(), may_return != 0 && time.to_bits().is_multiple_of(3));
         (*early, *end) = (u8::from(ends), time);
         if set != 0 {
             fmi3SetFloat64(c, &host.input, 1, &(time * 1e6).sin(), 1);
