@@ -1,12 +1,6 @@
 //! Random calls with random arguments on the bouncing ball, by both doors: no crash, no panic, and the instance answers afterwards.
-#![allow(unsafe_code)] // the C interface
 
-#[path = "../examples/bouncing_ball.rs"]
-mod bouncing_ball;
-#[path = "common/calls.rs"]
-mod calls;
-
-use calls::{Random, run_fmi2, run_fmi3};
+use super::calls::{Random, run_fmi2, run_fmi3};
 
 /// Calls a run.
 const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
