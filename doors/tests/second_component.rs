@@ -9,6 +9,7 @@ mod calls;
 #[path = "second_component/random_calls.rs"]
 mod random_calls;
 
+use bouncing_ball as component; // what the calls are of
 use bouncing_ball::*;
 use fmi_doors::fmi2::abi::{FmiCallbackFunctions, FmiComponent};
 use fmi_doors::fmi2::types::FmiEventInfo;

@@ -1,5 +1,6 @@
 //! The `.fmu` archive: written so that the same content gives the same bytes, read as a host does.
 
+use crate::compile::PROGRAM;
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,9 +20,12 @@ pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
     let failed = |source| Error::Archive { path: PathBuf::from("(in memory)"), source };
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in content {
-        let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
+        let mode = if name.starts_with("binaries/") || name == PROGRAM { 0o755 } else { 0o644 };
+        // An archive within an archive is compressed already.
+        let packed = name.ends_with(".fmu");
+        let method = if packed { CompressionMethod::Stored } else { CompressionMethod::Deflated };
         let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Deflated)
+            .compression_method(method)
             .last_modified_time(DateTime::default())
             .unix_permissions(mode);
         zip.start_file(name.as_str(), options).map_err(failed)?;

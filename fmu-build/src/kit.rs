@@ -2,7 +2,7 @@
 //! minutes; it is kept under `target/`, and as long as nothing has changed that goes into it no compiler is called.
 
 use crate::archive::{self, Content};
-use crate::compile::{Library, target, workspace};
+use crate::compile::{Product, target, workspace};
 use crate::error::{Error, Result};
 use crate::platforms::{self, Binaries, LeftOut};
 use crate::{date, licences};
@@ -42,7 +42,7 @@ impl Kit {
     /// # Errors
     /// [`Error::Cargo`], [`Error::File`].
     pub fn own() -> Result<Self> {
-        let make = || Ok((platforms::own(Library::Machine)?, Vec::new()));
+        let make = || Ok((platforms::own(Product::Machine)?, Vec::new()));
         Ok(Shelf::of("own").kit(make)?.0)
     }
 
@@ -51,7 +51,7 @@ impl Kit {
     /// # Errors
     /// As [`own`](Self::own).
     pub fn all() -> Result<(Self, Vec<LeftOut>)> {
-        Shelf::of("all").kit(|| platforms::all_of(Library::Machine, &[]))
+        Shelf::of("all").kit(|| platforms::all_of(Product::Machine, &[]))
     }
 
     /// That of some platforms, by their names in FMI 3.0; of all where none is named. It is not kept.
@@ -62,8 +62,8 @@ impl Kit {
         if only.is_empty() {
             return Self::all();
         }
-        let (binaries, left_out) = platforms::all_of(Library::Machine, only)?;
-        let licences = licences::texts_of(Library::Machine, false)?;
+        let (binaries, left_out) = platforms::all_of(Product::Machine, only)?;
+        let licences = licences::texts_of(Product::Machine, false)?;
         Ok((Self { binaries, licences, date: date::of_sources() }, left_out))
     }
 }
@@ -88,10 +88,10 @@ impl Shelf {
             return Ok((kit, Vec::new()));
         }
         // Before the library is compiled: what is changed meanwhile makes the kit one of the past.
-        let packages = licences::own_packages(Library::Machine)?;
+        let packages = licences::own_packages(Product::Machine)?;
         let origin = self.origin(&packages).map_err(Error::file("reading", &self.workspace))?;
         let (binaries, left_out) = make()?;
-        let licences = licences::texts_of(Library::Machine, false)?;
+        let licences = licences::texts_of(Product::Machine, false)?;
         let kit = Kit { binaries, licences, date: date::of_sources() };
         if left_out.is_empty() {
             archive::write(&kept_as(&kit, origin), &self.file)?;

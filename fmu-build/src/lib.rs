@@ -19,6 +19,7 @@ pub mod compile;
 pub mod date;
 pub mod describe;
 pub mod described_page;
+pub mod described_reference;
 pub mod described_terminals;
 mod error;
 pub mod explorer;

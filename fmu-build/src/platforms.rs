@@ -1,6 +1,6 @@
 //! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
 
-use crate::compile::{self, Compiler, Library, PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
+use crate::compile::{self, Compiler, PLATFORM, PLATFORM_TUPLE, Product, SHARED_LIBRARY};
 use crate::error::{Error, Result};
 use crate::version::Version;
 use std::collections::BTreeMap;
@@ -58,6 +58,13 @@ pub struct Binary {
     bytes: Vec<u8>,
 }
 
+impl Binary {
+    /// A library of this machine.
+    fn own(bytes: Vec<u8>) -> Self {
+        Self { folder: PLATFORM, tuple: PLATFORM_TUPLE, ending: SHARED_LIBRARY, bytes }
+    }
+}
+
 /// The compiled libraries of all archives: the same in each, in other folders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Binaries(Vec<Binary>);
@@ -65,7 +72,13 @@ pub struct Binaries(Vec<Binary>);
 impl Binaries {
     /// One library for this machine.
     pub fn own(bytes: Vec<u8>) -> Self {
-        Self(vec![Binary { folder: PLATFORM, tuple: PLATFORM_TUPLE, ending: SHARED_LIBRARY, bytes }])
+        Self(vec![Binary::own(bytes)])
+    }
+
+    /// Those of some platforms alone, by their folders in FMI 3.0.
+    #[must_use]
+    pub fn only(&self, tuples: &[&str]) -> Self {
+        Self(self.0.iter().filter(|binary| tuples.contains(&binary.tuple)).cloned().collect())
     }
 
     /// The libraries by their folders in FMI 3.0.
@@ -77,12 +90,7 @@ impl Binaries {
     pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
         let binary = |(name, bytes): (String, Vec<u8>)| {
             if name == PLATFORM_TUPLE {
-                return Some(Binary {
-                    folder: PLATFORM,
-                    tuple: PLATFORM_TUPLE,
-                    ending: SHARED_LIBRARY,
-                    bytes,
-                });
+                return Some(Binary::own(bytes));
             }
             let Platform { folder, tuple, ending, .. } = PLATFORMS.into_iter().find(|p| p.tuple == name)?;
             Some(Binary { folder, tuple, ending, bytes })
@@ -151,8 +159,8 @@ pub fn at_hand() -> Result<Binaries> {
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
-pub fn own(library: Library) -> Result<Binaries> {
-    Ok(Binaries::own(read(&Compiler::from(library).library()?)?))
+pub fn own(product: Product) -> Result<Binaries> {
+    Ok(Binaries::own(read(&Compiler::from(product).library()?)?))
 }
 
 /// The binaries of the platforms that can be built here, and a list of those that cannot. This machine's own is always among them; of the
@@ -161,20 +169,20 @@ pub fn own(library: Library) -> Result<Binaries> {
 /// # Errors
 /// Where not even this machine's own can be built.
 pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
-    all_of(Library::Vibro, only)
+    all_of(Product::Vibro, only)
 }
 
-/// The same of another library.
+/// The same of another product.
 ///
 /// # Errors
 /// As [`all`].
-pub fn all_of(library: Library, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
+pub fn all_of(product: Product, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
     let wanted = |p: &Platform| p.folder == PLATFORM || is_asked_for(p.tuple, only);
     for platform in PLATFORMS.into_iter().filter(wanted) {
         let Platform { folder, tuple, ending, .. } = platform;
-        match platform.build(library) {
+        match platform.build(product) {
             Ok(bytes) => binaries.push(Binary { folder, tuple, ending, bytes }),
             Err(reason) => {
                 let replaced = platform.folder == PLATFORM;
@@ -183,7 +191,7 @@ pub fn all_of(library: Library, only: &[String]) -> Result<(Binaries, Vec<LeftOu
         }
     }
     if !binaries.iter().any(|binary| binary.folder == PLATFORM) {
-        binaries.extend(own(library)?.0);
+        binaries.extend(own(product)?.0);
     }
     Ok((Binaries(binaries), left_out))
 }
@@ -200,7 +208,7 @@ impl Platform {
     }
 
     /// Compiles its binary; the error says what to install.
-    fn build(&self, library: Library) -> std::result::Result<Vec<u8>, String> {
+    fn build(&self, product: Product) -> std::result::Result<Vec<u8>, String> {
         if !runs("cargo-zigbuild", &["--version"]) {
             return Err(TOOLS.into());
         }
@@ -209,15 +217,15 @@ impl Platform {
             return Err(format!("run `rustup target add {}`", missing.join(" ")));
         }
         let slices: Result<Vec<Vec<u8>>> =
-            self.targets.iter().map(|target| self.compile(library, target)).collect();
+            self.targets.iter().map(|target| self.compile(product, target)).collect();
         let mut slices = slices.map_err(|e| format!("{e}; {TOOLS}"))?;
         Ok(if slices.len() == 1 { slices.remove(0) } else { universal(&slices) })
     }
 
-    fn compile(&self, library: Library, target: &str) -> Result<Vec<u8>> {
+    fn compile(&self, product: Product, target: &str) -> Result<Vec<u8>> {
         eprintln!("{}: {target}", self.folder);
         let target = self.glibc.map_or_else(|| target.to_owned(), |version| format!("{target}.{version}"));
-        read(&Compiler::from(library).library_for(&target)?)
+        read(&Compiler::from(product).library_for(&target)?)
     }
 }
 

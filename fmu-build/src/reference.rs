@@ -39,13 +39,13 @@ pub fn files() -> Result<Content> {
         ("default.csv".to_owned(), DEFAULT.as_bytes().to_vec()),
         ("impacts.csv".to_owned(), IMPACTS.as_bytes().to_vec()),
         ("settled.state".to_owned(), settled_state()),
-        ("smoke-test.xml".to_owned(), smoke_test().into_bytes()),
+        ("smoke-test.xml".to_owned(), own_smoke_test().into_bytes()),
     ]);
     let sets = sets()?;
     for set in &sets {
         content.insert(format!("{}.ssv", set.name), set.ssv().into_bytes());
     }
-    content.insert("fmi-ls-manifest.xml".to_owned(), manifest(&sets).into_bytes());
+    content.insert("fmi-ls-manifest.xml".to_owned(), own_manifest(&sets).into_bytes());
     Ok(content)
 }
 
@@ -140,13 +140,40 @@ fn sets() -> Result<Vec<Set>> {
     Ok(sets)
 }
 
+/// A file that the manifest names: media type, place, role, what it is.
+pub(crate) type Related<'a> = (&'a str, &'a str, &'a str, &'a str);
+
+/// What stands in every such folder: the explanation, and the default experiment.
+pub(crate) const ALWAYS: [Related<'_>; 2] = [
+    (
+        "application/xml",
+        "smoke-test.xml",
+        "experiment/smoke-test",
+        "The default experiment with its result: does an importer run this FMU right?",
+    ),
+    ("text/plain", "../../documentation/fmi-ls-ref.txt", "document", "What these files are"),
+];
+
 /// `fmi-ls-manifest.xml`.
-fn manifest(sets: &[Set]) -> String {
+pub(crate) fn manifest<'a>(files: impl IntoIterator<Item = Related<'a>>) -> String {
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiReferences xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\" \
          fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" fmi-ls:fmi-ls-version=\"{VERSION}\" \
          fmi-ls:fmi-ls-description=\"Layered Standard providing information on related files included in an FMU.\">\n"
     );
+    for (kind, source, role, description) in files {
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "  <Related type=\"{kind}\" source=\"{source}\" role=\"{role}\" description=\"{}\"/>",
+            escape(description)
+        );
+    }
+    text + "</fmiReferences>\n"
+}
+
+/// What the manifest says of this machine's files.
+fn own_manifest(sets: &[Set]) -> String {
     let results = [
         (
             "text/csv",
@@ -166,41 +193,31 @@ fn manifest(sets: &[Set]) -> String {
             "serialized-state",
             "Co-Simulation instance on the settled motion, for every platform",
         ),
-        (
-            "application/xml",
-            "smoke-test.xml",
-            "experiment/smoke-test",
-            "The default experiment with its result: does an importer run this FMU right?",
-        ),
-        ("text/plain", "../../documentation/fmi-ls-ref.txt", "document", "What these files are"),
     ];
-    let mut related = |kind: &str, source: &str, role: &str, description: &str| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "  <Related type=\"{kind}\" source=\"{source}\" role=\"{role}\" description=\"{}\"/>",
-            escape(description)
-        );
-    };
-    for (kind, source, role, description) in results {
-        related(kind, source, role, description);
-    }
-    for set in sets {
-        let source = format!("{}.ssv", set.name);
-        related("application/x-ssp-parameter-set", &source, "parameter", &set.description);
-    }
-    text + "</fmiReferences>\n"
+    let sources: Vec<_> = sets.iter().map(|set| format!("{}.ssv", set.name)).collect();
+    let sets = sets.iter().zip(&sources);
+    let sets = sets.map(|(set, source)| {
+        ("application/x-ssp-parameter-set", source.as_str(), "parameter", set.description.as_str())
+    });
+    manifest(results.into_iter().chain(ALWAYS).chain(sets))
 }
 
-/// The default experiment with its result, by the draft's schema of experiments.
-fn smoke_test() -> String {
-    let Experiment { start_time, stop_time, tolerance, step_size } = default_experiment();
-    let step = f64::from(REPORTED) * step_size;
+/// `smoke-test.xml`: an experiment whose result is in `default.csv`, by the draft's schema of experiments. `agreement` says how well it
+/// is to be reproduced.
+pub(crate) fn smoke_test(experiment: Experiment, agreement: &str) -> String {
+    let Experiment { start_time, stop_time, tolerance, step_size } = experiment;
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Experiments>\n  <Experiment name=\"default\" description=\"The default experiment from \
-         the start values, to be reproduced to 1e-8 m\" startTime=\"{start_time}\" stopTime=\"{stop_time}\" stepSize=\"{step}\" \
+         the start values, to be reproduced to {agreement}\" startTime=\"{start_time}\" stopTime=\"{stop_time}\" stepSize=\"{step_size}\" \
          tolerance=\"{tolerance}\">\n    <References source=\"default.csv\"/>\n  </Experiment>\n</Experiments>\n"
     )
+}
+
+/// The default experiment, by the steps that are reported.
+fn own_smoke_test() -> String {
+    let experiment = default_experiment();
+    let step_size = f64::from(REPORTED) * experiment.step_size;
+    smoke_test(Experiment { step_size, ..experiment }, "1e-8 m")
 }
 
 /// Takes no messages.

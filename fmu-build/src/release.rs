@@ -1,21 +1,23 @@
 //! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can be handed on as it is.
 //!
 //! ```text
-//! agreement (versions, tokens, changelog) ─▶ archives ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
+//! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
 //! ```
 
 pub mod agreement;
 pub mod changelog;
 pub mod contents;
+pub mod machines;
 pub mod notes;
 pub mod trial;
 pub mod wheels;
 
 use crate::archive::write_file;
-use crate::compile::target;
+use crate::compile::{PLATFORM_TUPLE, Product, target};
 use crate::error::{Error, Result};
+use crate::kit::Kit;
 use crate::version::Version;
-use crate::{explorer, licences, package, page, platforms, run};
+use crate::{archive, explorer, licences, package, page, platforms, run};
 use agreement::{Agreed, Intent, agreed};
 use contents::archive_of;
 use notes::Part;
@@ -69,6 +71,7 @@ pub fn assemble(
         assembly.left_out.push(format!("all platforms but {}, which alone were asked for", only.join(", ")));
     }
     assembly.archives_and_pages()?;
+    assembly.machines()?;
     assembly.python_package()?;
     let wrong = contents::disagreements(&folder, &agreed.version)?;
     if !wrong.is_empty() {
@@ -117,6 +120,26 @@ impl Assembly<'_> {
         if let Some(live) = live {
             write_file(&self.folder.join(LIVE), &live)?;
             self.add(LIVE, "the machine, live in a browser, as inside the FMU", "-".into())?;
+        }
+        Ok(())
+    }
+
+    /// The archives of the example machines, and the command line for each platform.
+    fn machines(&mut self) -> Result<()> {
+        let (kit, left_out) = Kit::of(self.only)?;
+        self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
+        let archives = machines::examples(&kit)?;
+        archive::write(&archives, &self.folder.join(machines::EXAMPLES))?;
+        let what = format!("{} FMUs of the example machines of docs/assemblies.md", archives.len());
+        self.add(machines::EXAMPLES, &what, "packed only; one library, as the tests run it".into())?;
+        let (binaries, left_out) = platforms::all_of(Product::CommandLine, self.only)?;
+        self.left_out.extend(left_out.iter().map(|part| format!("the command line: {part}")));
+        let own = binaries.folders().find(|(tuple, _)| *tuple == PLATFORM_TUPLE);
+        let tried = own.map(|(_, program)| machines::tried(program)).transpose()?.unwrap_or_default();
+        let texts = machines::licences_of_programs()?;
+        for (name, bytes) in machines::programs(&binaries, &self.agreed.version, &texts)? {
+            write_file(&self.folder.join(&name), &bytes)?;
+            self.add(&name, "the command line `vibro`, which needs no Rust toolchain", tried.clone())?;
         }
         Ok(())
     }
