@@ -15,7 +15,7 @@ use crate::archive::write_file;
 use crate::compile::target;
 use crate::error::{Error, Result};
 use crate::version::Version;
-use crate::{explorer, licences, package, page, platforms, run};
+use crate::{explorer, kit, licences, package, page, platforms, run};
 use agreement::{Agreed, Intent, agreed};
 use contents::archive_of;
 use notes::Part;
@@ -102,7 +102,7 @@ impl Assembly<'_> {
         package::write(&fmi2, &Version::USUAL, &binaries, live.as_deref())?;
         run::run(&fmi2, PERIODS)?;
         for version in Version::USUAL {
-            let names = binaries.names(version);
+            let names = binaries.names(version.fmi());
             let tried = format!(
                 "`{}` ran {PERIODS} drive periods here, the native library's bits at every point{}",
                 names[0],
@@ -128,7 +128,14 @@ impl Assembly<'_> {
             return Ok(());
         }
         let version = &self.agreed.version;
-        let sdist = wheels::sdist(self.folder, &licences::of_wheel()?, version, self.folder)?;
+        let (kit, left_out) = kit::of(self.only)?;
+        for part in left_out.iter().map(ToString::to_string) {
+            // What is in the way of one library is in the way of the other.
+            if !self.left_out.contains(&part) {
+                self.left_out.push(part);
+            }
+        }
+        let sdist = wheels::sdist(self.folder, &kit, &licences::of_wheel()?, version, self.folder)?;
         let source = wheels::unpack(&sdist, version, &target().join("dist/source"))?;
         let tried = "the wheels are built from it".to_owned();
         self.add(&wheels::sdist_file(version), "Python package, sources (needs a Rust toolchain)", tried)?;
@@ -163,13 +170,13 @@ impl Assembly<'_> {
 
 /// Whether platforms that are asked for exist.
 fn check_names(only: &[String]) -> Result<()> {
-    let known = |name: &&String| platforms::PLATFORMS.iter().any(|p| p.tuple == **name);
+    let known = |name: &&String| platforms::PLATFORMS.iter().any(|p| p.place.tuple == **name);
     match only.iter().find(|name| !known(name)) {
         None => Ok(()),
         Some(unknown) => Err(Error::Option {
             name: "--platform",
             value: unknown.clone(),
-            allowed: platforms::PLATFORMS.map(|p| p.tuple).join(", ").into(),
+            allowed: platforms::PLATFORMS.map(|p| p.place.tuple).join(", ").into(),
         }),
     }
 }
