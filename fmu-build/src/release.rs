@@ -15,9 +15,8 @@ pub mod wheels;
 use crate::archive::write_file;
 use crate::compile::{PLATFORM_TUPLE, Product, target};
 use crate::error::{Error, Result};
-use crate::kit::Kit;
 use crate::version::Version;
-use crate::{archive, explorer, licences, package, page, platforms, run};
+use crate::{archive, explorer, kit, licences, package, page, platforms, run};
 use agreement::{Agreed, Intent, agreed};
 use contents::archive_of;
 use notes::Part;
@@ -105,7 +104,7 @@ impl Assembly<'_> {
         package::write(&fmi2, &Version::USUAL, &binaries, live.as_deref())?;
         run::run(&fmi2, PERIODS)?;
         for version in Version::USUAL {
-            let names = binaries.names(version);
+            let names = binaries.names(version.fmi());
             let tried = format!(
                 "`{}` ran {PERIODS} drive periods here, the native library's bits at every point{}",
                 names[0],
@@ -126,7 +125,7 @@ impl Assembly<'_> {
 
     /// The archives of the example machines, and the command line for each platform.
     fn machines(&mut self) -> Result<()> {
-        let (kit, left_out) = Kit::of(self.only)?;
+        let (kit, left_out) = kit::of(self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
         let archives = machines::examples(&kit)?;
         archive::write(&archives, &self.folder.join(machines::EXAMPLES))?;
@@ -151,7 +150,14 @@ impl Assembly<'_> {
             return Ok(());
         }
         let version = &self.agreed.version;
-        let sdist = wheels::sdist(self.folder, &licences::of_wheel()?, version, self.folder)?;
+        let (kit, left_out) = kit::of(self.only)?;
+        for part in left_out.iter().map(ToString::to_string) {
+            // What is in the way of one library is in the way of the other.
+            if !self.left_out.contains(&part) {
+                self.left_out.push(part);
+            }
+        }
+        let sdist = wheels::sdist(self.folder, &kit, &licences::of_wheel()?, version, self.folder)?;
         let source = wheels::unpack(&sdist, version, &target().join("dist/source"))?;
         let tried = "the wheels are built from it".to_owned();
         self.add(&wheels::sdist_file(version), "Python package, sources (needs a Rust toolchain)", tried)?;
@@ -186,13 +192,13 @@ impl Assembly<'_> {
 
 /// Whether platforms that are asked for exist.
 fn check_names(only: &[String]) -> Result<()> {
-    let known = |name: &&String| platforms::PLATFORMS.iter().any(|p| p.tuple == **name);
+    let known = |name: &&String| platforms::PLATFORMS.iter().any(|p| p.place.tuple == **name);
     match only.iter().find(|name| !known(name)) {
         None => Ok(()),
         Some(unknown) => Err(Error::Option {
             name: "--platform",
             value: unknown.clone(),
-            allowed: platforms::PLATFORMS.map(|p| p.tuple).join(", ").into(),
+            allowed: platforms::PLATFORMS.map(|p| p.place.tuple).join(", ").into(),
         }),
     }
 }

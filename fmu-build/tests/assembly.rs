@@ -160,7 +160,7 @@ fn closed_form_reference_results_are_those_of_the_file() {
     // What roundings decide is not told: this machine's motion is chaotic.
     let blocks = file::read(&example("two_blocks")).unwrap();
     let plan = Plan::of(&blocks).unwrap();
-    let rows = fmu_build::described_reference::files(&plan)["default.csv"].clone();
+    let rows = vibro_pack::reference::files(&plan)["default.csv"].clone();
     let rows = String::from_utf8(rows).unwrap().lines().count();
     assert!((20..251).contains(&rows), "{rows}");
 }

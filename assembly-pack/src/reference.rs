@@ -1,8 +1,8 @@
-//! Reference results in the archives of described machines, by the layered standard FMI-LS-REF, as in [`reference`]: the default
+//! Reference results in the archives of described machines, by the layered standard FMI-LS-REF, as in the 3-DOF machine's: the default
 //! experiment and its events by the engine, on the machine that packs.
 
 use crate::archive::Content;
-use crate::reference::{ALWAYS, manifest, smoke_test};
+use crate::layered::{ALWAYS, manifest, smoke_test};
 use fmi_doors::description::Experiment;
 use std::fmt::Write;
 use std::sync::Arc;
