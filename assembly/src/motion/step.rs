@@ -205,7 +205,7 @@ impl Motion {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             let stays =
-                *order == ORDERS && w.terms.dot(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.terms);
+                *order == ORDERS && w.row.at(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.row);
             *order = if stays { ORDERS } else { 0 };
         }
     }
