@@ -8,7 +8,7 @@ use common::*;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use vibro_assembly::Motion;
-use vibro_assembly::description::{Description, Friction, Load};
+use vibro_assembly::description::{DampingLimit, Description, Friction, Load};
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::motion::EventKind;
 
@@ -133,4 +133,26 @@ fn invariant_a_light_body_is_taken_off_its_stop_by_friction_without_an_impact() 
     let kinds: Vec<_> = all.iter().map(|e| e.kind).collect();
     assert_eq!(kinds, [EventKind::Open { stop: 0 }, EventKind::Stick { friction: 0 }], "{all:?}");
     assert_eq!(all[0].time, all[1].time);
+}
+
+/// A body that a spring draws to a rigid stop, where an elastic one ends at the same place.
+fn between_two_stops() -> Description {
+    Description {
+        bodies: vec![body("body", 0.14040273358480032, 0.0, 1.0), body("far", 1.0, -1.0, 0.0)],
+        springs: vec![spring(&[(1, -1.0), (0, 1.0)], 88.00071831274603, 0.0)],
+        stops: vec![
+            compliant("elastic", &[(0, 1.0)], 0.0, 10.0, 4.006826959746046, DampingLimit::Elastogap),
+            rigid("rigid", &[(0, -1.0)], 0.0, 0.5),
+        ],
+        ..Description::default()
+    }
+}
+
+#[test]
+fn invariant_bounces_end_at_an_elastic_stop_that_ends_at_the_same_place() {
+    // At the top of the lowest bounces the elastic stop's force is at its cap and at zero, both but for rounding.
+    follow(between_two_stops()).unwrap();
+    let all = events(&mut motion(between_two_stops()), 0.1);
+    let close = times(&all, |kind| matches!(kind, EventKind::Close { stop: 1 }));
+    assert_eq!(close.len(), 1, "{all:?}");
 }

@@ -19,6 +19,8 @@ enum Stop {
     AtEdge,
     /// A compliant stop whose force is at the limit of two states, with the state above and the one below it.
     AtLimit(StopState, StopState),
+    /// An `ElastoGap` whose force is zero and at its cap, but for rounding, so near to its edge is it.
+    AtLimits,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,6 +165,18 @@ impl<'a> Selection<'a> {
                         self.stops[i] = Stop::Is(if sign > 0.0 { above } else { below });
                     }
                 }
+                Stop::AtLimits if order > 0 => {
+                    let beyond = self.sign(&(&*stop.force - 2.0 * &*stop.spring), order);
+                    let force = self.sign(&stop.force, order);
+                    self.stops[i] = match (beyond, force) {
+                        (beyond, _) if beyond > 0.0 => Stop::Is(StopState::Capped),
+                        (_, force) if force < 0.0 => Stop::Is(StopState::Free),
+                        (0.0, 0.0) => Stop::AtLimits,
+                        (0.0, _) => Stop::AtLimit(StopState::Capped, StopState::Pressed),
+                        (_, 0.0) => Stop::AtLimit(StopState::Pressed, StopState::Free),
+                        _ => Stop::Is(StopState::Pressed),
+                    };
+                }
                 _ => {}
             }
         }
@@ -175,6 +189,7 @@ impl<'a> Selection<'a> {
             Stop::Touching => StopState::Closed,
             Stop::AtEdge => StopState::Below,
             Stop::AtLimit(_, below) => below,
+            Stop::AtLimits => StopState::Pressed,
         });
         let frictions = self.frictions.iter().map(|f| match *f {
             Friction::Is(state) => state,

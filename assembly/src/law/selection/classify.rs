@@ -43,6 +43,9 @@ impl Selection<'_> {
             if cap > 0.0 && !touching.limits[i] {
                 return Stop::Is(StopState::Capped);
             }
+            if cap == 0.0 && pull == 0.0 {
+                return Stop::AtLimits;
+            }
             if cap == 0.0
                 || (touching.limits[i]
                     && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0]))
