@@ -2,6 +2,7 @@
 //! between them and its Taylor coefficients, all as columns that act on the augmented state (docs/assembly-law.md (A5), (A6)).
 
 mod exponential;
+mod increment;
 mod watched;
 
 pub use exponential::rate_bound;
@@ -10,9 +11,10 @@ pub(crate) use watched::taylor;
 
 use crate::kernel::{Blocks, SparseMatrix, combine};
 use crate::law::ZERO;
-use crate::mode::Linear;
+use crate::mode::{Buffers, Linear};
 use crate::system::Row;
 use exponential::{LEAST_RATE, exponentials, series_orders};
+use increment::Increment;
 use nalgebra::DMatrix;
 use watched::watch_table;
 
@@ -21,6 +23,8 @@ use watched::watch_table;
 pub const ORDERS: usize = 26;
 /// Rate times the length of a sub-step.
 const RADIUS: f64 = 2.0;
+/// A buffer is stiff where it makes the rate so many times that of the mode without it.
+const STIFF: f64 = 30.0;
 /// Intervals of a sub-step, at whose ends functionals are sampled.
 pub const INTERVALS: usize = 8;
 /// Taylor coefficients of a functional over an interval: with a radius of a quarter the first one left out is under
@@ -49,6 +53,8 @@ pub struct Table {
     /// The Taylor coefficients of the velocities from order 1 on, in units of an interval, where these matrices are kept: one velocity after
     /// another, each by coordinate.
     velocities: Vec<[f64; WITHIN]>,
+    /// What a sub-step adds where a stiff buffer is pressed.
+    increment: Option<Increment>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
     /// What is watched.
@@ -62,13 +68,15 @@ pub struct Table {
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms, lambda, triangle, watched } = linear;
+        let Linear { a, terms, lambda, triangle, watched, buffers } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
         let (a, sizes) = (SparseMatrix::of(&a), SparseMatrix::of(&terms));
         let step = length / INTERVALS as f64;
         let kept = if a.len() <= DENSE { INTERVALS } else { 0 };
         let ends: Vec<f64> = (1..=kept).map(|i| i as f64 / INTERVALS as f64).collect();
+        let stiff = |buffers: &Buffers| kept > 0 && rate > STIFF * rate_bound(&buffers.rest, one);
+        let increment = buffers.filter(stiff).map(|buffers| Increment::new(&a, buffers, length));
         let transitions = exponentials(&a, rate, length, &ends).iter().map(Blocks::of).collect();
         let interval = exponentials(&a, rate, step, &[1.0]).remove(0);
         let spread = exponentials(&a.abs(), rate, step, &[1.0]).remove(0);
@@ -81,7 +89,7 @@ impl Table {
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         let velocities = velocities.collect();
-        Self { velocities, a, sizes, rate, length, transitions, orders, watched, lambda, triangle }
+        Self { velocities, a, sizes, rate, length, transitions, increment, orders, watched, lambda, triangle }
     }
 
     /// Length of an interval, s.
@@ -128,6 +136,15 @@ impl Table {
                 series.expand(self, z, (i + 1) as f64 * self.interval(), self.orders_to(i));
                 series.at_end(to);
             }
+        }
+    }
+
+    /// The state at the end of a sub-step from that at its start.
+    #[inline(always)]
+    pub fn at_end(&self, z: &[f64], series: &mut Series, to: &mut [f64]) {
+        match &self.increment {
+            Some(increment) => increment.at_end(z, series, to),
+            None => self.at_interval_end(INTERVALS - 1, z, series, to),
         }
     }
 
@@ -199,6 +216,7 @@ impl Table {
             + 2 * (self.a.entries() + self.sizes.entries())
             + self.velocities.len() * WITHIN
             + self.watched.len() * size * (INTERVALS + LOCAL + 2)
+            + self.increment.as_ref().map_or(0, Increment::numbers)
             + self.lambda.len() * (size + self.lambda.len())
     }
 }

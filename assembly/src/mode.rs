@@ -3,7 +3,7 @@
 
 mod linear;
 
-pub use linear::Linear;
+pub use linear::{Buffers, Linear};
 
 use crate::law::box_qp::independent;
 use crate::system::{Elongation, Row, System};

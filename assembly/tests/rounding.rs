@@ -9,6 +9,9 @@ use vibro_assembly::motion::EventKind;
 /// Some tens of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-14;
 
+/// By place and speed: half a rounding of 1 m in each of 2e4 sub-steps, which may all go one way; some roundings of the speed.
+const MANY_STEPS: [f64; 2] = [1e-11, 1e-13];
+
 /// A weight that hangs at rest on a spring, and friction whose level begins to rise at 0.5 s.
 fn hanging(mass: f64, stiffness: f64) -> Description {
     let level = Signal {
@@ -77,4 +80,29 @@ fn closed_form_two_forces_that_cancel_on_a_light_body_decide_nothing() {
             );
         }
     }
+}
+
+#[test]
+fn closed_form_a_stiff_buffer_puts_the_same_force_to_both_bodies() {
+    // Two bodies that loads press together on a stiff and strongly damped buffer, 1 m from the origin: for a fifth of a second, some 2e4 sub-steps of
+    // which each puts 1e8 N/m times 1 m to each body. No other force acts, so that the center of their masses moves evenly.
+    let (masses, v, end) = ([0.49, 0.65], 0.67, 0.2);
+    let d = Description {
+        bodies: vec![body("a", masses[0], 1.0, v), body("b", masses[1], 1.0, v)],
+        stops: vec![compliant("buffer", &[(0, 1.0), (1, -1.0)], 0.0, 1.3e8, 6e4, DampingLimit::NoPull)],
+        loads: vec![
+            Load { name: "right".into(), body: 0, force: constant(10.0) },
+            Load { name: "left".into(), body: 1, force: constant(-10.0) },
+        ],
+        ..Description::default()
+    };
+    let mut motion = motion(d);
+    motion.advance_to(end).unwrap();
+    let mean =
+        |k: usize| (masses[0] * motion.body(0)[k] + masses[1] * motion.body(1)[k]) / (masses[0] + masses[1]);
+    let exact = [1.0 + v * end, v];
+    for (k, exact) in exact.into_iter().enumerate().rev() {
+        assert!((mean(k) - exact).abs() < MANY_STEPS[k], "{k}: {:e}", mean(k) - exact);
+    }
+    assert!((motion.stop(0)[2] - 10.0).abs() < 1e-6, "{:?}", motion.stop(0));
 }

@@ -17,7 +17,7 @@ const OWN: f64 = 2e-13;
 /// Errors at the edge of the law, in parts of the largest coordinate, by the beginning of a family's name. Mostly they are of the kind of [`OWN`], magnified
 /// some times. Touching by 1e-9 of the gap makes of a rounding in the gap 1e4 times as much in the speed. Stops that say the same, one of them plastic,
 /// bring about bounces that follow one another ever faster, of which those nearer than 1e-13 of the paths are taken to be at one instant. A stiff
-/// buffer that is also damped strongly is pressed for thousands of sub-steps, each of which adds the rounding of its force.
+/// buffer makes of a rounding in the place 1e4/s times as much in the speed.
 const EDGES: [(&str, f64); 7] = [
     ("grazing", 1e-10),
     ("redundant", 1e-9),
@@ -25,7 +25,7 @@ const EDGES: [(&str, f64); 7] = [
     ("repressed", 1e-13),
     ("corners", 1e-13),
     ("levels", 1e-13),
-    ("stiff", 1e-10),
+    ("stiff", 1e-11),
 ];
 
 struct Known {

@@ -3,7 +3,7 @@
 use super::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::law::ZERO;
 use crate::law::box_qp::triangle;
-use crate::system::{Row, System};
+use crate::system::{Functional, Row, System};
 use nalgebra::{DMatrix, DVector};
 
 /// The linear system of a mode.
@@ -19,6 +19,17 @@ pub struct Linear {
     pub triangle: DMatrix<f64>,
     /// What ends the mode, each negative inside it.
     pub watched: Vec<(Watch, Row)>,
+    /// The forces of the compliant stops that press, where there are such and no contacts.
+    pub buffers: Option<Buffers>,
+}
+
+/// The forces of compliant stops apart from the rest of a mode's system: A = rest - Σ by ⊗ force.
+#[derive(Clone, Debug)]
+pub struct Buffers {
+    /// A without them.
+    pub rest: DMatrix<f64>,
+    /// The forces, and what a unit of each takes from z'.
+    pub forces: Vec<(Functional, Row)>,
 }
 
 impl System {
@@ -64,7 +75,28 @@ impl System {
         let mut terms = a.abs();
         terms.view_mut((n, 0), (n, size)).copy_from(&acceleration_terms);
         let watched = self.watched(mode, &lambda);
-        Linear { a, terms, lambda, triangle: r, watched }
+        let buffers = if m == 0 { self.buffers(mode, &a) } else { None };
+        Linear { a, terms, lambda, triangle: r, watched, buffers }
+    }
+
+    /// The compliant stops that press in a mode without contacts, whose system's matrix is `a`.
+    fn buffers(&self, mode: &Mode, a: &DMatrix<f64>) -> Option<Buffers> {
+        let (n, size) = (self.coordinates, self.signals.size);
+        let mut left = mode.stops.clone();
+        let mut forces = Vec::new();
+        for (i, state) in left.iter_mut().enumerate() {
+            let Some(force) = self.stop_force(i, *state) else { continue };
+            let mut by = Row::zeros(size);
+            by.rows_mut(n, n).copy_from(&self.stops[i].elongation.mobility);
+            forces.push((Functional::of(force), by));
+            *state = StopState::Below;
+        }
+        if forces.is_empty() {
+            return None;
+        }
+        let mut rest = a.clone();
+        rest.view_mut((n, 0), (n, size)).copy_from(&self.free_acceleration(&left, &mode.frictions));
+        Some(Buffers { rest, forces })
     }
 
     /// The functionals that end a mode.
