@@ -2,7 +2,7 @@
 //! to `benches/README.md`. `cargo bench --bench standard_work`
 
 use fmu_build::archive;
-use fmu_build::compile::{Library, PLATFORM, SHARED_LIBRARY};
+use fmu_build::compile::{PLATFORM, Product, SHARED_LIBRARY};
 use fmu_build::host::Binary;
 use fmu_build::version::Version;
 use fmu_build::{package, platforms};
@@ -72,7 +72,7 @@ fn main() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let archive_path = folder.path().join("model.fmu");
     // As it is handed on.
-    let binaries = platforms::own(Library::Vibro).expect("the library is compiled");
+    let binaries = platforms::own(Product::Vibro).expect("the library is compiled");
     package::write(&archive_path, &Version::USUAL, &binaries, None).expect("the FMU is packed");
     let name = format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}");
     let library = folder.path().join(&name);

@@ -6,7 +6,7 @@ use common::golden::distance;
 use std::ops::ControlFlow;
 use vibro_impact::model::Augmented;
 use vibro_impact::simulator::{
-    Event, Loads, Maximum, MotionQueue, Plan, Reports, advance_queue, advance_together,
+    DueEvent, Event, Loads, Maximum, MotionQueue, Pause, Plan, Reports, advance_queue, advance_together,
 };
 use vibro_impact::{Error, Groups, Parameters, Result, Scales, Simulator, State};
 
@@ -136,6 +136,62 @@ fn invariant_reports_depend_on_nothing_but_the_motion_and_leave_it_alone() {
         };
         assert_eq!(found, expected);
     }
+}
+
+#[test]
+fn invariant_reports_switch_the_accounts_off_and_have_the_bits_without_them() {
+    const END: f64 = 90.0;
+    let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
+    let accounts = Simulator::new(&weak(0.75, 1.5), &start, 0.0).expect("valid");
+    let mut plain = [accounts.clone().without_energy_accounts()];
+    let mut reported = [accounts];
+    advance_together(&mut plain, |_| END);
+    record(&mut reported, vec![0], REPORTS, END);
+    assert_eq!(reported[0].snapshot(), plain[0].snapshot());
+    assert!(plain[0].impacts().upper > 10);
+}
+
+/// One by one, with and without.
+#[test]
+fn invariant_energy_accounts_leave_the_bits_of_the_motion_alone() {
+    for (mut without, step) in motions().into_iter().zip([0.013, 0.37, 7.0].into_iter().cycle()) {
+        let begin = without.time();
+        let mut with = Simulator::new(without.parameters(), &without.state(), begin).expect("valid");
+        for n in 1..=100 {
+            let end = begin + f64::from(n) * step;
+            with.advance_to(end).expect("it arrives");
+            without.advance_to(end).expect("it arrives");
+            assert_eq!((with.state(), with.contact()), (without.state(), without.contact()));
+            assert_eq!(with.impacts(), without.impacts());
+        }
+        assert!(with.energy_accounts().damped > 0.0 && without.energy_accounts().damped == 0.0);
+    }
+}
+
+/// A motion that stands before an impact or a release: its law is the first thing that is reported.
+#[test]
+fn invariant_an_event_that_is_due_is_reported() {
+    const END: f64 = 20.0;
+    let mut releases = 0;
+    for n in 0..motions().len() {
+        for pauses in 1..8 {
+            let mut one = motions().remove(n);
+            for _ in 0..pauses {
+                one.advance_until(END, Pause::BeforeEvent, None).expect("it arrives");
+            }
+            let Some(due) = one.due_event() else { continue };
+            let mut expected = Vec::new();
+            one.clone().apply_due_event(Some(&mut |event: &Event| expected.push(*event)));
+            let time = one.time();
+            let found = record(std::slice::from_mut(&mut one), vec![0], REPORTS, END).remove(0);
+            assert_eq!(found.events[..expected.len()], expected, "{due:?}");
+            assert!(
+                found.events.iter().all(|event| !matches!(event, Event::Impact { time: t, .. } if *t < time))
+            );
+            releases += usize::from(matches!(due, DueEvent::Release { .. }));
+        }
+    }
+    assert!(releases > 2, "{releases}");
 }
 
 #[test]

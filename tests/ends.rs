@@ -266,11 +266,9 @@ fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
             }
         }
     }
+    // That the number may change shows in the nearly elastic runs below.
     println!("{changed} of {} ends change the number of bounces", 18 * runs);
-    assert!(
-        runs > 20 && changed > 0,
-        "{runs} runs, {changed}: docs/guarantees.md says that the number may change"
-    );
+    assert!(runs > 20, "{runs} runs");
 }
 
 /// A box without spring and damper, and a block that its load presses to the upper stop with the acceleration `a`, from which it bounces
@@ -325,8 +323,8 @@ fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
     assert!((end - length).abs() < 1e-6 * length, "{end}");
     assert!(many.1.is_none_or(|end| (end - length).abs() > 1e-3 * length), "{many:?}");
 
-    // 0.03 % faster than the limit by which such a run is closed.
-    let u = 1.0003 * (2.0 * a * 1e-12f64).sqrt();
+    // 0.003 % faster than the limit by which such a run is closed: a rounding decides.
+    let u = 1.00003 * (2.0 * a * 1e-12f64).sqrt();
     let divided = |steps| bounce(1.0, u, a, 300.0 * 2.0 * u / a, steps);
     let (few, many) = (divided(1), divided(1000));
     println!("κ 1: {few:?} {many:?}");
@@ -334,32 +332,78 @@ fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
     assert!(few.1.is_none() && many.1.is_some(), "{few:?} {many:?}: docs/guarantees.md says that it may");
 }
 
-/// w = w0 + v t + a t²/2 in many steps. Where each moves the block by a t²/2 of less than half a unit in the last place, this part is lost,
-/// and the roundings add up; they are a unit in the last place of the gap each at most.
+/// w = w0 + v t + a t²/2 in many short steps, with and without loads: their roundings go all ways, also where each step moves the block by a
+/// t²/2 of less than half a unit in the last place.
 #[test]
-fn closed_form_many_short_steps_add_up_a_rounding_each() {
+fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
     const STEPS: u32 = 10_000;
-    let p = Parameters {
+    /// Of all steps together, units in the last place of the gap: at random they add up to a third of a unit times the square root of their
+    /// number, and each half a unit one way to thousands.
+    const ROUNDING: f64 = 150.0;
+    let still = Parameters {
         box_stiffness: 0.0,
         box_damping: 0.0,
         coupling_stiffness: 0.0,
         drive_amplitude: 0.0,
         ..Parameters::default()
     };
-    let (w0, v, a) = (0.6 * p.stop_gap, 1e-3, -1.0);
-    for step in [1e-9, 1e-8, 1e-7, 1e-6] {
-        let start = State { x: [0.0, w0, 0.0], v: [0.0, v, 0.0] };
-        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
-        let load = [a * p.block_mass, 0.0, 0.0, 0.0];
-        simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
-        for n in 1..=STEPS {
-            simulator.advance_to(step * f64::from(n)).unwrap();
+    let (w0, v, a) = (0.6 * still.stop_gap, 1e-3, -1.0);
+    // The acceleration of the block by a load, and of the box by its spring, which hardly moves in this time.
+    let swung = Parameters { box_stiffness: still.box_mass, ..still };
+    for (p, x1, load) in [(still, 0.0, a * still.block_mass), (swung, a, 0.0)] {
+        for step in [1e-9, 3e-9, 1e-8, 1e-7] {
+            let start = State { x: [x1, x1 + w0, 0.0], v: [0.0, v, 0.0] };
+            let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+            simulator.set_loads(&Loads { derivatives: [[0.0; 4], [load, 0.0, 0.0, 0.0], [0.0; 4]] }).unwrap();
+            for n in 1..=STEPS {
+                simulator.advance_to(step * f64::from(n)).unwrap();
+            }
+            let t = step * f64::from(STEPS);
+            let bent = if load == 0.0 { 1.0 - t.cos() } else { 0.5 * t * t };
+            let error =
+                (simulator.relative_motion().0 - (w0 + t * v + a * bent)) / (p.stop_gap * f64::EPSILON);
+            assert!(error.abs() <= ROUNDING, "load {load}, steps of {step} s: {error} units");
         }
-        let t = step * f64::from(STEPS);
-        let exact = w0 + t * (v + 0.5 * a * t);
-        let each = (simulator.relative_motion().0 - exact) / (f64::from(STEPS) * p.stop_gap * f64::EPSILON);
-        println!("steps of {step} s: {each} units each");
-        assert!(each.abs() <= 1.0, "{step}: {each}");
-        assert!(step != 1e-8 || each > 0.1, "{each}: docs/guarantees.md says that they may add up");
     }
+}
+
+/// A block on a stop, all forces on which cancel but for a load that falls by next to nothing: its speed is rounding over a whole sub-step and
+/// longer, and rounding may add impacts, rests and releases. They do not move it.
+#[test]
+fn closed_form_a_block_that_hardly_any_force_moves_stays_at_its_stop() {
+    /// Speeds that are rounding, in gaps times the fastest rate, and the gap, as in docs/guarantees.md.
+    const SPEED: f64 = 20.0 * f64::EPSILON;
+    const NEAR: f64 = 2e-12;
+    const END: f64 = 1000.0;
+    let mut added = 0;
+    for kappa in [0.0, 0.5, 1.0] {
+        let p = Parameters { drive_amplitude: 0.0, stop_restitution: kappa, ..Parameters::default() };
+        let (rate, hold) = (Model::new(&p).unwrap().rate, p.coupling_stiffness * p.stop_gap);
+        // From about ε/100 of what would move it by a gap in the time 1/rate on.
+        for ramp in [1e-18, 1e-20, 1e-22, 1e-25] {
+            for step in [END, 0.3, 0.01] {
+                let start = State { x: [0.0, p.stop_gap, 0.0], v: [0.0; 3] };
+                let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+                let load = [hold + 10.0 * ramp, -ramp, 0.0, 0.0];
+                let derivatives = [[0.0; 4], load, [-hold, 0.0, 0.0, 0.0]];
+                simulator.set_loads(&Loads { derivatives }).unwrap();
+                for n in 1..=(END / step) as u32 {
+                    simulator
+                        .advance_observed(f64::from(n) * step, &mut |event| {
+                            if let Event::Impact { speed, .. } = *event {
+                                added += 1;
+                                assert!(
+                                    speed < SPEED * rate * p.stop_gap,
+                                    "{kappa} {ramp:e} {step}: {speed:e}"
+                                );
+                            }
+                        })
+                        .unwrap();
+                    let (w, _) = simulator.relative_motion();
+                    assert!(p.stop_gap - w < NEAR * p.stop_gap, "{kappa} {ramp:e} {step}: {w}");
+                }
+            }
+        }
+    }
+    assert!(added > 1000, "{added}: docs/guarantees.md says that there may be thousands");
 }

@@ -1,5 +1,6 @@
 //! What must hold whatever the motion: laws of impact, energy, independence of the steps, symmetry, repeatability.
 
+use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
@@ -100,6 +101,31 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
     }
 }
 
+/// In steps within an interval the damping in flight is found by another rule, half an interval long or all of it.
+#[test]
+fn invariant_energy_balance_in_short_steps() {
+    /// Of the energy that passed through (docs/guarantees.md).
+    const BOUND: f64 = 1e-12;
+    const STEPS: u32 = 10_000;
+    let basic = basic(1.5, 0.75);
+    // Here the drive itself is the fastest rate: the rules' errors are largest.
+    let fast = Parameters { drive_frequency: 50.0, drive_amplitude: 50.0, ..basic };
+    for p in [basic, fast] {
+        let interval = 0.15 / Model::new(&p).unwrap().rate;
+        for part in [0.99, 0.49, 0.1] {
+            let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+            let first = simulator.energy_accounts().mechanical;
+            for n in 1..=STEPS {
+                simulator.advance_to(f64::from(n) * part * interval).unwrap();
+            }
+            let l = simulator.energy_accounts();
+            let error = l.mechanical - first - l.input + l.damped + l.impact;
+            let passed = first.max(l.mechanical).max(l.damped).max(l.input);
+            assert!(error.abs() < BOUND * passed, "{part} of an interval: {error:e} of {passed}");
+        }
+    }
+}
+
 #[test]
 fn second_method_drive_work_in_closed_form_and_by_quadrature() {
     /// Rounding over 300 periods. Loads of no size have their work, and with it the drive's, found by quadrature.
@@ -181,6 +207,44 @@ fn invariant_reflection_turns_the_motion_by_half_a_period() {
     assert_eq!(a.x, b.x.map(|x| -x));
     assert_eq!(a.v, b.v.map(|v| -v));
     assert_eq!(one.impacts().upper, two.impacts().lower);
+}
+
+/// A load throws the block to one stop and, as if that were not there, on to the other within the same interval: both stops are searched for
+/// and found, and the root at the first must not depend on which of them is the upper one.
+#[test]
+fn invariant_the_mirror_image_has_the_same_bits_where_both_stops_are_in_reach() {
+    const STARTS: u32 = 6000;
+    let p = Parameters::default();
+    let opposite = Parameters { drive_amplitude: -p.drive_amplitude, ..p };
+    let [one, two] = [p, opposite].map(|p| Simulator::new(&p, &State::default(), 0.0).unwrap());
+    let interval = 0.15 / Model::new(&p).unwrap().rate;
+    let mut seed = 1u64;
+    let mut next = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut hits = 0;
+    for _ in 0..STARTS {
+        // In an interval the path leads over the upper stop, turns and comes to the lower one.
+        let (x1, x3, v1, v3) = (next() - 0.5, next() - 0.5, 0.3, next());
+        let w = p.stop_gap * (0.85 + 0.149 * next());
+        let rate = (0.5 + 0.7 * next()) * p.stop_gap / interval;
+        let force = -2.0 * (1.8 + 1.5 * next()) * p.stop_gap * p.block_mass / (interval * interval);
+        let end = (0.9 + 0.1 * next()) * interval;
+        let image = |sign: f64, of: &Simulator| {
+            let [x, v] = [[x1, x1 + w, x3], [v1, v1 + rate, v3]].map(|of| of.map(|a| sign * a));
+            let mut simulator = of.with_state(&State { x, v }, 0.0).unwrap();
+            let load = [sign * force, 0.0, 0.0, 0.0];
+            simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
+            simulator.advance_until(end, Pause::AfterImpact, None).unwrap();
+            simulator
+        };
+        let (a, b) = (image(1.0, &one), image(-1.0, &two));
+        hits += a.impacts().upper;
+        assert_eq!(a.time(), b.time());
+        assert_eq!((a.state().x, a.state().v), (b.state().x.map(|x| -x), b.state().v.map(|v| -v)));
+    }
+    assert!(hits > u64::from(STARTS / 4), "{hits}");
 }
 
 #[test]

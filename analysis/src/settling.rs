@@ -20,12 +20,17 @@ const CHECK: u32 = 4;
 const SIMILAR: f64 = 1e-6;
 /// Differences under this may be round-off, and need not fall.
 const ROUNDING: f64 = 1e-11;
-/// A motion has settled when its states return to this (units of L and L ω10). Over the thousand periods that a study discards at
-/// most, returns of this size that do not grow add up to a thousand times as much, …
+/// A motion has settled when its states return to this (units of L and L ω10). While returns of this size do not grow, they add up to as
+/// many times as much as there are of them in the drive periods left out, …
 const STEADY: f64 = 1e-7;
-/// … by which a state and the one that it nearly returns to may each move: where a shorter period is this far from a return, it
-/// stays farther than [`RETURN`].
-const APART: f64 = RETURN + 2.0 * 1000.0 * STEADY;
+/// … at least so many are reckoned with, …
+const RETURNS: f64 = 1000.0;
+
+/// … and a state and the one that it nearly returns to may each move by that: where a shorter period is this far from a return, it stays
+/// farther than [`RETURN`] through as many returns.
+fn apart(returns: f64) -> f64 {
+    RETURN + 2.0 * returns.max(RETURNS) * STEADY
+}
 
 /// The impacts of one drive period.
 #[derive(Clone, Copy, Debug, Default)]
@@ -110,15 +115,17 @@ impl Confirmation {
         self.first + 4 * self.period
     }
 
-    /// Whether the states of two periods since `start` and the order of impacts repeat with the period and with no shorter one.
-    pub(crate) fn holds(&self, record: &StroboscopicRecord) -> bool {
+    /// Whether the states of two periods since `start` and the order of impacts repeat with the period and with no shorter one, so that
+    /// they still will after `left` drive periods.
+    pub(crate) fn holds(&self, record: &StroboscopicRecord, left: u32) -> bool {
         let n = self.period as usize;
+        let apart = apart(f64::from(left) / f64::from(self.period));
         let state = |k: usize| if k == 0 { &self.start } else { &record.periods[k - 1].state };
         let same = |lag: usize, k: usize, near: f64| distance(state(k), state(k + lag)) < near;
         let repeats = (0..=n).all(|k| same(n, k, STEADY))
             && (0..n).all(|k| record.periods[k].pattern == record.periods[k + n].pattern);
         // A shorter period that is nearly one would be found later, or not, by rounding.
-        let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, APART));
+        let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, apart));
         repeats && !(1..n).any(shorter)
     }
 }
@@ -153,14 +160,20 @@ mod tests {
     #[test]
     fn closed_form_confirmation_of_made_up_states() {
         let mut record = StroboscopicRecord::default();
-        let mut confirmed = |period: u32, coordinate: &dyn Fn(f64) -> f64| {
+        let mut confirmed_for = |left: u32, period: u32, coordinate: &dyn Fn(f64) -> f64| {
             record.clear();
             let confirmation = Confirmation { period, first: 0, start: [coordinate(0.0); 6] };
             for j in 1..=confirmation.last() {
                 record.sample(j, [coordinate(0.5 * f64::from(j)); 6]);
             }
-            confirmation.holds(&record)
+            confirmation.holds(&record, left)
         };
+        // Nearly of period 1, as the next ones: the more periods are left out, the farther from it it must be.
+        let far = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
+        assert!(confirmed_for(2000, 2, &far(1.1e-4)) && !confirmed_for(8192, 2, &far(1.1e-4)));
+        assert!(!confirmed_for(8192, 2, &far(4.1e-4)) && confirmed_for(8192, 2, &far(4.2e-4)));
+        let mut confirmed =
+            |period: u32, coordinate: &dyn Fn(f64) -> f64| confirmed_for(0, period, coordinate);
         let wave = |k: f64| (std::f64::consts::TAU * k / 3.0).cos();
         assert!(confirmed(1, &|_| 0.3) && confirmed(3, &wave));
         assert!(!confirmed(2, &|_| 0.3) && !confirmed(2, &wave) && !confirmed(6, &wave));

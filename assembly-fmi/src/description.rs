@@ -15,8 +15,9 @@ use vibro_assembly::description::{BodyKind, Harmonic};
 const PERIODS: f64 = 20.0;
 /// What it runs without any, s.
 const DURATION: f64 = 10.0;
-/// Steps in either.
+/// Steps in either, and steps that are exact parts of any duration.
 const STEPS: f64 = 1000.0;
+const STEPS_OF_ANY: f64 = 1024.0;
 
 impl Plan {
     /// What the model description says of this machine.
@@ -45,6 +46,9 @@ impl Plan {
             co_simulation: Some(CoSimulation {
                 can_interpolate_inputs: true,
                 max_output_derivative_order: OUTPUT_ORDER,
+                recommended_intermediate_input_smoothness: 3,
+                provides_intermediate_update: true,
+                can_return_early_after_intermediate_update: true,
                 might_return_early_from_do_step: true,
                 has_event_mode: true,
                 ..CoSimulation::default()
@@ -56,7 +60,7 @@ impl Plan {
                 provides_adjoint_derivatives: true,
                 ..Capabilities::default()
             },
-            units: declared().map(Declared::unit).collect(),
+            units: declared().filter_map(Declared::unit).collect(),
             types,
             log_categories: fmi_doors::messages::log_categories(
                 "Impacts, stops that open or close, friction that sticks or slips, knots of signals",
@@ -117,14 +121,15 @@ impl Plan {
         let causality = match row.role {
             Role::Independent => Causality::Independent,
             Role::Parameter | Role::Tunable => Causality::Parameter,
-            Role::Local => Causality::Local,
+            Role::Local | Role::Sensitivity => Causality::Local,
             Role::Input => Causality::Input,
             Role::Output | Role::Discrete => Causality::Output,
         };
         let declared = Declared::of(row.unit).declared_type();
         let (name, meaning) = (row.name.clone(), row.meaning.clone());
         let real = Variable {
-            intermediate_update: false,
+            intermediate_update: row.is_seen_within_steps(),
+            dimensions: row.dimensions.clone(),
             ..Variable::real(reference, name, &declared, causality, meaning)
         };
         match (row.quantity, row.base) {
@@ -181,7 +186,10 @@ impl Plan {
         let frequencies = harmonics.map(|Harmonic { frequency, .. }| *frequency);
         let slowest = frequencies.min_by(f64::total_cmp);
         let stop_time = slowest.map_or(DURATION, |frequency| PERIODS / frequency);
-        Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size: stop_time / STEPS }
+        // Importers exist that want the quotient of both to be a whole number, rounding or not.
+        let divides = |step_size: &f64| (stop_time / step_size).fract() == 0.0;
+        let step_size = Some(stop_time / STEPS).filter(divides).unwrap_or(stop_time / STEPS_OF_ANY);
+        Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size }
     }
 
     /// The text of `modelDescription.xml` of a version.

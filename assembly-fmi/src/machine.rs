@@ -4,15 +4,20 @@ mod component;
 mod derivatives;
 mod events;
 mod exchange;
+mod last_step;
 mod moving;
+mod pieces;
 
 pub(crate) use derivatives::OUTPUT_ORDER;
 pub(crate) use moving::{SavedMoving, Shown};
+
+pub use pieces::Pieces;
 
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
 use crate::table::{Quantity, Role};
 use fmi_doors::{Interface, Life, Phase, Problem};
+use last_step::{LastStep, StepMatrices};
 use moving::Moving;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -38,6 +43,9 @@ pub struct Machine {
     ahead: Option<Moving>,
     /// What changes at events only, as it is shown until the host has handled the events of the last step.
     latched: Option<Shown>,
+    /// The last step, and its derivatives once they were asked for.
+    last_step: Option<LastStep>,
+    matrices: Option<StepMatrices>,
 }
 
 impl fmt::Debug for Machine {
@@ -52,8 +60,9 @@ impl Machine {
     pub fn new(plan: Arc<Plan>, life: Life) -> Self {
         let values: Vec<f64> = plan.table.parameters.iter().map(|parameter| parameter.value).collect();
         let (phases, pending) = (vec![0.0; values.len()], vec![None; plan.table.inputs.len()]);
-        let (moving, ahead, latched) = (None, None, None);
-        Self { plan, life, values, phases, changed: false, pending, moving, ahead, latched }
+        let (moving, ahead, latched, last_step, matrices) = (None, None, None, None, None);
+        let changed = false;
+        Self { plan, life, values, phases, changed, pending, moving, ahead, latched, last_step, matrices }
     }
 
     /// The numbers of the machine with the parameters' present values.
@@ -92,15 +101,21 @@ impl Machine {
         Ok(moving.set_inputs(&self.pending)?)
     }
 
+    /// The motion after it has taken over what was set.
+    fn taken_over(&self, moving: &Moving) -> Result<Moving, MachineProblem> {
+        let mut ahead = moving.clone();
+        self.take_over(&mut ahead)?;
+        Ok(ahead)
+    }
+
     /// The motion as it is with all that was set.
     fn present(&mut self) -> Result<&Moving, MachineProblem> {
         if self.ahead.is_none() {
             match &self.moving {
                 None => self.ahead = Some(self.start()?),
-                Some(moving) if self.is_set() => {
-                    let mut ahead = moving.clone();
-                    self.take_over(&mut ahead)?;
-                    self.ahead = Some(ahead);
+                // An event that is due comes before what was set: both sides of it are to be seen.
+                Some(moving) if self.is_set() && !moving.motion.is_event_due() => {
+                    self.ahead = Some(self.taken_over(moving)?);
                 }
                 Some(_) => {}
             }
@@ -193,7 +208,15 @@ impl Machine {
     fn change(&mut self, values: &[(usize, f64)]) -> Result<(), MachineProblem> {
         let before = (self.values.clone(), self.phases.clone(), self.changed);
         values.iter().for_each(|&(i, value)| self.put(Quantity::Parameter(i), value));
-        let Err(problem) = self.present() else { return Ok(()) };
+        let problem = match self.moving.as_ref().map(|moving| self.taken_over(moving)) {
+            Some(Ok(ahead)) => {
+                let due = self.moving.as_ref().is_some_and(|moving| moving.motion.is_event_due());
+                self.ahead = Some(ahead).filter(|_| !due);
+                return Ok(());
+            }
+            Some(Err(problem)) => problem,
+            None => return Ok(()),
+        };
         (self.values, self.phases, self.changed) = before;
         self.ahead = None;
         Err(match problem {

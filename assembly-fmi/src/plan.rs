@@ -2,8 +2,8 @@
 
 use crate::problem::MachineProblem;
 use crate::table::Table;
-use fmi_doors::Instantiation;
 use fmi_doors::identifier::identifier;
+use fmi_doors::{Instantiation, Version};
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -51,6 +51,15 @@ impl Plan {
         Self::new(machine.to_toml(), FILE)
     }
 
+    /// The same machine with matrices of derivatives over a step, for a description of FMI 3.0 of its own: several importers cannot
+    /// read arrays.
+    #[must_use]
+    pub fn with_arrays(mut self) -> Self {
+        self.token = token_with_arrays(&self.text);
+        self.table.add_matrices(2 * self.assembly.states().len());
+        self
+    }
+
     /// The plan that an instance is asked for: of the file in its resources, if it bears the token of the description.
     ///
     /// # Errors
@@ -67,6 +76,9 @@ impl Plan {
             return Err(MachineProblem::File { file: file.display().to_string(), problem });
         };
         // The token first: what is wrong with another machine's file is of no use.
+        if request.version == Version::Fmi3 && request.token == token_with_arrays(&text) {
+            return Ok(Self::new(text, &name)?.with_arrays());
+        }
         request.check_token(&token(&text))?;
         Self::new(text, &name)
     }
@@ -79,6 +91,11 @@ impl Plan {
     /// What tells this machine's description and file apart from others.
     pub fn token(&self) -> &str {
         &self.token
+    }
+
+    /// What tells the machine apart from others, whichever of its descriptions was chosen.
+    pub(crate) fn machine_token(&self) -> String {
+        token(&self.text)
     }
 
     /// The text of the [`FILE`].
@@ -112,6 +129,11 @@ impl Plan {
 /// Hash of a file and of this version of the library, whose numbering of variables it goes with.
 fn token(text: &str) -> String {
     identifier(&format!("{} {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
+}
+
+/// That of the description with arrays.
+fn token_with_arrays(text: &str) -> String {
+    identifier(&format!("{} with arrays {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }
 
 fn read(file: &Path) -> Result<String, String> {

@@ -8,6 +8,7 @@
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
+//! | `step.transition`, `step.response`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
 //!
 //! Names of bodies and of elements are unique each, and what follows them differs: no two variables share a name.
@@ -47,6 +48,10 @@ pub enum Quantity {
     Energy(Energy),
     /// An event indicator, by its place among all.
     Indicator(usize),
+    /// The derivatives of the states at the end of the last step by those at its begin.
+    Transition,
+    /// The same by the inputs.
+    Response,
 }
 
 /// A part of the energy balance, J.
@@ -81,6 +86,8 @@ pub enum Role {
     Discrete,
     /// Follows from the motion, and is of interest to a host's solver alone.
     Local,
+    /// A matrix of derivatives over the last step.
+    Sensitivity,
 }
 
 /// A variable.
@@ -98,6 +105,15 @@ pub struct Row {
     pub role: Role,
     /// What it is read from.
     pub quantity: Quantity,
+    /// Rows and columns of a matrix; nothing of a scalar.
+    pub dimensions: Vec<usize>,
+}
+
+impl Row {
+    /// Whether hosts may read or set it within a step (`intermediateUpdate`).
+    pub fn is_seen_within_steps(&self) -> bool {
+        matches!(self.role, Role::Input | Role::Output)
+    }
 }
 
 /// The variables of a machine.
@@ -118,6 +134,8 @@ fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
     units[usize::from(dimension == Dimension::Rotation)]
 }
 
+/// Of matrices whose elements have different units.
+pub(crate) const NO_UNIT: &str = "";
 const LENGTH: [&str; 2] = ["m", "rad"];
 const RATE: [&str; 2] = ["m/s", "rad/s"];
 const ACCELERATION: [&str; 2] = ["m/s2", "rad/s2"];
@@ -152,7 +170,15 @@ impl Table {
             Quantity::StopState(_) | Quantity::FrictionState(_) => Base::Enumeration,
             _ => Base::Real,
         };
-        self.rows.push(Row { name, meaning: meaning.into(), unit, base, role, quantity });
+        self.rows.push(Row {
+            name,
+            meaning: meaning.into(),
+            unit,
+            base,
+            role,
+            quantity,
+            dimensions: Vec::new(),
+        });
     }
 
     fn bodies(&mut self, machine: &Description) {
@@ -250,6 +276,24 @@ impl Table {
             push(format!("{name}.down"), "Negative where slipping begins downwards");
             push(format!("{name}.level"), "Negative where friction begins or ceases to act");
         }
+    }
+
+    /// The matrices of derivatives over a step, of a machine with so many states; several importers cannot read arrays.
+    pub(crate) fn add_matrices(&mut self, states: usize) {
+        const ROWS: &str = "Derivatives of the states (coordinates, then rates, in the order of the model structure) at the end of the \
+                            last step";
+        let inputs = 4 * self.inputs.len();
+        let mut push = |name: &str, meaning: String, columns: usize, quantity: Quantity| {
+            if columns > 0 {
+                let text = format!("{ROWS} by {meaning}, through all its events, in SI units");
+                self.push(name.into(), &text, NO_UNIT, Role::Sensitivity, quantity);
+                self.rows.iter_mut().rev().take(1).for_each(|row| row.dimensions = vec![states, columns]);
+            }
+        };
+        push("step.transition", "those at its begin".into(), states, Quantity::Transition);
+        let meaning =
+            "value and derivatives 1 to 3, at its begin, of each input (four columns for each in turn)";
+        push("step.response", meaning.into(), inputs, Quantity::Response);
     }
 
     /// The value reference of a name, where there is one.

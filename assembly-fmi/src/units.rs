@@ -1,5 +1,6 @@
 //! Units, display units, declared types and enumerations of the variables.
 
+use crate::table::NO_UNIT;
 use fmi_doors::description::{Item, Type, TypeKind, Unit};
 use std::f64::consts::{PI, TAU};
 use vibro_assembly::mode::{FrictionState, StopState};
@@ -50,7 +51,10 @@ pub(crate) const DECLARED: &[Declared] = &[
     declared("Hz", [0, 0, -1, 0], &[("kHz", 1e-3)], "Frequency", "Frequency"),
     declared("1/m", [0, -1, 0, 0], &[], "InverseLength", "InverseLength"),
     declared("1", [0, 0, 0, 0], &[], "Number", "DimensionlessRatio"),
+    declared(NO_UNIT, [0, 0, 0, 0], &[], "Sensitivity", ""),
 ];
+
+const NUMBER: usize = DECLARED.len() - 2;
 
 /// Units whose values people read in the first display unit where nobody says otherwise.
 const SHOWN: [&str; 2] = ["m", "rad"];
@@ -58,18 +62,28 @@ const SHOWN: [&str; 2] = ["m", "rad"];
 impl Declared {
     /// The one of a unit; of a unit that none has, the number's.
     pub fn of(unit: &str) -> &'static Self {
-        DECLARED.iter().find(|declared| declared.unit == unit).unwrap_or(&DECLARED[DECLARED.len() - 1])
+        DECLARED.iter().find(|declared| declared.unit == unit).unwrap_or(&DECLARED[NUMBER])
     }
 
-    /// The unit as descriptions have it.
-    pub fn unit(&self) -> Unit {
+    /// The unit as descriptions have it; none of matrices, whose elements have different ones.
+    pub fn unit(&self) -> Option<Unit> {
+        if self.unit == NO_UNIT {
+            return None;
+        }
         let [kg, m, s, rad] = self.exponents;
         let display = self.display.iter().map(|(name, factor)| ((*name).into(), *factor));
-        Unit { name: self.unit.into(), exponents: [kg, m, s, 0, 0, 0, 0, rad], display: display.collect() }
+        let exponents = [kg, m, s, 0, 0, 0, 0, rad];
+        Some(Unit { name: self.unit.into(), exponents, display: display.collect() })
     }
 
     /// The type as descriptions have it.
     pub fn declared_type(&self) -> Type {
+        if self.unit == NO_UNIT {
+            let kind = TypeKind::Real { quantity: None, unit: None, display_unit: None };
+            let description =
+                "Derivatives; each element has the SI unit of its row over that of its column".into();
+            return Type { name: self.name.into(), description, kind };
+        }
         let mut declared = Type::real(self.name, self.quantity, self.unit);
         if let TypeKind::Real { display_unit, .. } = &mut declared.kind {
             let usual = self.display.first().filter(|_| SHOWN.contains(&self.unit));

@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
+/// Name of the command line's program, without what Windows puts behind it.
+pub const PROGRAM: &str = "vibro";
+
 /// Content of an archive: path inside it → bytes, in the order of the paths.
 pub type Content = BTreeMap<String, Vec<u8>>;
 
@@ -19,9 +22,12 @@ pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
     let failed = |source| Error::Archive { path: PathBuf::from("(in memory)"), source };
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in content {
-        let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
+        let mode = if name.starts_with("binaries/") || name == PROGRAM { 0o755 } else { 0o644 };
+        // An archive within an archive is compressed already.
+        let packed = name.ends_with(".fmu");
+        let method = if packed { CompressionMethod::Stored } else { CompressionMethod::Deflated };
         let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Deflated)
+            .compression_method(method)
             .last_modified_time(DateTime::default())
             .unix_permissions(mode);
         zip.start_file(name.as_str(), options).map_err(failed)?;

@@ -91,6 +91,12 @@ impl Binaries {
         Self(vec![(OWN, bytes)])
     }
 
+    /// Those of some platforms alone, by their folders in FMI 3.0.
+    #[must_use]
+    pub fn only(&self, tuples: &[&str]) -> Self {
+        self.0.iter().filter(|(place, _)| tuples.contains(&place.tuple)).cloned().collect()
+    }
+
     /// The libraries by their folders in FMI 3.0.
     pub fn folders(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
         self.0.iter().map(|(place, bytes)| (place.tuple, &**bytes))

@@ -15,6 +15,7 @@ mod content;
 mod error;
 mod kit;
 mod page;
+pub mod reference;
 mod terminals;
 
 pub use archive::Content;

@@ -9,10 +9,13 @@ use vibro_sketch::Sketch;
 /// How the page looks: narrow enough to read, tables that do not break out of it.
 const STYLE: &str = "body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
     table{border-collapse:collapse}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #ddd}\
-    svg{max-width:100%;height:auto}code{white-space:nowrap}";
+    figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto}code{white-space:nowrap}";
+
+/// The least part of its own width at which a sketch is shown: its names have nine pixels then. On a narrower page it is moved sideways.
+const LEAST: f64 = 0.7;
 
 /// Sections of the table: heading, what stands under it, roles.
-const SECTIONS: [(&str, &str, &[Role]); 4] = [
+const SECTIONS: [(&str, &str, &[Role]); 5] = [
     ("Inputs", "Added to a signal of the file; 0 until they are set.", &[Role::Input]),
     (
         "Outputs",
@@ -25,6 +28,11 @@ const SECTIONS: [(&str, &str, &[Role]); 4] = [
         &[Role::Parameter, Role::Tunable],
     ),
     ("Event indicators", "For the solver of a host in Model Exchange.", &[Role::Local]),
+    (
+        "Derivatives over a step",
+        "Read before an event's law they lack its jump, after it they have it.",
+        &[Role::Sensitivity],
+    ),
 ];
 
 /// The page. Names and units consist of letters, digits and signs to which HTML gives no meaning.
@@ -36,6 +44,8 @@ pub fn page(plan: &Plan) -> Result<String> {
     let sketch = canvas::svg(&Sketch::new(machine))?;
     // Within a page an SVG has no declaration.
     let sketch = sketch.find("<svg").map_or("", |from| &sketch[from..]);
+    let width: f64 = sketch.split('"').nth(1).and_then(|width| width.parse().ok()).unwrap_or_default();
+    let sketch = sketch.replacen("<svg", &format!("<svg style=\"min-width:{:.0}px\"", LEAST * width), 1);
     let counts = [
         (machine.bodies.len(), "bodies"),
         (machine.springs.len(), "springs"),
@@ -48,7 +58,7 @@ pub fn page(plan: &Plan) -> Result<String> {
         counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what}: {count}"));
     let mut text = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{name}</title><style>{STYLE}</style></head>\n\
-         <body>\n<h1>{name}</h1>\n{sketch}\n<p>{}.</p>\n\
+         <body>\n<h1>{name}</h1>\n<figure>\n{sketch}</figure>\n<p>{}.</p>\n\
          <p>A piecewise linear machine. In Co-Simulation it is advanced by its exact flow from event to event: its answer depends on no \
          tolerance and on no step size. In Model Exchange a host's solver integrates between events, and the law at events is the \
          same. The machine stands in <a href=\"../resources/{FILE}\">resources/{FILE}</a>.</p>\n",

@@ -88,10 +88,16 @@ fn lane(item: &Item) -> f64 {
     NAME + height_of(item.symbol).max(2.0 * arms) + ROOM
 }
 
+/// The room that a lever arm's number takes at an end of a symbol.
+pub(crate) fn room_of(arm: Option<&str>) -> f64 {
+    arm.map_or(0.0, |arm| text_width(arm, ARM_FONT) + 20.0)
+}
+
 /// The width that a symbol with its name needs.
 fn need(item: &Item) -> f64 {
-    let arms: f64 = item.arms.iter().flatten().map(|arm| text_width(arm, ARM_FONT) + 20.0).sum();
-    (text_width(&item.name, FONT) + ROOM).max(SYMBOL).max(if arms > 0.0 { BARE + arms } else { 0.0 })
+    // The symbol is in the middle, so that both ends have the room of the longer number.
+    let arm = item.arms.iter().map(|arm| room_of(arm.as_deref())).fold(0.0, f64::max);
+    (text_width(&item.name, FONT) + ROOM).max(SYMBOL).max(if arm > 0.0 { BARE + 2.0 * arm } else { 0.0 })
 }
 
 /// An element or a load before it has a place.
@@ -191,7 +197,7 @@ impl Layout {
         let over = layout.boxes(machine, &order, &sorted);
         layout.fill_gaps(&sorted);
         layout.fill_under(&sorted);
-        layout.fill_over(sorted.over, &over);
+        layout.fill_over(&sorted.over, &over);
         let lowest =
             layout.placed.iter().map(|p| p.y + 0.5 * height_of(p.symbol)).fold(layout.bottom, f64::max);
         layout.height = lowest + 2.0 * MARGIN;
@@ -317,20 +323,35 @@ impl Layout {
         }
     }
 
-    fn fill_over(&mut self, mut long: Vec<Long>, legs: &[Vec<usize>]) {
+    fn fill_over(&mut self, long: &[Long], legs: &[Vec<usize>]) {
         let span = |long: &Long| long.columns[long.columns.len() - 1] - long.columns[0];
         let mut by_length: Vec<usize> = (0..long.len()).collect();
         by_length.sort_by_key(|&i| span(&long[i]));
         let mut floor = self.top - OFF;
-        for i in by_length {
-            let Long { item, columns, walled, arms } = &mut long[i];
-            let ports: Vec<(usize, f64)> =
-                columns.iter().map(|&place| (place, self.port(place, i, legs))).collect();
+        let ports_of = |layout: &Self, i: usize| -> Vec<(usize, f64)> {
+            long[i].columns.iter().map(|&place| (place, layout.port(place, i, legs))).collect()
+        };
+        for (rank, &i) in by_length.iter().enumerate() {
+            let Long { item, walled, arms, .. } = &long[i];
+            let ports = ports_of(self, i);
             let height = lane(item);
             let (first, last) = (ports[0].1, ports[ports.len() - 1].1);
             let (from, to) = if *walled { (first - need(item), first) } else { (first, last) };
-            self.put(item, from, to, floor - height);
+            // The legs of those in the lanes above go through this one: the symbol stands in the widest part between them.
+            let above = by_length[rank + 1..].iter().flat_map(|&above| ports_of(self, above));
+            let mut cuts: Vec<f64> = above.map(|port| port.1).filter(|x| from < *x && *x < to).collect();
+            cuts.extend([from, to]);
+            cuts.sort_by(f64::total_cmp);
+            let parts = cuts.windows(2).map(|part| (part[0], part[1]));
+            let widest = parts.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+            let (left, right) = widest.unwrap_or((from, to));
+            self.put(item, left, right, floor - height);
             let y = self.placed.last().map_or(floor, |placed| placed.y);
+            for (end, part) in [(from, left), (right, to)] {
+                if end < part {
+                    self.lines.push([(end, y), (part, y)]);
+                }
+            }
             if *walled {
                 let half = 0.5 * height_of(item.symbol) + 8.0;
                 self.walls.push((from, y - half, y + half, false));

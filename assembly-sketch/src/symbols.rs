@@ -1,7 +1,7 @@
 //! The marks of everything that has a place.
 
 use crate::connections::Symbol;
-use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of};
+use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of, room_of};
 use std::f64::consts::PI;
 use vibro_figures::canvas::palette::{BLACK, GREY, WHITE};
 use vibro_figures::canvas::{Across, Along, Canvas, Colour, Pen, Place, Writing};
@@ -147,7 +147,8 @@ impl Hand<'_> {
         match placed.symbol {
             Some(Symbol::Spring { zigzag: true, dashpot: true }) => {
                 let (upper, lower) = (y - 34.0, y + 34.0);
-                let ends = (from + 26.0, to - 26.0);
+                let [left, right] = [0, 1].map(|end| 26.0 + room_of(placed.arms[end].as_deref()));
+                let ends = (from + left, to - right);
                 self.line(vec![(from, y), (ends.0, y)]);
                 self.line(vec![(ends.1, y), (to, y)]);
                 self.line(vec![(ends.0, upper), (ends.0, lower)]);

@@ -3,10 +3,11 @@
 //!
 //! `cargo run --example describe FOLDER`
 
-#[path = "bouncing_ball.rs"]
-mod bouncing_ball;
+#[path = "bouncing_ball/ball.rs"]
+mod ball;
 
 use fmi_doors::Version;
+use fmi_doors::tabular::FromTable;
 use std::path::Path;
 
 fn main() -> std::io::Result<()> {
@@ -14,7 +15,10 @@ fn main() -> std::io::Result<()> {
     for (name, version) in [("fmi2", Version::Fmi2), ("fmi3", Version::Fmi3)] {
         let folder = Path::new(&folder).join(name);
         std::fs::create_dir_all(&folder)?;
-        std::fs::write(folder.join("modelDescription.xml"), bouncing_ball::description().xml(version))?;
+        std::fs::write(
+            folder.join("modelDescription.xml"),
+            FromTable::<ball::Ball>::description().xml(version),
+        )?;
     }
     Ok(())
 }

@@ -8,6 +8,8 @@
 //!                      │          ffi/       checked pointers, panics caught, handles looked up
 //!                      ▼
 //!                  Component      what a type must be able to do: one trait, whose defaults refuse by name
+//!                      ▲
+//!                  tabular        a component from a table of variables and what moves them
 //! ```
 //!
 //! The doors check handles, pointers, counts and states, keep saved states, turn panics into statuses and problems into log
@@ -17,112 +19,72 @@
 //! # An FMU from your Rust type
 //!
 //! 1. A crate whose library is a `cdylib`, with this crate among its dependencies.
-//! 2. A type that implements [`Component`]: what it offers; the defaults refuse the rest by name. Below, a first-order lag that steps
-//!    itself exactly.
+//! 2. A type that implements [`Tabular`](tabular::Tabular): a table of variables and what moves them, as below and in
+//!    `examples/bouncing_ball/ball.rs`, which has events. What it offers follows: both interface types, event mode, saved states, ranges,
+//!    phases and messages. Where a table is too little (arrays, derivatives, what is known at run time only, intermediate
+//!    update), a type implements [`Component`] itself; its defaults refuse the rest by name.
 //! 3. One line, [`export!`], makes all functions of FMI 2.0 and 3.0. It expands to `unsafe` functions by the C names; the crate may
 //!    deny `unsafe_code` elsewhere, but not forbid it.
-//! 4. A program that writes `modelDescription.xml` from a [`Description`](description::Description), one for each version.
+//! 4. A program that writes `modelDescription.xml` for each version (`examples/describe.rs`), from
+//!    [`FromTable::description`](tabular::FromTable::description) or a [`Description`](description::Description) of your own.
 //! 5. A zip archive of the description and the library, in `binaries/linux64/` (FMI 2.0) or `binaries/x86_64-linux/` (FMI 3.0) and the
 //!    like of other platforms, under the name that the description has as `modelIdentifier`.
 //!
 //! ```
-//! use fmi_doors::log::Log;
-//! use fmi_doors::{Advance, Base, Bases, Component, Instantiation, Life, Named, Phase, Problem};
+//! use fmi_doors::tabular::{FromTable, Row, Tabular};
 //!
 //! /// y follows u: y' = (u - y) / T.
-//! #[derive(Debug)]
-//! struct Lag {
-//!     life: Life,
-//!     time: f64,
-//!     u: f64,
-//!     y: f64,
-//! }
+//! enum Lag {}
 //!
-//! fmi_doors::export!(Lag);
+//! fmi_doors::export!(FromTable<Lag>);
 //!
-//! /// The time constant, s.
-//! const T: f64 = 0.5;
+//! // Places in the table; value references are counted from 1.
+//! const TIME: usize = 0;
+//! const CONSTANT: usize = 1;
+//! const U: usize = 2;
+//! const Y: usize = 3;
+//! const RATE: usize = 4;
 //!
-//! impl Lag {
-//!     /// The variable of a reference: 1 is u, 2 is y.
-//!     fn place(&mut self, reference: u32, bases: Bases) -> Result<&mut f64, Problem> {
-//!         match reference {
-//!             1 if bases.contains(Base::Real) => Ok(&mut self.u),
-//!             2 if bases.contains(Base::Real) => Ok(&mut self.y),
-//!             _ => Err(Problem::Reference { reference, wanted: bases.name, found: "there are 1 and 2".into() }),
-//!         }
-//!     }
-//! }
+//! impl Tabular for Lag {
+//!     const NAME: &'static str = "Lag";
+//!     const IDENTIFIER: &'static str = "lag";
+//!     const DESCRIPTION: &'static str = "A first-order lag";
+//!     const VERSION: &'static str = "1.0";
+//!     const ROWS: &'static [Row] = &[
+//!         Row::time("time"),
+//!         Row::parameter("T", "s", 0.5, "Time constant").within(f64::MIN_POSITIVE, f64::MAX),
+//!         Row::input("u", "1", 0.0, "What is followed"),
+//!         Row::state("y", "1", 0.0, "What follows"),
+//!         Row::derivative("der(y)", "1/s", Y, "Its rate"),
+//!     ];
 //!
-//! impl Component for Lag {
-//!     type Problem = Problem;
-//!     type State = (); // states cannot be saved
-//!     type Pieces = (); // steps ask nothing in their course
+//!     fn evaluate(x: &mut [f64]) {
+//!         x[RATE] = (x[U] - x[Y]) / x[CONSTANT];
+//!     }
 //!
-//!     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Problem> {
-//!         request.check_token("{lag}")?; // as in the description
-//!         Ok(Self { life: request.life(), time: 0.0, u: 0.0, y: 0.0 })
-//!     }
-//!     fn life(&self) -> &Life {
-//!         &self.life
-//!     }
-//!     fn life_mut(&mut self) -> &mut Life {
-//!         &mut self.life
-//!     }
-//!     fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
-//!         self.time = self.life.start_time();
-//!         self.life.begin();
-//!         Ok(())
-//!     }
-//!     fn reset(&mut self) {
-//!         *self = Self { life: Life::new(self.life.interface, self.life.handling), time: 0.0, u: 0.0, y: 0.0 };
-//!     }
-//!     fn time(&self) -> f64 {
-//!         self.time
-//!     }
-//!     fn variable(&self, reference: u32) -> Result<Named<'_>, Problem> {
-//!         let name = if reference == 1 { "u" } else { "y" };
-//!         Ok(Named { name: name.into(), continuous_input: reference == 1, intermediate_update: false })
-//!     }
-//!     fn get(&mut self, bases: Bases, references: &[u32], mut write: impl FnMut(usize, f64)) -> Result<(), Problem> {
-//!         for (i, &reference) in references.iter().enumerate() {
-//!             write(i, *self.place(reference, bases)?);
-//!         }
-//!         Ok(())
-//!     }
-//!     fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Result<(), Problem> {
-//!         for (i, &reference) in references.iter().enumerate() {
-//!             *self.place(reference, bases)? = read(i);
-//!         }
-//!         Ok(())
-//!     }
-//!     fn advance(&mut self, point: f64, size: f64, _: &mut dyn Log) -> Result<Advance, Problem> {
-//!         self.life.check_step(point, size, self.time)?;
-//!         self.y = self.u + (self.y - self.u) * (-size / T).exp();
-//!         (self.time, self.life.phase) = (point + size, Phase::Step);
-//!         Ok(Advance { time: self.time, event: false, early: false })
+//!     /// Exactly, for an input that is held.
+//!     fn advance(x: &mut [f64], time: f64) {
+//!         x[Y] = x[U] + (x[Y] - x[U]) * (-(time - x[TIME]) / x[CONSTANT]).exp();
 //!     }
 //! }
 //!
 //! // A host's calls.
+//! # use std::ffi::CString;
 //! # use std::ptr::null;
+//! let token = CString::new(FromTable::<Lag>::token()).unwrap();
 //! let mut y = 0.0;
 //! unsafe {
-//!     let c = fmi2Instantiate(c"lag".as_ptr(), 1, c"{lag}".as_ptr(), null(), null(), 0, 0);
+//!     let c = fmi2Instantiate(c"lag".as_ptr(), 1, token.as_ptr(), null(), null(), 0, 0);
 //!     assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), 0);
 //!     assert_eq!(fmi2EnterInitializationMode(c), 0);
 //!     assert_eq!(fmi2ExitInitializationMode(c), 0);
-//!     assert_eq!(fmi2SetReal(c, &1, 1, &1.0), 0);
+//!     assert_eq!(fmi2SetReal(c, &3, 1, &1.0), 0); // u
 //!     assert_eq!(fmi2DoStep(c, 0.0, 0.5, 1), 0);
-//!     assert_eq!(fmi2GetReal(c, &2, 1, &mut y), 0);
+//!     assert_eq!(fmi2GetReal(c, &4, 1, &mut y), 0); // y
 //!     fmi2FreeInstance(c);
 //! }
 //! assert!((y - (1.0 - (-1.0_f64).exp())).abs() < 1e-15);
 //! ```
-//!
-//! `set` above takes any number at any time, which a component of use would not; `examples/bouncing_ball.rs` checks what it is given,
-//! and has states, an event indicator, event mode, both interface types, saved states and a description; `examples/describe.rs` writes
-//! that.
 
 pub mod component;
 pub mod description;
@@ -136,6 +98,7 @@ pub mod life;
 pub mod log;
 pub mod messages;
 pub mod problem;
+pub mod tabular;
 pub mod values;
 
 pub use component::Component;

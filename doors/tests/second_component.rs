@@ -2,13 +2,19 @@
 //! mode, saved states, and what it does not offer.
 #![allow(unsafe_code)] // the C interface
 
-#[path = "../examples/bouncing_ball.rs"]
+#[path = "../examples/bouncing_ball/main.rs"]
 mod bouncing_ball;
+#[path = "common/calls.rs"]
+mod calls;
+#[path = "second_component/random_calls.rs"]
+mod random_calls;
 
+use bouncing_ball as component; // what the calls are of
 use bouncing_ball::*;
 use fmi_doors::fmi2::abi::{FmiCallbackFunctions, FmiComponent};
 use fmi_doors::fmi2::types::FmiEventInfo;
 use fmi_doors::fmi3::abi::FmiInstance;
+use fmi_doors::tabular::FromTable;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 
@@ -50,7 +56,7 @@ unsafe extern "C-unwind" fn keep(
 }
 
 fn token() -> CString {
-    CString::new(&*description().token).unwrap()
+    CString::new(FromTable::<Ball>::token()).unwrap()
 }
 
 /// An instance of FMI 3.0 in initialization mode's end.
@@ -122,7 +128,7 @@ fn closed_form_of_the_bounces_in_steps_of_both_versions() {
             assert_eq!(of2.to_bits(), height(c3).0.to_bits());
         }
     }
-    assert!(messages[0].starts_with("logEvents bounce at t = 0.4515"), "{messages:?}");
+    assert!(messages[0].starts_with("logEvents bounce, upwards with 3.1"), "{messages:?}");
     unsafe {
         fmi3FreeInstance(c3);
         fmi2FreeInstance(c2);
@@ -279,5 +285,48 @@ fn what_is_not_offered_and_what_cannot_be_is_refused_by_name() {
             last(&messages)
                 .contains("fmi3InstantiateModelExchange: instantiationToken = \"{}\": allowed is {")
         );
+    }
+}
+
+/// What a solver sets need not be what a user may set: a ball a little below the floor is saved and read again.
+#[test]
+fn every_state_that_is_reached_goes_through_bytes() {
+    let (c, below) = (of_fmi2(0), [-1e-9, -4.0]);
+    let (mut state, mut copy, mut size, mut x) = (null_mut(), null_mut(), 0, [0.0; 2]);
+    unsafe {
+        assert_eq!(fmi2NewDiscreteStates(c, &mut FmiEventInfo::default()), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(c), OK);
+        assert_eq!(fmi2SetContinuousStates(c, below.as_ptr(), 2), OK);
+        assert_eq!(fmi2GetFMUstate(c, &mut state), OK);
+        assert_eq!(fmi2SerializedFMUstateSize(c, state, &mut size), OK);
+        let mut bytes = vec![0; size];
+        assert_eq!(fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr(), size), OK);
+        assert_eq!(fmi2SetContinuousStates(c, [1.0, 0.0].as_ptr(), 2), OK);
+        assert_eq!(fmi2DeSerializeFMUstate(c, bytes.as_ptr(), size, &mut copy), OK);
+        assert_eq!(fmi2SetFMUstate(c, copy), OK);
+        assert_eq!(fmi2GetContinuousStates(c, x.as_mut_ptr(), 2), OK);
+        assert_eq!(x, below);
+        fmi2FreeInstance(c);
+    }
+}
+
+/// A ball that loses nothing bounces for ever: a step of more impacts than one may have is refused, and the ball stays where it was.
+#[test]
+fn steps_without_end_are_refused_and_taken_back() {
+    let mut messages = Vec::new();
+    let c = of_fmi3(0, 0, &mut messages);
+    let (mut flags, mut reached) = ([7; 3], 0.0);
+    let [event, terminate, early] = &mut flags;
+    unsafe {
+        assert_eq!(fmi3Reset(c), OK);
+        assert_eq!(fmi3SetFloat64(c, [3, HEIGHT].as_ptr(), 2, [1.0, 1e-6].as_ptr(), 2), OK);
+        assert_eq!(fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(fmi3ExitInitializationMode(c), OK);
+        assert_eq!(fmi3SetDebugLogging(c, 0, 1, [c"logEvents".as_ptr()].as_ptr()), OK);
+        assert_eq!(fmi3DoStep(c, 0.0, 1e9, 1, event, terminate, early, &mut reached), ERROR);
+        let last = messages.last().unwrap();
+        assert!(last.contains("fmi3DoStep: a step with 1000000 events up to t = "), "{last}");
+        assert_eq!(height(c), (1e-6, 0));
+        fmi3FreeInstance(c);
     }
 }

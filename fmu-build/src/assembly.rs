@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use vibro_assembly_fmi::Plan;
 use vibro_pack::Kit;
 
-/// Everything that the archive of a version holds.
+/// Everything that the archive of a version holds, of the plan with arrays where it is that of the version with them.
 ///
 /// # Errors
 /// [`Error::Pack`](crate::Error::Pack), which would be a mistake of ours.
@@ -16,17 +16,20 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     Ok(vibro_pack::content(version.fmi(), plan, kit)?)
 }
 
-/// Writes the archives of the machine in a file, that of FMI 2.0 to `output` or, without it, under the machine's name here, and that
-/// of FMI 3.0 beside it; returns their paths.
+/// Writes the archives of the machine in a file, that of FMI 2.0 to `output` or, without it, under the machine's name here, and those
+/// of FMI 3.0 beside it, the one with arrays where it is asked for; returns their paths.
 ///
 /// # Errors
 /// [`Error::Refusal`](crate::Error::Refusal) with everything that is wrong with the file,
 /// [`Error::Machine`](crate::Error::Machine) for a machine that has no start, [`Error::File`](crate::Error::File).
-pub fn write(file: &Path, output: Option<&Path>, kit: &Kit) -> Result<Vec<PathBuf>> {
-    let plan = Plan::of(&vibro_assembly::file::read(file)?)?;
+pub fn write(file: &Path, output: Option<&Path>, arrays: bool, kit: &Kit) -> Result<Vec<PathBuf>> {
+    let mut plan = Plan::of(&vibro_assembly::file::read(file)?)?;
     let output = output.map_or_else(|| PathBuf::from(format!("{}.fmu", plan.name())), Path::to_owned);
     let mut written = Vec::new();
-    for version in Version::USUAL {
+    for version in Version::USUAL.into_iter().chain(arrays.then_some(Version::Arrays)) {
+        if version == Version::Arrays {
+            plan = plan.with_arrays();
+        }
         let path = version.beside(&output);
         archive::write(&content(version, &plan, kit)?, &path)?;
         written.push(path);

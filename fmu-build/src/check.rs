@@ -140,8 +140,12 @@ fn variables(model: &ModelDescription, found: &mut Vec<String>) {
 }
 
 /// FMI 2.0, 2.2.9, as far as our names go: identifiers with dots between them.
-fn is_structured(name: &str) -> bool {
+pub(crate) fn is_structured(name: &str) -> bool {
     name.split('.').all(|part| {
+        // An element of an array has its place behind it.
+        let element = part.strip_suffix(']').and_then(|part| part.split_once('['));
+        let index = |place: &str| !place.is_empty() && place.chars().all(|c| c.is_ascii_digit());
+        let part = element.filter(|(_, place)| index(place)).map_or(part, |(name, _)| name);
         let rest = part.strip_prefix(|c: char| c.is_ascii_alphabetic() || c == '_');
         rest.is_some_and(|rest| rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
     })

@@ -57,7 +57,7 @@ pub fn target() -> PathBuf {
 ///
 /// # Errors
 /// [`Error::Cargo`] where it is not there, as when the packager was taken away from that folder.
-pub fn at_hand(library: Library) -> Result<PathBuf> {
+pub fn at_hand(library: Product) -> Result<PathBuf> {
     let missing = |problem: String| Error::Cargo { command: "cargo build --bin fmu-build".into(), problem };
     let program = std::env::current_exe().map_err(|e| missing(format!("cannot name this program: {e}")))?;
     let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, library.name());
@@ -75,24 +75,29 @@ pub fn at_hand(library: Library) -> Result<PathBuf> {
 pub struct Compiler {
     workspace: PathBuf,
     target: PathBuf,
-    library: Library,
+    product: Product,
 }
 
-/// A library that hosts load.
+/// What is compiled to be handed on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Library {
-    /// Of the 3-DOF machine.
+pub enum Product {
+    /// The library of the 3-DOF machine, which hosts load.
     Vibro,
-    /// Of any machine that a file describes.
+    /// That of any machine that a file describes.
     Machine,
+    /// The command line.
+    CommandLine,
 }
 
-impl Library {
+pub use vibro_pack::archive::PROGRAM;
+
+impl Product {
     /// The package that it is made of.
     pub fn package(self) -> &'static str {
         match self {
             Self::Vibro => "vibro-fmi",
             Self::Machine => "vibro-machine",
+            Self::CommandLine => PROGRAM,
         }
     }
 
@@ -101,6 +106,16 @@ impl Library {
         match self {
             Self::Vibro => "vibro_fmi",
             Self::Machine => "vibro_machine",
+            Self::CommandLine => PROGRAM,
+        }
+    }
+
+    /// What cargo is to make.
+    fn made_by(self) -> &'static [&'static str] {
+        match self {
+            // `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
+            Self::Vibro | Self::Machine => &["rustc", "--lib", "--crate-type", "cdylib"],
+            Self::CommandLine => &["rustc", "--bin", PROGRAM],
         }
     }
 }
@@ -108,55 +123,55 @@ impl Library {
 impl Default for Compiler {
     /// The nested cargo has a target folder of its own, so that it never waits for the lock of a cargo that runs us.
     fn default() -> Self {
-        Self { workspace: workspace().into(), target: target().join("fmu"), library: Library::Vibro }
+        Self { workspace: workspace().into(), target: target().join("fmu"), product: Product::Vibro }
     }
 }
 
-impl From<Library> for Compiler {
+impl From<Product> for Compiler {
     /// As by default, for another library.
-    fn from(library: Library) -> Self {
-        Self { library, ..Self::default() }
+    fn from(product: Product) -> Self {
+        Self { product, ..Self::default() }
     }
 }
 
 impl Compiler {
     /// Compiles the workspace in one folder into another one; what comes out must not depend on either.
     pub fn in_folders(workspace: &Path, target: &Path) -> Self {
-        Self { workspace: workspace.into(), target: target.into(), library: Library::Vibro }
+        Self { workspace: workspace.into(), target: target.into(), product: Product::Vibro }
     }
 
-    /// Compiles the library for this machine, to be handed on: as a whole, without names of its folders, needing the C library and its
+    /// Compiles the product for this machine, to be handed on: as a whole, without names of its folders, needing the C library and its
     /// mathematics alone.
     ///
     /// # Errors
     /// [`Error::Cargo`] when cargo cannot be run or fails.
     pub fn library(&self) -> Result<PathBuf> {
         let mut cargo = cargo();
-        self.arguments(&mut cargo, &LIBRARY);
+        self.arguments(&mut cargo);
         if let Some(folder) = self.static_unwinder()? {
             cargo.args(["--", "-C"]).arg(format!("link-arg=-L{}", folder.display()));
         }
-        made(&mut cargo, self.library.name())
+        made(&mut cargo, self.product)
     }
 
-    /// Compiles the library for another target, linked by zig, and returns its path.
+    /// Compiles the product for another target, linked by zig, and returns its path.
     ///
     /// # Errors
     /// [`Error::Cargo`] when cargo-zigbuild cannot be run or fails.
     pub(crate) fn library_for(&self, target: &str) -> Result<PathBuf> {
         let mut zigbuild = Command::new("cargo-zigbuild");
-        self.arguments(&mut zigbuild, &LIBRARY);
+        self.arguments(&mut zigbuild);
         zigbuild.args(["--target", target]);
-        if target.contains("windows") {
+        if target.contains("windows") && self.product != Product::CommandLine {
             zigbuild.args(["--", "-C"]).arg(format!("link-arg={}", self.definitions()?.display()));
         }
-        made(&mut zigbuild, self.library.name())
+        made(&mut zigbuild, self.product)
     }
 
     /// Everything after the name of the program.
-    fn arguments(&self, cargo: &mut Command, what: &[&str]) {
-        cargo.current_dir(&self.workspace).args(what);
-        cargo.args(["--package", self.library.package(), "--profile", "fmu", "--locked"]);
+    fn arguments(&self, cargo: &mut Command) {
+        cargo.current_dir(&self.workspace).args(self.product.made_by());
+        cargo.args(["--package", self.product.package(), "--profile", "fmu", "--locked"]);
         cargo.args(["--message-format", "json-render-diagnostics", "--target-dir"]);
         cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
         // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
@@ -216,14 +231,11 @@ pub(crate) fn cargo_home() -> Option<PathBuf> {
 /// 1980-01-01 in seconds since 1970, the time of all entries of archives.
 pub(crate) const EPOCH: &str = "315532800";
 
-/// `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
-const LIBRARY: [&str; 4] = ["rustc", "--lib", "--crate-type", "cdylib"];
-
-/// The shared library of that name that a cargo makes.
-fn made(cargo: &mut Command, name: &str) -> Result<PathBuf> {
+/// The file of a product that a cargo makes.
+fn made(cargo: &mut Command, product: Product) -> Result<PathBuf> {
     let messages = output(cargo)?;
-    let library = messages.lines().find_map(|message| shared_library(message, name));
-    library.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "made no shared library".into() })
+    let file = messages.lines().find_map(|message| file_of(message, product));
+    file.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "made no file to hand on".into() })
 }
 
 /// The cargo that runs us, or the one on the path, in the workspace.
@@ -252,10 +264,13 @@ fn line(command: &Command) -> String {
     words.map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
-/// The shared library that a message of cargo's names.
-fn shared_library(message: &str, name: &str) -> Option<PathBuf> {
+/// The shared library or the program that a message of cargo's names.
+fn file_of(message: &str, product: Product) -> Option<PathBuf> {
     let message: serde_json::Value = serde_json::from_str(message).ok()?;
-    let ours = message["reason"] == "compiler-artifact" && message["target"]["name"] == name;
+    let ours = message["reason"] == "compiler-artifact" && message["target"]["name"] == product.name();
+    if product == Product::CommandLine {
+        return message["executable"].as_str().filter(|_| ours).map(PathBuf::from);
+    }
     let files = message["filenames"].as_array().filter(|_| ours)?;
     let shared = |name: &&str| [".so", ".dll", ".dylib"].iter().any(|ending| name.ends_with(ending));
     files.iter().filter_map(|f| f.as_str()).find(shared).map(PathBuf::from)

@@ -2,7 +2,7 @@
 //! minutes; it is kept under `target/`, and as long as nothing has changed that goes into it no compiler is called.
 
 use crate::archive;
-use crate::compile::{Library, target, workspace};
+use crate::compile::{Product, target, workspace};
 use crate::error::{Error, Result};
 use crate::platforms::{self, Binaries, LeftOut};
 use crate::{date, licences};
@@ -28,7 +28,7 @@ const MAKERS: [&[u8]; 4] = [
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
 pub fn own() -> Result<Kit> {
-    let make = || Ok((platforms::own(Library::Machine)?, Vec::new()));
+    let make = || Ok((platforms::own(Product::Machine)?, Vec::new()));
     Ok(Shelf::of("own").kit(make)?.0)
 }
 
@@ -37,7 +37,7 @@ pub fn own() -> Result<Kit> {
 /// # Errors
 /// As [`own`].
 pub fn at_hand() -> Result<Kit> {
-    around(platforms::at_hand_of(Library::Machine)?)
+    around(platforms::at_hand_of(Product::Machine)?)
 }
 
 /// That of every platform that can be built here, and a list of the others. It is kept where none is missing.
@@ -45,7 +45,7 @@ pub fn at_hand() -> Result<Kit> {
 /// # Errors
 /// As [`own`].
 pub fn all() -> Result<(Kit, Vec<LeftOut>)> {
-    Shelf::of("all").kit(|| platforms::all_of(Library::Machine, &[]))
+    Shelf::of("all").kit(|| platforms::all_of(Product::Machine, &[]))
 }
 
 /// That of some platforms, by their names in FMI 3.0; of all where none is named. It is not kept.
@@ -56,13 +56,13 @@ pub fn of(only: &[String]) -> Result<(Kit, Vec<LeftOut>)> {
     if only.is_empty() {
         return all();
     }
-    let (binaries, left_out) = platforms::all_of(Library::Machine, only)?;
+    let (binaries, left_out) = platforms::all_of(Product::Machine, only)?;
     Ok((around(binaries)?, left_out))
 }
 
 /// The kit around libraries that are compiled.
 fn around(binaries: Binaries) -> Result<Kit> {
-    Ok(Kit { binaries, licences: licences::texts_of(Library::Machine, false)?, date: date::of_sources() })
+    Ok(Kit { binaries, licences: licences::texts_of(Product::Machine, false)?, date: date::of_sources() })
 }
 
 /// The place of a kept kit.
@@ -85,7 +85,7 @@ impl Shelf {
             return Ok((kit, Vec::new()));
         }
         // Before the library is compiled: what is changed meanwhile makes the kit one of the past.
-        let packages = licences::own_packages(Library::Machine)?;
+        let packages = licences::own_packages(Product::Machine)?;
         let origin = self.origin(&packages).map_err(Error::file("reading", &self.workspace))?;
         let (binaries, left_out) = make()?;
         let kit = around(binaries)?;

@@ -1,7 +1,7 @@
 //! Licences of everything that is linked into the packaged binary.
 
 use crate::archive::Content;
-use crate::compile::{Library, cargo, output, workspace};
+use crate::compile::{Product, cargo, output, workspace};
 use crate::error::{Error, Result};
 use crate::platforms::PLATFORMS;
 use serde_json::Value;
@@ -42,14 +42,14 @@ pub use vibro_pack::LICENCE_LIST as LIST;
 /// # Errors
 /// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot be read.
 pub fn texts(live: bool) -> Result<Content> {
-    texts_of(Library::Vibro, live)
+    texts_of(Product::Vibro, live)
 }
 
 /// The same of an archive with another library.
 ///
 /// # Errors
 /// As [`texts`].
-pub fn texts_of(library: Library, live: bool) -> Result<Content> {
+pub fn texts_of(product: Product, live: bool) -> Result<Content> {
     let mut content = Content::new();
     for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
         let path = workspace().join(name);
@@ -57,11 +57,12 @@ pub fn texts_of(library: Library, live: bool) -> Result<Content> {
         content.insert(name.to_owned(), text);
     }
     let into = if live { "binaries and the live page" } else { "binaries" };
-    let mut names = tree(library.package())?;
+    let mut names = tree(product.package())?;
     if live {
         names.extend(tree_for("vibro-explorer", &["wasm32-unknown-unknown"])?);
     }
-    let (list, files) = third_party(&format!("{into} of this FMU"), &names)?;
+    let of = if product == Product::CommandLine { "this program" } else { "this FMU" };
+    let (list, files) = third_party(&format!("{into} of {of}"), &names)?;
     content.extend(files);
     content.insert(LIST.into(), (list + &run_time("rust-standard-library/")).into_bytes());
     content.extend(standard_library()?.into_iter().map(|(n, t)| (format!("rust-standard-library/{n}"), t)));
@@ -187,9 +188,9 @@ fn tree_for(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)
 ///
 /// # Errors
 /// [`Error::Cargo`].
-pub(crate) fn own_packages(library: Library) -> Result<Vec<String>> {
+pub(crate) fn own_packages(product: Product) -> Result<Vec<String>> {
     let mut tree = cargo();
-    tree.args(["tree", "--package", library.package(), "--edges", "normal", "--target", "all"]);
+    tree.args(["tree", "--package", product.package(), "--edges", "normal", "--target", "all"]);
     tree.args(["--prefix", "none", "--format", "{p}", "--locked"]);
     // A line of ours reads `name vVERSION (FOLDER)`.
     let folder = |line: &str| {

@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
 use fmu_build::assembly;
-use fmu_build::compile::Library;
+use fmu_build::compile::Product;
 use fmu_build::kit::{self, KIT_FILE};
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
@@ -71,6 +71,9 @@ enum Task {
         /// Pack a binary for every platform that can be built here, and say what the others need
         #[arg(long)]
         all_platforms: bool,
+        /// Make a further FMU of FMI 3.0 with derivatives over a step as matrices. Several importers cannot read arrays
+        #[arg(long)]
+        arrays: bool,
     },
     /// Prints the native library's states at communication points as CSV, for comparison with hosts
     Native {
@@ -106,8 +109,9 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Some(Task::Refresh { description: true }) => package::described().and_then(write),
         Some(Task::Refresh { description: false }) => refresh(),
-        Some(Task::Assembly { ref file, ref output, all_platforms }) => {
-            pack(file, output.as_deref(), arguments.all_platforms || all_platforms)
+        Some(Task::Assembly { ref file, ref output, all_platforms, arrays }) => {
+            let (all, arrays) = (arguments.all_platforms || all_platforms, arguments.arrays || arrays);
+            pack(file, output.as_deref(), arrays, all)
         }
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         Some(Task::Release { tag, preview, platform, output }) => {
@@ -137,7 +141,7 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
         true => package::build_all(&output, &versions, live.as_deref())?,
         false => {
             let binaries =
-                if arguments.portable { platforms::own(Library::Vibro)? } else { platforms::at_hand()? };
+                if arguments.portable { platforms::own(Product::Vibro)? } else { platforms::at_hand()? };
             package::write(&output, &versions, &binaries, live.as_deref()).map(|()| Vec::new())?
         }
     };
@@ -170,9 +174,9 @@ fn write_kit(output: &Path, arguments: &Arguments) -> fmu_build::Result<PathBuf>
 }
 
 /// Packs a machine and names its archives.
-fn pack(file: &Path, output: Option<&Path>, all_platforms: bool) -> fmu_build::Result<()> {
+fn pack(file: &Path, output: Option<&Path>, arrays: bool, all_platforms: bool) -> fmu_build::Result<()> {
     let (kit, left_out) = if all_platforms { kit::all()? } else { (kit::own()?, Vec::new()) };
-    for path in assembly::write(file, output, &kit)? {
+    for path in assembly::write(file, output, arrays, &kit)? {
         println!("{}", path.display());
     }
     for part in left_out {

@@ -1,6 +1,6 @@
 //! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
 
-use crate::compile::{self, Compiler, Library, PLATFORM};
+use crate::compile::{self, Compiler, PLATFORM, Product};
 use crate::error::{Error, Result};
 use crate::version::Version;
 use std::fmt::{self, Display, Formatter};
@@ -75,14 +75,14 @@ fn read(library: &PathBuf) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
 pub fn at_hand() -> Result<Binaries> {
-    at_hand_of(Library::Vibro)
+    at_hand_of(Product::Vibro)
 }
 
 /// The same of another library.
 ///
 /// # Errors
 /// As [`at_hand`].
-pub fn at_hand_of(library: Library) -> Result<Binaries> {
+pub fn at_hand_of(library: Product) -> Result<Binaries> {
     Ok(Binaries::own(read(&compile::at_hand(library)?)?))
 }
 
@@ -90,8 +90,8 @@ pub fn at_hand_of(library: Library) -> Result<Binaries> {
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
-pub fn own(library: Library) -> Result<Binaries> {
-    Ok(Binaries::own(read(&Compiler::from(library).library()?)?))
+pub fn own(product: Product) -> Result<Binaries> {
+    Ok(Binaries::own(read(&Compiler::from(product).library()?)?))
 }
 
 /// The binaries of the platforms that can be built here, and a list of those that cannot. This machine's own is always among them; of the
@@ -100,19 +100,19 @@ pub fn own(library: Library) -> Result<Binaries> {
 /// # Errors
 /// Where not even this machine's own can be built.
 pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
-    all_of(Library::Vibro, only)
+    all_of(Product::Vibro, only)
 }
 
-/// The same of another library.
+/// The same of another product.
 ///
 /// # Errors
 /// As [`all`].
-pub fn all_of(library: Library, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
+pub fn all_of(product: Product, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
     let wanted = |p: &Platform| p.place.folder == PLATFORM || is_asked_for(p.place.tuple, only);
     for platform in PLATFORMS.into_iter().filter(wanted) {
-        match platform.build(library) {
+        match platform.build(product) {
             Ok(bytes) => binaries.push((platform.place, bytes)),
             Err(reason) => {
                 let replaced = platform.place.folder == PLATFORM;
@@ -121,7 +121,7 @@ pub fn all_of(library: Library, only: &[String]) -> Result<(Binaries, Vec<LeftOu
         }
     }
     if !binaries.iter().any(|(place, _)| place.folder == PLATFORM) {
-        binaries.push((Place::OWN, read(&Compiler::from(library).library()?)?));
+        binaries.push((Place::OWN, read(&Compiler::from(product).library()?)?));
     }
     Ok((binaries.into_iter().collect(), left_out))
 }
@@ -138,7 +138,7 @@ impl Platform {
     }
 
     /// Compiles its binary; the error says what to install.
-    fn build(&self, library: Library) -> std::result::Result<Vec<u8>, String> {
+    fn build(&self, product: Product) -> std::result::Result<Vec<u8>, String> {
         if !runs("cargo-zigbuild", &["--version"]) {
             return Err(TOOLS.into());
         }
@@ -147,15 +147,15 @@ impl Platform {
             return Err(format!("run `rustup target add {}`", missing.join(" ")));
         }
         let slices: Result<Vec<Vec<u8>>> =
-            self.targets.iter().map(|target| self.compile(library, target)).collect();
+            self.targets.iter().map(|target| self.compile(product, target)).collect();
         let mut slices = slices.map_err(|e| format!("{e}; {TOOLS}"))?;
         Ok(if slices.len() == 1 { slices.remove(0) } else { universal(&slices) })
     }
 
-    fn compile(&self, library: Library, target: &str) -> Result<Vec<u8>> {
+    fn compile(&self, product: Product, target: &str) -> Result<Vec<u8>> {
         eprintln!("{}: {target}", self.place.folder);
         let target = self.glibc.map_or_else(|| target.to_owned(), |version| format!("{target}.{version}"));
-        read(&Compiler::from(library).library_for(&target)?)
+        read(&Compiler::from(product).library_for(&target)?)
     }
 }
 

@@ -14,12 +14,9 @@ use vibro_fmi::component::{Instance, Interface, structure};
 use vibro_impact::parameters::{FIELDS, Groups, Scales};
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_pack::reference::{ALWAYS, manifest, smoke_test};
 
-/// Folder of the files in an archive.
-pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
-
-/// Version of the layered standard.
-const VERSION: &str = "1.0.0-alpha.1";
+pub use vibro_pack::reference::FOLDER;
 
 /// Results that are committed, since their last digits depend on the processor that makes them.
 static DEFAULT: &str = include_str!("../../modelDescription/reference/default.csv");
@@ -39,13 +36,13 @@ pub fn files() -> Result<Content> {
         ("default.csv".to_owned(), DEFAULT.as_bytes().to_vec()),
         ("impacts.csv".to_owned(), IMPACTS.as_bytes().to_vec()),
         ("settled.state".to_owned(), settled_state()),
-        ("smoke-test.xml".to_owned(), smoke_test().into_bytes()),
+        ("smoke-test.xml".to_owned(), own_smoke_test().into_bytes()),
     ]);
     let sets = sets()?;
     for set in &sets {
         content.insert(format!("{}.ssv", set.name), set.ssv().into_bytes());
     }
-    content.insert("fmi-ls-manifest.xml".to_owned(), manifest(&sets).into_bytes());
+    content.insert("fmi-ls-manifest.xml".to_owned(), own_manifest(&sets).into_bytes());
     Ok(content)
 }
 
@@ -140,13 +137,8 @@ fn sets() -> Result<Vec<Set>> {
     Ok(sets)
 }
 
-/// `fmi-ls-manifest.xml`.
-fn manifest(sets: &[Set]) -> String {
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiReferences xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\" \
-         fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" fmi-ls:fmi-ls-version=\"{VERSION}\" \
-         fmi-ls:fmi-ls-description=\"Layered Standard providing information on related files included in an FMU.\">\n"
-    );
+/// What the manifest says of this machine's files.
+fn own_manifest(sets: &[Set]) -> String {
     let results = [
         (
             "text/csv",
@@ -166,41 +158,20 @@ fn manifest(sets: &[Set]) -> String {
             "serialized-state",
             "Co-Simulation instance on the settled motion, for every platform",
         ),
-        (
-            "application/xml",
-            "smoke-test.xml",
-            "experiment/smoke-test",
-            "The default experiment with its result: does an importer run this FMU right?",
-        ),
-        ("text/plain", "../../documentation/fmi-ls-ref.txt", "document", "What these files are"),
     ];
-    let mut related = |kind: &str, source: &str, role: &str, description: &str| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "  <Related type=\"{kind}\" source=\"{source}\" role=\"{role}\" description=\"{}\"/>",
-            escape(description)
-        );
-    };
-    for (kind, source, role, description) in results {
-        related(kind, source, role, description);
-    }
-    for set in sets {
-        let source = format!("{}.ssv", set.name);
-        related("application/x-ssp-parameter-set", &source, "parameter", &set.description);
-    }
-    text + "</fmiReferences>\n"
+    let sources: Vec<_> = sets.iter().map(|set| format!("{}.ssv", set.name)).collect();
+    let sets = sets.iter().zip(&sources);
+    let sets = sets.map(|(set, source)| {
+        ("application/x-ssp-parameter-set", source.as_str(), "parameter", set.description.as_str())
+    });
+    manifest(results.into_iter().chain(ALWAYS).chain(sets))
 }
 
-/// The default experiment with its result, by the draft's schema of experiments.
-fn smoke_test() -> String {
-    let Experiment { start_time, stop_time, tolerance, step_size } = default_experiment();
-    let step = f64::from(REPORTED) * step_size;
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Experiments>\n  <Experiment name=\"default\" description=\"The default experiment from \
-         the start values, to be reproduced to 1e-8 m\" startTime=\"{start_time}\" stopTime=\"{stop_time}\" stepSize=\"{step}\" \
-         tolerance=\"{tolerance}\">\n    <References source=\"default.csv\"/>\n  </Experiment>\n</Experiments>\n"
-    )
+/// The default experiment, by the steps that are reported.
+fn own_smoke_test() -> String {
+    let experiment = default_experiment();
+    let step_size = f64::from(REPORTED) * experiment.step_size;
+    smoke_test(Experiment { step_size, ..experiment }, "1e-8 m")
 }
 
 /// Takes no messages.

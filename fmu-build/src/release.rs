@@ -1,21 +1,23 @@
 //! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can be handed on as it is.
 //!
 //! ```text
-//! agreement (versions, tokens, changelog) ─▶ archives ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
+//! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
 //! ```
 
 pub mod agreement;
 pub mod changelog;
 pub mod contents;
+pub mod machines;
 pub mod notes;
 pub mod trial;
 pub mod wheels;
 
 use crate::archive::write_file;
-use crate::compile::target;
+use crate::compile::{PLATFORM_TUPLE, Product, target};
 use crate::error::{Error, Result};
+use crate::kit::Kit;
 use crate::version::Version;
-use crate::{explorer, kit, licences, package, page, platforms, run};
+use crate::{archive, explorer, kit, licences, package, page, platforms, run};
 use agreement::{Agreed, Intent, agreed};
 use contents::archive_of;
 use notes::Part;
@@ -69,7 +71,8 @@ pub fn assemble(
         assembly.left_out.push(format!("all platforms but {}, which alone were asked for", only.join(", ")));
     }
     assembly.archives_and_pages()?;
-    assembly.python_package()?;
+    let kit = assembly.machines()?;
+    assembly.python_package(&kit)?;
     let wrong = contents::disagreements(&folder, &agreed.version)?;
     if !wrong.is_empty() {
         return Err(Error::Release(wrong));
@@ -121,21 +124,34 @@ impl Assembly<'_> {
         Ok(())
     }
 
+    /// The archives of the example machines, and the command line for each platform; what makes archives of other machines.
+    fn machines(&mut self) -> Result<Kit> {
+        let (kit, left_out) = kit::of(self.only)?;
+        self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
+        let archives = machines::examples(&kit)?;
+        archive::write(&archives, &self.folder.join(machines::EXAMPLES))?;
+        let what = format!("{} FMUs of the example machines of docs/assemblies.md", archives.len());
+        self.add(machines::EXAMPLES, &what, "packed only; one library, as the tests run it".into())?;
+        let (binaries, left_out) = platforms::all_of(Product::CommandLine, self.only)?;
+        self.left_out.extend(left_out.iter().map(|part| format!("the command line: {part}")));
+        let own = binaries.folders().find(|(tuple, _)| *tuple == PLATFORM_TUPLE);
+        let tried = own.map(|(_, program)| machines::tried(program)).transpose()?.unwrap_or_default();
+        let texts = machines::licences_of_programs()?;
+        for (name, bytes) in machines::programs(&binaries, &self.agreed.version, &texts)? {
+            write_file(&self.folder.join(&name), &bytes)?;
+            self.add(&name, "the command line `vibro`, which needs no Rust toolchain", tried.clone())?;
+        }
+        Ok(kit)
+    }
+
     /// Source distribution and wheels.
-    fn python_package(&mut self) -> Result<()> {
+    fn python_package(&mut self, kit: &Kit) -> Result<()> {
         if let Some(tools) = wheels::missing_tool() {
             self.left_out.push(format!("the Python package is left out: {tools}"));
             return Ok(());
         }
         let version = &self.agreed.version;
-        let (kit, left_out) = kit::of(self.only)?;
-        for part in left_out.iter().map(ToString::to_string) {
-            // What is in the way of one library is in the way of the other.
-            if !self.left_out.contains(&part) {
-                self.left_out.push(part);
-            }
-        }
-        let sdist = wheels::sdist(self.folder, &kit, &licences::of_wheel()?, version, self.folder)?;
+        let sdist = wheels::sdist(self.folder, kit, &licences::of_wheel()?, version, self.folder)?;
         let source = wheels::unpack(&sdist, version, &target().join("dist/source"))?;
         let tried = "the wheels are built from it".to_owned();
         self.add(&wheels::sdist_file(version), "Python package, sources (needs a Rust toolchain)", tried)?;

@@ -8,12 +8,13 @@ use flate2::write::GzEncoder;
 use fmu_build::archive::{self, Content};
 use fmu_build::compile::workspace;
 use fmu_build::kit::{KIT_FILE, Kit};
+use fmu_build::platforms::Binaries;
 use fmu_build::release::agreement::{Agreed, Intent, agreed};
 use fmu_build::release::changelog::{self, Section};
 use fmu_build::release::contents::{archive_of, disagreements};
 use fmu_build::release::notes::{Part, notes};
 use fmu_build::release::wheels::{self, ENTRY, WHEELS, WheelPlatform, sdist_file};
-use fmu_build::release::{NOTES, SUMS};
+use fmu_build::release::{NOTES, SUMS, machines};
 use fmu_build::version::Version;
 use fmu_build::{compile, licences};
 use std::fs;
@@ -345,6 +346,56 @@ fn each_altered_archive_is_refused_by_name() {
     }
 }
 
+/// A kit of two platforms, the libraries of which are texts.
+fn kit() -> Kit {
+    let folders = ["x86_64-linux", "x86-linux"].map(|tuple| (tuple.to_owned(), tuple.as_bytes().to_vec()));
+    Kit { binaries: Binaries::from_folders(folders.into()).unwrap(), ..Kit::default() }
+}
+
+#[test]
+fn every_example_machine_is_shipped_as_both_archives() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(machines::EXAMPLES);
+    let archives = machines::examples(&kit()).unwrap();
+    archive::write(&archives, &file).unwrap();
+    let shipped = archive::read_all(&file).unwrap();
+    let sources = fs::read_dir(workspace().join("examples/assembly")).unwrap();
+    let sources =
+        sources.filter(|entry| entry.as_ref().unwrap().path().extension().unwrap() == "toml").count();
+    assert_eq!(shipped.len(), 2 * sources);
+    for name in ["BouncingBall.fmu", "BouncingBall-FMI3.fmu"] {
+        let path = folder.path().join(name);
+        fs::write(&path, &shipped[name]).unwrap();
+        let content = archive::read_all(&path).unwrap();
+        assert!(
+            content.contains_key("resources/machine.toml") && content.contains_key("modelDescription.xml")
+        );
+        // Of the commonest platforms alone.
+        let binaries: Vec<_> = content.iter().filter(|(name, _)| name.starts_with("binaries/")).collect();
+        assert!(binaries.len() == 1 && binaries[0].1 == b"x86_64-linux", "{name}: {binaries:?}");
+    }
+}
+
+#[test]
+fn the_command_line_is_shipped_for_each_platform_with_its_licences() {
+    let folders =
+        ["x86_64-linux", "x86_64-windows"].map(|tuple| (tuple.to_owned(), tuple.as_bytes().to_vec()));
+    let texts = Content::from([("LICENSE-MIT".to_owned(), b"text".to_vec())]);
+    let binaries = Binaries::from_folders(folders.into()).unwrap();
+    let shipped = machines::programs(&binaries, VERSION, &texts).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for tuple in ["x86_64-linux", "x86_64-windows"] {
+        let name = format!("vibro-{VERSION}-{tuple}.zip");
+        let path = folder.path().join(&name);
+        fs::write(&path, &shipped[&name]).unwrap();
+        let content = archive::read_all(&path).unwrap();
+        assert_eq!(content["licenses/LICENSE-MIT"], b"text");
+        assert!(String::from_utf8_lossy(&content["README.txt"]).contains("assembly check machine.toml"));
+        let program = if tuple.ends_with("windows") { "vibro.exe" } else { "vibro" };
+        assert_eq!(content[program], tuple.as_bytes(), "{name}");
+    }
+}
+
 #[test]
 fn a_folder_with_anything_else_in_it_is_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
@@ -393,9 +444,9 @@ fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_
     let notes = fs::read_to_string(dist.join(NOTES)).unwrap();
     println!("{notes}");
     let own = WHEELS.iter().find(|p| p.is_own()).unwrap().file(VERSION);
-    for name in
-        ["VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu", "documentation.html", &own, &sdist_file(VERSION)]
-    {
+    let program = format!("vibro-{VERSION}-{}.zip", compile::PLATFORM_TUPLE);
+    let archives = ["VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu", machines::EXAMPLES];
+    for name in archives.into_iter().chain(["documentation.html", &program, &own, &sdist_file(VERSION)]) {
         assert!(notes.contains(&format!("`{name}`")) && dist.join(name).is_file(), "{name}");
     }
     assert!(notes.contains("installed in a clean environment"), "{notes}");

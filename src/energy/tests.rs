@@ -49,6 +49,45 @@ fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, Table<CORE>, Gramian
     (model, h, core, energy)
 }
 
+/// A rule's error on [0, 1] is e/n! times the n-th derivative of the power, with e its error for uⁿ, n the first degree that it does not
+/// integrate. Along a motion of size 1 the k-th derivative of a rate is at most max(1, k) rᵏ⁺¹, hence that of its square at most
+/// Σ C(n, k) max(1, k) max(1, n-k) rⁿ⁺², and that of the drive's power at most Σ C(n, k) max(1, k) rⁿ⁺¹.
+#[test]
+fn closed_form_errors_of_the_rules() {
+    const LOBATTO: f64 = 0.276_393_202_250_021;
+    let lobatto = Rule {
+        nodes: [0.0, LOBATTO, 1.0 - LOBATTO, 1.0],
+        weights: [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0],
+    };
+    fn error<const N: usize>(rule: &Rule<N>, degree: i32) -> f64 {
+        let sum: f64 = rule.nodes.iter().zip(&rule.weights).map(|(u, weight)| weight * u.powi(degree)).sum();
+        (sum - 1.0 / f64::from(degree + 1)).abs()
+    }
+    let bound = |e: f64, n: i32, reach: f64| {
+        let (mut choose, mut factorial, mut squares, mut products) = (1.0, 1.0, 0.0, 0.0);
+        for k in 0..=n {
+            let (own, other) = (f64::from(k.max(1)), f64::from((n - k).max(1)));
+            squares += choose * own * other;
+            products += choose * own;
+            choose *= f64::from(n - k) / f64::from(k + 1);
+            factorial *= own;
+        }
+        [squares, products].map(|derivative| e / factorial * derivative * reach.powi(n))
+    };
+    for degree in 0..10 {
+        assert!(error(&FIVE, degree) < ROUNDING, "{degree}");
+        assert!(degree > 7 || error(&FOUR, degree) < ROUNDING, "{degree}");
+        assert!(degree > 5 || error(&lobatto, degree) < ROUNDING, "{degree}");
+    }
+    // As the table of docs/numerics.md, section 4, has them.
+    let [five, half] = [0.15, 0.075].map(|reach| bound(error(&FIVE, 10), 10, reach)[0]);
+    assert!(five < 6e-17 && half < 1e-19, "{five:e} {half:e}");
+    let [damped, driven] = bound(error(&FOUR, 8), 8, 0.075);
+    assert!(damped < 3e-15 && driven < damped, "{damped:e} {driven:e}");
+    let [last, _] = bound(error(&lobatto, 6), 6, 0.075);
+    assert!(last < 7e-11, "{last:e}");
+}
+
 #[test]
 fn second_method_drive_work_in_closed_form_and_by_quadrature() {
     for p in systems() {

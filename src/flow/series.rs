@@ -101,6 +101,16 @@ impl<const N: usize> Series<N> {
         polynomial(&self.states, u)
     }
 
+    /// The augmented state at u, the way from the centre added in one sum. In [`at`](Self::at) the terms of even order are added to the
+    /// constant one first; in the shortest steps they would be lost there, or rounded in one and the same direction again and again.
+    #[inline(always)]
+    pub fn after_way(&self, u: f64) -> Augmented {
+        let mut terms = self.states;
+        terms[0] = [0.0; COORDINATES];
+        let way = polynomial(&terms, u);
+        std::array::from_fn(|j| self.states[0][j] + way[j])
+    }
+
     /// The coefficients of `side · w - gap` (gap is L), negative while the block is inside.
     #[inline(always)]
     pub fn excess_polynomial(&self, side: f64, gap: f64) -> [f64; N] {

@@ -14,6 +14,10 @@ use std::sync::Arc;
 /// debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
+/// A step shorter than this part of an interval moves the state by a sum of its own, so that the roundings of many of them do not add up
+/// (docs/numerics.md, section 1).
+pub(super) const SHORT: f64 = 1.0 / 1024.0;
+
 /// A point on a series at which an event or the step's end lies.
 pub(super) struct SeriesPoint<'a, const N: usize> {
     pub(super) series: &'a Series<N>,
@@ -295,8 +299,10 @@ impl Simulator {
                         <= START_ROUNDING * (self.model.gap + p.iter().map(|x| x.abs()).sum::<f64>()),
                     "the block is beyond a stop where a search begins: {p:?}"
                 );
-                let hi = found.map_or(hi, |(u, _)| u);
-                if let Some(u) = first_crossing(&p, lo, hi, iterations) {
+                // Over the whole way, also behind a passage of the other stop, so that a motion and its mirror image have the same bits.
+                if let Some(u) = first_crossing(&p, lo, hi, iterations)
+                    && found.is_none_or(|(first, _)| u < first)
+                {
                     found = Some((u, side));
                 }
             }
@@ -348,7 +354,8 @@ impl Simulator {
         if self.keeps_energy_accounts {
             self.account(start, to);
         }
-        *z = to.series.at(to.u);
+        let short = to.interval.is_none() && to.radius < SHORT * self.interval();
+        *z = if short { to.series.after_way(to.u) } else { to.series.at(to.u) };
         if self.hybrid.contact != Contact::Flight {
             (z[RELATIVE], z[RELATIVE_RATE]) = (start.z[RELATIVE], 0.0);
         }

@@ -1,5 +1,6 @@
 //! An advance: sub-step after sub-step, each to its end or to its first event, whose law is applied.
 
+use super::general::SHORT;
 use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulator};
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
@@ -282,7 +283,10 @@ impl Simulator {
                 if remaining > interval {
                     return self.flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end);
                 }
-                if self.short_flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end) {
+                // The shortest steps are taken by `general_substep`, which sums them with more care.
+                if remaining >= SHORT * interval
+                    && self.short_flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end)
+                {
                     return None;
                 }
             }

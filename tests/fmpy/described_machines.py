@@ -72,6 +72,23 @@ def check_parameter(archive: Path) -> None:
     assert error < ROUNDING, f"{archive.name}: {error}"
 
 
+def check_arrays(archive: Path) -> None:
+    """The derivatives over a step of a ball that falls freely."""
+    description = fmpy.read_model_description(str(archive))
+    variables = {variable.name: variable for variable in description.modelVariables}
+    shape = [int(dimension.start) for dimension in variables["step.transition"].dimensions]
+    assert shape == [2, 2], shape
+    unzipped = fmpy.extract(str(archive))
+    fmu = fmpy.instantiate_fmu(unzipped, description, fmi_type="CoSimulation")
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.doStep(0.0, 0.25)
+    found = fmu.getFloat64([variables["step.transition"].valueReference], nValues=4)
+    assert np.allclose(found, [1.0, 0.25, 0.0, 1.0], rtol=0, atol=ROUNDING), found
+    fmu.terminate()
+    fmu.freeInstance()
+
+
 def main(folder: Path, names: list[str]) -> None:
     for name in names:
         expected = np.genfromtxt(folder / f"{name}.csv", delimiter=",", names=True, deletechars="")
@@ -85,6 +102,7 @@ def main(folder: Path, names: list[str]) -> None:
                 check(archive, expected, use_event_mode=True)
                 check(archive, expected, use_event_mode=True, early_return_allowed=True)
             print(archive.name)
+    check_arrays(folder / "bouncing_ball-FMI3-arrays.fmu")
     for suffix in ["", "-FMI3"]:
         check_parameter(folder / f"bouncing_ball{suffix}.fmu")
 

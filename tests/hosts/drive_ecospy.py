@@ -1,13 +1,15 @@
-"""Runs the FMU in ecos: drive_ecospy.py FMU STEP STEPS OUTPUT; writes a CSV of the states.
+"""Runs the FMU in ecos: drive_ecospy.py FMU STEP STEPS OUTPUT; writes a CSV of the variables in
+the environment's NAMES.
 
 A smoke test only: ecos ignores the statuses an FMU returns.
 """
 
+import os
 import sys
 
 from ecospy import EcosSimulation, EcosSimulationStructure
 
-NAMES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
+NAMES = tuple(os.environ["NAMES"].split(","))
 
 fmu, step, steps, output = sys.argv[1:]
 structure = EcosSimulationStructure()

@@ -1,14 +1,16 @@
-"""Runs the FMU in fmpy: drive_fmpy.py FMU STEP STEPS OUTPUT WAY [NAME=VALUE ...]; writes a CSV of the states.
+"""Runs the FMU in fmpy: drive_fmpy.py FMU STEP STEPS OUTPUT WAY [NAME=VALUE ...]; writes a CSV of the variables in
+the environment's NAMES.
 
 WAY is CoSimulation, CVode or Euler; for Euler, STEP is also the solver's step. With FMI 3.0, CoSimulation may be followed by
 +event (Event Mode) and +early (early return).
 """
 
+import os
 import sys
 
 import fmpy
 
-NAMES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
+NAMES = tuple(os.environ["NAMES"].split(","))
 
 fmu, step, steps, output, way, *starts = sys.argv[1:]
 interval = float(step)

@@ -1,5 +1,7 @@
-"""Runs the FMU in libcosim: drive_libcosimpy.py FMU STEP STEPS OUTPUT [NAME=VALUE ...]; writes a CSV of the states."""
+"""Runs the FMU in libcosim: drive_libcosimpy.py FMU STEP STEPS OUTPUT [NAME=VALUE ...]; writes a CSV of the variables in
+the environment's NAMES."""
 
+import os
 import sys
 
 from libcosimpy.CosimExecution import CosimExecution
@@ -7,7 +9,7 @@ from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
 
-NAMES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
+NAMES = tuple(os.environ["NAMES"].split(","))
 
 fmu, step, steps, output, *starts = sys.argv[1:]
 log_output_level(CosimLogLevel.WARNING)

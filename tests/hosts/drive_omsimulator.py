@@ -1,4 +1,5 @@
-"""Runs the FMU in OMSimulator: drive_omsimulator.py FMU STEP STEPS OUTPUT [NAME=VALUE ...]; writes a CSV of the states.
+"""Runs the FMU in OMSimulator: drive_omsimulator.py FMU STEP STEPS OUTPUT [NAME=VALUE ...]; writes a CSV of the variables in
+the environment's NAMES.
 
 Every variable is recorded, locals too, as OMSimulator does unless told otherwise: it reads each as a scalar.
 """
@@ -11,7 +12,7 @@ from pathlib import Path
 
 from OMSimulator import SSP, CRef, Settings
 
-NAMES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
+NAMES = tuple(os.environ["NAMES"].split(","))
 
 fmu, step, steps, output, *starts = sys.argv[1:]
 fmu, output = Path(fmu).resolve(), Path(output).resolve()

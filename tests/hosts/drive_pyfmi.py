@@ -1,16 +1,18 @@
-"""Runs the FMU in PyFMI: drive_pyfmi.py FMU STEP STEPS OUTPUT WAY [NAME=VALUE ...]; writes a CSV of the states.
+"""Runs the FMU in PyFMI: drive_pyfmi.py FMU STEP STEPS OUTPUT WAY [NAME=VALUE ...]; writes a CSV of the variables in
+the environment's NAMES.
 
 WAY is CoSimulation, or CVode for Model Exchange. Everything is recorded, as PyFMI does unless told otherwise: a variable that it
 cannot record ends the run.
 """
 
+import os
 import sys
 import tempfile
 from pathlib import Path
 
 from pyfmi import load_fmu
 
-NAMES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
+NAMES = tuple(os.environ["NAMES"].split(","))
 
 fmu, step, steps, output, way, *starts = sys.argv[1:]
 output = Path(output).resolve()

@@ -1,6 +1,6 @@
 """Runs the packaged FMUs in hosts that nobody here wrote, and writes what came out into the table of docs/hosts.md.
 
-    python3 tests/hosts/run.py [--allow-missing] [--no-page]
+    python3 tests/hosts/run.py [--allow-missing] [--no-page] [--only HOST ...]
 
 Each host is installed by itself under target/hosts/ (a virtual environment, or a root of `cargo install`). Needed beside
 Rust and Python >= 3.11: libclang for fmi-sim (Debian: libclang-dev) and TBB for ecos (Debian: libtbb12). A host that cannot
@@ -12,6 +12,7 @@ fmuCheck (FMI Library) where they are on PATH. They are named where they are not
 
 import argparse
 import csv
+import functools
 import os
 import re
 import shutil
@@ -57,6 +58,17 @@ EVENTS = (
 # Steps of the container, longer than most flights: what is announced lies inside the next one.
 CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
 
+# Machines of text files, beside the 3-DOF one: name, file, variables, communication step, steps, and how many of them are made in Model
+# Exchange. Steps are powers of two, of which sums are exact.
+ASSEMBLIES = (
+    ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100),
+    ("CoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768),
+)
+
+# Of a variable's largest value. CVode at 1e-10, times the growth of errors from event to event.
+ASSEMBLY_SAME = 1e-10
+ASSEMBLY_CVODE = 1e-5
+
 # casadi's differences are one-sided, with steps of 1e-6: the kinetic energy leaves half of that.
 DIFFERENCES = 1e-6
 
@@ -69,9 +81,10 @@ class NotFound(Exception):
     """A host that no registry has and that is not on this machine."""
 
 
-def run(command, timeout=3600):
+def run(command, timeout=3600, names=()):
     command = [str(word) for word in command]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=timeout)
+    variables = {**os.environ, "NAMES": ",".join(names)}
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=timeout, env=variables)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}\nfailed with {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
     return done.stdout
@@ -106,9 +119,9 @@ def fmi_sim():
     return program
 
 
-def table(text):
+def table(text, names=STATES):
     rows = list(csv.DictReader(text.splitlines()))
-    return [(float(row["time"]), *(float(row[name]) for name in STATES)) for row in rows]
+    return [(float(row["time"]), *(float(row[name]) for name in names)) for row in rows]
 
 
 def native(step, steps, start=()):
@@ -126,6 +139,22 @@ def difference(got, expected, states=slice(1, 7)):
     assert not missing, f"the host has no values at {missing[:5]} s"
     return max(abs(a - b) for row in expected[1:]
                for a, b in zip(times[round(row[0] * 1e6)], row[states]))
+
+
+@functools.cache
+def native_assembly(file, names, step, steps):
+    """The engine's own values at the communication points of a machine of a file."""
+    folder = TARGET / "native"
+    run(["cargo", "run", "--quiet", "--bin", "vibro", "--", "assembly", "run", ROOT / "examples/assembly" / f"{file}.toml",
+         "--until", f"{step * steps!r}s", "--samples", steps, "--out", folder, "--replace"])
+    return table((folder / "states.csv").read_text(), names)
+
+
+def relative(got, expected):
+    """Largest difference at any communication point in parts of each variable's largest value."""
+    largest = [max(abs(row[k]) for row in expected) or 1.0 for k in range(1, len(expected[0]))]
+    scale = lambda rows: [(row[0], *(x / most for x, most in zip(row[1:], largest))) for row in rows]
+    return difference(scale(got), scale(expected), slice(1, None))
 
 
 class Case:
@@ -152,12 +181,16 @@ def euler(drive, version="2.0"):
                 f"displacements at most {EULER:g}, of first order (half the step leaves 1/{ratio:.2f} of it)")
 
 
+def libcosimpy():
+    return environment("libcosimpy", "libcosimpy==0.0.6")
+
+
 def run_libcosimpy(fmu, _fmu3):
-    python = environment("libcosimpy", "libcosimpy==0.0.6")
+    python = libcosimpy()
     return [co_simulation(by_script(python, "drive_libcosimpy.py", fmu))]
 
 
-def run_ecospy(fmu, fmu3):
+def ecospy():
     python = environment("ecospy", "ecospy==0.7.2")
     for program in TARGET.glob("ecospy/lib/python*/site-packages/ecospy/binaries/*"):
         program.chmod(program.stat().st_mode | stat.S_IXUSR)
@@ -165,6 +198,11 @@ def run_ecospy(fmu, fmu3):
         run([python, "-c", "import ecospy"])
     except RuntimeError as error:
         raise Missing(f"{error}\necos needs TBB (Debian: apt install libtbb12)") from error
+    return python
+
+
+def run_ecospy(fmu, fmu3):
+    python = ecospy()
     return [co_simulation(by_script(python, "drive_ecospy.py", fmu)),
             co_simulation(by_script(python, "drive_ecospy.py", fmu3), "FMI 3.0 Co-Simulation")]
 
@@ -208,19 +246,21 @@ def run_fmpy(fmu, fmu3):
     ]
 
 
-def run_fmi_sim(fmu, fmu3):
+def by_fmi_sim(fmu, way, *flags, names=STATES):
     program = fmi_sim()
 
-    def drive(fmu, way, *flags):
-        def one(step, steps, start):
-            output = TARGET / "fmi-sim.csv"
-            output.unlink(missing_ok=True)
-            values = [word for item in start for word in ("--init-values", item)]
-            run([program, "--model", fmu, "-o", output, way, "--output-interval", repr(step), "-s", "0",
-                 "-f", repr(step * steps), *values, *flags])
-            return table(output.read_text())
-        return one
+    def one(step, steps, start):
+        output = TARGET / "fmi-sim.csv"
+        output.unlink(missing_ok=True)
+        values = [word for item in start for word in ("--init-values", item)]
+        run([program, "--model", fmu, "-o", output, way, "--output-interval", repr(step), "-s", "0",
+             "-f", repr(step * steps), *values, *flags])
+        return table(output.read_text(), names)
+    return one
 
+
+def run_fmi_sim(fmu, fmu3):
+    drive = by_fmi_sim
     return [
         co_simulation(drive(fmu, "co-simulation")),
         euler(drive(fmu, "model-exchange")),
@@ -277,27 +317,49 @@ def run_omsimulator(fmu, fmu3):
     ])
 
 
+def fmusim():
+    return program_on_path("fmusim", "modelica/Reference-FMUs up to 0.0.39, modelica/fmusim since")
+
+
+# Ways of fmusim.
+CS = ("--interface-type", "cs")
+ME = ("--interface-type", "me", "--solver", "cvode", "--tolerance", "1e-10")
+
+
+def by_fmusim(archive, *way, names=STATES):
+    program = fmusim()
+
+    def one(step, steps, start):
+        output = TARGET / "fmusim.csv"
+        output.unlink(missing_ok=True)
+        values = [word for item in start for word in ("--start-value", *item.split("="))]
+        wanted = [word for name in names for word in ("--output-variable", name)]
+        run([program, *way, "--stop-time", repr(step * steps), "--output-interval", repr(step), *values, *wanted,
+             "--output-file", output, archive])
+        return table(output.read_text(), names)
+    return one
+
+
 def run_fmusim(fmu, fmu3):
-    program = program_on_path("fmusim", "modelica/Reference-FMUs up to 0.0.39, modelica/fmusim since")
-    version = run([program, "--version"]).split()[1]
-
-    def drive(archive, *way):
-        def one(step, steps, start):
-            output = TARGET / "fmusim.csv"
-            output.unlink(missing_ok=True)
-            values = [word for item in start for word in ("--start-value", *item.split("="))]
-            names = [word for name in STATES for word in ("--output-variable", name)]
-            run([program, *way, "--stop-time", repr(step * steps), "--output-interval", repr(step), *values, *names,
-                 "--output-file", output, archive])
-            return table(output.read_text())
-        return one
-
+    version = run([fmusim(), "--version"]).split()[1]
     cases = []
     for number, archive in (("2.0", fmu), ("3.0", fmu3)):
-        cases.append(co_simulation(drive(archive, "--interface-type", "cs"), f"FMI {number} Co-Simulation"))
-        cases.append(cvode(drive(archive, "--interface-type", "me", "--solver", "cvode", "--tolerance", "1e-10"),
-                           f"FMI {number} Model Exchange"))
+        cases.append(co_simulation(by_fmusim(archive, *CS), f"FMI {number} Co-Simulation"))
+        cases.append(cvode(by_fmusim(archive, *ME), f"FMI {number} Model Exchange"))
     return of_version(version, cases)
+
+
+def by_fmu_check(fmu, names=STATES):
+    """A drive in which FMI Library must have no complaint."""
+    program = program_on_path("fmuCheck", "modelica-tools/FMUComplianceChecker, with modelon-community/fmi-library")
+
+    def one(step, steps, _start):
+        log, output = TARGET / "fmuCheck.log", TARGET / "fmuCheck.csv"
+        run([program, "-k", "cs", "-h", repr(step), "-s", repr(step * steps), "-n", "0", "-l", "4", "-e", log, "-o", output, fmu])
+        complaints = [line for line in log.read_text().splitlines() if line.startswith(("[FATAL]", "[ERROR]", "[WARNING]"))]
+        assert not complaints, complaints
+        return table(output.read_text(), names)
+    return one
 
 
 def run_fmu_check(fmu, _fmu3):
@@ -320,12 +382,12 @@ def run_fmu_check(fmu, _fmu3):
     return cases
 
 
-def by_script(python, script, fmu, *way):
+def by_script(python, script, fmu, *way, names=STATES):
     def one(step, steps, start):
         output = TARGET / f"{script}.csv"
         output.unlink(missing_ok=True)
-        run([python, HERE / script, fmu, repr(step), steps, output, *way, *start])
-        return table(output.read_text())
+        run([python, HERE / script, fmu, repr(step), steps, output, *way, *start], names=names)
+        return table(output.read_text(), names)
     return one
 
 
@@ -333,6 +395,64 @@ def requirements():
     """Those of the tests, without what only the tests need."""
     lines = (ROOT / "tests/fmpy/requirements.txt").read_text().splitlines()
     return [line for line in lines if line and not line.startswith(("#", "pytest", "libcosimpy"))]
+
+
+def assembly_ways(host, fmu, fmu3, names):
+    """How a host runs a machine of a file: in words, whether by Model Exchange, and the drive."""
+    both = (("2.0", fmu), ("3.0", fmu3))
+    cs, me = "Co-Simulation", "Model Exchange"
+    if host == "fmpy":
+        python = environment("fmpy", *requirements())
+        yield f"FMI 2.0 {cs}", False, by_script(python, "drive_fmpy.py", fmu, cs.replace("-", ""), names=names)
+        for name, flags, _ in EVENTS:
+            yield f"FMI 3.0 {cs}{name}", False, by_script(python, "drive_fmpy.py", fmu3, f"CoSimulation{flags}", names=names)
+        for number, archive in both:
+            yield f"FMI {number} {me}, CVode 1e-10", True, by_script(python, "drive_fmpy.py", archive, "CVode", names=names)
+    elif host == "fmi-sim":
+        for number, archive in both:
+            yield f"FMI {number} {cs}", False, by_fmi_sim(archive, "co-simulation", names=names)
+    elif host == "libcosimpy":
+        yield f"FMI 2.0 {cs}", False, by_script(libcosimpy(), "drive_libcosimpy.py", fmu, names=names)
+    elif host == "ecospy":
+        for number, archive in both:
+            yield f"FMI {number} {cs}", False, by_script(ecospy(), "drive_ecospy.py", archive, names=names)
+    elif host == "fmusim":
+        for number, archive in both:
+            yield f"FMI {number} {cs}", False, by_fmusim(archive, *CS, names=names)
+            yield f"FMI {number} {me}, CVode 1e-10", True, by_fmusim(archive, *ME, names=names)
+    elif host == "fmuCheck":
+        yield f"FMI 2.0 {cs}, no complaint of FMI Library", False, by_fmu_check(fmu, names)
+    elif host == "PyFMI":
+        importable("pyfmi", "modelon-community/PyFMI, with Assimulo and FMI Library", "pyfmi.__version__")
+        yield f"FMI 2.0 {cs}", False, by_script(sys.executable, "drive_pyfmi.py", fmu, cs.replace("-", ""), names=names)
+        for number, archive in both:
+            yield f"FMI {number} {me}, CVode 1e-10", True, by_script(sys.executable, "drive_pyfmi.py", archive, "CVode", names=names)
+    elif host == "OMSimulator":
+        importable("OMSimulator", "OpenModelica/OMSimulator", "OMSimulator.Capi.getVersion()")
+        for number, archive in both:
+            yield f"FMI {number} {cs}", False, by_script(sys.executable, "drive_omsimulator.py", archive, names=names)
+
+
+def assembly_archives():
+    """The archives of the machines of files, by name."""
+    archives = {}
+    for name, file, *_ in ASSEMBLIES:
+        fmu = TARGET / f"{name}.fmu"
+        run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "assembly", ROOT / "examples/assembly" / f"{file}.toml",
+             "--output", fmu])
+        archives[name] = (fmu, fmu.with_name(f"{name}-FMI3.fmu"))
+    return archives
+
+
+def run_assemblies(host, archives):
+    """The machines of files in a host; none where it runs none."""
+    cases = []
+    for name, file, names, step, steps, exchanged in ASSEMBLIES:
+        for what, exchange, drive in assembly_ways(host, *archives[name], names):
+            count, bound = (exchanged, ASSEMBLY_CVODE) if exchange else (steps, ASSEMBLY_SAME)
+            value = relative(drive(step, count, ()), native_assembly(file, names, step, count))
+            cases.append(Case(f"`{name}`, {what}, {count} steps", value, value <= bound, f"at most {bound:g}"))
+    return cases
 
 
 HOSTS = (
@@ -349,52 +469,72 @@ HOSTS = (
 )
 
 
+def rows_of(host, run_host):
+    """The rows of a host's table, and which of its cases differ."""
+    try:
+        cases = run_host()
+    except Missing as error:
+        print(f"MISSING {host}: cannot be installed here\n{error}", file=sys.stderr)
+        return [f"| {host} | could not be installed on the machine that wrote this table | | |"], ["missing"]
+    except NotFound as error:
+        print(f"NOT FOUND {host}: {error}", file=sys.stderr)
+        return [f"| {host} | not found on the machine that wrote this table | | |"], []
+    except (RuntimeError, AssertionError) as error:
+        cases = [Case("broken off", float("nan"), False, str(error).splitlines()[0])]
+        print(error, file=sys.stderr)
+    rows, failed = [], []
+    for case in cases:
+        verdict = "agrees" if case.good else "DIFFERS"
+        if not case.good:
+            failed.append(f"{host}: {case.what}")
+        rows.append(f"| {f'{host} {case.version}'.strip()} | {case.what} | {case.value:.1e} | {verdict}: {case.note} |")
+        print(rows[-1], flush=True)
+    return rows, failed
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--allow-missing", action="store_true", help="go on without hosts that cannot be installed")
     parser.add_argument("--no-page", action="store_true", help="leave docs/hosts.md as it is")
+    parser.add_argument("--only", action="append", help="run this host alone, by the first word of its name; the page keeps the others' rows")
+    parser.add_argument("--assemblies", action="store_true", help="run the machines of files alone")
     arguments = parser.parse_args()
     TARGET.mkdir(parents=True, exist_ok=True)
     fmu = TARGET / "VibroImpact3DOF.fmu"
-    run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "--portable", "--no-run", "--output", fmu])
-    lines, missing, failed = [], [], []
+    if not arguments.assemblies:
+        run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "--portable", "--no-run", "--output", fmu])
+    archives = assembly_archives()
+    missing, failed = [], []
     for name, host in HOSTS:
-        try:
-            cases = host(fmu, fmu.with_name("VibroImpact3DOF-FMI3.fmu"))
-        except Missing as error:
-            missing.append(name)
-            print(f"MISSING {name}: cannot be installed here\n{error}", file=sys.stderr)
-            lines.append(f"| {name} | could not be installed on the machine that wrote this table | | |")
+        word = name.split()[0]
+        if arguments.only and word not in arguments.only:
             continue
-        except NotFound as error:
-            print(f"NOT FOUND {name}: {error}", file=sys.stderr)
-            lines.append(f"| {name} | not found on the machine that wrote this table | | |")
-            continue
-        except (RuntimeError, AssertionError) as error:
-            cases = [Case("broken off", float("nan"), False, str(error).splitlines()[0])]
-            print(error, file=sys.stderr)
-        for case in cases:
-            verdict = "agrees" if case.good else "DIFFERS"
-            if not case.good:
-                failed.append(f"{name}: {case.what}")
-            host_name = f"{name} {case.version}".strip()
-            lines.append(f"| {host_name} | {case.what} | {case.value:.1e} | {verdict}: {case.note} |")
-            print(lines[-1], flush=True)
-    head = ["| host | what was run | largest difference from the native library | verdict |", "|---|---|---|---|"]
-    if not arguments.no_page:
-        write("\n".join(head + lines))
+        tables = [("assemblies", lambda: run_assemblies(word, archives))]
+        if not arguments.assemblies:
+            tables.insert(0, ("hosts", lambda: host(fmu, fmu.with_name("VibroImpact3DOF-FMI3.fmu"))))
+        for place, run_host in tables:
+            rows, differ = rows_of(name, run_host)
+            (missing if differ == ["missing"] else failed).extend([name] if differ == ["missing"] else differ)
+            if not arguments.no_page:
+                write(place, name, rows)
     for what, names in (("missing", missing), ("failed", failed)):
         if names:
             print(f"{what}: {', '.join(names)}", file=sys.stderr)
     return 1 if failed or (missing and not arguments.allow_missing) else 0
 
 
-def write(text):
+def write(place, host, rows):
+    """Puts a host's rows into a table of docs/hosts.md, which keeps those of the others."""
     page = ROOT / "docs" / "hosts.md"
-    old = page.read_text()
-    new = re.sub(r"(<!-- hosts -->\n).*?(<!-- /hosts -->)", lambda m: f"{m[1]}{text}\n{m[2]}", old, flags=re.DOTALL)
-    assert "<!-- hosts -->" in old, "docs/hosts.md has no place for the table of hosts"
-    page.write_text(new)
+    text = page.read_text()
+    found = re.search(rf"<!-- {place} -->\n(.*?)<!-- /{place} -->", text, flags=re.DOTALL)
+    assert found, f"docs/hosts.md has no place for the table {place}"
+    head, old = found[1].splitlines()[:2], found[1].splitlines()[2:]
+    new = []
+    for name, _ in HOSTS:
+        new += rows if name == host else [row for row in old if row.startswith(f"| {name} ")]
+    table = "".join(f"{row}\n" for row in [*head, *new])
+    page.write_text(text[:found.start(1)] + table + text[found.end(1):])
 
 
 if __name__ == "__main__":

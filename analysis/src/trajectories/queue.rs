@@ -155,7 +155,8 @@ impl LaneRecord {
         if number < confirmation.last() {
             return ControlFlow::Continue(number + 1);
         }
-        if confirmation.holds(&self.stroboscopic) {
+        // Left out are what is still to be discarded and the observation.
+        if confirmation.holds(&self.stroboscopic, (discard - number / 2).saturating_add(OBSERVED)) {
             self.stage = Stage::Settled(*state);
             return ControlFlow::Break(());
         }

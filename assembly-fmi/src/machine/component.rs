@@ -1,6 +1,6 @@
 //! A described machine as the doors want it.
 
-use super::{Machine, Moving};
+use super::{Machine, Moving, Pieces};
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
 use crate::problem::refused;
@@ -8,7 +8,8 @@ use crate::saved_state::SavedState;
 use crate::table::{Quantity, Role};
 use fmi_doors::log::Log;
 use fmi_doors::{
-    Advance, Base, Bases, Component, EarlyEnd, Handled, Instantiation, Interface, Life, Named, Phase, Problem,
+    Advance, Base, Bases, Component, EarlyEnd, Handled, Instantiation, Interface, Life, Named, Phase, Piece,
+    Problem,
 };
 use std::sync::Arc;
 
@@ -18,8 +19,9 @@ const INPUT_ORDER: i32 = 3;
 impl Component for Machine {
     type Problem = MachineProblem;
     type State = SavedState;
-    type Pieces = ();
+    type Pieces = Pieces;
 
+    const INTERMEDIATE_UPDATE: bool = true;
     const EARLY_END: EarlyEnd = EarlyEnd { event: "event", because: "since the host handles events" };
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
@@ -63,8 +65,11 @@ impl Component for Machine {
 
     fn variable(&self, reference: u32) -> Result<Named<'_>, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
-        let continuous_input = row.role == Role::Input;
-        Ok(Named { name: row.name.as_str().into(), continuous_input, intermediate_update: false })
+        Ok(Named {
+            name: row.name.as_str().into(),
+            continuous_input: row.role == Role::Input,
+            intermediate_update: row.is_seen_within_steps(),
+        })
     }
 
     fn get(
@@ -77,13 +82,22 @@ impl Component for Machine {
         let mut moves = false;
         for &reference in references {
             let role = plan.table.row(reference, bases)?.role;
-            moves |= matches!(role, Role::Output | Role::Discrete | Role::Local);
+            moves |= matches!(role, Role::Output | Role::Discrete | Role::Local | Role::Sensitivity);
         }
         if moves {
             self.present()?;
         }
-        for (i, &reference) in references.iter().enumerate() {
-            write(i, self.value(plan.table.row(reference, bases)?.quantity));
+        let mut place = 0;
+        let mut next = |value| {
+            write(place, value);
+            place += 1;
+        };
+        for &reference in references {
+            match plan.table.row(reference, bases)?.quantity {
+                Quantity::Transition => self.step_matrices().transition.iter().copied().for_each(&mut next),
+                Quantity::Response => self.step_matrices().response.iter().copied().for_each(&mut next),
+                quantity => next(self.value(quantity)),
+            }
         }
         Ok(())
     }
@@ -162,7 +176,7 @@ impl Component for Machine {
 
     fn enter_event(&mut self) -> Result<(), MachineProblem> {
         self.life.phase = Phase::Event;
-        self.latched = None;
+        (self.latched, self.matrices) = (None, None);
         self.moving.iter_mut().for_each(|moving| _ = moving.accept());
         Ok(())
     }
@@ -274,11 +288,11 @@ impl Component for Machine {
     }
 
     fn serialize(&self, saved: &SavedState) -> Result<Vec<u8>, MachineProblem> {
-        Ok(saved.to_bytes(self.plan.token())?)
+        Ok(saved.to_bytes(&self.plan.machine_token())?)
     }
 
     fn deserialize(&self, bytes: &[u8]) -> Result<SavedState, MachineProblem> {
-        let saved = SavedState::from_bytes(bytes, self.plan.token())?;
+        let saved = SavedState::from_bytes(bytes, &self.plan.machine_token())?;
         // Whether it fits shows when it is restored, which changes nothing where it does not.
         let mut trial = Self::new(self.plan.clone(), self.life);
         trial.restore(&SavedState {
@@ -286,5 +300,51 @@ impl Component for Machine {
             ..saved.clone()
         })?;
         Ok(saved)
+    }
+
+    fn begin_pieces(&mut self, point: f64, size: f64) -> Result<Pieces, MachineProblem> {
+        self.begin(point, size)
+    }
+
+    fn left(&self, pieces: &Pieces) -> f64 {
+        self.left_of(pieces)
+    }
+
+    fn interpolate_input(&mut self, reference: u32, values: [f64; 4], span: f64) {
+        self.interpolate(reference, values, span);
+    }
+
+    fn hold_input(&mut self, reference: u32, value: f64) {
+        self.hold(reference, value);
+    }
+
+    fn start_pieces(&mut self, pieces: &mut Pieces) -> Result<Piece, MachineProblem> {
+        self.start_course(pieces)
+    }
+
+    fn next_piece(
+        &mut self,
+        pieces: &mut Pieces,
+        until: Option<f64>,
+        log: &mut dyn Log,
+    ) -> Result<Piece, MachineProblem> {
+        self.go_on(pieces, until, log)
+    }
+
+    fn ends_before_event(&self, pieces: &Pieces) -> bool {
+        self.ends_before(pieces)
+    }
+
+    fn pass_event(&mut self, pieces: &mut Pieces, log: &mut dyn Log) -> bool {
+        self.pass(pieces, log);
+        false
+    }
+
+    fn end_pieces(&mut self, pieces: &Pieces) -> Advance {
+        self.end_course(pieces)
+    }
+
+    fn take_pieces_back(&mut self, pieces: &Pieces) -> Result<(), MachineProblem> {
+        self.take_back(pieces)
     }
 }

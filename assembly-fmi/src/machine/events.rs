@@ -1,21 +1,37 @@
 //! Steps and events.
 
 use super::Machine;
+use super::last_step::LastStep;
 use super::moving::Moving;
 use crate::problem::MachineProblem;
 use fmi_doors::log::{Category, Log};
-use fmi_doors::{Advance, Handled, Phase};
+use fmi_doors::{Advance, EventHandling, Handled, Phase, Problem};
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind, Outcome};
 use vibro_assembly::{Error, Motion};
 
 /// What a step does at an event inside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum AtEvent {
+pub(super) enum AtEvent {
     /// Applies its law and goes on.
     Pass,
     /// Ends before its law.
     EndBefore,
+}
+
+impl AtEvent {
+    /// As it is agreed with the host.
+    pub(super) fn of(handling: EventHandling) -> Self {
+        if handling.event_mode && handling.early_return { Self::EndBefore } else { Self::Pass }
+    }
+}
+
+/// What brings a motion back to where a step began.
+pub(super) enum Undo {
+    /// The motion itself, where another one goes on in its place.
+    Other(Box<Moving>),
+    /// The energy's origin; the rest was kept with the step's begin.
+    Same(f64),
 }
 
 impl Machine {
@@ -24,35 +40,23 @@ impl Machine {
     pub(super) fn go(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, MachineProblem> {
         let own = fmi_doors::Component::time(self);
         self.life.check_step(point, size, own)?;
-        self.present()?;
         // Own time may be past the end by the rounding that `point` is allowed: then nothing is left to do.
         let end = (point + size).max(own);
         let handling = self.life.handling;
-        let early = handling.event_mode && handling.early_return;
-        let at_event = if early { AtEvent::EndBefore } else { AtEvent::Pass };
         let shown = self.moving.as_ref().filter(|_| handling.event_mode).map(Moving::discrete);
-        let events = match self.ahead.take() {
-            Some(mut ahead) => {
-                let events = run(&mut ahead.motion, end, at_event, log)?;
-                self.moving = Some(ahead);
-                events
-            }
-            None => match &mut self.moving {
-                Some(moving) => {
-                    let before = moving.motion.save();
-                    match run(&mut moving.motion, end, at_event, log) {
-                        Ok(events) => events,
-                        Err(error) => {
-                            moving.motion.restore(&before);
-                            return Err(error.into());
-                        }
-                    }
-                }
-                None => false,
-            },
+        let undo = self.begin_step(end)?;
+        let events = match &mut self.moving {
+            Some(moving) => run(&mut moving.motion, end, AtEvent::of(handling), log),
+            None => Ok(false),
         };
-        self.pending.fill(None);
-        self.changed = false;
+        let events = match events {
+            Ok(events) => events,
+            Err(error) => {
+                self.undo(undo);
+                return Err(error.into());
+            }
+        };
+        self.end_taking_over();
         self.life.phase = Phase::Step;
         let event = handling.event_mode && events;
         self.latched = shown.filter(|_| event);
@@ -60,9 +64,63 @@ impl Machine {
         Ok(Advance { time, event, early: time < end })
     }
 
+    /// Begins a step towards `end`: the motion takes over what was set, and where it begins is kept.
+    ///
+    /// # Errors
+    /// As [`take_over`](Self::take_over); nothing has changed then.
+    pub(super) fn begin_step(&mut self, end: f64) -> Result<Undo, MachineProblem> {
+        let none = || Problem::Sequence { what: "the instance is not initialized".into() };
+        self.matrices = None;
+        // With changed parameters it is another motion that goes on.
+        let changed = self.changed && self.ahead.is_none();
+        let ahead = changed.then(|| self.taken_over(self.moving.as_ref().ok_or_else(none)?)).transpose()?;
+        let ahead = ahead.or_else(|| self.ahead.take());
+        let moving = self.moving.as_mut().ok_or_else(none)?;
+        if let Some(ahead) = ahead {
+            let (assembly, begin) = (ahead.motion.assembly().clone(), ahead.motion.save());
+            self.last_step = Some(LastStep { assembly, begin, inputs: Vec::new(), end });
+            return Ok(Undo::Other(Box::new(std::mem::replace(moving, ahead))));
+        }
+        let step = LastStep {
+            assembly: moving.motion.assembly().clone(),
+            begin: moving.motion.save(),
+            inputs: self.pending.clone(),
+            end,
+        };
+        let undo = Undo::Same(moving.origin);
+        let taken = moving.set_inputs(&step.inputs);
+        self.last_step = Some(step);
+        match taken {
+            Ok(()) => Ok(undo),
+            Err(error) => {
+                self.undo(undo);
+                Err(error.into())
+            }
+        }
+    }
+
+    /// Goes back to where a step began, as if it had not.
+    fn undo(&mut self, undo: Undo) {
+        let step = self.last_step.take();
+        match (undo, &mut self.moving, step) {
+            (Undo::Other(moving), _, _) => self.moving = Some(*moving),
+            (Undo::Same(origin), Some(moving), Some(step)) => {
+                moving.motion.restore(&step.begin);
+                moving.origin = origin;
+            }
+            _ => {}
+        }
+    }
+
+    /// What was set has been taken over.
+    pub(super) fn end_taking_over(&mut self) {
+        self.pending.fill(None);
+        self.changed = false;
+    }
+
     /// Applies the law of the event at which it stands, and takes over inputs that were set.
     pub(super) fn handle(&mut self, log: &mut dyn Log) -> Result<Handled, MachineProblem> {
-        self.latched = None;
+        (self.latched, self.matrices) = (None, None);
         let set = self.is_set();
         let due = |moving: &&Moving| moving.is_on_course() || moving.motion.is_event_due();
         let Some(mut next) = self.moving.as_ref().filter(|moving| set || due(moving)).cloned() else {
@@ -78,7 +136,12 @@ impl Machine {
 }
 
 /// Runs to a time; true where events were met.
-fn run(motion: &mut Motion, end: f64, at_event: AtEvent, log: &mut dyn Log) -> Result<bool, Error> {
+pub(super) fn run(
+    motion: &mut Motion,
+    end: f64,
+    at_event: AtEvent,
+    log: &mut dyn Log,
+) -> Result<bool, Error> {
     let assembly = motion.assembly().clone();
     let mut events = 0;
     let mut observe = |event: &Event| {
@@ -95,7 +158,7 @@ fn run(motion: &mut Motion, end: f64, at_event: AtEvent, log: &mut dyn Log) -> R
 }
 
 /// Tells an event where that is wanted.
-fn tell(machine: &Description, event: &Event, log: &mut dyn Log) {
+pub(super) fn tell(machine: &Description, event: &Event, log: &mut dyn Log) {
     if log.wants(Category::Events) {
         log.log(Category::Events, &in_words(machine, event));
     }

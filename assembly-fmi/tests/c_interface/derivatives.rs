@@ -104,3 +104,152 @@ fn closed_form_directional_derivatives_by_an_input() {
     assert!(along.iter().zip([3.0, 6.0, 0.0, 0.0]).all(|(a, b)| near(*a, b)), "{along:?}");
     assert!(near(adjoint, 2.0 * 0.5 + 1.0), "{adjoint}");
 }
+
+/// A body between a rigid and a compliant stop in a sliding frame, pushed by an input: impacts, contact, sticking and slipping.
+fn shaken() -> Plan {
+    let text = "name = \"Shaken\"\n[body.box]\nmass = 3.0\n[body.block]\nmass = 0.5\nstart = { s = 0.1, v = 1.0 }\n\
+                [spring.mount]\nbetween = [\"ground\", \"box\"]\nstiffness = 40.0\ndamping = 0.5\n\
+                [stop.upper]\nbetween = [\"box\", \"block\"]\ngap = 0.4\nrestitution = 0.6\n\
+                [stop.lower]\nbetween = [\"block\", \"box\"]\ngap = 0.3\nstiffness = 2e3\ndamping = 4.0\n\
+                [friction.guide]\nbetween = [\"box\", \"block\"]\nforce = 0.2\n\
+                [load.push]\non = \"box\"\ninput = true\namplitude = 9.0\nfrequency = 1.1\n";
+    Plan::new(text.into(), FILE).unwrap().with_arrays()
+}
+
+const STATES: [&str; 4] = ["box.s", "block.s", "box.v", "block.v"];
+
+fn states(machine: &Instance<'_>) -> [f64; 4] {
+    STATES.map(|name| machine.get(name))
+}
+
+fn matrix(machine: &Instance<'_>, name: &str) -> [[f64; 4]; 4] {
+    let mut all = [f64::NAN; 16];
+    let status = unsafe { fmi3GetFloat64(machine.c, &machine.reference(name), 1, all.as_mut_ptr(), 16) };
+    assert_eq!(status, OK, "{:?}", machine.messages);
+    std::array::from_fn(|i| std::array::from_fn(|j| all[4 * i + j]))
+}
+
+fn product(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// Steps of the length in which differences are taken: in flight, over an impact, over all kinds of events.
+const SIZES: [f64; 3] = [0.05, 0.7, 2.0];
+
+#[test]
+fn second_method_derivatives_over_a_step_against_differences_of_steps() {
+    // A difference of fourth order, and rounding over its step.
+    const STEP: f64 = 1e-5;
+    const DIFFERENCE: f64 = 1e-6;
+    let plan = shaken();
+    let starts = ["body.box.start.s", "body.block.start.s", "body.box.start.v", "body.block.start.v"];
+    let run = |size: f64, changed: usize, shift: f64| {
+        let machine = Instance::of("step", &plan, false);
+        if changed < 4 {
+            let value = machine.get(starts[changed]) + shift;
+            assert_eq!(machine.set(starts[changed], value), OK);
+        }
+        machine.begin();
+        assert_eq!(machine.set("load.push.input", 0.3 + if changed == 4 { shift } else { 0.0 }), OK);
+        machine.step(0.0, size);
+        machine
+    };
+    for (size, impacts) in SIZES.into_iter().zip([0, 1, 2]) {
+        let machine = run(size, 0, 0.0);
+        assert!(machine.whole("upper.impacts") >= impacts, "{size}");
+        let (transition, response) = (matrix(&machine, "step.transition"), matrix(&machine, "step.response"));
+        let column =
+            |j: usize| [0, 1, 2, 3].map(|i: usize| if j < 4 { transition[i][j] } else { response[i][0] });
+        for (changed, column) in (0..5).map(column).enumerate() {
+            let at = |places: f64| states(&run(size, changed, places * STEP));
+            let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(at);
+            for i in 0..4 {
+                let difference = (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * STEP);
+                let exact = column[i];
+                let error = (exact - difference).abs();
+                assert!(
+                    error < DIFFERENCE * (1.0 + exact.abs()),
+                    "{size} {i} by {changed}: {exact} {difference}"
+                );
+            }
+        }
+    }
+}
+
+/// Steps that end before each law: read after the event, their product is the matrix of the whole step; before it, it lacks the jump.
+#[test]
+fn invariant_products_of_steps_between_events() {
+    // Of a product of some twenty matrices.
+    const ROUNDING: f64 = 1e-9;
+    let plan = shaken();
+    let whole = Instance::of("whole", &plan, false);
+    whole.begin();
+    whole.step(0.0, 3.0);
+    let expected = matrix(&whole, "step.transition");
+    let parts = Instance::of("whole", &plan, true);
+    parts.begin();
+    let unit: [[f64; 4]; 4] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    assert_eq!(matrix(&parts, "step.transition"), unit, "no step was made");
+    parts.handle();
+    let (mut all, mut time, mut jumps) = (unit, 0.0, 0);
+    while time < 3.0 {
+        let (event, _, reached) = parts.step(time, 3.0 - time);
+        let before = matrix(&parts, "step.transition");
+        if event {
+            assert_eq!(unsafe { fmi3EnterEventMode(parts.c) }, OK);
+            parts.handle();
+            jumps += usize::from(matrix(&parts, "step.transition") != before);
+        }
+        all = product(&matrix(&parts, "step.transition"), &all);
+        time = reached;
+    }
+    assert!(jumps > 5, "{jumps}");
+    let largest = expected.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    for (a, b) in all.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((a - b).abs() < ROUNDING * largest, "{a} {b}");
+    }
+    // What was put back has made no step.
+    let mut state = std::ptr::null_mut();
+    unsafe {
+        assert_eq!(fmi3GetFMUState(parts.c, &mut state), OK);
+        assert_eq!(fmi3SetFMUState(parts.c, state), OK);
+        assert_eq!(fmi3FreeFMUState(parts.c, &mut state), OK);
+    }
+    assert_eq!(matrix(&parts, "step.transition"), unit);
+}
+
+#[test]
+fn closed_form_the_response_of_a_sled_to_an_inputs_derivatives() {
+    let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
+    let plan = Plan::new(text.into(), FILE).unwrap().with_arrays();
+    let sled = Instance::of("responding", &plan, false);
+    sled.begin();
+    let t = 0.5_f64;
+    sled.step(0.0, t);
+    let mut found = [f64::NAN; 8];
+    unsafe {
+        let status = fmi3GetFloat64(sled.c, &sled.reference("step.response"), 1, found.as_mut_ptr(), 8);
+        assert_eq!(status, OK, "{:?}", sled.messages);
+        // Another number of values than the matrix has.
+        assert_eq!(fmi3GetFloat64(sled.c, &sled.reference("step.response"), 1, found.as_mut_ptr(), 7), ERROR);
+    }
+    let factorial = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
+    for k in 0..4 {
+        let [s, v] = [2, 1].map(|n| t.powi(k as i32 + n) / factorial[k + n as usize] / 4.0);
+        assert!((found[k] - s).abs() < 1e-16 && (found[4 + k] - v).abs() < 1e-16, "{k}: {found:?}");
+    }
+}
+
+#[test]
+fn invariant_arrays_are_in_their_own_description_alone() {
+    let (usual, arrays) = (pushed(), pushed().with_arrays());
+    assert_ne!(usual.token(), arrays.token());
+    assert_eq!(usual.table.reference("step.transition"), None);
+    let xml = arrays.xml(fmi_doors::Version::Fmi3, None);
+    assert!(xml.contains("name=\"step.transition\"") && xml.contains("<Dimension start=\"2\"/>"), "{xml}");
+    // No door of FMI 2.0 knows arrays.
+    let uri = std::ffi::CString::new(format!("file://{}", resources("arrays", &usual).display())).unwrap();
+    let token = std::ffi::CString::new(arrays.token()).unwrap();
+    let (none, name) = (std::ptr::null(), c"a".as_ptr());
+    assert!(unsafe { fmi2Instantiate(name, 1, token.as_ptr(), uri.as_ptr(), none, 0, 0) }.is_null());
+}

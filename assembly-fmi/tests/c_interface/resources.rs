@@ -102,9 +102,13 @@ fn resources_are_found_in_folders_of_any_name_and_beside_the_library() {
     let wrong = CString::new("file:///nowhere").unwrap();
     for location in [null(), wrong.as_ptr()] {
         unsafe {
-            let c = fmi2Instantiate(c"a".as_ptr(), 1, token.as_ptr(), location, null(), 0, 0);
+            let (name, token) = (c"a".as_ptr(), token.as_ptr());
+            let c = fmi2Instantiate(name, 1, token, location, null(), 0, 0);
             assert!(!c.is_null());
             fmi2FreeInstance(c);
+            let c = fmi3InstantiateModelExchange(name, token, location, 0, 0, null_mut(), None);
+            assert!(!c.is_null());
+            fmi3FreeInstance(c);
         }
     }
     std::fs::remove_dir_all(&beside).unwrap();

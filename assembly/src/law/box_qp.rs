@@ -245,7 +245,8 @@ impl Problem {
     /// [`Jam`] where nothing gives way.
     pub fn solve(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
-        let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.clamp(self.lo[i], self.hi[i]));
+        // Not by `clamp`, which panics where levels beyond what doubles carry have left bounds that are none.
+        let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.max(self.lo[i]).min(self.hi[i]));
         let equality = |i: usize| self.lo[i] == f64::NEG_INFINITY && self.hi[i] == f64::INFINITY;
         let mut free = independent(&self.columns, &(0..m).filter(|&i| equality(i)).collect::<Vec<_>>());
         for turn in 0..100 * (m + 1) {

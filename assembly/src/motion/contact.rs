@@ -141,6 +141,7 @@ impl Motion {
             return;
         }
         let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
+        let z = z.as_mut_slice();
         // Stops come first, and so does their part of the triangle.
         let stops = mode.basis.iter().take_while(|c| matches!(c, Contact::Stop(_))).count();
         project(system, &mode.basis[..stops], r, false, z, &mut self.scratch.off);
@@ -154,7 +155,7 @@ impl Motion {
         let system = &self.assembly.system;
         let independent = system.independent(&contacts);
         let r = triangle(&system.columns(&independent));
-        project(system, &independent, &r, false, &mut self.hybrid.z, &mut self.scratch.off);
+        project(system, &independent, &r, false, self.hybrid.z.as_mut_slice(), &mut self.scratch.off);
     }
 
     fn jammed(&self, jam: &Jam) -> Error {
@@ -345,19 +346,19 @@ impl Motion {
 
 /// Moves rows that the law keeps at zero onto it by the least change in the inertia's metric: e - gap of stops, or the contacts'
 /// `rates`. Rᵀ R is the contacts' WᵀM⁻¹W, in a leading part of `r`; `off` is memory.
-fn project(
+pub(super) fn project(
     system: &System,
     contacts: &[Contact],
     r: &DMatrix<f64>,
     rates: bool,
-    z: &mut DVector<f64>,
+    z: &mut [f64],
     off: &mut Vec<f64>,
 ) {
     let m = contacts.len();
     off.clear();
     off.extend(contacts.iter().map(|&contact| match (contact, rates) {
-        (Contact::Stop(i), false) => system.stops[i].excess_terms.dot(z.as_slice()),
-        _ => system.elongation_of(contact).rate_terms.dot(z.as_slice()),
+        (Contact::Stop(i), false) => system.stops[i].excess_terms.dot(z),
+        _ => system.elongation_of(contact).rate_terms.dot(z),
     }));
     for j in 0..m {
         let known: f64 = (0..j).map(|i| r[(i, j)] * off[i]).sum();
@@ -370,7 +371,7 @@ fn project(
     let first = if rates { system.coordinates } else { 0 };
     for (&contact, off) in contacts.iter().zip(off.iter()) {
         let mobility = system.elongation_of(contact).mobility.iter();
-        z.as_mut_slice()[first..].iter_mut().zip(mobility).for_each(|(x, m)| *x -= off * m);
+        z[first..].iter_mut().zip(mobility).for_each(|(x, m)| *x -= off * m);
     }
 }
 

@@ -10,9 +10,11 @@ pub(crate) mod saved;
 mod step;
 mod tables;
 mod variation;
+mod varied;
 
 pub use course::Course;
 pub use event::{Event, EventKind};
+pub use varied::{Crossing, keep};
 
 use crate::assembly::Assembly;
 use crate::error::Error;

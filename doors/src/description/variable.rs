@@ -149,12 +149,29 @@ impl Variable {
         description: impl Into<Text>,
     ) -> Self {
         let (unit, display_unit) = declared.units();
+        let mut variable = Self::of_unit(reference, name, unit, causality, description);
+        variable.declared_type = Some(declared.name.clone());
+        if let Kind::Real { display_unit: place, .. } = &mut variable.kind {
+            *place = display_unit;
+        }
+        variable
+    }
+
+    /// The same of a unit alone, or of none.
+    pub fn of_unit(
+        reference: u32,
+        name: impl Into<Text>,
+        unit: Option<Text>,
+        causality: Causality,
+        description: impl Into<Text>,
+    ) -> Self {
         let (variability, initial) = match causality {
             Causality::Parameter => (Variability::Fixed, Some(Initial::Exact)),
             Causality::CalculatedParameter => (Variability::Fixed, Some(Initial::Calculated)),
             Causality::Input | Causality::Independent => (Variability::Continuous, None),
             Causality::Output | Causality::Local => (Variability::Continuous, Some(Initial::Calculated)),
         };
+        let kind = Kind::Real { unit, display_unit: None, nominal: None, derivative_of: None, reinit: false };
         Self {
             name: name.into(),
             reference,
@@ -162,8 +179,8 @@ impl Variable {
             causality,
             variability,
             initial,
-            kind: Kind::Real { unit, display_unit, nominal: None, derivative_of: None, reinit: false },
-            declared_type: Some(declared.name.clone()),
+            kind,
+            declared_type: None,
             min: None,
             max: None,
             start: None,

@@ -1,7 +1,7 @@
-//! Random calls with random arguments on the bouncing ball, by both doors: no crash, no panic, and the instance answers afterwards. What
-//! is called comes from a seed, or from the bytes of a fuzzer.
+//! Random calls with random arguments on a component, by both doors: no crash, no panic, and the instance answers afterwards. What
+//! is called comes from a seed, or from the bytes of a fuzzer. The component is what stands beside this module under this name.
 
-use super::bouncing_ball::*;
+use super::component::*;
 use fmi_doors::fmi2::abi::FmiComponent;
 use fmi_doors::fmi2::types::FmiEventInfo;
 use fmi_doors::fmi3::abi::FmiInstance;
@@ -9,6 +9,18 @@ use std::ffi::{CString, c_int, c_void};
 use std::ptr::{null, null_mut};
 
 const OK: c_int = 0;
+
+/// What an instance is made of.
+pub struct Target {
+    /// The token of its description.
+    pub token: CString,
+    /// Where its resources are, as a path; none where it has none.
+    pub resources: Option<CString>,
+    /// Value references are drawn below this.
+    pub references: u64,
+    /// An input that is asked for within steps of FMI 3.0, by a callback that reads as well.
+    pub input: Option<u32>,
+}
 
 /// What is drawn: bytes while there are any, then SplitMix64.
 pub struct Random<'a> {
@@ -55,9 +67,9 @@ struct Call {
 }
 
 impl Call {
-    fn new(random: &mut Random<'_>) -> Self {
+    fn new(random: &mut Random<'_>, references: u64) -> Self {
         Self {
-            references: [(); 8].map(|()| random.below(11) as u32),
+            references: [(); 8].map(|()| random.below(references) as u32),
             reals: [(); 8].map(|()| random.number()),
             integers: [(); 8].map(|()| random.below(5) as c_int),
             flags: [0; 8],
@@ -69,14 +81,14 @@ impl Call {
 unsafe fn call_fmi2(
     c: FmiComponent,
     random: &mut Random<'_>,
+    references: u64,
     states: &mut [*mut c_void; 2],
     time: f64,
 ) -> c_int {
-    let mut call = Call::new(random);
+    let mut call = Call::new(random, references);
     let (vr, n) = (call.references.as_ptr(), call.count);
     let (x, i) = (call.reals.as_mut_ptr(), call.integers.as_mut_ptr());
     let state = &mut states[random.below(2) as usize];
-    let mut bytes = [0; 256];
     unsafe {
         match random.below(26) {
             0 => fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
@@ -95,9 +107,10 @@ unsafe fn call_fmi2(
             14 => {
                 let mut size = 0;
                 let status = fmi2SerializedFMUstateSize(c, *state, &mut size);
-                if status != OK || size > bytes.len() {
+                if status != OK {
                     return status;
                 }
+                let mut bytes = vec![0; size];
                 fmi2SerializeFMUstate(c, *state, bytes.as_mut_ptr(), size);
                 bytes[random.below(size as u64) as usize] ^= 1 << random.below(8);
                 fmi2DeSerializeFMUstate(c, bytes.as_ptr(), size, state)
@@ -120,10 +133,11 @@ unsafe fn call_fmi2(
 unsafe fn call_fmi3(
     c: FmiInstance,
     random: &mut Random<'_>,
+    references: u64,
     states: &mut [*mut c_void; 2],
     time: f64,
 ) -> c_int {
-    let mut call = Call::new(random);
+    let mut call = Call::new(random, references);
     let (vr, n) = (call.references.as_ptr(), call.count);
     let (x, i) = (call.reals.as_mut_ptr(), call.integers.as_mut_ptr());
     let state = &mut states[random.below(2) as usize];
@@ -156,23 +170,51 @@ unsafe fn call_fmi3(
     }
 }
 
-fn token() -> CString {
-    CString::new(&*description().token).unwrap()
+/// What a host's callback is given.
+struct Within {
+    instance: std::cell::Cell<FmiInstance>,
+    input: u32,
+}
+
+/// A callback that sets the input where it is asked for, else reads a few variables, and ends steps early here and there.
+unsafe extern "C-unwind" fn update(
+    host: *mut c_void,
+    time: f64,
+    set: u8,
+    _: u8,
+    _: u8,
+    may_return: u8,
+    early: *mut u8,
+    end: *mut f64,
+) {
+    // SAFETY: the host's own data, which live as long as the instance, and places for two values.
+    unsafe {
+        let host = &*host.cast::<Within>();
+        let (c, ends) = (host.instance.get(), may_return != 0 && time.to_bits().is_multiple_of(3));
+        (*early, *end) = (u8::from(ends), time);
+        if set != 0 {
+            fmi3SetFloat64(c, &host.input, 1, &(time * 1e6).sin(), 1);
+        } else {
+            fmi3GetFloat64(c, [1, 2, host.input].as_ptr(), 3, [0.0; 3].as_mut_ptr(), 3);
+        }
+    }
 }
 
 /// Calls of FMI 2.0 on an instance of the interface type 0 or 1.
 ///
 /// # Panics
 /// At a status that says a panic was caught, and where the instance does not answer afterwards.
-pub fn run_fmi2(random: &mut Random<'_>, kind: c_int, calls: usize) {
+pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: usize) {
     let mut states = [null_mut(); 2];
+    let resources = target.resources.as_ref().map_or(null(), |path| path.as_ptr());
     // SAFETY: the instance is the one made here, and all buffers are of eight elements, which counts of more make the door refuse.
     unsafe {
-        let c = fmi2Instantiate(c"ball".as_ptr(), kind, token().as_ptr(), null(), null(), 0, 0);
+        let c = fmi2Instantiate(c"any".as_ptr(), kind, target.token.as_ptr(), resources, null(), 0, 0);
+        assert!(!c.is_null());
         for _ in 0..calls {
             let mut time = 0.0;
             fmi2GetReal(c, &1, 1, &mut time);
-            let status = call_fmi2(c, random, &mut states, time);
+            let status = call_fmi2(c, random, target.references, &mut states, time);
             assert!((0..4).contains(&status), "status {status}");
         }
         assert_eq!(fmi2Reset(c), OK);
@@ -187,34 +229,31 @@ pub fn run_fmi2(random: &mut Random<'_>, kind: c_int, calls: usize) {
 ///
 /// # Panics
 /// As [`run_fmi2`].
-pub fn run_fmi3(random: &mut Random<'_>, exchange: bool, event_mode: bool, calls: usize) {
+pub fn run_fmi3(target: &Target, random: &mut Random<'_>, exchange: bool, event_mode: bool, calls: usize) {
     let mut states = [null_mut(); 2];
-    let (name, token, event_mode) = (c"ball".as_ptr(), token(), u8::from(event_mode));
+    let (name, event_mode) = (c"any".as_ptr(), u8::from(event_mode));
+    let token = target.token.as_ptr();
+    let resources = target.resources.as_ref().map_or(null(), |path| path.as_ptr());
+    let within = Within { instance: null_mut::<c_void>().into(), input: target.input.unwrap_or_default() };
+    let host = std::ptr::from_ref(&within).cast_mut().cast();
     // SAFETY: as above.
     unsafe {
         let c = if exchange {
-            fmi3InstantiateModelExchange(name, token.as_ptr(), null(), 0, 0, null_mut(), None)
+            fmi3InstantiateModelExchange(name, token, resources, 0, 0, null_mut(), None)
         } else {
-            let (none, list) = (null_mut(), null());
+            let asked = target.input.is_some();
+            let (callback, count) = (asked.then_some(update as _), usize::from(asked));
+            let list = &raw const within.input;
             fmi3InstantiateCoSimulation(
-                name,
-                token.as_ptr(),
-                null(),
-                0,
-                0,
-                event_mode,
-                1,
-                list,
-                0,
-                none,
-                None,
-                None,
+                name, token, resources, 0, 0, event_mode, 1, list, count, host, None, callback,
             )
         };
+        assert!(!c.is_null());
+        within.instance.set(c);
         for _ in 0..calls {
             let mut time = 0.0;
             fmi3GetFloat64(c, &1, 1, &mut time, 1);
-            let status = call_fmi3(c, random, &mut states, time);
+            let status = call_fmi3(c, random, target.references, &mut states, time);
             assert!((0..4).contains(&status), "status {status}");
             if status == 3 && random.below(4) > 0 {
                 assert_eq!(fmi3Reset(c), OK);

@@ -75,10 +75,7 @@ fn names(model: &ModelDescription, found: &mut Vec<String>) {
 /// FMI 3.0.2, 2.4.7.5.2, as far as our names go: identifiers with dots between them, and their first derivatives.
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
-    inner.unwrap_or(name).split('.').all(|part| {
-        let rest = part.strip_prefix(|c: char| c.is_ascii_alphabetic() || c == '_');
-        rest.is_some_and(|rest| rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
-    })
+    crate::check::is_structured(inner.unwrap_or(name))
 }
 
 fn variable(place: u32, v: &Variable, model: &ModelDescription, found: &mut Vec<String>) {

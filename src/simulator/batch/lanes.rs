@@ -183,7 +183,7 @@ impl Rounds<'_> {
         self.systems.release_tables(lane);
         while let Some(plan) = self.work.queue.next(lane, self.work.simulators, ended.take()) {
             let simulator = &mut self.work.simulators[plan.simulator];
-            let mut motion = match LaneMotion::begin(simulator, &plan) {
+            let mut motion = match LaneMotion::begin(simulator, &plan, (&mut *self.work.queue, lane)) {
                 Ok(Some(motion)) => motion,
                 result => {
                     ended = Some(result.map(|_| ()));
@@ -275,12 +275,37 @@ fn advance_loaded(
     motion.advance_alone::<_, 1>(pulp::Scalar, simulator, report_to, None)
 }
 
+/// An observer that keeps the events of one law: an impact or a release, and that the block comes to rest.
+#[inline(always)]
+fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
+    |event| {
+        let first_free = usize::from(events[0].is_some());
+        events[first_free] = Some(*event);
+    }
+}
+
 impl LaneMotion {
-    /// Begins a motion. One that cannot be advanced in lanes is advanced to its end, and there is nothing to begin.
-    fn begin(simulator: &mut Simulator, plan: &Plan) -> Result<Option<Self>> {
+    /// Begins a motion, with the law of an event that is due. One that cannot be advanced in lanes is advanced to its end, and there is
+    /// nothing to begin.
+    fn begin(
+        simulator: &mut Simulator,
+        plan: &Plan,
+        report_to: (&mut (dyn MotionQueue + '_), usize),
+    ) -> Result<Option<Self>> {
         let end = DoubleDouble::new(plan.end);
         let rounded = simulator.check_end(end)?;
-        let reporter = plan.reports.map(|reports| Reporter::new(simulator, reports, plan.end)).transpose()?;
+        let mut reporter =
+            plan.reports.map(|reports| Reporter::new(simulator, reports, plan.end)).transpose()?;
+        if let Some(reporter) = &mut reporter
+            && simulator.due_event().is_some()
+        {
+            let from = Piece::from(simulator, &simulator.begin_advance());
+            let mut events = [None; 2];
+            simulator.apply_due_event(Some(&mut keep_in(&mut events)));
+            let after = simulator.augmented();
+            // No sample is due yet, which alone could end the motion.
+            let _ = reporter.report_alone(simulator, &from, &after, events, report_to);
+        }
         let alone = simulator.keeps_energy_accounts || (simulator.loaded() && reporter.is_none());
         if rounded || alone {
             return simulator.advance_until(end, Pause::Never, None).map(|_| None);
@@ -306,17 +331,22 @@ impl LaneMotion {
         let mut law_is_due = touched.is_some();
         loop {
             let from = Piece::from(simulator, advance);
-            let mut events = [None; 2]; // an impact, and that the block comes to rest
-            let mut keep = |event: &Event| {
-                let first_free = usize::from(events[0].is_some());
-                events[first_free] = Some(*event);
-            };
-            let mut observer: super::super::EventObserver<'_, '_> =
-                if reporter.is_some() { Some(&mut keep) } else { None };
-            let going = if law_is_due {
-                simulator.finish_substep::<LOADS>(advance, touched, Pause::Never, &mut observer)
-            } else {
-                simulator.next_substep::<S, LOADS, false>(simd, advance, *end, Pause::Never, &mut observer)
+            let mut events = [None; 2];
+            let going = {
+                let mut keep = keep_in(&mut events);
+                let mut observer: super::super::EventObserver<'_, '_> =
+                    if reporter.is_some() { Some(&mut keep) } else { None };
+                if law_is_due {
+                    simulator.finish_substep::<LOADS>(advance, touched, Pause::Never, &mut observer)
+                } else {
+                    simulator.next_substep::<S, LOADS, false>(
+                        simd,
+                        advance,
+                        *end,
+                        Pause::Never,
+                        &mut observer,
+                    )
+                }
             };
             law_is_due = false;
             if let Some(reporter) = reporter

@@ -19,7 +19,8 @@ pub struct Plan {
 }
 
 /// What is reported of a motion: its state at regular times, all its events and, if asked for, the local maxima of a
-/// displacement. The motion itself has the same bits with and without.
+/// displacement. The motion itself has the same bits with and without; one that keeps its energy accounts, which reports switch off, then
+/// has those of the motion without accounts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reports {
     /// Sample k, counted from 1, is taken at `origin + k step`, s, as long as that is after the motion's start and not after its

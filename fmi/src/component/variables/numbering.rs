@@ -35,18 +35,18 @@ pub struct Numbering {
 
 impl Numbering {
     /// Every variable by the table's own reference.
-    pub const ALL: Self = Self { places: &const { own(Edition::Clocked) } };
+    pub const ALL: Self = Self { places: &const { own(&VARIABLES, Edition::Clocked) } };
     /// Those of an edition by the table's own references.
-    pub const EVERY: Self = Self { places: &const { own(Edition::Every) } };
+    pub const EVERY: Self = Self { places: &const { own(&VARIABLES, Edition::Every) } };
 
     /// Those of an edition counted from 1 in the order of the table, without a gap.
     pub const fn counted(edition: Edition) -> Self {
         Self {
             places: match edition {
-                Edition::Every => &const { counted(Edition::Every) },
-                Edition::Extended => &const { counted(Edition::Extended) },
-                Edition::Arrays => &const { counted(Edition::Arrays) },
-                Edition::Clocked => &const { counted(Edition::Clocked) },
+                Edition::Every => &const { counted(&VARIABLES, Edition::Every) },
+                Edition::Extended => &const { counted(&VARIABLES, Edition::Extended) },
+                Edition::Arrays => &const { counted(&VARIABLES, Edition::Arrays) },
+                Edition::Clocked => &const { counted(&VARIABLES, Edition::Clocked) },
             },
         }
     }
@@ -83,10 +83,11 @@ impl Numbering {
     }
 }
 
-const fn own(edition: Edition) -> [u16; LENGTH] {
-    let (mut places, mut i) = ([NONE; LENGTH], 0);
-    while i < COUNT {
-        let Variable { reference, edition: of, .. } = VARIABLES[i];
+/// Places by the rows' own references; N is larger than any of them.
+pub(super) const fn own<const N: usize>(table: &[Variable], edition: Edition) -> [u16; N] {
+    let (mut places, mut i) = ([NONE; N], 0);
+    while i < table.len() {
+        let Variable { reference, edition: of, .. } = table[i];
         if of as u8 <= edition as u8 {
             assert!(places[reference as usize] == NONE, "two variables have one reference");
             places[reference as usize] = i as u16;
@@ -96,10 +97,11 @@ const fn own(edition: Edition) -> [u16; LENGTH] {
     places
 }
 
-const fn counted(edition: Edition) -> [u16; LENGTH] {
-    let (mut places, mut i, mut next) = ([NONE; LENGTH], 0, 1);
-    while i < COUNT {
-        if VARIABLES[i].edition as u8 <= edition as u8 {
+/// Places by the number of the row among those of the edition; N is larger than the number of rows.
+pub(super) const fn counted<const N: usize>(table: &[Variable], edition: Edition) -> [u16; N] {
+    let (mut places, mut i, mut next) = ([NONE; N], 0, 1);
+    while i < table.len() {
+        if table[i].edition as u8 <= edition as u8 {
             places[next] = i as u16;
             next += 1;
         }

@@ -29,6 +29,48 @@ fn golden_file_of_the_value_references() {
     assert_eq!(fmi_doors::identifier::fnv1a(released.as_bytes()), RELEASED.1, "released lines never change");
 }
 
+/// The table can grow and shrink: wherever a row is put in with the next reference of the list, or taken out, all others keep theirs, and
+/// the numbers of a description that counts its rows go on without a gap.
+#[test]
+fn invariant_value_references_stay_where_rows_are_put_in_or_taken_out() {
+    /// More than any reference of a table of one row more.
+    const LENGTH: usize = 256;
+    let next = GIVEN.lines().count() as u32;
+    assert!(VARIABLES.iter().all(|v| v.reference < next) && next as usize + 1 < LENGTH);
+    let names = |table: &[Variable], places: [u16; LENGTH]| -> Vec<(u32, &str)> {
+        let listed =
+            |(reference, place): (u32, &u16)| Some((reference, table.get(usize::from(*place))?.name));
+        (0..).zip(&places).filter_map(listed).collect()
+    };
+    for edition in Edition::ALL {
+        let before = names(&VARIABLES, numbering::own(&VARIABLES, edition));
+        for place in 0..=COUNT {
+            let mut grown = VARIABLES.to_vec();
+            let new = Variable { reference: next, name: "the.new", edition: Edition::Arrays, ..VARIABLES[0] };
+            grown.insert(place, new);
+            let mut expected = before.clone();
+            if Edition::Arrays <= edition {
+                expected.push((next, "the.new"));
+            }
+            assert_eq!(names(&grown, numbering::own(&grown, edition)), expected, "{edition:?}, row {place}");
+            let counted = names(&grown, numbering::counted(&grown, edition));
+            assert!(counted.iter().map(|(number, _)| *number).eq(1..=expected.len() as u32));
+        }
+        for (place, gone) in VARIABLES.iter().enumerate() {
+            let mut shrunk = VARIABLES.to_vec();
+            shrunk.remove(place);
+            let mut expected = before.clone();
+            expected.retain(|(reference, _)| *reference != gone.reference);
+            assert_eq!(
+                names(&shrunk, numbering::own(&shrunk, edition)),
+                expected,
+                "{edition:?}, {}",
+                gone.name
+            );
+        }
+    }
+}
+
 /// Names, attributes and units are checked on the model description as written, by `fmu-build`.
 #[test]
 fn invariant_start_values_are_allowed_and_what_is_not_finite_never() {

@@ -1,0 +1,339 @@
+//! A component in a hundred lines: a table of variables, and what moves them.
+//!
+//! Everything that such a model knows is the values of its variables. What a host sets and reads, ranges, phases, saved states,
+//! events in both interface types and the model description follow from the table; the author writes the motion.
+
+mod describe;
+mod row;
+
+pub use row::{Role, Row};
+
+use crate::component::Component;
+use crate::description;
+use crate::events::{Advance, Handled};
+use crate::identifier::identifier;
+use crate::instantiation::{Instantiation, Named};
+use crate::life::{Interface, Life, Phase};
+use crate::log::{Category, Log};
+use crate::problem::Problem;
+use crate::values::Bases;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// The events that one step may have. A model whose events follow each other ever faster would keep the host waiting for ever; with
+/// more, the step is refused.
+pub const MOST_EVENTS: usize = 1_000_000;
+
+/// A model whose variables are the rows of a table. The value reference of a row is its place in the table, counted from 1; `values`
+/// are those of the rows, in their order and in the rows' units.
+#[allow(unused_variables)] // of the defaults
+pub trait Tabular: 'static {
+    /// `modelName`.
+    const NAME: &'static str;
+    /// `modelIdentifier`: the name of the library's file.
+    const IDENTIFIER: &'static str;
+    /// What the model is.
+    const DESCRIPTION: &'static str;
+    /// Version of the model: `env!("CARGO_PKG_VERSION")`.
+    const VERSION: &'static str;
+    /// The variables. One is [`Row::time`]; each [`Row::state`] has one [`Row::derivative`].
+    const ROWS: &'static [Row];
+    /// Event indicators: the places of their rows, counted from 0 like those of `values`.
+    const INDICATORS: &'static [usize] = &[];
+    /// What a host takes where nobody says otherwise.
+    const EXPERIMENT: description::Experiment =
+        description::Experiment { start_time: 0.0, stop_time: 1.0, tolerance: 1e-6, step_size: 0.01 };
+
+    /// Fills in what follows from the other values: derivatives and outputs.
+    fn evaluate(values: &mut [f64]);
+
+    /// Moves the states on to a time, s, up to which there is no event. The value of the time is still the present one.
+    fn advance(values: &mut [f64], time: f64);
+
+    /// The time of the next event, s: not before the present; infinite where there is none.
+    fn next_event(values: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Applies the law of the event that is due, and says in a few words what happened, for the log.
+    fn event(values: &mut [f64]) -> String {
+        String::new()
+    }
+}
+
+/// The component of a table: what is exported, `fmi_doors::export!(FromTable<Model>)`.
+pub struct FromTable<T> {
+    state: Saved,
+    model: PhantomData<fn() -> T>,
+}
+
+/// Everything that such a component knows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    life: Life,
+    values: Vec<f64>,
+    /// Whether the last step has ended at an event whose law is still to be applied.
+    due: bool,
+}
+
+impl<T> fmt::Debug for FromTable<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.state.fmt(f)
+    }
+}
+
+impl<T: Tabular> FromTable<T> {
+    const TIME: usize = row::place_of_time(T::ROWS);
+
+    fn new(life: Life) -> Self {
+        let values = T::ROWS.iter().map(|row| row.start).collect();
+        let mut made = Self { state: Saved { life, values, due: false }, model: PhantomData };
+        T::evaluate(&mut made.state.values);
+        made
+    }
+
+    /// What tells the library and another description apart.
+    pub fn token() -> String {
+        identifier(&format!("{:?}", (T::NAME, T::VERSION, T::ROWS)))
+    }
+
+    /// Row and place of a variable of these types.
+    fn row(reference: u32, bases: Bases) -> Result<(&'static Row, usize), Problem> {
+        let place = (reference as usize).wrapping_sub(1);
+        let row = T::ROWS.get(place).filter(|row| bases.contains(row.role.base()));
+        row.map(|row| (row, place)).ok_or_else(|| Problem::Reference {
+            reference,
+            wanted: bases.name,
+            found: format!("allowed are those of the model description, from 1 to {}", T::ROWS.len()),
+        })
+    }
+
+    /// The places of the continuous states, and those of their derivatives in the same order.
+    fn states() -> impl Iterator<Item = (usize, usize)> {
+        let of = |state| T::ROWS.iter().position(move |row| row.role == Role::Derivative(state));
+        let states = T::ROWS.iter().enumerate().filter(|(_, row)| row.role == Role::State);
+        states.filter_map(move |(state, _)| Some((state, of(state)?)))
+    }
+
+    /// Changes values and fills in what follows from them; nothing has changed where one is no finite number then.
+    fn change<R>(&mut self, change: impl FnOnce(&mut [f64]) -> R) -> Result<R, Problem> {
+        let mut values = self.state.values.clone();
+        let result = change(&mut values);
+        T::evaluate(&mut values);
+        for (value, row) in values.iter_mut().zip(T::ROWS) {
+            if row.role == Role::Counter {
+                *value = value.min(f64::from(i32::MAX));
+            }
+            if !value.is_finite() {
+                return Err(Problem::value(row.name, *value, "a finite number"));
+            }
+        }
+        self.state.values = values;
+        Ok(result)
+    }
+
+    fn move_to(&mut self, time: f64) -> Result<(), Problem> {
+        self.change(|values| {
+            T::advance(values, time);
+            values[Self::TIME] = time;
+        })
+    }
+
+    fn pass_event(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
+        let what = self.change(T::event)?;
+        if log.wants(Category::Events) {
+            log.log(Category::Events, &format!("{what} at t = {} s", self.state.values[Self::TIME]));
+        }
+        Ok(())
+    }
+
+    /// To the end, or before the next event where the host handles events and takes steps that end early.
+    fn go_to(&mut self, end: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
+        let handling = self.state.life.handling;
+        for events in 0..=MOST_EVENTS {
+            let next = T::next_event(&self.state.values).max(self.state.values[Self::TIME]);
+            if next > end {
+                self.move_to(end)?;
+                return Ok(Advance { time: end, event: handling.event_mode && events > 0, early: false });
+            }
+            self.move_to(next)?;
+            if handling.event_mode && handling.early_return {
+                self.state.due = true;
+                return Ok(Advance { time: next, event: true, early: next < end });
+            }
+            self.pass_event(log)?;
+        }
+        let reached = self.state.values[Self::TIME];
+        let what = format!("a step with {MOST_EVENTS} events up to t = {reached} s: allowed are fewer");
+        Err(Problem::Sequence { what: what.into() })
+    }
+
+    /// Checks what bytes say, which may be any.
+    fn check(saved: &Saved) -> Result<(), Problem> {
+        let refused = |what: String| Problem::SavedState { what: what.into() };
+        if saved.values.len() != T::ROWS.len() {
+            return Err(refused(format!("it has {} values", saved.values.len())));
+        }
+        let mut rows = T::ROWS.iter().zip(&saved.values);
+        rows.try_for_each(|(row, value)| {
+            row.check_reached(*value).map_err(|problem| refused(problem.to_string()))
+        })
+    }
+}
+
+impl<T: Tabular> Component for FromTable<T> {
+    type Problem = Problem;
+    type State = Saved;
+    type Pieces = ();
+
+    fn instantiate(request: &Instantiation<'_>) -> Result<Self, Problem> {
+        request.check_token(&Self::token())?;
+        Ok(Self::new(request.life()))
+    }
+
+    fn life(&self) -> &Life {
+        &self.state.life
+    }
+
+    fn life_mut(&mut self) -> &mut Life {
+        &mut self.state.life
+    }
+
+    fn enter_initialization(&mut self) {
+        self.state.life.phase = Phase::Initialization;
+        self.state.values[Self::TIME] = self.state.life.start_time();
+    }
+
+    fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
+        self.state.life.begin();
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        *self = Self::new(Life::new(self.state.life.interface, self.state.life.handling));
+    }
+
+    fn time(&self) -> f64 {
+        self.state.values[Self::TIME]
+    }
+
+    fn variable(&self, reference: u32) -> Result<Named<'_>, Problem> {
+        let row = Self::row(reference, Bases::ANY)?.0;
+        let intermediate_update = row.role.is_intermediate();
+        Ok(Named { name: row.name.into(), continuous_input: row.role == Role::Input, intermediate_update })
+    }
+
+    fn get(
+        &mut self,
+        bases: Bases,
+        references: &[u32],
+        mut write: impl FnMut(usize, f64),
+    ) -> Result<(), Problem> {
+        references.iter().try_for_each(|reference| Self::row(*reference, bases).map(drop))?;
+        for (i, reference) in references.iter().enumerate() {
+            write(i, self.state.values[*reference as usize - 1]);
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Result<(), Problem> {
+        let phase = self.state.life.phase;
+        let mut taken = Vec::with_capacity(references.len());
+        for (i, &reference) in references.iter().enumerate() {
+            let (row, place) = Self::row(reference, bases)?;
+            if !row.role.is_settable(phase) {
+                let (name, phase) = (row.name.into(), phase.words());
+                return Err(Problem::NotSettable { name, phase, allowed: row::SETTABLE });
+            }
+            row.check(read(i))?;
+            taken.push((place, read(i)));
+        }
+        self.change(|values| taken.iter().for_each(|(place, value)| values[*place] = *value))
+    }
+
+    /// In Model Exchange a host comes for an event that it found by the indicators: one is due where the next is not to come.
+    fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
+        let come = T::next_event(&self.state.values) <= self.time();
+        let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;
+        if states {
+            self.pass_event(log)?;
+            self.state.due = false;
+        }
+        Ok(Handled { states, nominals: false })
+    }
+
+    fn next_event_time(&mut self) -> Option<f64> {
+        let stepping = self.state.life.interface == Interface::CoSimulation;
+        Some(T::next_event(&self.state.values)).filter(|time| stepping && time.is_finite())
+    }
+
+    fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
+        self.state.life.check_step(point, size, self.time())?;
+        let before = self.state.clone();
+        let outcome = self.go_to(point + size, log);
+        match outcome {
+            Ok(_) => self.state.life.phase = Phase::Step,
+            Err(_) => self.state = before,
+        }
+        outcome
+    }
+
+    fn number_of_continuous_states(&self) -> usize {
+        Self::states().count()
+    }
+
+    fn number_of_event_indicators(&self) -> usize {
+        T::INDICATORS.len()
+    }
+
+    fn set_time(&mut self, time: f64) -> Result<(), Problem> {
+        self.change(|values| values[Self::TIME] = time)
+    }
+
+    fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Problem> {
+        self.change(|values| {
+            Self::states().zip(states).for_each(|((state, _), value)| values[state] = *value);
+        })
+    }
+
+    fn continuous_states(&self) -> Result<impl AsRef<[f64]>, Problem> {
+        Ok(Self::states().map(|(state, _)| self.state.values[state]).collect::<Vec<_>>())
+    }
+
+    fn state_derivatives(&self) -> Result<impl AsRef<[f64]>, Problem> {
+        Ok(Self::states().map(|(_, derivative)| self.state.values[derivative]).collect::<Vec<_>>())
+    }
+
+    fn event_indicators(&self) -> Result<impl AsRef<[f64]>, Problem> {
+        Ok(T::INDICATORS.iter().map(|place| self.state.values[*place]).collect::<Vec<_>>())
+    }
+
+    fn save(&self) -> Result<Saved, Problem> {
+        Ok(self.state.clone())
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), Problem> {
+        let mut life = self.state.life;
+        life.take_over(&saved.life)?;
+        self.state = Saved { life, ..saved.clone() };
+        Ok(())
+    }
+
+    fn serialize(&self, saved: &Saved) -> Result<Vec<u8>, Problem> {
+        postcard::to_stdvec(&(Self::token(), saved)).map_err(refused)
+    }
+
+    fn deserialize(&self, bytes: &[u8]) -> Result<Saved, Problem> {
+        let (written_by, saved): (String, Saved) = postcard::from_bytes(bytes).map_err(refused)?;
+        if written_by != Self::token() {
+            return Err(Problem::SavedState { what: "it is not of this FMU".into() });
+        }
+        Self::check(&saved)?;
+        Ok(saved)
+    }
+}
+
+fn refused(error: postcard::Error) -> Problem {
+    Problem::SavedState { what: error.to_string().into() }
+}

@@ -1,0 +1,167 @@
+//! A row of the table: one variable.
+
+use crate::life::Phase;
+use crate::problem::Problem;
+use crate::values::Base;
+
+/// What may be set when, for messages.
+pub(super) const SETTABLE: &str = "parameters and states until initialization ends, and inputs";
+
+/// What a variable is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Time.
+    Time,
+    /// Set before the motion begins.
+    Parameter,
+    /// Set at any time.
+    Input,
+    /// A continuous state and output, whose start may be set; events may change it.
+    State,
+    /// The time derivative of the state at this place of the table.
+    Derivative(usize),
+    /// A Real that follows from others.
+    Output,
+    /// An Integer that changes at events.
+    Counter,
+}
+
+impl Role {
+    /// The type of its values.
+    pub(super) const fn base(self) -> Base {
+        if matches!(self, Self::Counter) { Base::Integer } else { Base::Real }
+    }
+
+    /// Whether a host may set it now.
+    pub(super) fn is_settable(self, phase: Phase) -> bool {
+        match self {
+            Self::Parameter | Self::State => [Phase::Instantiated, Phase::Initialization].contains(&phase),
+            Self::Input => true,
+            _ => false,
+        }
+    }
+
+    /// Whether its description has `intermediateUpdate="true"`.
+    pub(super) fn is_intermediate(self) -> bool {
+        matches!(self, Self::Input | Self::State | Self::Output)
+    }
+}
+
+/// A variable of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    pub(super) name: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) start: f64,
+    pub(super) description: &'static str,
+    pub(super) role: Role,
+    pub(super) min: f64,
+    pub(super) max: f64,
+}
+
+impl Row {
+    /// Time, s.
+    pub const fn time(name: &'static str) -> Self {
+        Self::new(Role::Time, name, "s", 0.0, "Time")
+    }
+
+    /// A parameter: name, unit, start value, what it is. Units are written as in `kg.m/s2`, of the base units of SI, N, Pa, J, W and
+    /// V; `1` is none.
+    pub const fn parameter(
+        name: &'static str,
+        unit: &'static str,
+        start: f64,
+        description: &'static str,
+    ) -> Self {
+        Self::new(Role::Parameter, name, unit, start, description)
+    }
+
+    /// An input, as [`parameter`](Self::parameter).
+    pub const fn input(
+        name: &'static str,
+        unit: &'static str,
+        start: f64,
+        description: &'static str,
+    ) -> Self {
+        Self::new(Role::Input, name, unit, start, description)
+    }
+
+    /// A continuous state, as [`parameter`](Self::parameter).
+    pub const fn state(
+        name: &'static str,
+        unit: &'static str,
+        start: f64,
+        description: &'static str,
+    ) -> Self {
+        Self::new(Role::State, name, unit, start, description)
+    }
+
+    /// The derivative of the state at a place of the table.
+    pub const fn derivative(
+        name: &'static str,
+        unit: &'static str,
+        of: usize,
+        description: &'static str,
+    ) -> Self {
+        Self::new(Role::Derivative(of), name, unit, 0.0, description)
+    }
+
+    /// An output that follows from other values.
+    pub const fn output(name: &'static str, unit: &'static str, description: &'static str) -> Self {
+        Self::new(Role::Output, name, unit, 0.0, description)
+    }
+
+    /// A number of events, from 0 on.
+    pub const fn counter(name: &'static str, description: &'static str) -> Self {
+        Self::new(Role::Counter, name, "", 0.0, description).within(0.0, i32::MAX as f64)
+    }
+
+    const fn new(
+        role: Role,
+        name: &'static str,
+        unit: &'static str,
+        start: f64,
+        description: &'static str,
+    ) -> Self {
+        Self { name, unit, start, description, role, min: f64::MIN, max: f64::MAX }
+    }
+
+    /// With the range of what may be set; `f64::MIN_POSITIVE` for more than 0, `f64::MAX` for no bound.
+    #[must_use]
+    pub const fn within(self, min: f64, max: f64) -> Self {
+        Self { min, max, ..self }
+    }
+
+    /// Whether a motion can have reached a value: a state may be beyond the range of what may be set, by rounding or by its course.
+    pub(super) fn check_reached(&self, value: f64) -> Result<(), Problem> {
+        let anything = Self { min: f64::MIN, max: f64::MAX, ..*self };
+        match self.role {
+            Role::Parameter | Role::Input | Role::Counter => self.check(value),
+            _ => anything.check(value),
+        }
+    }
+
+    /// Whether a value is within the range.
+    pub(super) fn check(&self, value: f64) -> Result<(), Problem> {
+        let whole = self.role != Role::Counter || value.fract() == 0.0;
+        if (self.min..=self.max).contains(&value) && whole {
+            return Ok(());
+        }
+        let allowed = match (self.min, self.max) {
+            (f64::MIN, f64::MAX) => "a finite number".into(),
+            (0.0, f64::MAX) => "a finite number >= 0".into(),
+            (f64::MIN_POSITIVE, f64::MAX) => "a finite number > 0".into(),
+            (min, max) => format!("a number from {min} to {max}"),
+        };
+        Err(Problem::value(self.name, value, allowed))
+    }
+}
+
+/// The place of the one row that is time. It is found while the program is compiled, which ends where there is none.
+pub(super) const fn place_of_time(rows: &[Row]) -> usize {
+    let mut place = 0;
+    while !matches!(rows[place].role, Role::Time) {
+        place += 1;
+    }
+    place
+}

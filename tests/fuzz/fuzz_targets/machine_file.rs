@@ -1,0 +1,54 @@
+//! Any text as a machine's file: it is refused in words, or there is an instance that moves, whose values are numbers.
+//!
+//! `cargo +nightly fuzz run --fuzz-dir tests/fuzz machine_file examples/assembly -- -only_ascii=1 -timeout=60` begins with the examples.
+#![no_main]
+#![allow(missing_docs)]
+
+use fmi_doors::log::{Category, Log};
+use fmi_doors::{Bases, Component, EventHandling, Interface, Life};
+use libfuzzer_sys::fuzz_target;
+use std::sync::Arc;
+use vibro_assembly_fmi::{FILE, Machine, Plan};
+
+/// Longer files are as good in parts.
+const LONGEST: usize = 4096;
+/// Steps, s: some in which little happens, and some in which work must have its limit.
+const STEPS: [f64; 4] = [1e-6, 1e-3, 0.03, 0.1];
+
+struct Silent;
+
+impl Log for Silent {
+    fn wants(&self, _: Category) -> bool {
+        false
+    }
+    fn log(&mut self, _: Category, _: &str) {}
+}
+
+fuzz_target!(|text: &str| {
+    if text.len() > LONGEST {
+        return;
+    }
+    let plan = match Plan::new(text.to_owned(), FILE) {
+        Ok(plan) => plan,
+        Err(problem) => {
+            assert!(!problem.to_string().is_empty());
+            return;
+        }
+    };
+    let plan = Arc::new(plan.with_arrays());
+    let mut machine = Machine::new(plan.clone(), Life::new(Interface::CoSimulation, EventHandling::default()));
+    machine.enter_initialization();
+    if machine.exit_initialization(&mut Silent).is_err() {
+        return;
+    }
+    let references: Vec<u32> = (1..=plan.table.rows.len() as u32).collect();
+    for size in STEPS {
+        let time = machine.time();
+        // A refused step leaves it where it stood.
+        if machine.advance(time, size, &mut Silent).is_err() {
+            assert_eq!(machine.time(), time);
+        }
+        let numbers = machine.get(Bases::ANY, &references, |_, value| assert!(value.is_finite()));
+        assert!(numbers.is_ok());
+    }
+});
