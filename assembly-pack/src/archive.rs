@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-/// Name of the command line's program, which is executable in an archive, without what Windows puts behind it.
+/// Name of the command line's program, without what Windows puts behind it.
 pub const PROGRAM: &str = "vibro";
 
 /// Content of an archive: path inside it → bytes, in the order of the paths.

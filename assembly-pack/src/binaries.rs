@@ -94,7 +94,7 @@ impl Binaries {
     /// Those of some platforms alone, by their folders in FMI 3.0.
     #[must_use]
     pub fn only(&self, tuples: &[&str]) -> Self {
-        Self(self.0.iter().filter(|(place, _)| tuples.contains(&place.tuple)).cloned().collect())
+        self.0.iter().filter(|(place, _)| tuples.contains(&place.tuple)).cloned().collect()
     }
 
     /// The libraries by their folders in FMI 3.0.

@@ -4,7 +4,7 @@
 use crate::archive::{self, Content};
 use crate::error::Result;
 use crate::kit::{Kit, LICENCE_LIST};
-use crate::{layered, page, reference, terminals};
+use crate::{page, reference, terminals};
 use fmi_doors::Version;
 use std::path::Path;
 use vibro_assembly::Description;
@@ -15,7 +15,7 @@ use vibro_sketch::Sketch;
 /// Path inside every archive of what describes its model.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
-/// Everything that the archive of a version holds.
+/// Everything that the archive of a version holds; of the plan with arrays, that of FMI 3.0 with them.
 ///
 /// # Errors
 /// [`Error::Picture`](crate::Error::Picture), which would be a mistake of ours.
@@ -35,9 +35,10 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     }
     let results = reference::files(plan);
     if !results.is_empty() {
-        content.insert("documentation/fmi-ls-ref.txt".to_owned(), reference::EXPLANATION.as_bytes().to_vec());
+        let text = reference::EXPLANATION.as_bytes().to_vec();
+        content.insert("documentation/fmi-ls-ref.txt".to_owned(), text);
     }
-    content.extend(results.into_iter().map(|(name, text)| (format!("{}/{name}", layered::FOLDER), text)));
+    content.extend(results.into_iter().map(|(name, text)| (format!("{}/{name}", reference::FOLDER), text)));
     content.extend(kit.binaries.of(version, plan.name()));
     Ok(content)
 }

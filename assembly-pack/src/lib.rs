@@ -14,7 +14,6 @@ mod binaries;
 mod content;
 mod error;
 mod kit;
-pub mod layered;
 mod page;
 pub mod reference;
 mod terminals;

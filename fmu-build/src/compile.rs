@@ -57,10 +57,10 @@ pub fn target() -> PathBuf {
 ///
 /// # Errors
 /// [`Error::Cargo`] where it is not there, as when the packager was taken away from that folder.
-pub fn at_hand(product: Product) -> Result<PathBuf> {
+pub fn at_hand(library: Product) -> Result<PathBuf> {
     let missing = |problem: String| Error::Cargo { command: "cargo build --bin fmu-build".into(), problem };
     let program = std::env::current_exe().map_err(|e| missing(format!("cannot name this program: {e}")))?;
-    let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, product.name());
+    let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, library.name());
     // Tests lie beside it, programs one folder above.
     let folder = program.parent().unwrap_or(Path::new(""));
     let places = [folder.join("deps").join(&name), folder.join(&name)];

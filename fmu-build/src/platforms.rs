@@ -82,8 +82,8 @@ pub fn at_hand() -> Result<Binaries> {
 ///
 /// # Errors
 /// As [`at_hand`].
-pub fn at_hand_of(product: Product) -> Result<Binaries> {
-    Ok(Binaries::own(read(&compile::at_hand(product)?)?))
+pub fn at_hand_of(library: Product) -> Result<Binaries> {
+    Ok(Binaries::own(read(&compile::at_hand(library)?)?))
 }
 
 /// The binary of this machine alone, by its own compiler, to be handed on.

@@ -14,9 +14,9 @@ use vibro_fmi::component::{Instance, Interface, structure};
 use vibro_impact::parameters::{FIELDS, Groups, Scales};
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
-use vibro_pack::layered::{ALWAYS, manifest, smoke_test};
+use vibro_pack::reference::{ALWAYS, manifest, smoke_test};
 
-pub use vibro_pack::layered::FOLDER;
+pub use vibro_pack::reference::FOLDER;
 
 /// Results that are committed, since their last digits depend on the processor that makes them.
 static DEFAULT: &str = include_str!("../../modelDescription/reference/default.csv");

@@ -15,6 +15,7 @@ pub mod wheels;
 use crate::archive::write_file;
 use crate::compile::{PLATFORM_TUPLE, Product, target};
 use crate::error::{Error, Result};
+use crate::kit::Kit;
 use crate::version::Version;
 use crate::{archive, explorer, kit, licences, package, page, platforms, run};
 use agreement::{Agreed, Intent, agreed};
@@ -70,8 +71,8 @@ pub fn assemble(
         assembly.left_out.push(format!("all platforms but {}, which alone were asked for", only.join(", ")));
     }
     assembly.archives_and_pages()?;
-    assembly.machines()?;
-    assembly.python_package()?;
+    let kit = assembly.machines()?;
+    assembly.python_package(&kit)?;
     let wrong = contents::disagreements(&folder, &agreed.version)?;
     if !wrong.is_empty() {
         return Err(Error::Release(wrong));
@@ -123,8 +124,8 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The archives of the example machines, and the command line for each platform.
-    fn machines(&mut self) -> Result<()> {
+    /// The archives of the example machines, and the command line for each platform; what makes archives of other machines.
+    fn machines(&mut self) -> Result<Kit> {
         let (kit, left_out) = kit::of(self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
         let archives = machines::examples(&kit)?;
@@ -140,24 +141,17 @@ impl Assembly<'_> {
             write_file(&self.folder.join(&name), &bytes)?;
             self.add(&name, "the command line `vibro`, which needs no Rust toolchain", tried.clone())?;
         }
-        Ok(())
+        Ok(kit)
     }
 
     /// Source distribution and wheels.
-    fn python_package(&mut self) -> Result<()> {
+    fn python_package(&mut self, kit: &Kit) -> Result<()> {
         if let Some(tools) = wheels::missing_tool() {
             self.left_out.push(format!("the Python package is left out: {tools}"));
             return Ok(());
         }
         let version = &self.agreed.version;
-        let (kit, left_out) = kit::of(self.only)?;
-        for part in left_out.iter().map(ToString::to_string) {
-            // What is in the way of one library is in the way of the other.
-            if !self.left_out.contains(&part) {
-                self.left_out.push(part);
-            }
-        }
-        let sdist = wheels::sdist(self.folder, &kit, &licences::of_wheel()?, version, self.folder)?;
+        let sdist = wheels::sdist(self.folder, kit, &licences::of_wheel()?, version, self.folder)?;
         let source = wheels::unpack(&sdist, version, &target().join("dist/source"))?;
         let tried = "the wheels are built from it".to_owned();
         self.add(&wheels::sdist_file(version), "Python package, sources (needs a Rust toolchain)", tried)?;

@@ -7,8 +7,8 @@ use fmu_build::inspect;
 
 #[test]
 fn exports_are_the_functions_of_both_versions() {
-    for product in [Product::Vibro, Product::Machine] {
-        let bytes = std::fs::read(compile::at_hand(product).unwrap()).unwrap();
-        assert_eq!(inspect::exports(&bytes).unwrap(), common::functions(), "{product:?}");
+    for library in [Product::Vibro, Product::Machine] {
+        let bytes = std::fs::read(compile::at_hand(library).unwrap()).unwrap();
+        assert_eq!(inspect::exports(&bytes).unwrap(), common::functions(), "{library:?}");
     }
 }
