@@ -1,7 +1,7 @@
 //! What the packaged FMU of a machine from a text file costs beside the engine's own work: a step, an instance, an archive; in one run.
 //! `cargo bench -p benches --bench machine`
 
-use fmu_build::kit::Kit;
+use fmu_build::kit;
 use fmu_build::version::{MODEL_DESCRIPTION, Version};
 use fmu_build::{archive, assembly, host};
 use std::fmt::Write as _;
@@ -89,7 +89,7 @@ fn main() {
     let source = folder.path().join("chain.toml");
     std::fs::write(&source, chain()).expect("a file there");
     let plan = Plan::of(&vibro_assembly::file::read(&source).expect("a machine")).expect("a machine");
-    let kit = Kit::own().expect("the library that serves all machines");
+    let kit = kit::own().expect("the library that serves all machines");
     let output = folder.path().join("Chain.fmu");
     let pack = || drop(assembly::write(&source, Some(&output), false, &kit).expect("archives"));
     let packed = (0..ROUNDS).map(|_| timed(&mut || pack())).fold(f64::INFINITY, f64::min);

@@ -4,7 +4,8 @@ fmpy.
 `pip install ./python scipy fmpy`, then `python benches/python_package.py`. The work: the default machine over 1000 forces from 0.5 to 4,
 400 drive periods each, from the moving block on; DOP853 and fmpy do a part of it, since they take longer. The Rust library does the same
 work in a program of its own (`analysis/examples/many_motions.rs`, compiled first), in turns with the package. Least times of some
-rounds.
+rounds. `python benches/python_package.py assemblies` does so for machines of one's own: the impact damper with a rubber buffer of the gallery
+over 1000 gaps, 200 periods each (`analysis/examples/many_assemblies.rs`), and a bifurcation diagram of 200 values.
 """
 
 import os
@@ -35,12 +36,11 @@ def least(work, rounds=ROUNDS):
     return min(times)
 
 
-def beside_rust(machines):
+def beside_rust(example, work):
     """Least times of the package and of the Rust library, s, in turns; and the median of their ratios of processor time, all threads
     together, which other work on the machine disturbs little."""
-    example = ["--release", "--quiet", "-p", "vibro-analysis", "--example", "many_motions"]
-    subprocess.run(["cargo", "build", *example], cwd=ROOT, check=True)
-    program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples" / "many_motions"
+    subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "vibro-analysis", "--example", example], cwd=ROOT, check=True)
+    program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples" / example
     with subprocess.Popen([program, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as rust:
 
         def by_rust():
@@ -50,7 +50,7 @@ def beside_rust(machines):
 
         def by_package():
             begin = processor_time(os.getpid())
-            return least(lambda: vi.simulate_many(machines, periods=PERIODS), 1), processor_time(os.getpid()) - begin
+            return least(work, 1), processor_time(os.getpid()) - begin
 
         by_rust(), by_package()  # threads and tables that are made once
         # Every other turn the other way round: neither is always the first.
@@ -68,12 +68,31 @@ def processor_time(process):
         return time.perf_counter()
 
 
+def assemblies():
+    """The table of machines of one's own."""
+    damper = vi.Assembly(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
+    machines = [damper.replace(**{"stop.steel.gap": gap}) for gap in np.linspace(5e-3, 130e-3, 1000)]
+    (package, library), ratio = beside_rust("many_assemblies", lambda: vi.simulate_many(machines, until=20.0))
+    gaps = np.linspace(5e-3, 130e-3, 200)
+    diagram = least(lambda: damper.bifurcation("box.s", **{"stop.steel.gap": gaps}), 3)
+    print(f"{os.cpu_count()} cores; vibro_impact {vi.__version__}, numpy {np.__version__}")
+    print("| way | s |\n|---|---|")
+    rows = {
+        "Rust, 1000 machines x 200 periods, all cores": library,
+        "`simulate_many`, 1000 machines x 200 periods, all cores": package,
+        "`bifurcation`, 200 values in both directions, all cores": diagram,
+    }
+    for way, seconds in rows.items():
+        print(f"| {way} | {seconds:.3g} |")
+    print(f"`simulate_many` against Rust in {TURNS} turns, median of their ratios of processor time: {ratio:.3f}")
+
+
 def main():
     import fmpy
     import oracle
 
     machines = [vi.Machine.from_groups(f10=f10) for f10 in np.linspace(0.5, 4.0, 1000)]
-    (package, library), ratio = beside_rust(machines)
+    (package, library), ratio = beside_rust("many_motions", lambda: vi.simulate_many(machines, periods=PERIODS))
     many, by_rust = package / (1000 * PERIODS), library / (1000 * PERIODS)
     # The same call over no time: checks, conversions, threads and the machines' tables, which any caller of the core needs too.
     fixed = least(lambda: vi.simulate_many(machines, periods=0)) / (1000 * PERIODS)
@@ -117,4 +136,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    assemblies() if sys.argv[1:] == ["assemblies"] else main()

@@ -1,8 +1,8 @@
-"""maturin's build backend, with the FMU archives put into the package first.
+"""maturin's build backend, with the FMU archives, and the library of those of other machines, put into the package first.
 
 `cargo run --bin fmu-build` makes the archives in `target/`; they are copied from there, or from the folder that the environment
 variable `VIBRO_IMPACT_ARCHIVES` names. A source distribution brings them along. Where that folder lacks them the build ends with the
-command that makes them; `VIBRO_IMPACT_WITHOUT_ARCHIVES=1` builds a package without them, whose `fmu_path` says what is missing.
+command that makes them; `VIBRO_IMPACT_WITHOUT_ARCHIVES=1` builds a package without them, whose `fmu_path` and `Assembly.fmu` say what is missing.
 """
 
 import os
@@ -12,7 +12,7 @@ from pathlib import Path
 import maturin
 from maturin import *  # noqa: F403 - the hooks of PEP 517 that need nothing more
 
-ARCHIVES = ("VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu")
+ARCHIVES = ("VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu", "machine-kit.zip")
 HERE = Path(__file__).resolve().parent
 
 

@@ -31,6 +31,7 @@ use crate::error::{Error, Result};
 use crate::measures::Measured;
 use crate::parameter_set::ParameterSet;
 use crate::parts::Task;
+use crate::plane::AxisName;
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -40,8 +41,6 @@ use std::fmt::{Debug, Display};
 pub const MOST_DESIGNS: usize = 1_000_000;
 /// Most motions of one design.
 pub const MOST_MOTIONS: usize = 100_000;
-/// Motions in a part, as near as whole designs come to it: about a second's work.
-const PART: usize = 1024;
 
 /// What a machine's parameters, starts and measures are for a sweep: plain data that a manifest holds.
 pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync {}
@@ -52,11 +51,13 @@ impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> 
 /// [described one](crate::assembly::Machine). Designs, parts, rows and what is made of them are the same for both.
 pub trait Machine: Clone + Send + Sync {
     /// A parameter.
-    type Name: Plain;
+    type Name: Plain + AxisName;
     /// Where a motion starts.
     type Start: Plain + Default + Display;
     /// What is measured.
     type Measure: Plain + Display;
+    /// Motions in a part, as near as whole designs come to it: about a second's work.
+    const PART: usize;
 
     /// A parameter's name in tables.
     fn name(name: &Self::Name) -> String;
@@ -193,7 +194,7 @@ impl<M: Machine> Request<M> {
 
     /// Designs in a part.
     fn part_size(&self) -> usize {
-        (PART / self.motions().max(1)).max(1)
+        (M::PART / self.motions().max(1)).max(1)
     }
 
     /// Number of parts.

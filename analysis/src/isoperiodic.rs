@@ -1,13 +1,15 @@
-//! Simulated motion over a plane of two parameters: its period, impacts and class (an isoperiodic diagram), beside the exact
-//! orbit with two symmetric impacts a period, which needs no simulation.
+//! Simulated motion over a plane of two parameters: its period, impacts and class (an isoperiodic diagram); of the 3-DOF machine beside
+//! the exact orbit with two symmetric impacts a period, which needs no simulation.
 //!
-//! Every point is a motion of its own, so that the motions of some rows run [side by side](Workspace::run).
+//! Every point is a motion of its own. The motions of some rows are a part; those of the 3-DOF machine run
+//! [side by side](Workspace::run).
 
 use super::attractor::MotionClass;
+use super::design_sweep::{Machine, Plain};
 use super::error::{Error, Result};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
-use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells, check_pair};
+use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells};
 pub use super::start::StartRule;
 use super::start::state;
 use super::stroboscopic::{dimensionless, moving_block};
@@ -19,19 +21,46 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
 /// What to compute.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Request {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct Request<M: Machine = ParameterSet> {
     /// Horizontal.
-    pub x: ParameterAxis,
+    pub x: ParameterAxis<M::Name>,
     /// Vertical.
-    pub y: ParameterAxis,
+    pub y: ParameterAxis<M::Name>,
     /// Where each motion starts.
-    pub start: StartRule,
+    pub start: M::Start,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// Most drive periods over which the largest exponents of motions with impacts and without a period are computed at a time, if they
-    /// are. They are computed until the class is decided; a motion whose class is not is [followed](crate::verdict) further.
+    /// Of the 3-DOF machine: most drive periods over which the largest exponents of motions with impacts and without a period are computed
+    /// at a time, if they are. They are computed until the class is decided; a motion whose class is not is [followed](crate::verdict)
+    /// further. Of a described machine: the returns over which the exponents of all motions are counted, if they are; those of motions
+    /// without a period are computed until the class is decided.
     pub exponents: Option<u32>,
+}
+
+/// A machine whose motions are seen over a plane.
+pub trait PlaneMachine: Machine {
+    /// What is found at a point.
+    type Point: Plain;
+    /// What is kept from part to part; it does not change what is found.
+    type Workspace: Default;
+    /// Motions in a part, as near as whole rows come to it.
+    const IN_PLANE_PART: usize;
+
+    /// Checks what every point depends on.
+    ///
+    /// # Errors
+    /// Starts and names that are not allowed.
+    fn check_plane(&self, request: &Request<Self>) -> Result<()>;
+
+    /// The points of some rows, one row after the other.
+    fn points(
+        &self,
+        request: &Request<Self>,
+        rows: Range<usize>,
+        workspace: &mut Self::Workspace,
+    ) -> Vec<Self::Point>;
 }
 
 /// The motion that a start has settled on.
@@ -70,9 +99,9 @@ pub struct PlanePoint {
 
 /// A plane of motions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Isoperiodic {
+pub struct Isoperiodic<P = PlanePoint> {
     /// Rows of constant y, from the first.
-    pub points: Vec<PlanePoint>,
+    pub points: Vec<P>,
 }
 
 /// How far theory and simulation agree, in numbers of points.
@@ -105,46 +134,74 @@ impl Isoperiodic {
 }
 
 /// The rows of a part.
-fn rows(request: &Request, part: usize) -> Range<usize> {
-    let rows = MOTIONS.div_ceil(request.x.count.max(1));
+fn rows<M: PlaneMachine>(request: &Request<M>, part: usize) -> Range<usize> {
+    let rows = M::IN_PLANE_PART.div_ceil(request.x.count.max(1));
     part * rows..((part + 1) * rows).min(request.y.count)
 }
 
 /// Number of parts, each of some whole rows.
-pub fn count(request: &Request) -> usize {
-    request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
+pub fn count<M: PlaneMachine>(request: &Request<M>) -> usize {
+    request.y.count.div_ceil(M::IN_PLANE_PART.div_ceil(request.x.count.max(1)))
 }
 
 /// The plane, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on
 /// shards.
 ///
 /// # Errors
-/// [`Error::Form`] as [`check_pair`], and for starts on the exact orbit under constant loads; [`Error::TooMany`] for a plane
+/// [`Error::Form`] for axes of one quantity, and for starts on the exact orbit under constant loads; [`Error::TooMany`] for a plane
 /// that does not fit into memory; a start that the
 /// simulator refuses; what the parts' folder refuses.
-pub fn isoperiodic(set: &ParameterSet, request: &Request, task: &Task) -> Result<Option<Isoperiodic>> {
-    check_pair(&request.x, &request.y)?;
+pub fn isoperiodic<M: PlaneMachine>(
+    machine: &M,
+    request: &Request<M>,
+    task: &Task,
+) -> Result<Option<Isoperiodic<M::Point>>> {
+    check(machine, request)?;
+    let part =
+        |workspace: &mut M::Workspace, part| Ok(machine.points(request, rows(request, part), workspace));
+    let parts = task.complete_with(count(request), part)?;
+    Ok(parts.map(|parts| Isoperiodic { points: parts.concat() }))
+}
+
+/// Checks what every point depends on.
+///
+/// # Errors
+/// As [`isoperiodic`], before anything is computed.
+pub fn check<M: PlaneMachine>(machine: &M, request: &Request<M>) -> Result<()> {
+    if M::is_same_quantity(&request.x.name, &request.y.name) {
+        let text = format!("{},{}", M::name(&request.x.name), M::name(&request.y.name));
+        return Err(Error::Form { text, expected: "two independent parameters" });
+    }
     // The parts are put together beside the whole.
-    check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<PlanePoint>())?;
-    let p = set.parameters();
-    match &request.start {
-        StartRule::State(start) => {
-            Simulator::new(p, &state(p, start), 0.0)?;
-        }
-        StartRule::Orbit => {
-            p.check_symmetric()?;
-            if let Some(axis) = [&request.x, &request.y].into_iter().find(|axis| axis.name.is_load()) {
-                let text = format!("start orbit, {} on an axis", axis.name.name());
-                return Err(Error::Form {
-                    text,
-                    expected: "a start by coordinates: the exact orbit is one without loads",
-                });
+    check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<M::Point>())?;
+    machine.check_plane(request)
+}
+
+impl PlaneMachine for ParameterSet {
+    type Point = PlanePoint;
+    type Workspace = Workspace;
+    const IN_PLANE_PART: usize = MOTIONS;
+
+    fn check_plane(&self, request: &Request) -> Result<()> {
+        let p = self.parameters();
+        match &request.start {
+            StartRule::State(start) => Ok(Simulator::new(p, &state(p, start), 0.0).map(drop)?),
+            StartRule::Orbit => {
+                p.check_symmetric()?;
+                match [&request.x, &request.y].into_iter().find(|axis| axis.name.is_load()) {
+                    None => Ok(()),
+                    Some(axis) => Err(Error::Form {
+                        text: format!("start orbit, {} on an axis", axis.name.name()),
+                        expected: "a start by coordinates: the exact orbit is one without loads",
+                    }),
+                }
             }
         }
     }
-    let part = |workspace: &mut Workspace, part| Ok(points(set, request, rows(request, part), workspace));
-    let parts = task.complete_with(count(request), part)?;
-    Ok(parts.map(|parts| Isoperiodic { points: parts.concat() }))
+
+    fn points(&self, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Vec<PlanePoint> {
+        points(self, request, rows, workspace)
+    }
 }
 
 /// The system at one point of a row, before it is simulated.

@@ -3,8 +3,8 @@
 //!
 //! `cargo run --example describe FOLDER`
 
-#[path = "bouncing_ball.rs"]
-mod bouncing_ball;
+#[path = "bouncing_ball/ball.rs"]
+mod ball;
 
 use fmi_doors::Version;
 use fmi_doors::tabular::FromTable;
@@ -17,7 +17,7 @@ fn main() -> std::io::Result<()> {
         std::fs::create_dir_all(&folder)?;
         std::fs::write(
             folder.join("modelDescription.xml"),
-            FromTable::<bouncing_ball::Ball>::description().xml(version),
+            FromTable::<ball::Ball>::description().xml(version),
         )?;
     }
     Ok(())

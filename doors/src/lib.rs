@@ -20,7 +20,7 @@
 //!
 //! 1. A crate whose library is a `cdylib`, with this crate among its dependencies.
 //! 2. A type that implements [`Tabular`](tabular::Tabular): a table of variables and what moves them, as below and in
-//!    `examples/bouncing_ball.rs`, which has events. What it offers follows: both interface types, event mode, saved states, ranges,
+//!    `examples/bouncing_ball/ball.rs`, which has events. What it offers follows: both interface types, event mode, saved states, ranges,
 //!    phases and messages. Where a table is too little (arrays, derivatives, what is known at run time only, intermediate
 //!    update), a type implements [`Component`] itself; its defaults refuse the rest by name.
 //! 3. One line, [`export!`], makes all functions of FMI 2.0 and 3.0. It expands to `unsafe` functions by the C names; the crate may

@@ -2,9 +2,14 @@
 //! mode, saved states, and what it does not offer.
 #![allow(unsafe_code)] // the C interface
 
-#[path = "../examples/bouncing_ball.rs"]
+#[path = "../examples/bouncing_ball/main.rs"]
 mod bouncing_ball;
+#[path = "common/calls.rs"]
+mod calls;
+#[path = "second_component/random_calls.rs"]
+mod random_calls;
 
+use bouncing_ball as component; // what the calls are of
 use bouncing_ball::*;
 use fmi_doors::fmi2::abi::{FmiCallbackFunctions, FmiComponent};
 use fmi_doors::fmi2::types::FmiEventInfo;

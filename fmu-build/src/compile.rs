@@ -5,30 +5,7 @@ use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Folder of this platform's binary inside the archive of FMI 2.0 (2.3), as hosts look for it: they go by
-/// operating system and pointer width alone, whatever the processor.
-pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), usize::BITS) {
-    (true, _, 64) => "win64",
-    (true, _, _) => "win32",
-    (_, true, _) => "darwin64",
-    (_, _, 64) => "linux64",
-    _ => "linux32",
-};
-
-/// Folder of this platform's binary inside the archive of FMI 3.0 (2.5.1.4.1): processor and system.
-pub const PLATFORM_TUPLE: &str = match (std::env::consts::ARCH.as_bytes(), std::env::consts::OS.as_bytes()) {
-    (b"x86_64", b"windows") => "x86_64-windows",
-    (b"x86_64", b"macos") => "x86_64-darwin",
-    (b"x86_64", _) => "x86_64-linux",
-    (b"aarch64", b"windows") => "aarch64-windows",
-    (b"aarch64", b"macos") => "aarch64-darwin",
-    (b"aarch64", _) => "aarch64-linux",
-    (_, b"windows") => "x86-windows",
-    _ => "x86-linux",
-};
-
-/// Ending of a shared library's name on this platform, with its dot.
-pub const SHARED_LIBRARY: &str = std::env::consts::DLL_SUFFIX;
+pub use vibro_pack::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 
 /// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load them all by name, whatever the
 /// capabilities say.
@@ -75,15 +52,15 @@ pub fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
 }
 
-/// The library that cargo compiled with this packager, which depends on its crate: it lies in the folder of what was
+/// A library that cargo compiled with this packager, which depends on its crate: it lies in the folder of what was
 /// compiled. No compiler runs, but the library may name folders of this machine, and it needs the unwinder of its compiler.
 ///
 /// # Errors
 /// [`Error::Cargo`] where it is not there, as when the packager was taken away from that folder.
-pub fn at_hand() -> Result<PathBuf> {
+pub fn at_hand(library: Product) -> Result<PathBuf> {
     let missing = |problem: String| Error::Cargo { command: "cargo build --bin fmu-build".into(), problem };
     let program = std::env::current_exe().map_err(|e| missing(format!("cannot name this program: {e}")))?;
-    let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, Product::Vibro.name());
+    let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, library.name());
     // Tests lie beside it, programs one folder above.
     let folder = program.parent().unwrap_or(Path::new(""));
     let places = [folder.join("deps").join(&name), folder.join(&name)];
@@ -112,8 +89,7 @@ pub enum Product {
     CommandLine,
 }
 
-/// Name of the command line's program, without what Windows puts behind it.
-pub const PROGRAM: &str = "vibro";
+pub use vibro_pack::archive::PROGRAM;
 
 impl Product {
     /// The package that it is made of.

@@ -31,22 +31,9 @@ pub enum Error {
     /// The model description contradicts itself or the standard.
     #[error("modelDescription.xml is not valid; correct the table in fmi/src/component/variables:\n  {}", .0.join("\n  "))]
     Invalid(Vec<String>),
-    /// The archive could not be written or read.
-    #[error("archive {}: {source}", path.display())]
-    Archive {
-        /// The archive.
-        path: PathBuf,
-        /// Why not.
-        source: zip::result::ZipError,
-    },
-    /// The archive lacks a file.
-    #[error("archive {} has no {name}; build it again with `cargo run --bin fmu-build`", path.display())]
-    Missing {
-        /// The archive.
-        path: PathBuf,
-        /// The file looked for.
-        name: String,
-    },
+    /// An archive could not be written or read, or a machine's not be made.
+    #[error(transparent)]
+    Pack(#[from] vibro_pack::Error),
     /// The packaged binary could not be loaded, or lacks a function.
     #[error("loading the packaged binary: {0}")]
     Load(#[from] libloading::Error),

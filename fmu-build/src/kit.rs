@@ -1,7 +1,7 @@
 //! What is the same in the archives of all machines: the library that serves them and its licences. To make it takes a compiler and
 //! minutes; it is kept under `target/`, and as long as nothing has changed that goes into it no compiler is called.
 
-use crate::archive::{self, Content};
+use crate::archive;
 use crate::compile::{Product, target, workspace};
 use crate::error::{Error, Result};
 use crate::platforms::{self, Binaries, LeftOut};
@@ -10,23 +10,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{fs, io};
 use vibro_impact::numerics::digest::{EMPTY, extended};
-
-/// What is the same in the archives of all machines.
-#[derive(Clone, Debug, Default)]
-pub struct Kit {
-    /// The library, compiled.
-    pub binaries: Binaries,
-    /// The texts of the licences of what is in it.
-    pub licences: Content,
-    /// When its sources were last changed.
-    pub date: Option<String>,
-}
+pub use vibro_pack::{KIT_FILE, Kit};
 
 /// The entry of a kept kit that says of what it was made.
 const ORIGIN: &str = "origin.txt";
-/// Folders of the other entries.
-const BINARIES: &str = "binaries/";
-const LICENCES: &str = "licences/";
 
 /// How a kit is made, which its origin covers.
 const MAKERS: [&[u8]; 4] = [
@@ -36,36 +23,46 @@ const MAKERS: [&[u8]; 4] = [
     include_bytes!("licences.rs"),
 ];
 
-impl Kit {
-    /// That of this machine's platform. The first call compiles the library; later ones find it.
-    ///
-    /// # Errors
-    /// [`Error::Cargo`], [`Error::File`].
-    pub fn own() -> Result<Self> {
-        let make = || Ok((platforms::own(Product::Machine)?, Vec::new()));
-        Ok(Shelf::of("own").kit(make)?.0)
-    }
+/// That of this machine's platform. The first call compiles the library; later ones find it.
+///
+/// # Errors
+/// [`Error::Cargo`], [`Error::File`].
+pub fn own() -> Result<Kit> {
+    let make = || Ok((platforms::own(Product::Machine)?, Vec::new()));
+    Ok(Shelf::of("own").kit(make)?.0)
+}
 
-    /// That of every platform that can be built here, and a list of the others. It is kept where none is missing.
-    ///
-    /// # Errors
-    /// As [`own`](Self::own).
-    pub fn all() -> Result<(Self, Vec<LeftOut>)> {
-        Shelf::of("all").kit(|| platforms::all_of(Product::Machine, &[]))
-    }
+/// That of this machine's platform with the library that was compiled with the packager.
+///
+/// # Errors
+/// As [`own`].
+pub fn at_hand() -> Result<Kit> {
+    around(platforms::at_hand_of(Product::Machine)?)
+}
 
-    /// That of some platforms, by their names in FMI 3.0; of all where none is named. It is not kept.
-    ///
-    /// # Errors
-    /// As [`own`](Self::own).
-    pub fn of(only: &[String]) -> Result<(Self, Vec<LeftOut>)> {
-        if only.is_empty() {
-            return Self::all();
-        }
-        let (binaries, left_out) = platforms::all_of(Product::Machine, only)?;
-        let licences = licences::texts_of(Product::Machine, false)?;
-        Ok((Self { binaries, licences, date: date::of_sources() }, left_out))
+/// That of every platform that can be built here, and a list of the others. It is kept where none is missing.
+///
+/// # Errors
+/// As [`own`].
+pub fn all() -> Result<(Kit, Vec<LeftOut>)> {
+    Shelf::of("all").kit(|| platforms::all_of(Product::Machine, &[]))
+}
+
+/// That of some platforms, by their names in FMI 3.0; of all where none is named. It is not kept.
+///
+/// # Errors
+/// As [`own`].
+pub fn of(only: &[String]) -> Result<(Kit, Vec<LeftOut>)> {
+    if only.is_empty() {
+        return all();
     }
+    let (binaries, left_out) = platforms::all_of(Product::Machine, only)?;
+    Ok((around(binaries)?, left_out))
+}
+
+/// The kit around libraries that are compiled.
+fn around(binaries: Binaries) -> Result<Kit> {
+    Ok(Kit { binaries, licences: licences::texts_of(Product::Machine, false)?, date: date::of_sources() })
 }
 
 /// The place of a kept kit.
@@ -91,8 +88,7 @@ impl Shelf {
         let packages = licences::own_packages(Product::Machine)?;
         let origin = self.origin(&packages).map_err(Error::file("reading", &self.workspace))?;
         let (binaries, left_out) = make()?;
-        let licences = licences::texts_of(Product::Machine, false)?;
-        let kit = Kit { binaries, licences, date: date::of_sources() };
+        let kit = around(binaries)?;
         if left_out.is_empty() {
             archive::write(&kept_as(&kit, origin), &self.file)?;
         }
@@ -107,15 +103,8 @@ impl Shelf {
         if self.origin(&packages).ok()? != origin {
             return None;
         }
-        let (mut binaries, mut licences) = (Content::new(), Content::new());
-        for (name, bytes) in content {
-            if let Some(folder) = name.strip_prefix(BINARIES) {
-                binaries.insert(folder.to_owned(), bytes);
-            } else if let Some(name) = name.strip_prefix(LICENCES) {
-                licences.insert(name.to_owned(), bytes);
-            }
-        }
-        Some(Kit { binaries: Binaries::from_folders(binaries)?, licences, date: date::of_sources() })
+        // Commits that change none of its sources change the date alone.
+        Some(Kit { date: date::of_sources(), ..Kit::from_entries(content)? })
     }
 
     /// Of what a kit is made: the compiler, a digest of everything that is compiled or says how, and the folders of our packages in
@@ -137,11 +126,10 @@ impl Shelf {
     }
 }
 
-/// A kit as the content of an archive.
-fn kept_as(kit: &Kit, origin: String) -> Content {
-    let mut content = Content::from([(ORIGIN.to_owned(), origin.into_bytes())]);
-    content.extend(kit.binaries.folders().map(|(name, bytes)| (format!("{BINARIES}{name}"), bytes.to_vec())));
-    content.extend(kit.licences.iter().map(|(name, text)| (format!("{LICENCES}{name}"), text.clone())));
+/// A kit as the content of an archive, with its origin.
+fn kept_as(kit: &Kit, origin: String) -> archive::Content {
+    let mut content = kit.entries();
+    content.insert(ORIGIN.to_owned(), origin.into_bytes());
     content
 }
 
@@ -169,6 +157,7 @@ fn compiler() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::archive::Content;
     use std::cell::Cell;
 
     /// A shelf over sources of two packages, with how often a kit was made.

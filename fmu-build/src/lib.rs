@@ -8,19 +8,15 @@
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
 //!       picture ◀──┘
 //! explorer (a nested cargo runs explorer-build) ─▶ the live page in package, where asked for
-//! assembly: a user's own machine, by a library that serves all (kit) ─▶ archive ─▶ .fmu
+//! assembly: a user's own machine (vibro_pack), by a library that serves all (kit) ─▶ .fmu
 //! release: all of it with the Python package (maturin), checked (inspect), in one folder
 //! ```
 
-pub mod archive;
 pub mod assembly;
 pub mod check;
 pub mod compile;
 pub mod date;
 pub mod describe;
-pub mod described_page;
-pub mod described_reference;
-pub mod described_terminals;
 mod error;
 pub mod explorer;
 pub mod fmi3;
@@ -44,3 +40,4 @@ pub mod terminals;
 pub mod version;
 
 pub use error::{Error, Result};
+pub use vibro_pack::archive;

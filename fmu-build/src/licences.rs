@@ -34,8 +34,7 @@ const TOOLCHAIN: [(&str, &[&str]); 3] = [
     ),
 ];
 
-/// Name of the list of what is linked.
-pub const LIST: &str = "README.txt";
+pub use vibro_pack::LICENCE_LIST as LIST;
 
 /// The texts of an archive by their paths in its folder of licences: our own, those of every crate linked into the binaries and,
 /// where it is packed, into the live page, and a list of them.

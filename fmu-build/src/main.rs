@@ -4,7 +4,7 @@ use clap::{Parser, Subcommand};
 use fmu_build::archive::Content;
 use fmu_build::assembly;
 use fmu_build::compile::Product;
-use fmu_build::kit::Kit;
+use fmu_build::kit::{self, KIT_FILE};
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
 use fmu_build::release::{self, notes};
@@ -149,6 +149,9 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     for version in versions {
         println!("{}", version.beside(&output).display());
     }
+    if arguments.output.is_none() {
+        println!("{}", write_kit(&output, arguments)?.display());
+    }
     if !arguments.no_run {
         show(&output, arguments.periods)?;
     }
@@ -158,9 +161,21 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     Ok(())
 }
 
+/// Writes beside the archives what makes those of other machines, from which the Python package takes both.
+fn write_kit(output: &Path, arguments: &Arguments) -> fmu_build::Result<PathBuf> {
+    let kit = match (arguments.all_platforms, arguments.portable) {
+        (true, _) => kit::all()?.0,
+        (false, true) => kit::own()?,
+        (false, false) => kit::at_hand()?,
+    };
+    let file = output.with_file_name(KIT_FILE);
+    kit.write(&file)?;
+    Ok(file)
+}
+
 /// Packs a machine and names its archives.
 fn pack(file: &Path, output: Option<&Path>, arrays: bool, all_platforms: bool) -> fmu_build::Result<()> {
-    let (kit, left_out) = if all_platforms { Kit::all()? } else { (Kit::own()?, Vec::new()) };
+    let (kit, left_out) = if all_platforms { kit::all()? } else { (kit::own()?, Vec::new()) };
     for path in assembly::write(file, output, arrays, &kit)? {
         println!("{}", path.display());
     }

@@ -93,7 +93,7 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
                 .extend(texts.map(|(name, text)| (format!("documentation/licenses/{}", place(&name)), text)));
         }
     }
-    content.extend(binaries.of(version));
+    content.extend(binaries.of(version.fmi(), MODEL_IDENTIFIER));
     Ok(content)
 }
 

@@ -1,120 +1,43 @@
 //! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
 
-use crate::compile::{self, Compiler, PLATFORM, PLATFORM_TUPLE, Product, SHARED_LIBRARY};
+use crate::compile::{self, Compiler, PLATFORM, Product};
 use crate::error::{Error, Result};
 use crate::version::Version;
-use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
+use vibro_pack::{PLACES, Place};
+
+pub use vibro_pack::Binaries;
 
 /// A platform of the archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Platform {
-    /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI 2.0.4 (2.3) has it,
-    /// the platform tuples of FMI 3.0.
-    pub folder: &'static str,
-    /// The same in FMI 3.0 (2.5.1.4.1): the platform tuple.
-    pub tuple: &'static str,
+    /// Its names in archives.
+    pub place: Place,
     /// Targets of the Rust compiler; several are joined into one universal file.
     pub targets: &'static [&'static str],
     /// glibc to link against, the oldest the Rust standard library runs with.
     pub glibc: Option<&'static str>,
-    /// Ending of the library's name.
-    pub ending: &'static str,
 }
 
-const fn platform(
-    (folder, tuple): (&'static str, &'static str),
-    targets: &'static [&'static str],
-    glibc: Option<&'static str>,
-    ending: &'static str,
-) -> Platform {
-    Platform { folder, tuple, targets, glibc, ending }
+const fn platform(place: Place, targets: &'static [&'static str], glibc: Option<&'static str>) -> Platform {
+    Platform { place, targets, glibc }
 }
 
 const GLIBC: Option<&str> = Some("2.17");
 
 /// Every platform that is packed, where it can be built.
 pub const PLATFORMS: [Platform; 7] = [
-    platform(("linux64", "x86_64-linux"), &["x86_64-unknown-linux-gnu"], GLIBC, ".so"),
-    platform(("win64", "x86_64-windows"), &["x86_64-pc-windows-gnu"], None, ".dll"),
-    // Hosts on Apple's own processors look here too.
-    platform(("darwin64", "x86_64-darwin"), &["x86_64-apple-darwin", "aarch64-apple-darwin"], None, ".dylib"),
-    platform(("aarch64-darwin", "aarch64-darwin"), &["aarch64-apple-darwin"], None, ".dylib"),
-    platform(("aarch64-linux", "aarch64-linux"), &["aarch64-unknown-linux-gnu"], GLIBC, ".so"),
-    platform(("linux32", "x86-linux"), &["i686-unknown-linux-gnu"], GLIBC, ".so"),
-    platform(("win32", "x86-windows"), &["i686-pc-windows-gnu"], None, ".dll"),
+    platform(PLACES[0], &["x86_64-unknown-linux-gnu"], GLIBC),
+    platform(PLACES[1], &["x86_64-pc-windows-gnu"], None),
+    platform(PLACES[2], &["x86_64-apple-darwin", "aarch64-apple-darwin"], None),
+    platform(PLACES[3], &["aarch64-apple-darwin"], None),
+    platform(PLACES[4], &["aarch64-unknown-linux-gnu"], GLIBC),
+    platform(PLACES[5], &["i686-unknown-linux-gnu"], GLIBC),
+    platform(PLACES[6], &["i686-pc-windows-gnu"], None),
 ];
-
-/// A compiled library and the folders in which it lies.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Binary {
-    folder: &'static str,
-    tuple: &'static str,
-    ending: &'static str,
-    bytes: Vec<u8>,
-}
-
-impl Binary {
-    /// A library of this machine.
-    fn own(bytes: Vec<u8>) -> Self {
-        Self { folder: PLATFORM, tuple: PLATFORM_TUPLE, ending: SHARED_LIBRARY, bytes }
-    }
-}
-
-/// The compiled libraries of all archives: the same in each, in other folders.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Binaries(Vec<Binary>);
-
-impl Binaries {
-    /// One library for this machine.
-    pub fn own(bytes: Vec<u8>) -> Self {
-        Self(vec![Binary::own(bytes)])
-    }
-
-    /// Those of some platforms alone, by their folders in FMI 3.0.
-    #[must_use]
-    pub fn only(&self, tuples: &[&str]) -> Self {
-        Self(self.0.iter().filter(|binary| tuples.contains(&binary.tuple)).cloned().collect())
-    }
-
-    /// The libraries by their folders in FMI 3.0.
-    pub fn folders(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
-        self.0.iter().map(|binary| (binary.tuple, &*binary.bytes))
-    }
-
-    /// Those that [`folders`](Self::folders) gave; none where a folder is of no platform.
-    pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
-        let binary = |(name, bytes): (String, Vec<u8>)| {
-            if name == PLATFORM_TUPLE {
-                return Some(Binary::own(bytes));
-            }
-            let Platform { folder, tuple, ending, .. } = PLATFORMS.into_iter().find(|p| p.tuple == name)?;
-            Some(Binary { folder, tuple, ending, bytes })
-        };
-        libraries.into_iter().map(binary).collect::<Option<_>>().map(Self)
-    }
-
-    /// Path inside the archive of a version → bytes.
-    pub fn of(&self, version: Version) -> BTreeMap<String, Vec<u8>> {
-        self.named(version, MODEL_IDENTIFIER)
-    }
-
-    /// The same of another model.
-    pub fn named(&self, version: Version, model_identifier: &str) -> BTreeMap<String, Vec<u8>> {
-        let place = |b: &Binary| version.binary_named(model_identifier, (b.folder, b.tuple), b.ending);
-        self.0.iter().map(|b| (place(b), b.bytes.clone())).collect()
-    }
-
-    /// Names of the folders in the archive of a version, this machine's own first.
-    pub fn names(&self, version: Version) -> Vec<&'static str> {
-        let (own, others): (Vec<&Binary>, _) = self.0.iter().partition(|b| b.folder == PLATFORM);
-        own.into_iter().chain(others).map(|b| version.folder((b.folder, b.tuple))).collect()
-    }
-}
 
 /// A part of the archive, a platform or the live page, that could not be built as it should, and why.
 #[derive(Debug)]
@@ -152,7 +75,15 @@ fn read(library: &PathBuf) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
 pub fn at_hand() -> Result<Binaries> {
-    Ok(Binaries::own(read(&compile::at_hand()?)?))
+    at_hand_of(Product::Vibro)
+}
+
+/// The same of another library.
+///
+/// # Errors
+/// As [`at_hand`].
+pub fn at_hand_of(library: Product) -> Result<Binaries> {
+    Ok(Binaries::own(read(&compile::at_hand(library)?)?))
 }
 
 /// The binary of this machine alone, by its own compiler, to be handed on.
@@ -179,21 +110,20 @@ pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
 pub fn all_of(product: Product, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
-    let wanted = |p: &Platform| p.folder == PLATFORM || is_asked_for(p.tuple, only);
+    let wanted = |p: &Platform| p.place.folder == PLATFORM || is_asked_for(p.place.tuple, only);
     for platform in PLATFORMS.into_iter().filter(wanted) {
-        let Platform { folder, tuple, ending, .. } = platform;
         match platform.build(product) {
-            Ok(bytes) => binaries.push(Binary { folder, tuple, ending, bytes }),
+            Ok(bytes) => binaries.push((platform.place, bytes)),
             Err(reason) => {
-                let replaced = platform.folder == PLATFORM;
-                left_out.push(LeftOut { folder: platform.folder, reason, replaced });
+                let replaced = platform.place.folder == PLATFORM;
+                left_out.push(LeftOut { folder: platform.place.folder, reason, replaced });
             }
         }
     }
-    if !binaries.iter().any(|binary| binary.folder == PLATFORM) {
-        binaries.extend(own(product)?.0);
+    if !binaries.iter().any(|(place, _)| place.folder == PLATFORM) {
+        binaries.push((Place::OWN, read(&Compiler::from(product).library()?)?));
     }
-    Ok((Binaries(binaries), left_out))
+    Ok((binaries.into_iter().collect(), left_out))
 }
 
 /// Whether a platform is asked for by its name in FMI 3.0; where no name is given, all are.
@@ -204,7 +134,7 @@ pub fn is_asked_for(tuple: &str, only: &[String]) -> bool {
 impl Platform {
     /// Where its binary is in the archive of a version.
     pub fn path(&self, version: Version) -> String {
-        version.binary((self.folder, self.tuple), self.ending)
+        version.binary(self.place)
     }
 
     /// Compiles its binary; the error says what to install.
@@ -223,7 +153,7 @@ impl Platform {
     }
 
     fn compile(&self, product: Product, target: &str) -> Result<Vec<u8>> {
-        eprintln!("{}: {target}", self.folder);
+        eprintln!("{}: {target}", self.place.folder);
         let target = self.glibc.map_or_else(|| target.to_owned(), |version| format!("{target}.{version}"));
         read(&Compiler::from(product).library_for(&target)?)
     }

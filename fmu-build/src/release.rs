@@ -17,7 +17,7 @@ use crate::compile::{PLATFORM_TUPLE, Product, target};
 use crate::error::{Error, Result};
 use crate::kit::Kit;
 use crate::version::Version;
-use crate::{archive, explorer, licences, package, page, platforms, run};
+use crate::{archive, explorer, kit, licences, package, page, platforms, run};
 use agreement::{Agreed, Intent, agreed};
 use contents::archive_of;
 use notes::Part;
@@ -71,8 +71,8 @@ pub fn assemble(
         assembly.left_out.push(format!("all platforms but {}, which alone were asked for", only.join(", ")));
     }
     assembly.archives_and_pages()?;
-    assembly.machines()?;
-    assembly.python_package()?;
+    let kit = assembly.machines()?;
+    assembly.python_package(&kit)?;
     let wrong = contents::disagreements(&folder, &agreed.version)?;
     if !wrong.is_empty() {
         return Err(Error::Release(wrong));
@@ -105,7 +105,7 @@ impl Assembly<'_> {
         package::write(&fmi2, &Version::USUAL, &binaries, live.as_deref())?;
         run::run(&fmi2, PERIODS)?;
         for version in Version::USUAL {
-            let names = binaries.names(version);
+            let names = binaries.names(version.fmi());
             let tried = format!(
                 "`{}` ran {PERIODS} drive periods here, the native library's bits at every point{}",
                 names[0],
@@ -124,9 +124,9 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The archives of the example machines, and the command line for each platform.
-    fn machines(&mut self) -> Result<()> {
-        let (kit, left_out) = Kit::of(self.only)?;
+    /// The archives of the example machines, and the command line for each platform; what makes archives of other machines.
+    fn machines(&mut self) -> Result<Kit> {
+        let (kit, left_out) = kit::of(self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
         let archives = machines::examples(&kit)?;
         archive::write(&archives, &self.folder.join(machines::EXAMPLES))?;
@@ -141,17 +141,17 @@ impl Assembly<'_> {
             write_file(&self.folder.join(&name), &bytes)?;
             self.add(&name, "the command line `vibro`, which needs no Rust toolchain", tried.clone())?;
         }
-        Ok(())
+        Ok(kit)
     }
 
     /// Source distribution and wheels.
-    fn python_package(&mut self) -> Result<()> {
+    fn python_package(&mut self, kit: &Kit) -> Result<()> {
         if let Some(tools) = wheels::missing_tool() {
             self.left_out.push(format!("the Python package is left out: {tools}"));
             return Ok(());
         }
         let version = &self.agreed.version;
-        let sdist = wheels::sdist(self.folder, &licences::of_wheel()?, version, self.folder)?;
+        let sdist = wheels::sdist(self.folder, kit, &licences::of_wheel()?, version, self.folder)?;
         let source = wheels::unpack(&sdist, version, &target().join("dist/source"))?;
         let tried = "the wheels are built from it".to_owned();
         self.add(&wheels::sdist_file(version), "Python package, sources (needs a Rust toolchain)", tried)?;
@@ -186,13 +186,13 @@ impl Assembly<'_> {
 
 /// Whether platforms that are asked for exist.
 fn check_names(only: &[String]) -> Result<()> {
-    let known = |name: &&String| platforms::PLATFORMS.iter().any(|p| p.tuple == **name);
+    let known = |name: &&String| platforms::PLATFORMS.iter().any(|p| p.place.tuple == **name);
     match only.iter().find(|name| !known(name)) {
         None => Ok(()),
         Some(unknown) => Err(Error::Option {
             name: "--platform",
             value: unknown.clone(),
-            allowed: platforms::PLATFORMS.map(|p| p.tuple).join(", ").into(),
+            allowed: platforms::PLATFORMS.map(|p| p.place.tuple).join(", ").into(),
         }),
     }
 }

@@ -1,15 +1,14 @@
 //! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for further ones of FMI 3.0 with what several importers cannot
 //! read: arrays, a clock. All hold one library.
 
-use crate::compile::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 use crate::error::{Error, Result};
 use crate::{check, describe, fmi3};
 use std::path::{Path, PathBuf};
 use vibro_fmi::fmi2;
 use vibro_fmi::fmi3::description::{self, ARRAYS, CLOCKED, Edition, MAIN, MODEL_IDENTIFIER};
+use vibro_pack::{Place, binary_path};
 
-/// Path inside every archive of what describes its model.
-pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+pub use vibro_pack::MODEL_DESCRIPTION;
 
 /// Which archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,24 +65,19 @@ impl Version {
         fmi2.with_file_name(format!("{stem}{}.fmu", self.suffix()))
     }
 
-    /// The folder of a platform under `binaries/`: its name in FMI 2.0, or its tuple in FMI 3.0.
-    pub fn folder(self, (name, tuple): (&'static str, &'static str)) -> &'static str {
-        if self == Self::Fmi2 { name } else { tuple }
+    /// The version of FMI.
+    pub fn fmi(self) -> fmi_doors::Version {
+        if self == Self::Fmi2 { fmi_doors::Version::Fmi2 } else { fmi_doors::Version::Fmi3 }
     }
 
-    /// Path inside the archive of a platform's binary, by the platform's names in FMI 2.0 and 3.0 and the library's ending.
-    pub fn binary(self, names: (&'static str, &'static str), ending: &str) -> String {
-        self.binary_named(MODEL_IDENTIFIER, names, ending)
-    }
-
-    /// The same of another model.
-    pub fn binary_named(self, model: &str, names: (&'static str, &'static str), ending: &str) -> String {
-        format!("binaries/{}/{model}{ending}", self.folder(names))
+    /// Path inside the archive of a platform's binary.
+    pub fn binary(self, place: Place) -> String {
+        binary_path(self.fmi(), MODEL_IDENTIFIER, place)
     }
 
     /// Path inside the archive of this machine's own binary.
     pub fn own_binary(self) -> String {
-        self.binary((PLATFORM, PLATFORM_TUPLE), SHARED_LIBRARY)
+        self.binary(Place::OWN)
     }
 
     /// The text of [`MODEL_DESCRIPTION`], checked, with the date on which it was made, where there is one.

@@ -1,9 +1,10 @@
 //! The archive: same content, same bytes; read back as written.
 
 use fmu_build::archive::{self, Content};
+use fmu_build::package;
 use fmu_build::platforms::Binaries;
 use fmu_build::version::Version;
-use fmu_build::{Error, package};
+use vibro_pack::Error;
 
 fn content() -> Content {
     Content::from([

@@ -168,14 +168,15 @@ fn closed_form_reference_results_are_those_of_the_file() {
     // What roundings decide is not told: this machine's motion is chaotic.
     let blocks = file::read(&example("two_blocks")).unwrap();
     let plan = Plan::of(&blocks).unwrap();
-    let rows = fmu_build::described_reference::files(&plan)["default.csv"].clone();
+    let rows = vibro_pack::reference::files(&plan)["default.csv"].clone();
     let rows = String::from_utf8(rows).unwrap().lines().count();
     assert!((20..251).contains(&rows), "{rows}");
 }
 
 #[test]
 fn invariant_archives_for_all_platforms_hold_the_library_of_each_under_the_machines_name() {
-    let library = |platform: &Platform| (platform.tuple.to_owned(), platform.folder.as_bytes().to_vec());
+    let library =
+        |platform: &Platform| (platform.place.tuple.to_owned(), platform.place.folder.as_bytes().to_vec());
     let folders = PLATFORMS.iter().map(library).collect();
     let kit = Kit { binaries: Binaries::from_folders(folders).unwrap(), ..Kit::default() };
     let plan = Plan::of(&file::read(&example("bouncing_ball")).unwrap()).unwrap();
@@ -185,8 +186,8 @@ fn invariant_archives_for_all_platforms_hold_the_library_of_each_under_the_machi
         let found: Vec<_> = binaries.map(|(name, bytes)| (name.clone(), bytes.clone())).collect();
         assert_eq!(found.len(), PLATFORMS.len());
         for p in PLATFORMS {
-            let name = version.binary_named("BouncingBall", (p.folder, p.tuple), p.ending);
-            assert!(found.contains(&(name.clone(), p.folder.as_bytes().to_vec())), "{name}: {found:?}");
+            let name = vibro_pack::binary_path(version.fmi(), "BouncingBall", p.place);
+            assert!(found.contains(&(name.clone(), p.place.folder.as_bytes().to_vec())), "{name}: {found:?}");
         }
     }
 }

@@ -2,10 +2,13 @@
 
 mod common;
 
-use fmu_build::{compile, inspect};
+use fmu_build::compile::{self, Product};
+use fmu_build::inspect;
 
 #[test]
 fn exports_are_the_functions_of_both_versions() {
-    let bytes = std::fs::read(compile::at_hand().unwrap()).unwrap();
-    assert_eq!(inspect::exports(&bytes).unwrap(), common::functions());
+    for library in [Product::Vibro, Product::Machine] {
+        let bytes = std::fs::read(compile::at_hand(library).unwrap()).unwrap();
+        assert_eq!(inspect::exports(&bytes).unwrap(), common::functions(), "{library:?}");
+    }
 }

@@ -4,7 +4,8 @@
 
 mod common;
 
-use fmu_build::{compile, host};
+use fmu_build::compile::{self, Product};
+use fmu_build::host;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use vibro_fmi::component::variables::reference;
@@ -95,7 +96,7 @@ fn in_its_own_process(library: &Path, component: Option<(&str, u32)>) {
 #[test]
 fn two_hundred_load_unload_cycles_leave_nothing_behind() {
     let component = (&*description::guid(), reference("time"));
-    in_its_own_process(&compile::at_hand().unwrap(), Some(component));
+    in_its_own_process(&compile::at_hand(Product::Vibro).unwrap(), Some(component));
 }
 
 #[test]

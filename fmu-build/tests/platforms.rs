@@ -33,18 +33,18 @@ fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
     }
     let expected = native();
     for platform in PLATFORMS {
-        let missing = left_out.iter().any(|l| l.folder == platform.folder);
+        let missing = left_out.iter().any(|l| l.folder == platform.place.folder);
         if missing {
             continue;
         }
         let bytes = archive::read(&fmu, &platform.path(Version::Fmi2)).unwrap();
         let same = archive::read(&Version::Fmi3.beside(&fmu), &platform.path(Version::Fmi3)).unwrap();
-        assert!(same == bytes, "{}: the archives hold different libraries", platform.folder);
+        assert!(same == bytes, "{}: the archives hold different libraries", platform.place.folder);
         check_binary(&platform, &bytes);
-        let library = folder.path().join(platform.folder).join(format!("x{}", platform.ending));
+        let library = folder.path().join(platform.place.folder).join(format!("x{}", platform.place.ending));
         archive::write_file(&library, &bytes).unwrap();
         for version in [Version::Fmi2, Version::Fmi3] {
-            let folder = platform.folder;
+            let folder = platform.place.folder;
             match run(&platform, &library, version) {
                 Ok(got) => {
                     let difference = difference(&got, &expected);
@@ -62,13 +62,13 @@ fn every_platform_that_can_be_built_is_packed_and_runs_where_it_can() {
 
 /// Format, processor, exports and needs, slice by slice.
 fn check_binary(platform: &Platform, bytes: &[u8]) {
-    let folder = platform.folder;
+    let folder = platform.place.folder;
     let slices = inspect::slices(bytes).unwrap();
     assert_eq!(slices.len(), platform.targets.len(), "{folder}");
     for (slice, target) in slices.into_iter().zip(platform.targets) {
         assert_eq!(inspect::kind(slice), Ok(inspect::kind_of_target(target)), "{folder}");
         let mut exported = inspect::exports(slice).unwrap();
-        if platform.ending == ".dylib" {
+        if platform.place.ending == ".dylib" {
             // zig's linker takes no list of exports: two names of Rust's run time stay.
             exported.retain(|name| !RUN_TIME.iter().any(|part| name.contains(part)));
         }
@@ -106,7 +106,7 @@ fn difference(a: &Path6, b: &Path6) -> f64 {
 
 /// Compiles tests/host.c for the platform, runs it with the library and reads what it prints. By FMI 3.0 it stops at every event.
 fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, String> {
-    let (runner, target): (&[&str], &str) = match platform.folder {
+    let (runner, target): (&[&str], &str) = match platform.place.folder {
         folder if folder == PLATFORM && cfg!(target_arch = "x86_64") => (&[], platform.targets[0]),
         "win64" => (&["wine"], "x86_64-windows-gnu"),
         "win32" => (&["wine"], "x86-windows-gnu"),
@@ -120,11 +120,11 @@ fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, S
     {
         return Err(format!("install {program} (Debian: apt install wine64 qemu-user)"));
     }
-    let host = library.with_file_name(if platform.ending == ".dll" { "host.exe" } else { "host" });
+    let host = library.with_file_name(if platform.place.ending == ".dll" { "host.exe" } else { "host" });
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/host.c");
     let mut zig = Command::new("cargo-zigbuild");
     zig.args(["zig", "cc", "--", "-target", target, "-O1", "-o"]).arg(&host).arg(&source);
-    if platform.ending == ".so" {
+    if platform.place.ending == ".so" {
         zig.arg("-ldl");
     }
     let compiled = zig.output().map_err(|e| format!("cargo-zigbuild: {e}"))?;
@@ -157,13 +157,13 @@ fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, S
         // An emulator without that processor's C library.
         return Err(format!("{} (Debian: apt install libc6-arm64-cross libc6-i386-cross)", errors.trim()));
     }
-    if platform.folder == "win32" && printed.is_empty() && output.status.success() {
+    if platform.place.folder == "win32" && printed.is_empty() && output.status.success() {
         // Wine without its 32-bit part starts nothing and says nothing.
         return Err(
             "Wine runs no 32-bit programs (Debian: dpkg --add-architecture i386, apt install wine32)".into(),
         );
     }
-    assert!(output.status.success(), "{}: {}\n{printed}\n{errors}", platform.folder, output.status);
+    assert!(output.status.success(), "{}: {}\n{printed}\n{errors}", platform.place.folder, output.status);
     let row = |line: &str| -> [f64; 6] {
         let values: Vec<f64> = line.split_whitespace().map(|word| word.parse().unwrap()).collect();
         values.try_into().unwrap()
@@ -173,7 +173,7 @@ fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, S
 
 /// Where Debian's packages put another processor's C library.
 fn libraries(platform: &Platform) -> Option<&'static str> {
-    let folder = match platform.folder {
+    let folder = match platform.place.folder {
         "aarch64-linux" => "/usr/aarch64-linux-gnu",
         "linux32" => "/usr/i686-linux-gnu",
         _ => return None,

@@ -71,7 +71,7 @@ fn the_portable_library_is_what_is_packed() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout);
     assert!(printed.contains("bit for bit"), "{printed}");
-    let platform = PLATFORMS.into_iter().find(|platform| platform.folder == PLATFORM).unwrap();
+    let platform = PLATFORMS.into_iter().find(|platform| platform.place.folder == PLATFORM).unwrap();
     let packed = archive::read(&fmu, &platform.path(Version::Fmi2)).unwrap();
     assert!(packed == fs::read(Compiler::default().library().unwrap()).unwrap());
 }
@@ -93,9 +93,9 @@ fn a_missing_tool_is_named_with_what_to_install() {
     let printed = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     for platform in PLATFORMS {
-        let line = printed.lines().find(|line| line.starts_with(platform.folder)).unwrap();
+        let line = printed.lines().find(|line| line.starts_with(platform.place.folder)).unwrap();
         assert!(line.contains(platforms::TOOLS), "{line}");
         let packed = archive::read(&fmu, &platform.path(Version::Fmi2)).is_ok();
-        assert_eq!(packed, platform.folder == PLATFORM, "{line}");
+        assert_eq!(packed, platform.place.folder == PLATFORM, "{line}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod common;
 
+use fmu_build::kit::Kit;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -16,9 +17,11 @@ use vibro_analysis::start::StartRule;
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::trajectories::{Start, propagate};
 use vibro_analysis::{ParameterSet, find_group};
+use vibro_figures::canvas;
 use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::{Event, Pause};
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_sketch::Sketch;
 
 fn numbers(state: &State) -> Vec<f64> {
     state.x.iter().chain(&state.v).copied().collect()
@@ -110,6 +113,35 @@ fn exponents() -> Value {
     json!(spectrum(&mut simulator, &options).expect("it runs").exponents)
 }
 
+/// Machines of files of which motion, sketch and archives are compared, and how long each is followed, s.
+const ASSEMBLIES: [(&str, f64); 4] = [
+    ("damper_with_buffer", 0.5),
+    ("gear_backlash", 0.1),
+    ("msl_coupled_clutches", 1.5),
+    ("valve_train", 0.045),
+];
+/// Samples of their motions.
+const SAMPLES: usize = 50;
+
+/// What `vibro assembly run` and `draw` and `fmu-build assembly` write of a machine.
+fn assembly(name: &str, until: f64) -> Value {
+    let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
+    let machine = vibro::assembly::read(&file, &[]).expect("an example");
+    let sketch = canvas::svg(&Sketch::new(&machine)).expect("it is drawn");
+    let times = vibro::assembly::even_times(until, SAMPLES).expect("some samples");
+    let record = vibro::assembly::record(machine, &times, &mut |_| true).expect("it has a start");
+    let text = |csv: vibro::Result<Vec<u8>>| String::from_utf8(csv.expect("a table")).expect("text");
+    let kit = Kit::read(&common::python::kit()).expect("a kit");
+    let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assemblies").join(name).with_extension("fmu");
+    let archives = fmu_build::assembly::write(&file, Some(&output), false, &kit).expect("they are packed");
+    json!({"until": until, "states": text(record.states()), "events": text(record.events()), "sketch": sketch,
+           "archives": {"2": archives[0], "3": archives[1]}})
+}
+
+fn assemblies() -> Value {
+    ASSEMBLIES.into_iter().map(|(name, until)| (name.to_owned(), assembly(name, until))).collect()
+}
+
 /// What the library finds, for the tests in Python to compare with bit for bit.
 fn native() -> Value {
     let standard = set(&[("f10", 1.5), ("kappa", 0.75)]);
@@ -123,6 +155,7 @@ fn native() -> Value {
         "bifurcation": bifurcation(),
         "basins": basins(),
         "exponents": exponents(),
+        "assemblies": assemblies(),
     })
 }
 

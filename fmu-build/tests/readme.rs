@@ -23,10 +23,14 @@ const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "
 const BY_HAND: &str = "\n## Memory and random input, by hand";
 
 /// Shell commands and what runs them.
-const COVERED: [(&str, &str); 11] = [
+const COVERED: [(&str, &str); 12] = [
     ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
     ("pip install \"./python[plot]\"", "the same, and tests/python/requirements.txt has matplotlib"),
     ("cargo run --bin fmu-build", "fmu-build/tests/command.rs runs the same binary"),
+    (
+        "cargo run --bin fmu-build -- assembly examples/assembly/damper_with_buffer.toml",
+        "fmu-build/tests/assembly.rs packs this machine",
+    ),
     ("cargo run --bin fmu-build -- --portable", "fmu-build/tests/portable.rs, run by .ci/run"),
     (TARGETS, "the test below compares it with the platforms"),
     (ZIG, "fmu-build/tests/platforms.rs runs with what it installs"),

@@ -7,7 +7,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use fmu_build::archive::{self, Content};
 use fmu_build::compile::workspace;
-use fmu_build::kit::Kit;
+use fmu_build::kit::{KIT_FILE, Kit};
 use fmu_build::platforms::Binaries;
 use fmu_build::release::agreement::{Agreed, Intent, agreed};
 use fmu_build::release::changelog::{self, Section};
@@ -25,6 +25,7 @@ use std::time::{Duration, SystemTime};
 use vibro_fmi::component::identity::VERSION;
 use vibro_fmi::fmi2::description::guid;
 use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, MAIN, instantiation_token};
+use vibro_pack::{PLACES, Place};
 
 /// Files of the workspace in which something must agree.
 fn files_that_agree() -> Vec<String> {
@@ -200,6 +201,10 @@ impl Dist {
             sdist.insert(format!("vibro_impact-{VERSION}/package/vibro_impact/fmu/{name}"), bytes.clone());
             fs::write(path, bytes).unwrap();
         }
+        static KIT: OnceLock<PathBuf> = OnceLock::new();
+        let kit = fs::read(KIT.get_or_init(common::python::kit)).unwrap();
+        wheel.insert(format!("vibro_impact/fmu/{KIT_FILE}"), kit.clone());
+        sdist.insert(format!("vibro_impact-{VERSION}/package/vibro_impact/fmu/{KIT_FILE}"), kit);
         Self { folder, platform, wheel, sdist }
     }
 
@@ -244,6 +249,13 @@ fn unpacked_sources_are_newer_than_what_was_built_before() {
     assert!(fs::metadata(unpacked.join("PKG-INFO")).unwrap().modified().unwrap() > before);
 }
 
+/// The file of a kit with a library for another platform.
+fn other_kit() -> Vec<u8> {
+    let other = PLACES.into_iter().find(|place| place.folder != Place::OWN.folder).unwrap();
+    let kit = Kit { binaries: [(other, b"library".to_vec())].into_iter().collect(), ..Kit::default() };
+    archive::to_bytes(&kit.entries()).unwrap()
+}
+
 #[test]
 fn each_altered_package_is_refused_by_name() {
     let information = format!("vibro_impact-{VERSION}.dist-info");
@@ -253,7 +265,7 @@ fn each_altered_package_is_refused_by_name() {
         content.insert(name.to_owned(), text.replace(from, to).into_bytes());
     };
     type Alteration<'a> = (&'a dyn Fn(&mut Dist), &'a str);
-    let alterations: [Alteration<'_>; 8] = [
+    let alterations: [Alteration<'_>; 10] = [
         (
             &|d| replace(&mut d.wheel, &format!("{information}/METADATA"), VERSION, "7.0.0"),
             "METADATA tells vibro-impact 7.0.0",
@@ -283,6 +295,11 @@ fn each_altered_package_is_refused_by_name() {
             "does not export PyInit__native",
         ),
         (&|d| drop(d.wheel.insert(d.platform.module.into(), b"no library".to_vec())), "cannot be read"),
+        (&|d| drop(d.wheel.remove(&format!("vibro_impact/fmu/{KIT_FILE}"))), "lacks machine-kit.zip"),
+        (
+            &|d| drop(d.wheel.insert(format!("vibro_impact/fmu/{KIT_FILE}"), other_kit())),
+            "lacks the library for",
+        ),
     ];
     for (alter, expected) in alterations {
         let mut dist = Dist::new();
@@ -445,7 +462,10 @@ fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_
     pip.args(["-m", "pip", "install", "--quiet"]).arg(dist.join(sdist_file(VERSION)));
     quick(&mut pip);
     common::python::run("pip install of the source distribution", &mut pip);
-    let script = "import vibro_impact as vi; print(vi.__version__, len(vi.Machine().simulate(periods=50).impacts), vi.fmu_path(3).exists())";
-    let printed = common::python::run("import", Command::new(&python).args(["-I", "-c", script]));
+    let script = "import vibro_impact as vi; print(vi.__version__, len(vi.Machine().simulate(periods=50).impacts), vi.fmu_path(3).exists() and vi.Assembly({'name': 'A', 'body': {'b': {'mass': 1.0}}, 'stop': {'s': {'between': ['ground', 'b'], 'gap': 1.0, 'restitution': 1.0}}}).fmu().exists())";
+    let printed = common::python::run(
+        "import",
+        Command::new(&python).args(["-I", "-c", script]).current_dir(folder.path()),
+    );
     assert!(printed.starts_with(VERSION) && printed.trim().ends_with("True"), "{printed}");
 }

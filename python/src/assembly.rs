@@ -4,9 +4,12 @@ use crate::arrays::{Column, Table, column, numbers};
 use crate::background::{Control, compute, pool};
 use crate::failure::Failure;
 use crate::studies::in_parts;
+use fmi_doors::Version;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use rayon::prelude::*;
+use std::path::PathBuf;
 use std::sync::Arc;
 use vibro_analysis::assembly::diagram::{self, Point};
 use vibro_analysis::assembly::{
@@ -18,6 +21,9 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::Event;
 use vibro_assembly::{Assembly, Motion, file};
+use vibro_figures::canvas;
+use vibro_pack::Kit;
+use vibro_sketch::Sketch;
 
 /// A described machine: immutable.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -84,6 +90,23 @@ impl Described {
         let description = self.description.with(named).map_err(Failure::from)?;
         Assembly::new(description.clone()).map_err(Failure::from)?;
         Ok(Self { description: Arc::new(description) })
+    }
+
+    /// Its sketch as SVG.
+    fn sketch(&self) -> PyResult<String> {
+        Ok(canvas::svg(&Sketch::new(&self.description)).map_err(Failure::from)?)
+    }
+
+    /// Its sketch as PNG.
+    fn sketch_as_png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &canvas::png(&Sketch::new(&self.description)).map_err(Failure::from)?))
+    }
+
+    /// Writes its FMU around the library of a kit.
+    fn fmu(&self, py: Python<'_>, version: u8, kit: PathBuf, path: PathBuf) -> PyResult<()> {
+        let version = if version == 2 { Version::Fmi2 } else { Version::Fmi3 };
+        let write = || vibro_pack::write(&self.description, version, &Kit::read(&kit)?, &path);
+        Ok(py.detach(write).map_err(Failure::from)?)
     }
 }
 

@@ -17,6 +17,10 @@ pub enum Failure {
     Cancelled,
     /// The system gave no thread.
     Threads(String),
+    /// A file could not be written or read.
+    File(std::io::ErrorKind, String),
+    /// A mistake of ours.
+    Ours(String),
 }
 
 impl Failure {
@@ -53,6 +57,22 @@ impl From<vibro_assembly::Refusal> for Failure {
     }
 }
 
+impl From<vibro_pack::Error> for Failure {
+    fn from(error: vibro_pack::Error) -> Self {
+        match &error {
+            vibro_pack::Error::File { source, .. } => Self::File(source.kind(), error.to_string()),
+            // The machine was checked when it was made, and the library lies in the package.
+            _ => Self::Ours(error.to_string()),
+        }
+    }
+}
+
+impl From<vibro_figures::Error> for Failure {
+    fn from(error: vibro_figures::Error) -> Self {
+        Self::Ours(error.to_string())
+    }
+}
+
 impl From<std::collections::TryReserveError> for Failure {
     fn from(_: std::collections::TryReserveError) -> Self {
         Self::Memory
@@ -69,6 +89,9 @@ impl From<Failure> for PyErr {
             }
             Failure::Memory => PyMemoryError::new_err("the result does not fit into memory"),
             Failure::Cancelled => PyKeyboardInterrupt::new_err(()),
+            // The kind decides which of Python's exceptions it is, such as PermissionError.
+            Failure::File(kind, message) => std::io::Error::new(kind, message).into(),
+            Failure::Ours(message) => PyRuntimeError::new_err(message),
             Failure::Threads(reason) => PyRuntimeError::new_err(format!("no thread to compute in: {reason}")),
         }
     }

@@ -1,9 +1,12 @@
 """Machines of one's own: the bits of the library and of the command line, and what is refused."""
 
+import csv
+import io
 import pickle
 import re
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 
@@ -57,7 +60,7 @@ def test_events_are_structured_and_many_machines_end_on_the_same_bits():
     assert len(hits) > 3 and set(hits["element"]) == {"stop.steel"} and (hits["value"] > 0).all() and (hits["stops"] == 1).all()
     assert (np.diff(run.events["t"]) >= 0).all()
     machines = [machine.replace(**{"stop.steel.gap": gap}) for gap in (3e-3, 4e-3, 5e-3)]
-    ends = vi.simulate_assemblies(machines, 0.5)
+    ends = vi.simulate_many(machines, until=0.5)
     assert ends.values.shape == (3, len(machine.columns))
     for one, row in zip(machines, ends.values):
         assert (one.simulate(times=[0.5]).values[-1] == row).all()
@@ -74,7 +77,7 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
     first = diagram.up.maxima[diagram.up.at == 0]
     assert abs(first.max() - found["maximum.block.s"]) < SETTLED * abs(found["maximum.block.s"])
     ones = [machine.replace(**{"stop.steel.gap": g}) for g in gaps]
-    many = vi.measure_assemblies(ones, ["amplitude.box.s"], periods=12, section=0.1)
+    many = vi.measure_many(ones, ["amplitude.box.s"], periods=12, section=0.1)
     assert [m["amplitude.box.s"] for m in many] == [
         one.measure(["amplitude.box.s"], periods=12)["amplitude.box.s"] for one in ones
     ]
@@ -97,7 +100,14 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "the nearest is `box.s`"),
         (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
         (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "equally spaced"),
-        (lambda: vi.simulate_assemblies([damper(), vi.Assembly(OSCILLATOR)], 1.0), ValueError, "columns"),
+        (lambda: vi.simulate_many([damper(), vi.Assembly(OSCILLATOR)], until=1.0), ValueError, "columns"),
+        (lambda: vi.simulate_many([damper()], periods=10), TypeError, "of assemblies allowed is `until`"),
+        (lambda: vi.simulate_many([vi.Machine()], until=1.0), TypeError, "machines[0] is of type Machine"),
+        (lambda: vi.simulate_many([vi.Machine(), damper()]), TypeError, "machines[1] is of type Assembly"),
+        (lambda: vi.measure_many([damper()], ["class"], [0.0] * 6), TypeError, "starts"),
+        (lambda: vi.measure_many([vi.Machine()], ["class"], section=1.0), TypeError, "section"),
+        (lambda: damper().sketch().save("damper.jpeg"), ValueError, ".svg or .png"),
+        (lambda: damper().fmu("damper.fmu", version=1), ValueError, "version"),
         (lambda: setattr(damper(), "name", "x"), AttributeError, "immutable"),
     ],
 )
@@ -114,3 +124,68 @@ def test_a_jam_is_a_runtime_error_that_names_the_stops():
     )
     with pytest.raises(RuntimeError, match="jammed at t = 0.3.*stop.front"):
         jam.simulate(1.0)
+
+
+#: Machines of which the tests in Rust have written motions, sketches and archives: every kind of element, records, rotation.
+NATIVE = ["damper_with_buffer", "gear_backlash", "msl_coupled_clutches", "valve_train"]
+
+
+def is_same(values, texts):
+    """Whether numbers are those of a table of the command line, bit for bit."""
+    return values.tobytes() == np.array([float(text) for text in texts]).tobytes()
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_second_method_a_motion_has_the_bits_of_the_command_line(native, name):
+    machine = vi.Assembly(EXAMPLES / f"{name}.toml")
+    expected = native["assemblies"][name]
+    rows = list(csv.reader(io.StringIO(expected["states"])))
+    until = expected["until"]
+    run = machine.simulate(until, samples=len(rows) - 2)
+    assert rows[0] == ["time", *run.columns]
+    columns = list(zip(*rows[1:]))
+    assert is_same(run.t, columns[0])
+    for column, texts in zip(run.columns, columns[1:]):
+        assert is_same(run[column], texts), column
+    events = list(csv.DictReader(io.StringIO(expected["events"])))
+    assert len(events) > 3 and is_same(run.events["t"], [event["time"] for event in events])
+    for field in ("kind", "element"):
+        assert list(run.events[field]) == [event[field] for event in events]
+    assert is_same(run.events["value"], [event["value"] or 0.0 for event in events])
+    ends = vi.simulate_many([machine] * 3, until=until)
+    assert (ends.values == machine.simulate(times=[until]).values).all()
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_second_method_archives_and_sketch_have_the_bytes_of_the_packager(native, name, tmp_path):
+    machine = vi.Assembly(EXAMPLES / f"{name}.toml")
+    for version, path in native["assemblies"][name]["archives"].items():
+        written = machine.fmu(tmp_path / f"{version}.fmu", version=int(version))
+        assert written.read_bytes() == Path(path).read_bytes()
+    sketch = machine.sketch()
+    assert sketch._repr_svg_() == sketch.svg == native["assemblies"][name]["sketch"]
+    assert sketch.save(tmp_path / "a.svg").read_text(encoding="utf-8") == sketch.svg
+    assert sketch.save(tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    body = next(column for column in machine.columns if column.endswith(".s"))
+    assert f">{body[:-2]}<" in sketch.svg and repr(sketch) == f"Sketch({machine.name!r})"
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_second_method_the_fmu_of_a_changed_machine_moves_as_simulate_says(version, tmp_path):
+    machine = damper().replace(**{"stop.steel.gap": "5.5 mm"})
+    archive = machine.fmu(tmp_path, version)  # in a folder it has the machine's name
+    assert archive == tmp_path / "DamperWithBuffer.fmu"
+    step, steps = 2.0**-10, 512  # sums of a power of two are exact, whoever makes them
+    rows = fmpy.simulate_fmu(
+        str(archive), stop_time=step * steps, output_interval=step, output=["box.s", "buffer.f"], fmi_type="CoSimulation"
+    )
+    run = machine.simulate(times=rows["time"])
+    assert len(rows) == steps + 1 and (run["box.s"] == rows["box.s"]).all() and (run["buffer.f"] == rows["buffer.f"]).all()
+
+
+def test_an_fmu_of_any_name_is_written_where_one_is_and_nothing_where_it_cannot(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert vi.Assembly(OSCILLATOR).fmu() == Path("Oscillator.fmu") and (tmp_path / "Oscillator.fmu").is_file()
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OSError, match="file"):
+        vi.Assembly(OSCILLATOR).fmu(tmp_path / "file" / "x.fmu")

@@ -6,10 +6,15 @@ import re
 import signal
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 import vibro_impact as vi
+
+DAMPER = Path(__file__).parents[2] / "examples" / "assembly" / "damper_with_buffer.toml"
+#: The gap of its steel stop, m.
+GAP = "stop.steel.gap"
 
 # A person notices a fifth of a second.
 PROMPT = 0.2
@@ -22,6 +27,12 @@ LONG = {
     "bifurcation": lambda m, **more: vi.bifurcation(m, f10=np.linspace(0.5, 4, 2000), periods=(100, 100), **more),
     "basins": lambda m, **more: vi.basins(m, v2=(-2, 2, 200), x1=(-1, 1, 2000), **more),
 }
+LONG_OF_ASSEMBLY = {
+    "simulate": lambda a, **more: a.simulate(1000.0, samples=1_000_000, **more),
+    "many": lambda a, **more: vi.simulate_many([a] * 20_000, until=20.0, **more),
+    "measure": lambda a, **more: vi.measure_many([a] * 20_000, ["class"], **more),
+    "bifurcation": lambda a, **more: a.bifurcation("box.s", periods=(100, 100), **{GAP: np.linspace(0.01, 0.13, 2000)}, **more),
+}
 
 
 @pytest.fixture
@@ -33,8 +44,13 @@ def signals():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
-@pytest.mark.parametrize("name", LONG)
-def test_a_signal_ends_a_long_call_at_once(name, signals):
+@pytest.mark.parametrize("call", [*LONG, *(f"assembly {name}" for name in LONG_OF_ASSEMBLY)])
+def test_a_signal_ends_a_long_call_at_once(call, signals):
+    name = call.removeprefix("assembly ")
+    if name == call:
+        work, machine = LONG[name], vi.Machine.from_groups(f10=2.8)
+    else:
+        work, machine = LONG_OF_ASSEMBLY[name], vi.Assembly(DAMPER)
     delays = []
     # The least of three: another process may hold the processor when the signal comes.
     for _ in range(3):
@@ -46,7 +62,7 @@ def test_a_signal_ends_a_long_call_at_once(name, signals):
 
         threading.Timer(0.3, interrupt).start()
         with pytest.raises(KeyboardInterrupt):
-            LONG[name](vi.Machine.from_groups(f10=2.8))
+            work(machine)
         delays.append(time.perf_counter() - sent[0])
         if delays[-1] < PROMPT:
             break
@@ -71,25 +87,34 @@ def test_threads_find_what_one_finds():
         diagram = vi.bifurcation(machine, kappa=np.linspace(0.3, 0.8, 6), periods=(20, 20))
         found[machine] = (machine.simulate(periods=50).end, diagram.up.maxima)
 
+    def run_assembly(machine):
+        diagram = machine.bifurcation("box.s", periods=(20, 20), **{GAP: np.linspace(0.01, 0.1, 6)})
+        found[machine] = (machine.simulate(5.0).values, diagram.up.maxima)
+
+    assemblies = [vi.Assembly(DAMPER).replace(**{"body.block.mass": m}) for m in (0.3, 0.5)]
     threads = [threading.Thread(target=run, args=[m]) for m in machines]
+    threads += [threading.Thread(target=run_assembly, args=[m]) for m in assemblies]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     together = dict(found)
-    for machine in machines:
-        run(machine)
+    for machine in [*machines, *assemblies]:
+        (run_assembly if machine in assemblies else run)(machine)
         for a, b in zip(found[machine], together[machine]):
             np.testing.assert_array_equal(a, b)
 
 
 def _end(machine):
+    if isinstance(machine, vi.Assembly):
+        return vi.simulate_many([machine] * 8, until=1.0).values[0][:3]
     return vi.simulate_many([machine] * 40, periods=20).s[0]
 
 
 @pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
 def test_processes_made_in_any_way(method):
     machines = [vi.Machine.from_groups(f10=f10) for f10 in (1.0, 2.0)]
+    machines += [vi.Assembly(DAMPER).replace(**{GAP: gap}) for gap in (0.004, 0.05)]
     expected = [_end(m) for m in machines]  # the parent has its threads
     with multiprocessing.get_context(method).Pool(2) as pool:
         found = pool.map_async(_end, machines).get(timeout=120)

@@ -59,6 +59,8 @@ pub enum AssemblyStudy {
     Diagram(assembly::diagram::Request),
     /// Measures of motions over any number of parameters.
     DesignSweep(design_sweep::Request<assembly::Machine>),
+    /// Simulated motion over two parameters.
+    Isoperiodic(isoperiodic::Request<assembly::Machine>),
 }
 
 impl Work {
@@ -139,6 +141,9 @@ impl LongStudy {
             Work::ThreeDof { kind, .. } => kind,
             Work::Assembly { kind: AssemblyStudy::Diagram(request), .. } => return request.count(),
             Work::Assembly { kind: AssemblyStudy::DesignSweep(request), .. } => return request.count(),
+            Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), .. } => {
+                return isoperiodic::count(request);
+            }
         };
         match kind {
             StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
@@ -157,6 +162,10 @@ impl LongStudy {
         match &self.work {
             Work::ThreeDof { kind: StudyKind::Basin(request), .. } => studies::check_basins(request),
             Work::ThreeDof { kind: StudyKind::Isoperiodic(request), .. } => {
+                studies::check_isoperiodic(request)
+            }
+            Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine } => {
+                isoperiodic::check(machine, request)?;
                 studies::check_isoperiodic(request)
             }
             _ => Ok(()),
@@ -255,6 +264,10 @@ impl LongStudy {
             AssemblyStudy::DesignSweep(request) => {
                 let is_complete = design_sweep::fill(machine, request, task)?;
                 is_complete.then(|| studies::design_sweep(machine, request, task, &self.name)).transpose()
+            }
+            AssemblyStudy::Isoperiodic(request) => {
+                let found = isoperiodic::isoperiodic(machine, request, task)?;
+                found.map(|plane| studies::isoperiodic(machine, request, &plane, &self.name)).transpose()
             }
         };
         Ok(study?.map(|study| vec![study]))

@@ -122,6 +122,10 @@ fn closed_form_exponent_of_an_oscillator() {
 fn bad_ranges_names_and_sections_are_refused_before_work() {
     let sweep = |rest: &[&str]| refused(&[&["assembly", "sweep", DAMPER][..], rest].concat());
     let diagram = |rest: &[&str]| refused(&[&["assembly", "bifurcation", DAMPER][..], rest].concat());
+    let plane = |rest: &[&str]| {
+        let ranges = ["--vary", "stop.steel.gap=4mm:6mm", "--vary", "stop.buffer.gap=5mm:8mm"];
+        diagram(&[&ranges[..], rest].concat())
+    };
     for ((code, error), words) in [
         (diagram(&["--vary", "stop.stel.gap=1mm:2mm"]), "the nearest is `stop.steel.gap`"),
         (diagram(&["--vary", "stop.steel.gap=2mm:1mm"]), "from < to"),
@@ -133,6 +137,23 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
             "no stop or friction has this name",
         ),
         (diagram(&["--vary", "stop.steel.restitution=0.5:1.5"]), "allowed is a number from 0 to 1"),
+        (
+            diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--vary", "stop.buffer.gap=1mm:2mm"]),
+            "--pair NAME,NAME",
+        ),
+        (plane(&["--pair", "stop.steel.gap"]), "two names with a comma"),
+        (
+            plane(&["--pair", "stop.steel.gap,body.block.mass"]),
+            "`body.block.mass`: expected a parameter of which --vary",
+        ),
+        (plane(&["--pair", "stop.steel.gap,stop.steel.gap"]), "two independent parameters"),
+        (
+            plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--resolution", "20000"]),
+            "allowed are 2 to 3000",
+        ),
+        (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--resolution", "2900"]), "points of the plane"),
+        (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--section", "stop.x"]), "has this name"),
+        (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--of", "box.s"]), "cannot be used with"),
         (sweep(&["--vary", "stop.steel.gap=1mm:2mm:3", "--samples", "4"]), "without a count"),
         (sweep(&["--output", "amplitude.bx.s"]), "the nearest is `box.s`"),
         (sweep(&["--output", "loudness"]), "amplitude.Q"),
@@ -142,4 +163,92 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
     }
     let said = drawn(&folder("assembly-list"), &["assembly", "sweep", DAMPER, "--list"]);
     assert!(said.contains("impact.speed.steel") && said.contains("power.guide"), "{said}");
+}
+
+const PLANE: [&str; 13] = [
+    "assembly",
+    "bifurcation",
+    DAMPER,
+    "--vary",
+    "stop.steel.gap=4mm:6mm:8",
+    "--vary",
+    "stop.buffer.gap=5mm:8mm",
+    "--resolution",
+    "7",
+    "--pair",
+    "stop.steel.gap,stop.buffer.gap",
+    "--discard",
+    "100",
+];
+const PLANE_NAME: &str = "assembly-bifurcation-stop.steel.gap-stop.buffer.gap";
+
+#[test]
+fn second_method_points_of_a_plane_are_single_motions_and_its_picture_shows_them() {
+    let out = folder("assembly-plane");
+    let said = drawn(&out, &PLANE);
+    assert!(said.contains("simulated motion over (stop.steel.gap, stop.buffer.gap)"), "{said}");
+    let rows = table(&out, &format!("{PLANE_NAME}.csv"));
+    assert_eq!(rows.len(), 56);
+    let machine = Machine::new(vibro_assembly::file::read(DAMPER.as_ref()).unwrap());
+    let measures = ["impacts".parse().unwrap(), "class".parse().unwrap()];
+    let mut compared = 0;
+    for (index, row) in rows.iter().enumerate() {
+        let value = |name: &str| row[name].parse::<f64>().unwrap();
+        let [x, y] = ["stop.steel.gap", "stop.buffer.gap"].map(value);
+        let (i, j) = (index % 8, index / 8);
+        let part = |from: f64, to: f64, part: f64| from * (1.0 - part) + to * part;
+        assert_eq!((x, y), (part(4e-3, 6e-3, i as f64 / 7.0), part(5e-3, 8e-3, j as f64 / 6.0)), "{index}");
+        // Measured over 12 periods by the sweep's machinery: of a motion with a period of 1 to 4, 6 or 12 the same mean.
+        let has_measured_period = ["1T", "2T", "3T", "4T", "6T", "12T"].contains(&row["class"].as_str());
+        if index % 5 == 0 && has_measured_period {
+            let own = machine.with([("stop.steel.gap", x), ("stop.buffer.gap", y)]).unwrap();
+            let (mut motion, section) = own.motion(&Start::default()).unwrap();
+            discard(&mut motion, &section, 140).unwrap();
+            let found = measure(&mut motion, &section, &measures, 12).unwrap();
+            assert_eq!(found.class.unwrap().name(), row["class"], "{row:?}");
+            assert_eq!(found.numbers[0].unwrap(), value("contacts"), "{row:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 3, "{compared}");
+    let svg = String::from_utf8(read(&out, &format!("{PLANE_NAME}.svg"))).unwrap();
+    for words in ["(a) Class of the motion", "(b) Impacts and first touches a period", "stop.steel.gap (mm)"]
+    {
+        assert!(svg.contains(words), "{words}");
+    }
+    // The file's own gaps, 4 and 6 mm, lie in the plane.
+    assert!(svg.contains("the machine as it is"));
+}
+
+#[test]
+fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
+    let machine = "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\ndamping = 8.0\n\
+        [load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assembly-plane-exponents.toml");
+    std::fs::write(&path, machine).unwrap();
+    let out = folder("assembly-plane-exponents");
+    let file = path.display().to_string();
+    drawn(
+        &out,
+        &[
+            "assembly",
+            "lyapunov",
+            &file,
+            "--periods",
+            "160",
+            "--vary",
+            "spring.k.damping=4:16:3",
+            "--vary",
+            "load.f.amplitude=5:20:2",
+            "--pair",
+            "load.f.amplitude,spring.k.damping",
+        ],
+    );
+    let rows = table(&out, "assembly-lyapunov-load.f.amplitude-spring.k.damping.csv");
+    assert_eq!(rows.len(), 6);
+    for row in rows {
+        // A variation shrinks with e^(-c t / 2m), whatever the load.
+        let number = |name: &str| row[name].parse::<f64>().unwrap();
+        assert!((number("exponent") + number("spring.k.damping") / 4.0).abs() < 2e-2, "{row:?}");
+    }
 }

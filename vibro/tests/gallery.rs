@@ -33,6 +33,18 @@ fn numbers(svg: &str) -> Vec<f64> {
         .collect()
 }
 
+/// What `vibro assembly draw` draws of an example.
+fn sketched(name: &str) -> String {
+    let (out, file) = (folder(&format!("gallery-sketch-{name}")), format!("examples/assembly/{name}.toml"));
+    let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+    let vibro = vibro.args(["assembly", "draw", &file, "--out"]).arg(&out).current_dir(root());
+    let output = vibro.output().expect("vibro runs");
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    let mut drawn = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path());
+    let svg = drawn.find(|path| path.extension().is_some_and(|e| e == "svg")).expect("a sketch");
+    std::fs::read_to_string(svg).unwrap()
+}
+
 #[test]
 fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
     let gallery = root().join("docs/gallery");
@@ -53,6 +65,14 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
         for line in block(&page, "toml").lines() {
             assert!(lines.contains(&line), "{name}: the file has no line `{line}`");
         }
+        let sketch = sketched(&name);
+        let kept = gallery.join("sketches").join(&name).with_extension("svg");
+        if update {
+            std::fs::write(&kept, &sketch).unwrap();
+        }
+        assert!(page.contains(&format!("](sketches/{name}.svg)")), "{name} shows no sketch");
+        let before = std::fs::read_to_string(&kept).expect("a sketch; VIBRO_IMPACT_UPDATE=1 writes it");
+        assert!(before == sketch, "sketches/{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
         let line = block(&page, "sh").strip_prefix("vibro ").expect("a command of vibro");
         let (line, _) = line.split_once(" --out ").expect("a folder");
         let out = folder(&format!("gallery-{name}"));
@@ -90,6 +110,12 @@ const SHORTENED: [(&str, &str); 3] =
 #[test]
 fn the_tutorial_from_file_to_choice_works() {
     let page = std::fs::read_to_string(root().join("docs/assemblies.md")).unwrap();
+    let file = "examples/assembly/damper_with_buffer.toml";
+    let machine = vibro_assembly::file::read(&root().join(file)).unwrap();
+    let own = page.split("```toml\n").filter_map(|rest| rest.split("```").next());
+    let own: Vec<_> = own.filter(|text| text.contains("body.box = {")).collect();
+    let read = vibro_assembly::file::parse(own[0], "docs/assemblies.md", &vibro_assembly::file::no_records);
+    assert_eq!((read.as_ref(), own.len()), (Ok(&machine), 1), "the page's machine is that of its commands");
     let mut used = [false; SHORTENED.len()];
     let mut commands = 0;
     let blocks = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());

@@ -240,6 +240,53 @@ const ORBITS: [&str; 10] = [
     "--keep",
     "50",
 ];
+/// The user's own machine of the same studies.
+const DAMPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/damper_with_buffer.toml");
+const ASSEMBLY_EXPONENTS: [&str; 13] = [
+    "assembly",
+    "lyapunov",
+    DAMPER,
+    "--vary",
+    "stop.steel.gap=4mm:6mm:31",
+    "--of",
+    "block.s",
+    "--discard",
+    "20",
+    "--keep",
+    "6",
+    "--periods",
+    "16",
+];
+const ASSEMBLY_SWEEP: [&str; 13] = [
+    "assembly",
+    "sweep",
+    DAMPER,
+    "--vary",
+    "stop.steel.gap=4mm:6mm:40",
+    "--vary",
+    "body.block.mass=0.2kg:0.5kg:15",
+    "--output",
+    "amplitude.box.s,impacts.steel",
+    "--discard",
+    "3",
+    "--periods",
+    "2",
+];
+const ASSEMBLY_PLANE: [&str; 13] = [
+    "assembly",
+    "bifurcation",
+    DAMPER,
+    "--vary",
+    "stop.steel.gap=4mm:6mm",
+    "--vary",
+    "stop.buffer.gap=5mm:8mm",
+    "--pair",
+    "stop.steel.gap,stop.buffer.gap",
+    "--resolution",
+    "12",
+    "--discard",
+    "60",
+];
 const BASIN: [&str; 7] = ["basin", "--set", "f10=2.48", "--resolution", "24", "--discard", "150"];
 
 #[test]
@@ -250,20 +297,20 @@ fn second_method_shards_merged_and_threads_give_the_same_bytes() {
         ("exponents", &EXPONENTS),
         ("basin", &BASIN),
         ("isoperiodic", &ISOPERIODIC),
+        ("assembly-exponents", &ASSEMBLY_EXPONENTS),
+        ("assembly-sweep", &ASSEMBLY_SWEEP),
+        ("assembly-plane", &ASSEMBLY_PLANE),
     ] {
         let whole = folder(&format!("{name}-whole"));
         drawn(&whole, &[work, &["--threads", "1"]].concat());
         for file in files(&whole).iter().filter(|f| f.0.ends_with(".png")) {
             check_picture(&whole.join(&file.0));
         }
-        let threaded = folder(&format!("{name}-threads"));
-        drawn(&threaded, &[work, &["--threads", "3"]].concat());
-        assert_same(&whole, &threaded);
         let shards: Vec<PathBuf> = (1..=3)
             .map(|i| {
                 let out = folder(&format!("{name}-shard-{i}"));
                 let share = format!("{i}/3");
-                let text = drawn(&out, &[work, &["--shard", &share]].concat());
+                let text = drawn(&out, &[work, &["--shard", &share, "--threads", "3"]].concat());
                 assert!(text.contains("parts of") && text.contains("vibro merge"), "{text}");
                 out
             })
@@ -280,14 +327,27 @@ fn second_method_shards_merged_and_threads_give_the_same_bytes() {
 
 #[test]
 fn invariant_an_interrupted_study_loses_no_finished_part() {
-    let (broken, whole) = (folder("broken"), folder("unbroken"));
-    drawn(&whole, &EXPONENTS);
-    let mut child = command(&broken, &[&EXPONENTS[..], &["--threads", "1"]].concat())
+    const PLANE: &str = "assembly-bifurcation-stop.steel.gap-stop.buffer.gap";
+    for (name, work) in [
+        ("lyapunov", &EXPONENTS[..]),
+        ("assembly-lyapunov", &ASSEMBLY_EXPONENTS),
+        ("assembly-sweep", &ASSEMBLY_SWEEP),
+        (PLANE, &ASSEMBLY_PLANE),
+    ] {
+        interrupted_and_resumed(name, work);
+    }
+}
+
+/// A study is killed after its first part, and then goes on where it was.
+fn interrupted_and_resumed(name: &str, work: &[&str]) {
+    let (broken, whole) = (folder(&format!("{name}-broken")), folder(&format!("{name}-unbroken")));
+    drawn(&whole, work);
+    let mut child = command(&broken, &[work, &["--threads", "1"]].concat())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .expect("vibro starts");
-    let parts = broken.join("lyapunov.parts");
+    let parts = broken.join(format!("{name}.parts"));
     let finished = || -> Vec<(String, Vec<u8>)> {
         if !parts.exists() {
             return Vec::new();
@@ -297,14 +357,20 @@ fn invariant_an_interrupted_study_loses_no_finished_part() {
     let begin = std::time::Instant::now();
     while !parts.exists() || finished().is_empty() {
         assert!(begin.elapsed().as_secs() < 120, "no part within two minutes");
-        assert!(child.try_wait().unwrap().is_none(), "it has ended already");
+        assert!(child.try_wait().unwrap().is_none(), "{name} has ended already");
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
     child.kill().unwrap();
     child.wait().unwrap();
     let kept = finished();
-    assert!(!kept.is_empty() && kept.len() < 16, "{} parts", kept.len());
-    drawn(&broken, &EXPONENTS);
+    assert!(!kept.is_empty() && kept.len() < 16, "{name}: {} parts", kept.len());
+    // Another machine's parts are neither taken nor deleted.
+    let change = if name == "lyapunov" { "kappa=0.7" } else { "body.box.mass=13kg" };
+    let other = command(&broken, &[work, &["--set", change]].concat()).output().unwrap();
+    let error = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert!(other.status.code() == Some(2) && error.contains("--discard-unfinished"), "{name}: {error}");
+    assert_eq!(finished(), kept, "{name}");
+    drawn(&broken, work);
     assert_same(&whole, &broken);
 }
 

@@ -25,6 +25,7 @@ impl design_sweep::Machine for Machine {
     type Name = String;
     type Start = FileStart;
     type Measure = Measure;
+    const PART: usize = 64;
 
     fn name(name: &String) -> String {
         name.clone()

@@ -12,6 +12,7 @@ impl Machine for ParameterSet {
     type Name = Name;
     type Start = StartRule;
     type Measure = Measure;
+    const PART: usize = 1024;
 
     fn name(name: &Name) -> String {
         name.name().into()

@@ -1,17 +1,18 @@
 //! What must agree in the files of a release: names, versions, tokens, archives inside wheels, libraries and licences.
 
 use super::agreement::description;
-use super::wheels::{ENTRY, WHEELS, WheelPlatform, python_version, sdist_file};
+use super::wheels::{ENTRY, FMU_FOLDER, WHEELS, WheelPlatform, python_version, sdist_file};
 use crate::archive::{self, Content};
 use crate::error::{Error, Result};
 use crate::inspect;
+use crate::kit::{KIT_FILE, Kit};
 use crate::licences;
 use crate::platforms::PLATFORMS;
 use crate::version::{MODEL_DESCRIPTION, Version};
 use flate2::read::GzDecoder;
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 use vibro_fmi::fmi2::description::{MODEL_IDENTIFIER, guid};
 use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
@@ -29,13 +30,14 @@ pub fn disagreements(dist: &Path, version: &str) -> Result<Vec<String>> {
     let mut wrong = archives(dist, version)?;
     let sdist = dist.join(sdist_file(version));
     let folder = format!("vibro_impact-{}/", python_version(version));
-    let mut described = None;
+    let (mut described, mut kits) = (None, Vec::new());
     if sdist.exists() {
         let content = unpacked(&sdist)?;
         let place = sdist_file(version);
         let about = text(&content, &format!("{folder}PKG-INFO"));
         wrong.extend(metadata(&about, version).map(|why| format!("{place}: PKG-INFO {why}")));
-        wrong.extend(same_archives(dist, &content, &format!("{folder}package/vibro_impact/fmu/"), &place)?);
+        wrong.extend(same_archives(dist, &content, &format!("{folder}{FMU_FOLDER}/"), &place)?);
+        kits.push((content.get(&format!("{folder}{FMU_FOLDER}/{KIT_FILE}")).cloned(), place));
         described = Some(about);
     }
     for platform in WHEELS {
@@ -48,6 +50,39 @@ pub fn disagreements(dist: &Path, version: &str) -> Result<Vec<String>> {
                     .map(|text| format!("{place}: {text}")),
             );
             wrong.extend(same_archives(dist, &content, "vibro_impact/fmu/", &place)?);
+            kits.push((content.get(&format!("vibro_impact/fmu/{KIT_FILE}")).cloned(), place));
+        }
+    }
+    wrong.extend(same_kits(dist, &kits)?);
+    Ok(wrong)
+}
+
+/// Whether all packages hold one kit, with a library for each platform that the archives are for.
+fn same_kits(dist: &Path, kits: &[(Option<Vec<u8>>, String)]) -> Result<Vec<String>> {
+    let archive = archive::read_all(&archive_of(dist, Version::Fmi3))?;
+    let packed: Vec<&str> = PLATFORMS
+        .iter()
+        .filter(|platform| archive.contains_key(&platform.path(Version::Fmi3)))
+        .map(|platform| platform.place.tuple)
+        .collect();
+    let mut wrong = Vec::new();
+    for (bytes, place) in kits {
+        let kit = bytes.as_ref().map(|bytes| archive::of(Cursor::new(bytes), Path::new(KIT_FILE)));
+        let kit = kit.and_then(|content| Kit::from_entries(content.ok()?));
+        let Some(kit) = kit else {
+            wrong.push(format!("{place} lacks {KIT_FILE}, of which FMUs of other machines are made"));
+            continue;
+        };
+        let lacking: Vec<&str> = packed
+            .iter()
+            .copied()
+            .filter(|tuple| kit.binaries.folders().all(|(own, _)| own != *tuple))
+            .collect();
+        if !lacking.is_empty() {
+            wrong.push(format!("{place}: {KIT_FILE} lacks the library for {}", lacking.join(", ")));
+        }
+        if *bytes != kits[0].0 {
+            wrong.push(format!("{place}: {KIT_FILE} is not that of {}", kits[0].1));
         }
     }
     Ok(wrong)
@@ -66,7 +101,7 @@ fn archives(dist: &Path, version: &str) -> Result<Vec<String>> {
         let mut of_platforms = Vec::new();
         for platform in PLATFORMS {
             let Some(bytes) = content.get(&platform.path(edition)) else { continue };
-            of_platforms.push((platform.tuple, bytes.clone()));
+            of_platforms.push((platform.place.tuple, bytes.clone()));
             for (slice, target) in
                 inspect::slices(bytes).unwrap_or_default().into_iter().zip(platform.targets)
             {

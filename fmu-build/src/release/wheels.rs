@@ -4,6 +4,7 @@
 use crate::archive::{Content, write_file};
 use crate::compile::{EPOCH, PLATFORM_TUPLE, cargo_home, output, remap, target, workspace};
 use crate::error::{Error, Result};
+use crate::kit::{KIT_FILE, Kit};
 use crate::platforms::{TOOLS, has_standard_library, runs};
 use flate2::read::GzDecoder;
 use std::fs;
@@ -128,15 +129,20 @@ pub fn missing_tool() -> Option<String> {
     (!there).then(|| TOOLS.to_owned())
 }
 
-/// Makes the source distribution, with the archives of that folder and these licences inside.
+/// Folder of the archives in the sources of the package.
+pub const FMU_FOLDER: &str = "package/vibro_impact/fmu";
+
+/// Makes the source distribution, with the archives of that folder, what makes those of other machines, and these licences inside.
 ///
 /// # Errors
 /// [`Error::Cargo`] where Python or maturin fails, [`Error::File`].
-pub fn sdist(archives: &Path, licences: &Content, version: &str, into: &Path) -> Result<PathBuf> {
+pub fn sdist(archives: &Path, kit: &Kit, licences: &Content, version: &str, into: &Path) -> Result<PathBuf> {
     let package = workspace().join("python");
     for (name, text) in licences {
         write_file(&package.join(name), text)?;
     }
+    // It is no part of a release by itself: the backend takes what lies there where the archives' folder has none.
+    kit.write(&package.join(FMU_FOLDER).join(KIT_FILE))?;
     let mut python = Command::new("python3");
     // The package's own backend fetches the archives and calls maturin.
     python.args(["-c", "import backend, sys; backend.build_sdist(sys.argv[1])"]).arg(into);

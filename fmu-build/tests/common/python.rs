@@ -1,5 +1,6 @@
 //! What the tests that need Python share: the virtual environment and the packaged FMU.
 
+use fmu_build::kit::{self, KIT_FILE};
 use fmu_build::version::Version;
 use fmu_build::{package, platforms};
 use std::ffi::OsStr;
@@ -27,6 +28,14 @@ pub fn fmu() -> PathBuf {
     let versions = Version::ALL;
     let built = platforms::at_hand().and_then(|binaries| package::write(&path, &versions, &binaries, None));
     built.unwrap_or_else(|error| panic!("{error}"));
+    path
+}
+
+/// The library of described machines that cargo compiled for this test, as the package holds it.
+pub fn kit() -> PathBuf {
+    let path = fmu().with_file_name(KIT_FILE);
+    let written = kit::at_hand().and_then(|kit| Ok(kit.write(&path)?));
+    written.unwrap_or_else(|error| panic!("{error}"));
     path
 }
 
@@ -76,8 +85,8 @@ fn copy_package(installed: &Path) {
         .map(|path| (installed.join(path.file_name().expect("a file has a name")), path))
         .collect();
     files.push((installed.join(format!("_native.{ending}")), native_part()));
-    for version in Version::USUAL {
-        let archive = version.beside(&fmu());
+    let archives = Version::USUAL.map(|version| version.beside(&fmu()));
+    for archive in archives.into_iter().chain([kit()]) {
         files.push((installed.join("fmu").join(archive.file_name().expect("a file has a name")), archive));
     }
     fs::create_dir_all(installed.join("fmu")).expect("target can be written");
@@ -98,7 +107,7 @@ pub fn install_wheel(also: &[&str]) -> PathBuf {
     let usual = std::env::var_os("PATH").unwrap_or_default();
     let paths: Vec<PathBuf> =
         std::iter::once(programs.to_owned()).chain(std::env::split_paths(&usual)).collect();
-    let archives = fmu().parent().expect("a file is in a folder").to_owned();
+    let archives = kit().parent().expect("a file is in a folder").to_owned();
     let wheels = folder.join("wheels");
     let pip = |arguments: &[&OsStr]| {
         let mut pip = Command::new(&python);

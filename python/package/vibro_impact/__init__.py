@@ -14,15 +14,8 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 81-103; the default data set is a reconstruction, not the paper's own.
 """
 
-from ._assembly import (
-    Assembly,
-    AssemblyDiagram,
-    AssemblyDirection,
-    AssemblyEnds,
-    AssemblyRun,
-    measure_assemblies,
-    simulate_assemblies,
-)
+from ._assembly import Assembly
+from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch
 from ._fmu import fmu_path
 from ._machine import Machine
 from ._many import Ends, measure_many, simulate_many
@@ -57,6 +50,7 @@ __all__ = [
     "Orbit",
     "Run",
     "Section",
+    "Sketch",
     "Spectrum",
     "SteadyState",
     "SteadyStates",
@@ -64,8 +58,6 @@ __all__ = [
     "basins",
     "bifurcation",
     "fmu_path",
-    "measure_assemblies",
     "measure_many",
-    "simulate_assemblies",
     "simulate_many",
 ]

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, Floats, array, number, whole
+from ._arguments import MOST_PERIODS, array, number, whole
+from ._assembly_results import AssemblyDiagram, AssemblyEnds, AssemblyRun, Sketch, direction_of, run_of
+from ._fmu import kit_path
 from ._measures import measured
 from ._progress import Bar
-from ._result import Result
+from ._toml import toml
 
 if TYPE_CHECKING:
-    import pandas
-    from numpy.typing import ArrayLike, NDArray
-
-    from . import _returned
-
-#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
-EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
-#: Energies, J: kinetic, stored, and work put in less losses since the start; kinetic + stored - balance is constant.
-ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
+    from numpy.typing import ArrayLike
 
 _MOST_SAMPLES = 10_000_000
 _MOST_VALUES = 20_000
@@ -65,7 +58,7 @@ class Assembly:
 
     def __init__(self, machine: Union[str, os.PathLike[str], Mapping[str, Any]]) -> None:
         if isinstance(machine, Mapping):
-            described = _native.Described(_toml(machine), None)
+            described = _native.Described(toml(machine), None)
         elif isinstance(machine, str) and "\n" in machine:
             described = _native.Described(machine, None)
         elif isinstance(machine, (str, os.PathLike)):
@@ -156,7 +149,7 @@ class Assembly:
                 raise ValueError("times: allowed are ascending finite times from 0 on")
         with Bar(progress, len(t), "samples") as bar:
             found = _native.simulate_assembly(self._described, t, bar.report)
-        return _run(self, t, found)
+        return run_of(self, t, found)
 
     def measure(
         self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None
@@ -170,7 +163,7 @@ class Assembly:
         section
             A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
         """
-        return measure_assemblies([self], measures, periods=periods, settle=settle, section=section)[0]
+        return measures_of([self], measures, periods, settle, section, False)[0]
 
     def bifurcation(
         self,
@@ -217,7 +210,38 @@ class Assembly:
             found = _native.assembly_diagram(
                 self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, _section(section), bar.report
             )
-        return AssemblyDiagram(self, name, of, _direction(found["up"]), _direction(found["down"]), found["hysteresis"])
+        return AssemblyDiagram(self, name, of, direction_of(found["up"]), direction_of(found["down"]), found["hysteresis"])
+
+    def sketch(self) -> Sketch:
+        """The machine as an engineer draws it; a notebook shows the picture: on the bytes of ``vibro assembly draw``."""
+        return Sketch(self._described)
+
+    def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
+        """Writes the machine's FMU, for Co-Simulation and Model Exchange, and returns its path. Nothing is compiled: the library that serves
+        all machines is inside the package.
+
+        Parameters
+        ----------
+        path
+            The file; in a folder it has the machine's name, and so it has in the current one without a path.
+        version
+            2 for FMI 2.0, 3 for FMI 3.0.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For another version.
+        FileNotFoundError
+            Where the package was built without the library.
+        OSError
+            Where the file cannot be written.
+        """
+        version = whole("version", version, 2, 3)
+        to = Path(path) if path is not None else Path()
+        if to.is_dir():
+            to /= f"{self.name}.fmu"
+        self._described.fmu(version, os.fspath(kit_path()), os.fspath(to))
+        return to
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a machine is immutable; replace() gives one with other values")
@@ -245,164 +269,32 @@ def _of(described: _native.Described) -> Assembly:
     return found
 
 
-def _column(columns: list[str], values: Floats, name: str) -> Floats:
-    """The column of that name."""
-    try:
-        index = columns.index(name)
-    except ValueError:
-        raise KeyError(f"{name}: allowed are {', '.join(columns)}") from None
-    found: Floats = values[:, index]
-    return found
-
-
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyRun(Result):
-    """A motion of a machine of your own; ``run["box.s"]`` is an array."""
-
-    machine: Assembly
-    "Whose motion it is."
-    t: Floats
-    "Instants, shape (n,), s."
-    columns: list[str]
-    "Names of the columns of `values`."
-    values: Floats
-    "Shape (n, k), SI; just after an event at that instant."
-    events: NDArray[np.void]
-    "All events, fields t (s), kind, element, value, stops."
-    energy: NDArray[np.void]
-    "Energies, shape (n,), fields kinetic, stored, balance, J."
-
-    def __getitem__(self, name: str) -> Floats:
-        return _column(self.columns, self.values, name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.columns)
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """The samples as a table of pandas, which must be installed, with times as index."""
-        import pandas
-
-        return pandas.DataFrame(dict(zip(self.columns, self.values.T)), index=pandas.Index(self.t, name="time"))
-
-
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyEnds(Result):
-    """The ends of many machines' motions; ``ends["box.s"]`` is an array."""
-
-    t: float
-    "Time of the ends, s."
-    columns: list[str]
-    "Names of the columns of `values`."
-    values: Floats
-    "Shape (n, k), SI."
-
-    def __getitem__(self, name: str) -> Floats:
-        return _column(self.columns, self.values, name)
-
-
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyDirection(Result):
-    """The settled motions of one direction of a diagram."""
-
-    value: Floats
-    "The parameter, shape (n,), SI, rising."
-    kind: NDArray[np.str_]
-    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled; refused."
-    period: NDArray[np.int32]
-    "Period in returns to the section, shape (n,); 0 where it has none up to 32."
-    contacts: Floats
-    "Impacts and first touches a return, shape (n,)."
-    rests: NDArray[np.bool_]
-    "Whether a stop stays closed or a friction sticks in its course, shape (n,)."
-    maxima: Floats
-    "Maxima, or values at the section, each once, shape (k,), SI, to seven digits."
-    at: NDArray[np.int64]
-    "The index in `value` of each, shape (k,)."
-    met: NDArray[np.uint32]
-    "How often it was met, shape (k,)."
-    exponent: Floats
-    "Largest Lyapunov exponent, shape (n,), 1/s; 0 where it was not asked for and not needed."
-
-
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyDiagram(Result):
-    """A bifurcation diagram in both directions."""
-
-    machine: Assembly
-    "The machine whose parameter varies."
-    name: str
-    "The parameter."
-    of: str
-    "The quantity."
-    up: AssemblyDirection
-    "With the value rising."
-    down: AssemblyDirection
-    "With the value falling, in the order of rising values."
-    hysteresis: NDArray[np.bool_]
-    "Where the two end on different motions for certain, shape (n,)."
-
-
-def simulate_assemblies(machines: Iterable[Assembly], until: float, *, progress: bool = False) -> AssemblyEnds:
-    """The ends of many machines' motions, on all cores: on the bits of one :meth:`Assembly.simulate` to the end.
-
-    Parameters
-    ----------
-    machines
-        Machines of one structure: :meth:`Assembly.replace` makes them.
-    until
-        End of the motions, s.
-
-    Raises
-    ------
-    ValueError, TypeError, RuntimeError
-        As :meth:`Assembly.simulate`, with the motion's index; for machines of different columns.
-    """
-    several = _several(machines)
+def ends(machines: list[Assembly], until: object, progress: bool) -> AssemblyEnds:
+    """Of :func:`simulate_many`."""
     end = _positive("until", until)
-    columns = several[0].columns if several else []
-    for index, machine in enumerate(several):
+    columns = machines[0].columns if machines else []
+    for index, machine in enumerate(machines):
         if machine.columns != columns:
             raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
-    with Bar(progress, len(several), "motions") as bar:
-        values = _native.simulate_assemblies([m._described for m in several], end, bar.report)
+    with Bar(progress, len(machines), "motions") as bar:
+        values = _native.simulate_assemblies([m._described for m in machines], end, bar.report)
     return AssemblyEnds(end, columns, values)
 
 
-def measure_assemblies(
-    machines: Iterable[Assembly],
-    measures: Sequence[str],
-    *,
-    periods: int = 60,
-    settle: int = 300,
-    section: Section = None,
-    progress: bool = False,
+def measures_of(
+    machines: list[Assembly], measures: Sequence[str], periods: int, settle: int, section: Section, progress: bool
 ) -> list[dict[str, float | str | None]]:
-    """Measures of many machines' settled motions on all cores: a dictionary for each, as of :meth:`Assembly.measure`.
-
-    Raises
-    ------
-    ValueError, TypeError, RuntimeError
-        As :meth:`Assembly.measure`, with the motion's index.
-    """
-    several = _several(machines)
+    """Of :func:`measure_many`."""
     if isinstance(measures, str):
         raise TypeError(f"measures = {measures!r}: allowed is a sequence of names")
     names = list(measures)
     periods = whole("periods", periods, 1, MOST_PERIODS)
     settle = whole("settle", settle, 0, MOST_PERIODS)
-    with Bar(progress, len(several), "motions") as bar:
+    with Bar(progress, len(machines), "motions") as bar:
         found = _native.measure_assemblies(
-            [m._described for m in several], names, settle, periods, _section(section), bar.report
+            [m._described for m in machines], names, settle, periods, _section(section), bar.report
         )
     return [measured(names, numbers, kind) for numbers, kind in found]
-
-
-def _several(machines: Iterable[Assembly]) -> list[Assembly]:
-    several = list(machines)
-    for index, machine in enumerate(several):
-        if not isinstance(machine, Assembly):
-            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Assembly")
-    return several
 
 
 def _section(section: Section) -> Union[None, float, str]:
@@ -414,54 +306,3 @@ def _positive(name: str, value: object) -> float:
     if not found > 0:
         raise ValueError(f"{name} = {value!r}: allowed is a finite number above 0")
     return found
-
-
-def _run(machine: Assembly, t: Floats, found: _returned.AssemblyRun) -> AssemblyRun:
-    events = np.empty(len(found["t"]), EVENT)
-    events["t"], events["value"], events["stops"] = found["t"], found["value"], found["stops"]
-    events["kind"], events["element"] = found["kind"], found["element"]
-    energy = np.empty(len(t), ASSEMBLY_ENERGY)
-    for index, name in enumerate(ASSEMBLY_ENERGY.names or ()):
-        energy[name] = found["energy"][:, index]
-    return AssemblyRun(machine, t, machine.columns, found["values"], events, energy)
-
-
-def _direction(found: _returned.AssemblyDirection) -> AssemblyDirection:
-    return AssemblyDirection(
-        found["value"],
-        np.array(found["classes"], dtype=np.str_),
-        found["period"],
-        found["contacts"],
-        found["rests"],
-        found["maxima"],
-        found["maxima_at"],
-        found["maxima_met"],
-        found["exponent"],
-    )
-
-
-def _toml(machine: Mapping[str, Any]) -> str:
-    """A dictionary as the text of a file: each value of the top level a line, tables within it in braces."""
-    return "".join(f"{_key(name)} = {_value(str(name), value)}\n" for name, value in machine.items())
-
-
-def _key(name: object) -> str:
-    if not isinstance(name, str):
-        raise TypeError(f"{name!r} is of type {type(name).__name__}: allowed as a name is a text")
-    return json.dumps(name)
-
-
-def _value(name: str, value: object) -> str:
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_key(k)} = {_value(f'{name}.{k}', v)}" for k, v in value.items()) + "}"
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(_value(f"{name}[{i}]", v) for i, v in enumerate(value)) + "]"
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value)
-    if isinstance(value, (int, np.integer)):
-        return str(int(value))
-    if isinstance(value, (float, np.floating)):
-        return repr(float(value))
-    raise TypeError(f"{name} is of type {type(value).__name__}: allowed are numbers, texts, booleans, lists and dictionaries")

@@ -1,4 +1,4 @@
-"""The FMU archives inside the package."""
+"""The FMU archives inside the package, and what makes those of other machines."""
 
 from __future__ import annotations
 
@@ -19,7 +19,16 @@ def fmu_path(version: int = 2) -> Path:
     FileNotFoundError
         Where the package was built without the archives.
     """
-    path = Path(__file__).with_name("fmu") / _NAMES[whole("version", version, 2, 3)]
+    return _inside(_NAMES[whole("version", version, 2, 3)])
+
+
+def kit_path() -> Path:
+    """The path of the library that serves all machines of one's own, with its licences."""
+    return _inside("machine-kit.zip")
+
+
+def _inside(name: str) -> Path:
+    path = Path(__file__).with_name("fmu") / name
     if not path.exists():
         raise FileNotFoundError(
             f"{path} is missing: the package was built without it. Make it by `cargo run --bin fmu-build` and build the "

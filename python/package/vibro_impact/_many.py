@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Sequence
-from typing import Any, Union
+from typing import Any, Optional, Union, overload
 
 import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, Floats, Start, array, state, whole
+from ._assembly import Assembly, Section, ends, measures_of
+from ._assembly_results import AssemblyEnds
 from ._machine import Machine
 from ._measures import measure_names, measured
 from ._progress import Bar
@@ -33,39 +35,65 @@ class Ends(Result):
         return np.concatenate([self.s, self.v], axis=1)
 
 
+@overload
 def simulate_many(
     machines: Union[Machine, Iterable[Machine]],
     starts: Union[Start, Sequence[Start]] = None,
     *,
     periods: int = 400,
     progress: bool = False,
-) -> Ends:
-    """Many motions over whole drive periods from time 0, side by side in the processor's vectors and on all cores.
+) -> Ends: ...
 
-    Each ends as accurately as by :meth:`Machine.simulate`, but not on the same bits; they do not depend on the other motions, nor on the
-    number of threads (docs/guarantees.md).
+
+@overload
+def simulate_many(machines: Iterable[Assembly], *, until: float, progress: bool = False) -> AssemblyEnds: ...
+
+
+def simulate_many(
+    machines: Any,
+    starts: Union[Start, Sequence[Start]] = None,
+    *,
+    periods: Optional[int] = None,
+    until: Optional[float] = None,
+    progress: bool = False,
+) -> Union[Ends, AssemblyEnds]:
+    """Many motions on all cores: of :class:`Machine` over whole drive periods from time 0, of :class:`Assembly` until a time.
+
+    Those of :class:`Machine` run side by side in the processor's vectors. Each ends as accurately as by :meth:`Machine.simulate`, but not on
+    the same bits; they do not depend on the other motions, nor on the number of threads (docs/guarantees.md). Those of :class:`Assembly`
+    end on the bits of one :meth:`Assembly.simulate` to the end.
 
     Parameters
     ----------
     machines
-        Machines, or one for all starts. Neighbours that are equal share their tables.
+        Machines of one kind, or one :class:`Machine` for all starts. Neighbours that are equal share their tables. Assemblies have one
+        structure: :meth:`Assembly.replace` makes them.
     starts
-        A start as of :meth:`Machine.simulate` for all machines, a sequence of starts, or an array of shape (n, 6).
+        Of machines: a start as of :meth:`Machine.simulate` for all, a sequence of starts, or an array of shape (n, 6). Assemblies have theirs.
     periods
-        Drive periods, each machine's own.
+        Of machines: drive periods, each machine's own; 400 unless given.
+    until
+        Of assemblies: end of the motions, s.
 
     Raises
     ------
     ValueError, TypeError, RuntimeError
-        As :meth:`Machine.simulate`, with the motion's index; for numbers of machines and starts that differ.
+        As :meth:`Machine.simulate` and :meth:`Assembly.simulate`, with the motion's index; for numbers of machines and starts that differ;
+        for assemblies of different columns.
     """
-    periods = whole("periods", periods, 0, MOST_PERIODS)
+    machines = _listed(machines)
+    if until is not None or _are_assemblies(machines):
+        if until is None or starts is not None or periods is not None:
+            raise TypeError("of assemblies allowed is `until`, and neither `starts` nor `periods`; of machines the other way round")
+        return ends(_several(machines), until, progress)
+    periods = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
     several, rows = _motions(machines, starts, "a motion over periods")
     with Bar(progress, len(several), "motions") as bar:
         s, v = _native.simulate_many([m._system for m in several], rows, periods, bar.report)
     return Ends(np.array([periods * m.period for m in several]), s, v)
 
 
+@overload
 def measure_many(
     machines: Union[Machine, Iterable[Machine]],
     measures: Sequence[str],
@@ -74,34 +102,88 @@ def measure_many(
     periods: int = 60,
     settle: int = 400,
     progress: bool = False,
+) -> list[dict[str, float | str | None]]: ...
+
+
+@overload
+def measure_many(
+    machines: Iterable[Assembly],
+    measures: Sequence[str],
+    *,
+    periods: int = 60,
+    settle: int = 300,
+    section: Section = None,
+    progress: bool = False,
+) -> list[dict[str, float | str | None]]: ...
+
+
+def measure_many(
+    machines: Any,
+    measures: Sequence[str],
+    starts: Union[Start, Sequence[Start]] = None,
+    *,
+    periods: int = 60,
+    settle: Optional[int] = None,
+    section: Section = None,
+    progress: bool = False,
 ) -> list[dict[str, float | str | None]]:
-    """Measures of many settled motions on all cores: a dictionary for each, with the bits of :meth:`Machine.measure`.
+    """Measures of many settled motions on all cores: a dictionary for each, with the bits of :meth:`Machine.measure` and
+    :meth:`Assembly.measure`.
 
     ``pandas.DataFrame(measure_many(...))`` makes a table of them.
 
     Parameters
     ----------
     machines
-        Machines, or one for all starts.
+        Machines or assemblies, or one :class:`Machine` for all starts.
     measures
-        Names as of :meth:`Machine.measure`; :data:`MEASURES` has all, with units.
+        Names: :data:`MEASURES` has those of machines, :attr:`Assembly.measures` those of an assembly, with units.
     starts
-        As of :func:`simulate_many`.
+        Of machines, as of :func:`simulate_many`.
     periods, settle
-        Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
+        Periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep`` and ``vibro
+        assembly sweep``.
+    section
+        Of assemblies, as of :meth:`Assembly.measure`.
 
     Raises
     ------
     ValueError, TypeError, RuntimeError
-        As :meth:`Machine.measure`, with the motion's index; for numbers of machines and starts that differ.
+        As :meth:`Machine.measure` and :meth:`Assembly.measure`, with the motion's index; for numbers of machines and starts that differ.
     """
+    machines = _listed(machines)
+    if _are_assemblies(machines):
+        if starts is not None:
+            raise TypeError("starts: allowed for machines; an assembly has its own start")
+        return measures_of(_several(machines), measures, periods, 300 if settle is None else settle, section, progress)
+    if section is not None:
+        raise TypeError("section: allowed for assemblies; a machine is looked at once a drive period")
     names = measure_names(measures)
     periods = whole("periods", periods, 1, MOST_PERIODS)
-    settle = whole("settle", settle, 0, MOST_PERIODS)
+    settle = whole("settle", 400 if settle is None else settle, 0, MOST_PERIODS)
     several, rows = _motions(machines, starts, "a measure")
     with Bar(progress, len(several), "motions") as bar:
         found = _native.measure_many([m._system for m in several], rows, names, settle, periods, bar.report)
     return [measured(names, numbers, kind) for numbers, kind in found]
+
+
+def _listed(machines: Any) -> Any:
+    """What can be gone through more than once."""
+    return list(machines) if isinstance(machines, Iterable) else machines
+
+
+def _are_assemblies(machines: Any) -> bool:
+    """Whether the first of them is one; a single assembly is one too."""
+    first = machines[0] if isinstance(machines, list) and machines else machines
+    return isinstance(first, Assembly)
+
+
+def _several(machines: Any) -> list[Assembly]:
+    several = list(machines) if isinstance(machines, Iterable) else [machines]
+    for index, machine in enumerate(several):
+        if not isinstance(machine, Assembly):
+            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Assembly")
+    return several
 
 
 def _motions(

@@ -2,7 +2,7 @@
 #![no_main]
 #![allow(missing_docs)]
 
-#[path = "../../../doors/examples/bouncing_ball.rs"]
+#[path = "../../../doors/examples/bouncing_ball/main.rs"]
 mod bouncing_ball;
 #[path = "../../../doors/tests/common/calls.rs"]
 mod calls;

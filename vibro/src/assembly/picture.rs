@@ -6,7 +6,7 @@ use vibro_assembly::motion::EventKind;
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 
-/// Colours of curves; more curves than these are in no panel.
+/// Colours of curves; no panel has more curves than these.
 const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];
 /// Most points of a curve.
 const POINTS: usize = 4000;
@@ -71,7 +71,12 @@ fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[(String
         "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),
         _ => Axis::new(label),
     };
-    Some(Panel { title: title.into(), x: time_axis(record), y, layers })
+    // Curves without a colour are left out, which the title says.
+    let title = match curves.len() {
+        all if all > COLOURS.len() => format!("{title}, the first {} of {all}", COLOURS.len()),
+        _ => title.into(),
+    };
+    Some(Panel { title, x: time_axis(record), y, layers })
 }
 
 fn impacts(record: &Record) -> Option<Panel> {

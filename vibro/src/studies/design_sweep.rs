@@ -11,6 +11,7 @@ pub use table::write_tables;
 use super::Study;
 use crate::Result;
 use collected::Collected;
+pub(in crate::studies) use map::{limits, map};
 use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, each_row};
 use vibro_analysis::parts::Task;
 pub use words::Told;

@@ -12,11 +12,18 @@ use vibro::long_study::{AssemblyStudy, LongStudy, Work};
 use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
 use vibro::{Error, Result, assembly};
-use vibro_analysis::assembly::{Machine, Measure, Quantity, SectionRule, diagram};
+use vibro_analysis::assembly::{FileStart, Machine, Measure, Quantity, SectionRule, diagram};
 use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledAxis};
+use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::sobol::DIMENSIONS;
 use vibro_impact::quantities::quantity_in;
+
+/// Values in a range without a count, of a diagram and of a plane.
+const VALUES: u16 = 200;
+const PLANE_VALUES: u16 = 60;
+/// Most values on an axis of a plane.
+const MOST_OF_PLANE: usize = 3_000;
 
 /// The machine, and where its motions are looked at.
 #[derive(Args, Debug)]
@@ -38,9 +45,9 @@ pub struct Which {
 pub struct Bifurcation {
     #[command(flatten)]
     which: Which,
-    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200
-    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
-    vary: String,
+    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200. Repeated for planes
+    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true, required = true)]
+    vary: Vec<String>,
     #[command(flatten)]
     drawn: Drawn,
     /// For many machines.
@@ -57,9 +64,13 @@ pub struct Drawn {
     /// Draw its values where the motion is looked at (a Poincaré section) instead of its local maxima
     #[arg(long)]
     at_section: bool,
-    /// Values in a range without a count
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u16).range(2..=20_000))]
-    resolution: u16,
+    /// Draw classes and contacts over a plane of two parameters instead, of which --vary tells the ranges: stop.upper.gap,body.block.mass.
+    /// Each motion starts as the file says. May be repeated
+    #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
+    pair: Vec<String>,
+    /// Values in a range without a count [default: 200; of a plane 60]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=20_000))]
+    resolution: Option<u16>,
     /// Periods discarded at each value, unless the motion has settled before
     #[arg(long, value_name = "N", default_value_t = 300)]
     discard: u32,
@@ -73,9 +84,9 @@ pub struct Drawn {
 pub struct Lyapunov {
     #[command(flatten)]
     which: Which,
-    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200 [default: the machine as it is]
+    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200. Repeated for planes [default: the machine as it is]
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
-    vary: Option<String>,
+    vary: Vec<String>,
     #[command(flatten)]
     drawn: Drawn,
     /// Periods over which the exponent is counted, after 32 in which the variation turns into its direction
@@ -211,7 +222,7 @@ fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>)
         Some(of) => of.clone(),
         None => default_quantity(machine)?,
     };
-    let axis = axis(machine, vary, a.resolution.into(), diagram::MOST_VALUES)?;
+    let axis = axis(machine, vary, a.resolution.unwrap_or(VALUES).into(), diagram::MOST_VALUES)?;
     let request =
         diagram::Request { axis, of, at_section: a.at_section, discard: a.discard, keep: a.keep, exponents };
     request.check(machine)?;
@@ -229,9 +240,17 @@ fn draw(
     which: &Which,
     common: &Common,
     command: &str,
-    (vary, a): (&str, &Drawn),
+    (vary, a): (&[String], &Drawn),
     (exponents, share): (Option<u32>, &Share),
 ) -> Result<()> {
+    if !a.pair.is_empty() {
+        return draw_planes(which, common, command, (vary, a), (exponents, share));
+    }
+    let [vary] = vary else {
+        let what = format!("--vary {}", vary.join(" --vary "));
+        let problem = "allowed is one parameter, or --pair NAME,NAME for a plane of two".into();
+        return Err(Error::Refused { what, problem });
+    };
     let mut machine = machine(which, common)?;
     let request = request(&mut machine, vary, a, exponents)?;
     let axis = &request.axis;
@@ -248,13 +267,57 @@ fn draw(
     perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, share.shard)
 }
 
+/// The planes of the pairs, each a study of its own.
+fn draw_planes(
+    which: &Which,
+    common: &Common,
+    command: &str,
+    (vary, a): (&[String], &Drawn),
+    (exponents, share): (Option<u32>, &Share),
+) -> Result<()> {
+    let mut machine = machine(which, common)?;
+    let resolution = a.resolution.unwrap_or(PLANE_VALUES).into();
+    let axes = vary.iter().map(|text| axis(&mut machine, text, resolution, MOST_OF_PLANE));
+    let axes: Vec<ParameterAxis<String>> = axes.collect::<Result<_>>()?;
+    let named = |name: &str| {
+        let found = axes.iter().find(|axis| axis.name == name.trim()).cloned();
+        found.ok_or_else(|| Error::form(name, "a parameter of which --vary tells the range"))
+    };
+    let mut studies = Vec::new();
+    for pair in &a.pair {
+        let names = pair.split_once(',');
+        let form =
+            || Error::form(pair, "two names with a comma between, e.g. stop.upper.gap,body.block.mass");
+        let (x, y) = names.ok_or_else(form)?;
+        let (x, y) = (named(x)?, named(y)?);
+        let words =
+            |axis: &ParameterAxis<String>| format!("{}={}:{}:{}", axis.name, axis.from, axis.to, axis.count);
+        let options = [
+            ("vary", format!("{} {}", words(&x), words(&y))),
+            ("pair", format!("{},{}", x.name, y.name)),
+            ("discard", a.discard.to_string()),
+            ("periods", exponents.map_or(String::new(), |n| n.to_string())),
+        ];
+        let invocation = invocation(common, command, &options);
+        let name = format!("{}-{}-{}", invocation.command, x.name, y.name);
+        let request =
+            isoperiodic::Request::<Machine> { x, y, start: FileStart::File, discard: a.discard, exponents };
+        let work = Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
+        let study = LongStudy::of(&name, work);
+        // All are refused before the first begins.
+        study.check()?;
+        studies.push((study, invocation));
+    }
+    studies.iter().try_for_each(|(study, invocation)| perform_as(study, common, invocation, share.shard))
+}
+
 pub fn bifurcation(a: &Bifurcation, common: &Common) -> Result<()> {
     draw(&a.which, common, "bifurcation", (&a.vary, &a.drawn), (None, &a.share))
 }
 
 pub fn lyapunov(a: &Lyapunov, common: &Common) -> Result<()> {
-    if let Some(vary) = &a.vary {
-        return draw(&a.which, common, "lyapunov", (vary, &a.drawn), (Some(a.periods), &a.share));
+    if !(a.vary.is_empty() && a.drawn.pair.is_empty()) {
+        return draw(&a.which, common, "lyapunov", (&a.vary, &a.drawn), (Some(a.periods), &a.share));
     }
     let machine = machine(&a.which, common)?;
     let options = [("discard", a.drawn.discard.to_string()), ("periods", a.periods.to_string())];

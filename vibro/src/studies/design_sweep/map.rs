@@ -68,13 +68,13 @@ fn range<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> (f64, f64) {
 }
 
 /// The limits of the steps for values of one or several maps; none where there is no value.
-pub(super) fn limits<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> Vec<f64> {
+pub(in crate::studies) fn limits<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> Vec<f64> {
     let (least, largest) = range(values);
     if least <= largest { steps(least, largest) } else { Vec::new() }
 }
 
 /// A map: `values` by the second axis within the first, as designs are numbered, in steps between these limits.
-pub(super) fn map<M: Told>(
+pub(in crate::studies) fn map<M: Told>(
     set: &M,
     title: String,
     unit: &str,

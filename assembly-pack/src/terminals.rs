@@ -6,7 +6,7 @@ use vibro_assembly::description::Dimension;
 use vibro_assembly_fmi::Plan;
 
 /// Kinds of the terminals, of translation and of rotation; kinds of tools begin with an underscore and the tool's name.
-pub const KINDS: [&str; 2] = ["_VibroImpact_TranslationalFlange", "_VibroImpact_RotationalFlange"];
+const KINDS: [&str; 2] = ["_VibroImpact_TranslationalFlange", "_VibroImpact_RotationalFlange"];
 
 /// The text of the file. The rule is `bus`, since a partner may have displacement and force alone.
 pub fn xml(plan: &Plan) -> String {

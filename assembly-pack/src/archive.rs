@@ -1,13 +1,15 @@
 //! The `.fmu` archive: written so that the same content gives the same bytes, read as a host does.
 
-use crate::compile::PROGRAM;
-use crate::error::{Error, Result};
+use crate::{Error, Result};
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{Cursor, Read, Write};
+use std::io::{Cursor, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+/// Name of the command line's program, without what Windows puts behind it.
+pub const PROGRAM: &str = "vibro";
 
 /// Content of an archive: path inside it → bytes, in the order of the paths.
 pub type Content = BTreeMap<String, Vec<u8>>;
@@ -80,9 +82,16 @@ impl Permissions for tempfile::Builder<'_, '_> {
 /// # Errors
 /// [`Error::Archive`], [`Error::File`].
 pub fn read_all(path: &Path) -> Result<Content> {
+    of(fs::File::open(path).map_err(Error::file("opening", path))?, path)
+}
+
+/// Every file in the archive that something holds, which messages call by that path.
+///
+/// # Errors
+/// [`Error::Archive`].
+pub fn of(held: impl Read + Seek, path: &Path) -> Result<Content> {
     let failed = |source| Error::Archive { path: path.to_owned(), source };
-    let file = fs::File::open(path).map_err(Error::file("opening", path))?;
-    let mut zip = ZipArchive::new(file).map_err(failed)?;
+    let mut zip = ZipArchive::new(held).map_err(failed)?;
     let mut content = Content::new();
     for i in 0..zip.len() {
         let mut entry = zip.by_index(i).map_err(failed)?;

@@ -1,12 +1,8 @@
-//! A ball that falls on a floor and bounces: a table of its variables, and its motion from impact to impact, which is exact. It is an FMU
-//! for both interface types of both versions, with event mode, an event indicator and saved states.
-//!
-//! `cargo build --example bouncing_ball` makes the library that hosts load; `cargo run --example describe` writes its descriptions.
+//! A ball that falls on a floor and bounces: a table of its variables, and its motion from impact to impact, which is exact. `main.rs` makes an
+//! FMU of it, for both interface types of both versions, with event mode, an event indicator and saved states.
 
 use fmi_doors::description::Experiment;
-use fmi_doors::tabular::{FromTable, Row, Tabular};
-
-fmi_doors::export!(FromTable<Ball>);
+use fmi_doors::tabular::{Row, Tabular};
 
 /// The ball.
 pub enum Ball {}

@@ -1,13 +1,7 @@
 //! Random calls with random arguments on the bouncing ball, by both doors: no crash, no panic, and the instance answers afterwards.
-#![allow(unsafe_code)] // the C interface
 
-#[path = "../examples/bouncing_ball.rs"]
-mod bouncing_ball;
-#[path = "common/calls.rs"]
-mod calls;
-
-use bouncing_ball as component;
-use calls::{Random, Target, run_fmi2, run_fmi3};
+use super::bouncing_ball::Ball;
+use super::calls::{Random, Target, run_fmi2, run_fmi3};
 use fmi_doors::tabular::FromTable;
 use std::ffi::CString;
 
@@ -15,7 +9,7 @@ use std::ffi::CString;
 const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
 
 fn ball() -> Target {
-    let token = CString::new(FromTable::<component::Ball>::token()).unwrap();
+    let token = CString::new(FromTable::<Ball>::token()).unwrap();
     Target { token, resources: None, references: 11, input: None }
 }
 

@@ -1,0 +1,125 @@
+//! Compiled libraries and the folders of archives in which they lie.
+
+use crate::archive::Content;
+use fmi_doors::Version;
+use std::collections::BTreeMap;
+
+/// A platform as archives name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI 2.0.4 (2.3) has it,
+    /// the platform tuples of FMI 3.0.
+    pub folder: &'static str,
+    /// The same in FMI 3.0 (2.5.1.4.1): the platform tuple.
+    pub tuple: &'static str,
+    /// Ending of the library's name.
+    pub ending: &'static str,
+}
+
+const fn place(folder: &'static str, tuple: &'static str, ending: &'static str) -> Place {
+    Place { folder, tuple, ending }
+}
+
+/// Every platform that is packed, where it can be built.
+pub const PLACES: [Place; 7] = [
+    place("linux64", "x86_64-linux", ".so"),
+    place("win64", "x86_64-windows", ".dll"),
+    // Hosts on Apple's own processors look here too.
+    place("darwin64", "x86_64-darwin", ".dylib"),
+    place("aarch64-darwin", "aarch64-darwin", ".dylib"),
+    place("aarch64-linux", "aarch64-linux", ".so"),
+    place("linux32", "x86-linux", ".so"),
+    place("win32", "x86-windows", ".dll"),
+];
+
+/// Folder of this platform's binary inside the archive of FMI 2.0 (2.3), as hosts look for it: they go by
+/// operating system and pointer width alone, whatever the processor.
+pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), usize::BITS) {
+    (true, _, 64) => "win64",
+    (true, _, _) => "win32",
+    (_, true, _) => "darwin64",
+    (_, _, 64) => "linux64",
+    _ => "linux32",
+};
+
+/// Folder of this platform's binary inside the archive of FMI 3.0 (2.5.1.4.1): processor and system.
+pub const PLATFORM_TUPLE: &str = match (std::env::consts::ARCH.as_bytes(), std::env::consts::OS.as_bytes()) {
+    (b"x86_64", b"windows") => "x86_64-windows",
+    (b"x86_64", b"macos") => "x86_64-darwin",
+    (b"x86_64", _) => "x86_64-linux",
+    (b"aarch64", b"windows") => "aarch64-windows",
+    (b"aarch64", b"macos") => "aarch64-darwin",
+    (b"aarch64", _) => "aarch64-linux",
+    (_, b"windows") => "x86-windows",
+    _ => "x86-linux",
+};
+
+/// Ending of a shared library's name on this platform, with its dot.
+pub const SHARED_LIBRARY: &str = std::env::consts::DLL_SUFFIX;
+
+/// This platform.
+const OWN: Place = place(PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY);
+
+/// Path inside an archive of a platform's binary of a model.
+pub fn binary_path(version: Version, model_identifier: &str, place: Place) -> String {
+    format!("binaries/{}/{model_identifier}{}", place.in_archive(version), place.ending)
+}
+
+impl Place {
+    /// This platform.
+    pub const OWN: Self = OWN;
+
+    /// The folder of a platform under `binaries/`: its name in FMI 2.0, or its tuple in FMI 3.0.
+    pub fn in_archive(self, version: Version) -> &'static str {
+        if version == Version::Fmi2 { self.folder } else { self.tuple }
+    }
+}
+
+/// The compiled libraries of all archives: the same in each, in other folders.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Binaries(Vec<(Place, Vec<u8>)>);
+
+impl FromIterator<(Place, Vec<u8>)> for Binaries {
+    fn from_iter<T: IntoIterator<Item = (Place, Vec<u8>)>>(libraries: T) -> Self {
+        Self(libraries.into_iter().collect())
+    }
+}
+
+impl Binaries {
+    /// One library for this machine.
+    pub fn own(bytes: Vec<u8>) -> Self {
+        Self(vec![(OWN, bytes)])
+    }
+
+    /// Those of some platforms alone, by their folders in FMI 3.0.
+    #[must_use]
+    pub fn only(&self, tuples: &[&str]) -> Self {
+        self.0.iter().filter(|(place, _)| tuples.contains(&place.tuple)).cloned().collect()
+    }
+
+    /// The libraries by their folders in FMI 3.0.
+    pub fn folders(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
+        self.0.iter().map(|(place, bytes)| (place.tuple, &**bytes))
+    }
+
+    /// Those that [`folders`](Self::folders) gave; none where a folder is of no platform.
+    pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
+        let known = |name: &str| [OWN].into_iter().chain(PLACES).find(|place| place.tuple == name);
+        libraries.into_iter().map(|(name, bytes)| Some((known(&name)?, bytes))).collect()
+    }
+
+    /// Path inside the archive of a version of a model → bytes.
+    pub fn of(&self, version: Version, model_identifier: &str) -> Content {
+        self.0
+            .iter()
+            .map(|(at, bytes)| (binary_path(version, model_identifier, *at), bytes.clone()))
+            .collect()
+    }
+
+    /// Names of the folders in the archive of a version, this machine's own first.
+    pub fn names(&self, version: Version) -> Vec<&'static str> {
+        let (own, others): (Vec<Place>, _) =
+            self.0.iter().map(|(place, _)| *place).partition(|place| place.folder == PLATFORM);
+        own.into_iter().chain(others).map(|place| place.in_archive(version)).collect()
+    }
+}

@@ -1,0 +1,95 @@
+//! What is the same in the archives of all machines, and its file.
+
+use crate::archive::{self, Content};
+use crate::binaries::Binaries;
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Name of the file of a kit that goes with the Python package.
+pub const KIT_FILE: &str = "machine-kit.zip";
+/// Name of the list of what is linked into the library, among the licences.
+pub const LICENCE_LIST: &str = "README.txt";
+
+/// Folders of the entries of its file, and the entry of its date.
+const BINARIES: &str = "binaries/";
+const LICENCES: &str = "licences/";
+const DATE: &str = "date.txt";
+
+/// What is the same in the archives of all machines.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Kit {
+    /// The library that serves all machines, compiled.
+    pub binaries: Binaries,
+    /// The texts of the licences of what is in it.
+    pub licences: Content,
+    /// When its sources were last changed.
+    pub date: Option<String>,
+}
+
+impl Kit {
+    /// The entries of its file.
+    pub fn entries(&self) -> Content {
+        let date = self.date.iter().map(|date| (DATE.to_owned(), date.clone().into_bytes()));
+        let binaries =
+            self.binaries.folders().map(|(name, bytes)| (format!("{BINARIES}{name}"), bytes.to_vec()));
+        let licences = self.licences.iter().map(|(name, text)| (format!("{LICENCES}{name}"), text.clone()));
+        date.chain(binaries).chain(licences).collect()
+    }
+
+    /// The kit that has these entries, whatever other ones there are; none where they are of no platform.
+    pub fn from_entries(entries: Content) -> Option<Self> {
+        let (mut binaries, mut licences, mut date) = (Content::new(), Content::new(), None);
+        for (name, bytes) in entries {
+            if let Some(folder) = name.strip_prefix(BINARIES) {
+                binaries.insert(folder.to_owned(), bytes);
+            } else if let Some(name) = name.strip_prefix(LICENCES) {
+                licences.insert(name.to_owned(), bytes);
+            } else if name == DATE {
+                date = String::from_utf8(bytes).ok();
+            }
+        }
+        Some(Self { binaries: Binaries::from_folders(binaries)?, licences, date })
+    }
+
+    /// Writes its file.
+    ///
+    /// # Errors
+    /// [`Error::Archive`], [`Error::File`].
+    pub fn write(&self, path: &Path) -> Result<()> {
+        archive::write(&self.entries(), path)
+    }
+
+    /// Reads its file.
+    ///
+    /// # Errors
+    /// [`Error::Archive`], [`Error::File`]; [`Error::Missing`] for an archive that is no kit.
+    pub fn read(path: &Path) -> Result<Self> {
+        let missing = || Error::Missing { path: path.to_owned(), name: format!("{BINARIES}PLATFORM") };
+        let kit = Self::from_entries(archive::read_all(path)?).ok_or_else(missing)?;
+        if kit.binaries.folders().next().is_none() { Err(missing()) } else { Ok(kit) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn invariant_a_kit_is_what_was_written_and_what_is_none_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(KIT_FILE);
+        let kit = Kit {
+            binaries: crate::PLACES.into_iter().map(|place| (place, place.tuple.into())).collect(),
+            licences: Content::from([("a/LICENSE".to_owned(), b"text".to_vec())]),
+            date: Some("2026-01-01T00:00:00Z".into()),
+        };
+        kit.write(&path).unwrap();
+        assert_eq!(Kit::read(&path).unwrap().entries(), kit.entries());
+        for other in ["modelDescription.xml", "binaries/riscv64-haiku"] {
+            archive::write(&Content::from([(other.to_owned(), Vec::new())]), &path).unwrap();
+            assert!(matches!(Kit::read(&path), Err(Error::Missing { .. })), "{other}");
+        }
+        std::fs::write(&path, b"no archive").unwrap();
+        assert!(matches!(Kit::read(&path), Err(Error::Archive { .. })));
+    }
+}

@@ -1,0 +1,25 @@
+//! FMU archives of machines that a text file describes, without a compiler: one compiled library serves all machines, and all else
+//! in an archive follows from the machine's file.
+//!
+//! ```text
+//! description ─▶ content (modelDescription.xml, page, terminals, pictures, file) ─┐
+//!                             kit (the compiled library and its licences, kept) ──┴─▶ archive ─▶ .fmu
+//! ```
+//!
+//! The packager `fmu-build` makes kits; the Python package holds one.
+#![forbid(unsafe_code)]
+
+pub mod archive;
+mod binaries;
+mod content;
+mod error;
+mod kit;
+mod page;
+pub mod reference;
+mod terminals;
+
+pub use archive::Content;
+pub use binaries::{Binaries, PLACES, PLATFORM, PLATFORM_TUPLE, Place, SHARED_LIBRARY, binary_path};
+pub use content::{MODEL_DESCRIPTION, content, write};
+pub use error::{Error, Result};
+pub use kit::{KIT_FILE, Kit, LICENCE_LIST};

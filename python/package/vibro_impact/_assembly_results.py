@@ -1,0 +1,186 @@
+"""What is found of machines of your own, and their sketch."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import Floats
+from ._result import Result
+
+if TYPE_CHECKING:
+    import pandas
+    from numpy.typing import NDArray
+
+    from . import _returned
+    from ._assembly import Assembly
+
+#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
+EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
+#: Energies, J: kinetic, stored, and work put in less losses since the start; kinetic + stored - balance is constant.
+ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
+
+
+def _column(columns: list[str], values: Floats, name: str) -> Floats:
+    """The column of that name."""
+    try:
+        index = columns.index(name)
+    except ValueError:
+        raise KeyError(f"{name}: allowed are {', '.join(columns)}") from None
+    found: Floats = values[:, index]
+    return found
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyRun(Result):
+    """A motion of a machine of your own; ``run["box.s"]`` is an array."""
+
+    machine: Assembly
+    "Whose motion it is."
+    t: Floats
+    "Instants, shape (n,), s."
+    columns: list[str]
+    "Names of the columns of `values`."
+    values: Floats
+    "Shape (n, k), SI; just after an event at that instant."
+    events: NDArray[np.void]
+    "All events, fields t (s), kind, element, value, stops."
+    energy: NDArray[np.void]
+    "Energies, shape (n,), fields kinetic, stored, balance, J."
+
+    def __getitem__(self, name: str) -> Floats:
+        return _column(self.columns, self.values, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The samples as a table of pandas, which must be installed, with times as index."""
+        import pandas
+
+        return pandas.DataFrame(dict(zip(self.columns, self.values.T)), index=pandas.Index(self.t, name="time"))
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyEnds(Result):
+    """The ends of many machines' motions; ``ends["box.s"]`` is an array."""
+
+    t: float
+    "Time of the ends, s."
+    columns: list[str]
+    "Names of the columns of `values`."
+    values: Floats
+    "Shape (n, k), SI."
+
+    def __getitem__(self, name: str) -> Floats:
+        return _column(self.columns, self.values, name)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyDirection(Result):
+    """The settled motions of one direction of a diagram."""
+
+    value: Floats
+    "The parameter, shape (n,), SI, rising."
+    kind: NDArray[np.str_]
+    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled; refused."
+    period: NDArray[np.int32]
+    "Period in returns to the section, shape (n,); 0 where it has none up to 32."
+    contacts: Floats
+    "Impacts and first touches a return, shape (n,)."
+    rests: NDArray[np.bool_]
+    "Whether a stop stays closed or a friction sticks in its course, shape (n,)."
+    maxima: Floats
+    "Maxima, or values at the section, each once, shape (k,), SI, to seven digits."
+    at: NDArray[np.int64]
+    "The index in `value` of each, shape (k,)."
+    met: NDArray[np.uint32]
+    "How often it was met, shape (k,)."
+    exponent: Floats
+    "Largest Lyapunov exponent, shape (n,), 1/s; 0 where it was not asked for and not needed."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyDiagram(Result):
+    """A bifurcation diagram in both directions."""
+
+    machine: Assembly
+    "The machine whose parameter varies."
+    name: str
+    "The parameter."
+    of: str
+    "The quantity."
+    up: AssemblyDirection
+    "With the value rising."
+    down: AssemblyDirection
+    "With the value falling, in the order of rising values."
+    hysteresis: NDArray[np.bool_]
+    "Where the two end on different motions for certain, shape (n,)."
+
+
+class Sketch:
+    """The sketch of a machine; in a notebook it shows itself."""
+
+    __slots__ = ("_described", "svg")
+    svg: str
+    "The picture as SVG."
+
+    def __init__(self, described: _native.Described) -> None:
+        self._described = described
+        self.svg = described.sketch()
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> Path:
+        """Writes the picture into a file that ends in ``.svg`` or ``.png``; returns its path.
+
+        Raises
+        ------
+        ValueError
+            For another ending.
+        OSError
+            Where the file cannot be written.
+        """
+        to = Path(path)
+        if to.suffix == ".svg":
+            to.write_text(self.svg, encoding="utf-8")
+        elif to.suffix == ".png":
+            to.write_bytes(self._described.sketch_as_png())
+        else:
+            raise ValueError(f"path = {to}: allowed are files that end in .svg or .png")
+        return to
+
+    def _repr_svg_(self) -> str:
+        """What a notebook shows."""
+        return self.svg
+
+    def __repr__(self) -> str:
+        return f"Sketch({self._described.name()!r})"
+
+
+def run_of(machine: Assembly, t: Floats, found: _returned.AssemblyRun) -> AssemblyRun:
+    events = np.empty(len(found["t"]), EVENT)
+    events["t"], events["value"], events["stops"] = found["t"], found["value"], found["stops"]
+    events["kind"], events["element"] = found["kind"], found["element"]
+    energy = np.empty(len(t), ASSEMBLY_ENERGY)
+    for index, name in enumerate(ASSEMBLY_ENERGY.names or ()):
+        energy[name] = found["energy"][:, index]
+    return AssemblyRun(machine, t, machine.columns, found["values"], events, energy)
+
+
+def direction_of(found: _returned.AssemblyDirection) -> AssemblyDirection:
+    return AssemblyDirection(
+        found["value"],
+        np.array(found["classes"], dtype=np.str_),
+        found["period"],
+        found["contacts"],
+        found["rests"],
+        found["maxima"],
+        found["maxima_at"],
+        found["maxima_met"],
+        found["exponent"],
+    )
