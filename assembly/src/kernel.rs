@@ -91,8 +91,9 @@ impl SparseMatrix {
         Self { rows, entries }
     }
 
+    /// The entries of a row with their places.
     #[inline(always)]
-    fn row(&self, i: usize) -> &[(usize, f64)] {
+    pub fn row(&self, i: usize) -> &[(usize, f64)] {
         &self.entries[self.rows[i]..self.rows[i + 1]]
     }
 

@@ -1,117 +1,17 @@
 //! The machine as matrices: minimal coordinates, inertia, and every elongation, rate and force as a row that acts on the
 //! augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
 
-use crate::description::{Arms, BodyKind, DampingLimit, Description, StopLaw};
+mod rows;
+
+pub use rows::{BodyRows, Elongation, FrictionRows, Functional, Row, SpringRows, StopRows};
+
+use crate::description::{Arms, BodyKind, Description, StopLaw};
 use crate::error::Error;
-use crate::kernel::Sparse;
-use crate::mode::StopState;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// A link whose largest arm on a free coordinate is under this part of its largest arm adds nothing to the others.
 const NO_PIVOT: f64 = 1e-12;
-
-/// A row that acts on the augmented state.
-pub type Row = DVector<f64>;
-
-/// What is common to all elements: the elongation e = Σ arm · s and its rate.
-#[derive(Clone, Debug)]
-pub struct Elongation {
-    /// e.
-    pub e: Row,
-    /// e'.
-    pub rate: Row,
-    /// The direction in which its force acts on the coordinates, w = ∂e'/∂v; the acceleration is e'' = w·a + drift·z.
-    pub w: DVector<f64>,
-    /// The part of e'' that prescribed bodies make.
-    pub drift: Row,
-    /// L⁻¹ w.
-    pub column: DVector<f64>,
-    /// The change of the velocities by a unit of impulse, M⁻¹ w.
-    pub mobility: DVector<f64>,
-    /// The terms of the rate.
-    pub(crate) rate_terms: Sparse,
-}
-
-/// A body's coordinate.
-#[derive(Clone, Debug)]
-pub struct BodyRows {
-    /// s.
-    pub s: Row,
-    /// Its rate.
-    pub v: Row,
-    /// s'' = weights·a + drift·z.
-    pub weights: DVector<f64>,
-    /// The part that prescribed bodies make.
-    pub drift: Row,
-}
-
-/// A spring with its dashpot.
-#[derive(Clone, Debug)]
-pub struct SpringRows {
-    /// Its elongation.
-    pub elongation: Elongation,
-    /// N/m.
-    pub stiffness: f64,
-    /// N s/m.
-    pub damping: f64,
-    /// N.
-    pub preload: f64,
-    /// Its force.
-    pub force: Row,
-}
-
-/// A stop.
-#[derive(Clone, Debug)]
-pub struct StopRows {
-    /// Its elongation.
-    pub elongation: Elongation,
-    /// e - gap.
-    pub excess: Row,
-    /// What it does.
-    pub law: StopLaw,
-    /// A compliant stop's force where its law is linear: stiffness (e - gap) + damping e'.
-    pub force: Row,
-    /// The force of its spring alone: stiffness (e - gap).
-    pub spring: Row,
-    /// The terms of e - gap, of the force and of its spring's part.
-    pub(crate) excess_terms: Sparse,
-    pub(crate) force_terms: Sparse,
-    pub(crate) spring_terms: Sparse,
-}
-
-impl StopRows {
-    /// The restitution coefficient of a rigid stop.
-    pub fn restitution(&self) -> Option<f64> {
-        match self.law {
-            StopLaw::Rigid { restitution } => Some(restitution),
-            StopLaw::Compliant { .. } => None,
-        }
-    }
-
-    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
-    pub fn entered(&self) -> StopState {
-        if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
-    }
-
-    /// Whether the dashpot's share is limited as in an `ElastoGap`.
-    pub fn is_elastogap(&self) -> bool {
-        matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Elastogap, .. })
-    }
-}
-
-/// Friction.
-#[derive(Clone, Debug)]
-pub struct FrictionRows {
-    /// Its elongation.
-    pub elongation: Elongation,
-    /// The level while slipping.
-    pub level: Row,
-    /// The level up to which it sticks.
-    pub static_level: Row,
-    /// Whether the two differ.
-    pub has_static: bool,
-}
 
 /// The machine as matrices; it does not change during a motion.
 #[derive(Clone, Debug)]
@@ -283,27 +183,19 @@ impl System {
 
     fn elongation(&self, arms: &Arms) -> Elongation {
         let size = self.signals.size;
-        let mut sum = Elongation {
-            e: Row::zeros(size),
-            rate: Row::zeros(size),
-            w: DVector::zeros(self.coordinates),
-            drift: Row::zeros(size),
-            column: DVector::zeros(self.coordinates),
-            mobility: DVector::zeros(self.coordinates),
-            rate_terms: Sparse::default(),
-        };
+        let (mut e, mut rate, mut drift) = (Row::zeros(size), Row::zeros(size), Row::zeros(size));
+        let mut w = DVector::zeros(self.coordinates);
         for &(body, arm) in &arms.terms {
             let rows = &self.bodies[body];
-            sum.e.axpy(arm, &rows.s, 1.0);
-            sum.rate.axpy(arm, &rows.v, 1.0);
-            sum.w.axpy(arm, &rows.weights, 1.0);
-            sum.drift.axpy(arm, &rows.drift, 1.0);
+            e.axpy(arm, &rows.s, 1.0);
+            rate.axpy(arm, &rows.v, 1.0);
+            w.axpy(arm, &rows.weights, 1.0);
+            drift.axpy(arm, &rows.drift, 1.0);
         }
-        sum.column = sum.w.clone();
-        self.inertia.l_dirty().solve_lower_triangular_mut(&mut sum.column);
-        sum.mobility = self.inertia.solve(&sum.w);
-        sum.rate_terms = Sparse::of(sum.rate.as_slice());
-        sum
+        let mut column = w.clone();
+        self.inertia.l_dirty().solve_lower_triangular_mut(&mut column);
+        let mobility = self.inertia.solve(&w);
+        Elongation { e, rate: Functional::of(rate), w, drift, column, mobility }
     }
 
     fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[Row]) {
@@ -311,7 +203,7 @@ impl System {
             let elongation = self.elongation(&spring.arms);
             let force = self.constant(spring.preload)
                 + spring.stiffness * &elongation.e
-                + spring.damping * &elongation.rate;
+                + spring.damping * &*elongation.rate;
             let (stiffness, damping, preload) = (spring.stiffness, spring.damping, spring.preload);
             self.springs.push(SpringRows { elongation, stiffness, damping, preload, force });
         }
@@ -323,18 +215,9 @@ impl System {
                 StopLaw::Rigid { .. } => (0.0, 0.0),
             };
             let spring = stiffness * &excess;
-            let force = &spring + damping * &elongation.rate;
-            let terms = |row: &Row| Sparse::of(row.as_slice());
-            self.stops.push(StopRows {
-                excess_terms: terms(&excess),
-                force_terms: terms(&force),
-                spring_terms: terms(&spring),
-                elongation,
-                excess,
-                law: stop.law,
-                force,
-                spring,
-            });
+            let force = &spring + damping * &*elongation.rate;
+            let [excess, force, spring] = [excess, force, spring].map(Functional::of);
+            self.stops.push(StopRows { elongation, excess, law: stop.law, force, spring });
         }
         for (friction, (level, static_level)) in d.frictions.iter().zip(levels) {
             let (level, static_row) = (rows[*level].clone(), rows[static_level.unwrap_or(*level)].clone());

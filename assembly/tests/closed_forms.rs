@@ -278,3 +278,65 @@ fn invariant_an_impact_without_impulse_ends_the_sequence() {
     assert!(impacts.sequence.is_empty() && !impacts.projected, "{}", impacts.sequence.len());
     assert_eq!(z, before);
 }
+
+#[test]
+fn closed_form_bounces_that_follow_one_another_ever_faster() {
+    // Two equal bodies fall, the lower one drawn down faster: restitution 1/2 at the ground, 0 between them. Where both fall with v, the lower one
+    // bounces with v/2 and meets the upper one, and both fall with v/4. Each pause is of the size of the square of the one before: after some impacts
+    // there are no doubles between two of them, and in the end both lie still.
+    let d = Description {
+        gravity: 9.81,
+        bodies: vec![heavy("lower", 1.0, -1.0, 0.1, 0.0), heavy("upper", 1.0, -1.0, 0.101, -1.0)],
+        loads: vec![Load { name: "down".into(), body: 0, force: constant(-5.0) }],
+        stops: vec![
+            rigid("ground", &[(0, -1.0)], 0.0, 0.5),
+            rigid("between", &[(0, 1.0), (1, -1.0)], 0.0, 0.0),
+        ],
+        ..Description::default()
+    };
+    let mut m = motion(d);
+    let all = events(&mut m, 0.15);
+    let speeds: Vec<(f64, f64)> = all
+        .iter()
+        .filter_map(|e| match e.kind {
+            EventKind::Impact { stop: 0, speed, .. } => Some((e.time, speed)),
+            _ => None,
+        })
+        .collect();
+    let (last, _) = speeds[speeds.len() - 1];
+    assert!(speeds.len() > 15, "{all:#?}");
+    // The accelerations between two of these impacts add 1e-9 m/s.
+    let same_instant = |pair: &&[(f64, f64)]| pair[0].0 == last && pair[1].0 == last;
+    for pair in speeds.windows(2).filter(same_instant) {
+        assert!((pair[1].1 - 0.25 * pair[0].1).abs() < 2e-9 * (pair[0].1 / 2e-3), "{pair:?}");
+    }
+    for i in 0..2 {
+        assert!(m.body(i)[0].abs() < ROUNDING && m.body(i)[1].abs() < ROUNDING, "{:?} {all:#?}", m.body(i));
+    }
+}
+
+#[test]
+fn closed_form_redundant_friction_that_was_released_holds_again() {
+    // A sled on the ground, held by two frictions, with a block on it that a load draws. At first the block's friction would hand on more than the
+    // static levels on the ground; then it slips at its own level of 1.5, and two frictions with a level of 1 each are enough: the sled never moves.
+    let ground = || Friction { static_force: Some(constant(1.1)), ..friction(&[(1, 1.0)], 1.0) };
+    let block = Friction { static_force: Some(constant(4.0)), ..friction(&[(1, -1.0), (0, 1.0)], 1.5) };
+    let d = Description {
+        bodies: vec![body("block", 0.1, 0.0, 0.0), body("sled", 1.0, 0.0, 0.0)],
+        frictions: vec![ground(), ground(), block],
+        loads: vec![Load {
+            name: "pull".into(),
+            body: 0,
+            force: Signal { steps: vec![Step { time: 0.25, height: 4.5 }], ..Signal::default() },
+        }],
+        ..Description::default()
+    };
+    let mut m = motion(d);
+    let all = events(&mut m, 0.75);
+    let slips = times(&all, |k| matches!(k, EventKind::Slip { .. }));
+    assert_eq!(slips, [0.25], "{all:?}");
+    assert!((m.body(0)[0] - 15.0 * 0.25).abs() < ROUNDING && m.body(1)[0..2] == [0.0, 0.0]);
+    let shares = [m.friction(0)[2], m.friction(1)[2]];
+    assert!((shares[0] + shares[1] - 1.5).abs() < ROUNDING, "{shares:?}");
+    assert!(shares.iter().all(|f| *f >= 0.0 && *f <= 1.1), "{shares:?}");
+}

@@ -1,6 +1,7 @@
 """Runs archives of described machines in FMPy: as they are, bit for bit as the engine moves, by CVode, and with a parameter set.
 
-`python described_machines.py FOLDER NAME...`: the folder has `NAME.fmu`, `NAME-FMI3.fmu` and `NAME.csv`, the engine's motion.
+`python described_machines.py FOLDER NAME... -- NAME...`: the folder has `NAME.fmu`, `NAME-FMI3.fmu` and `NAME.csv`, the engine's motion.
+Those behind the dashes run bit for bit in Co-Simulation alone.
 """
 
 import sys
@@ -89,7 +90,14 @@ def check_arrays(archive: Path) -> None:
     fmu.freeInstance()
 
 
-def main(folder: Path, names: list[str]) -> None:
+def main(folder: Path, names: list[str], stepped: list[str]) -> None:
+    for name in stepped:
+        expected = np.genfromtxt(folder / f"{name}.csv", delimiter=",", names=True, deletechars="")
+        for suffix in ["", "-FMI3"]:
+            archive = folder / f"{name}{suffix}.fmu"
+            problems = validate_fmu(str(archive))
+            assert not problems, problems
+            check(archive, expected)
     for name in names:
         expected = np.genfromtxt(folder / f"{name}.csv", delimiter=",", names=True, deletechars="")
         for suffix in ["", "-FMI3"]:
@@ -108,4 +116,5 @@ def main(folder: Path, names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2:])
+    dashes = sys.argv.index("--")
+    main(Path(sys.argv[1]), sys.argv[2:dashes], sys.argv[dashes + 1 :])

@@ -197,7 +197,7 @@ impl Place {
                     Owner::Friction(i) => &system.frictions[i].elongation,
                     Owner::Body(_) | Owner::Load(_) => return zero().as_slice().to_vec(),
                 };
-                if what == What::Rate { e.rate.clone() } else { e.e.clone() }
+                if what == What::Rate { (*e.rate).clone() } else { e.e.clone() }
             }
         };
         row.as_slice().to_vec()

@@ -110,14 +110,18 @@ impl Moving {
         if inputs.iter().all(Option::is_none) {
             return Ok(());
         }
-        let residual = self.unaccounted() - self.origin;
+        // Without prescribed motions no input changes the energy at once.
+        let moves = self.motion.assembly().system().has_motions;
+        let residual = if moves { self.unaccounted() - self.origin } else { 0.0 };
         for (i, input) in inputs.iter().enumerate() {
             match input {
                 Some(input) if *input != self.motion.input(i) => self.motion.set_input(i, *input)?,
                 _ => {}
             }
         }
-        self.origin = self.unaccounted() - residual;
+        if moves {
+            self.origin = self.unaccounted() - residual;
+        }
         Ok(())
     }
 

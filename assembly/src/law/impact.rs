@@ -34,6 +34,14 @@ pub struct Impacts {
     pub shares: Vec<f64>,
 }
 
+impl Impacts {
+    /// The greatest closing speed of a stop that took an impulse.
+    pub fn fastest(&self, stop: usize) -> f64 {
+        let all = self.sequence.iter().flat_map(|impact| &impact.stops);
+        all.filter(|s| s.0 == stop).map(|s| s.1).fold(0.0, f64::max)
+    }
+}
+
 /// The velocities at an instant and the stops that touch there.
 pub struct Instant<'a> {
     /// The machine.
@@ -46,16 +54,32 @@ pub struct Instant<'a> {
     pub restitution: &'a [f64],
 }
 
+/// Which of the stops with no closing speed stay closed, given the state, their places, those of the stops that close, and the number of impacts
+/// of the instant before.
+pub type StayClosed<'a> = dyn FnMut(&DVector<f64>, &[usize], &[usize], usize) -> Result<Vec<bool>, Jam> + 'a;
+
 impl Instant<'_> {
     fn speed(&self, stop: usize, z: &DVector<f64>) -> f64 {
         self.system.stops[stop].elongation.rate.dot(z)
     }
 
-    /// Carries out impacts until no touching stop closes; changes the velocities in `z`.
+    /// Carries out impacts until no touching stop closes; changes the velocities in `z`. Every stop with no closing speed takes part.
     ///
     /// # Errors
     /// [`Jam`], whose contacts are places of stops.
     pub fn collide(&self, z: &mut DVector<f64>) -> Result<Impacts, Jam> {
+        self.collide_where(z, &mut |_, stops, _, _| Ok(vec![true; stops.len()]))
+    }
+
+    /// The same, where it is asked which of the stops with no closing speed take part in an impact (docs/assembly-law.md, Sequences).
+    ///
+    /// # Errors
+    /// As [`collide`](Self::collide).
+    pub fn collide_where(
+        &self,
+        z: &mut DVector<f64>,
+        stay_closed: &mut StayClosed<'_>,
+    ) -> Result<Impacts, Jam> {
         let mut impacts = Impacts { shares: vec![0.0; self.system.coordinates], ..Impacts::default() };
         let mut largest = 0.0f64;
         loop {
@@ -74,7 +98,18 @@ impl Instant<'_> {
                 return Ok(impacts);
             }
             // Those that leave take no part; their turn comes when this impact drives them together.
-            let taking: Vec<usize> = (0..speeds.len()).filter(|&k| speeds[k] >= -zero(k)).collect();
+            let mut taking: Vec<usize> = (0..speeds.len()).filter(|&k| speeds[k] >= -zero(k)).collect();
+            let still = |&k: &usize| speeds[k] <= zero(k);
+            if taking.iter().any(still) {
+                let places = |of: &dyn Fn(&usize) -> bool| -> Vec<usize> {
+                    taking.iter().filter(|k| of(k)).map(|&k| self.touching[k]).collect()
+                };
+                let (candidates, others) = (places(&still), places(&|k| !still(k)));
+                let stay = stay_closed(z, &candidates, &others, impacts.sequence.len())?;
+                let leaves =
+                    |stop: usize| candidates.iter().zip(&stay).any(|(&i, stays)| i == stop && !stays);
+                taking.retain(|&k| !leaves(self.touching[k]));
+            }
             let stops: Vec<usize> = taking.iter().map(|&k| self.touching[k]).collect();
             let u: Vec<f64> = taking.iter().map(|&k| speeds[k].max(0.0)).collect();
             let zeros: Vec<f64> = taking.iter().map(|&k| zero(k)).collect();

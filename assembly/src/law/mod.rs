@@ -4,8 +4,8 @@ pub mod box_qp;
 pub mod impact;
 pub mod selection;
 
-use crate::kernel::Sparse;
-use crate::system::Row;
+use crate::mode::Contact;
+use crate::system::{Elongation, Functional, Row, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +22,8 @@ impl Sizes {
         row.iter().zip(self.0.iter()).map(|(r, s)| r.abs() * s).sum()
     }
 
-    /// The same of a row by its terms.
-    pub(crate) fn zero_of(&self, row: &Sparse) -> f64 {
+    /// Below this a functional's value counts as zero.
+    pub(crate) fn zero_of(&self, row: &Functional) -> f64 {
         ZERO * row.size(self.0.as_slice())
     }
 
@@ -42,5 +42,26 @@ impl Sizes {
     #[inline(always)]
     pub fn include_from(&mut self, first: usize, z: &[f64]) {
         self.0.as_mut_slice()[first..].iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
+    }
+
+    /// What a contact keeps at zero is moved there by its rounding, which is that of all its terms: a coordinate that is held to greater ones
+    /// counts as so great as its share of that change.
+    pub(crate) fn include_contact(&mut self, system: &System, contact: Contact) {
+        let (e, n) = (system.elongation_of(contact), system.coordinates);
+        if let Contact::Stop(i) = contact {
+            self.include_held(e, 0, &system.stops[i].excess);
+        }
+        self.include_held(e, n, &e.rate);
+    }
+
+    /// For the coordinates (or the rates) from `first` on, where a row with these terms is kept at zero.
+    fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
+        let all = row.size(self.0.as_slice());
+        let compliance = e.w.dot(&e.mobility);
+        for (k, mobility) in e.mobility.iter().enumerate().filter(|(_, m)| **m != 0.0) {
+            // Its own term is no greater than itself.
+            let others = all - e.w[k].abs() * self.0[first + k];
+            self.0[first + k] = self.0[first + k].max(mobility.abs() / compliance * others);
+        }
     }
 }

@@ -19,6 +19,8 @@ enum Stop {
     AtEdge,
     /// A compliant stop whose force is at the limit of two states, with the state above and the one below it.
     AtLimit(StopState, StopState),
+    /// An `ElastoGap` whose force is zero and at its cap, but for rounding, so near to its edge is it.
+    AtLimits,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +60,8 @@ pub struct Touching<'a> {
     pub edges: &'a [bool],
     /// Compliant stops whose force is at a limit by an event's verdict.
     pub limits: &'a [bool],
+    /// Places of rigid stops that are open whatever their speed, since an impact of theirs is still to come.
+    pub open: &'a [usize],
 }
 
 impl<'a> Selection<'a> {
@@ -153,13 +157,25 @@ impl<'a> Selection<'a> {
                 }
                 Stop::AtLimit(above, below) if order > 0 => {
                     let difference = match above {
-                        StopState::Capped => &stop.force - 2.0 * &stop.spring,
-                        _ => stop.force.clone(),
+                        StopState::Capped => &*stop.force - 2.0 * &*stop.spring,
+                        _ => (*stop.force).clone(),
                     };
                     let sign = self.sign(&difference, order);
                     if sign != 0.0 {
                         self.stops[i] = Stop::Is(if sign > 0.0 { above } else { below });
                     }
+                }
+                Stop::AtLimits if order > 0 => {
+                    let beyond = self.sign(&(&*stop.force - 2.0 * &*stop.spring), order);
+                    let force = self.sign(&stop.force, order);
+                    self.stops[i] = match (beyond, force) {
+                        (beyond, _) if beyond > 0.0 => Stop::Is(StopState::Capped),
+                        (_, force) if force < 0.0 => Stop::Is(StopState::Free),
+                        (0.0, 0.0) => Stop::AtLimits,
+                        (0.0, _) => Stop::AtLimit(StopState::Capped, StopState::Pressed),
+                        (_, 0.0) => Stop::AtLimit(StopState::Pressed, StopState::Free),
+                        _ => Stop::Is(StopState::Pressed),
+                    };
                 }
                 _ => {}
             }
@@ -173,6 +189,7 @@ impl<'a> Selection<'a> {
             Stop::Touching => StopState::Closed,
             Stop::AtEdge => StopState::Below,
             Stop::AtLimit(_, below) => below,
+            Stop::AtLimits => StopState::Pressed,
         });
         let frictions = self.frictions.iter().map(|f| match *f {
             Friction::Is(state) => state,
@@ -194,6 +211,7 @@ impl<'a> Selection<'a> {
             .collect();
         let z = self.derivatives[order].clone();
         let mut acceleration = &free * &z;
+        let mut shares = DVector::zeros(self.system.coordinates);
         if !contacts.is_empty() {
             let problem = self.problem(order, &contacts, &free);
             let solution = self.solved(&problem, &contacts)?;
@@ -203,35 +221,37 @@ impl<'a> Selection<'a> {
             }
             let mut forces = DVector::zeros(self.system.coordinates);
             for (k, &contact) in contacts.iter().enumerate() {
-                forces.axpy(solution.lambda[k], &self.system.elongation_of(contact).w, 1.0);
+                let (e, force) = (self.system.elongation_of(contact), solution.lambda[k]);
+                forces.axpy(force, &e.w, 1.0);
+                shares.zip_apply(&e.mobility, |share: &mut f64, m| *share += (force * m).abs());
             }
             acceleration -= self.system.inertia.solve(&forces);
             self.decide(order, &contacts, &problem, &solution);
             self.prefer(&contacts, &problem, &solution);
         }
-        self.differentiate(&z, &acceleration, &free, order);
+        self.differentiate(&z, &acceleration, &free, &shares);
         Ok(Vec::new())
     }
 
-    /// Adds the next derivative of z, and a bound of its size by the free accelerations' terms.
+    /// Adds the next derivative of z, and a bound of its size by the terms of the free accelerations and the contact forces' `shares`, which
+    /// on a light body may be far greater than what they leave together.
     fn differentiate(
         &mut self,
         z: &DVector<f64>,
         acceleration: &DVector<f64>,
         free: &DMatrix<f64>,
-        order: usize,
+        shares: &DVector<f64>,
     ) {
         let (n, signals) = (self.system.coordinates, &self.system.signals);
         let mut next = DVector::zeros(signals.size);
         let mut size = DVector::zeros(signals.size);
-        let sizes = &self.sizes[order];
+        let sizes = &self.sizes[self.sizes.len() - 1];
         for k in 0..n {
             next[k] = z[n + k];
             size[k] = sizes.0[n + k];
             next[n + k] = acceleration[k];
-            size[n + k] = free.row(k).iter().zip(sizes.0.iter()).map(|(f, s)| f.abs() * s).sum::<f64>();
-            // A contact force can be as large as what it holds against, however light the body it acts on.
-            size[n + k] = size[n + k].max(acceleration[k].abs());
+            let terms: f64 = free.row(k).iter().zip(sizes.0.iter()).map(|(f, s)| f.abs() * s).sum();
+            size[n + k] = terms + shares[k];
         }
         for j in signals.one..signals.size {
             let mut unit = Row::zeros(signals.size);

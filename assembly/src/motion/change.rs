@@ -30,6 +30,7 @@ impl Motion {
     pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.pass_event(&mut None)?;
+        old.take_in_flight();
         let (system, bodies) = (&assembly.system, &old.assembly.system.bodies_of);
         if system.bodies_of != *bodies || system.stops.len() != old.hybrid.impacts.len() {
             let (value, allowed) =
@@ -62,9 +63,20 @@ impl Motion {
             }
         }
         let departing = Vec::new();
-        let hybrid = Hybrid { z, sizes, mode, departing, chain: 0, last: None, due: None, ..old.hybrid };
+        let hybrid = Hybrid {
+            z,
+            since: time.value(),
+            sizes,
+            mode,
+            departing,
+            chain: 0,
+            last: None,
+            due: None,
+            ..old.hybrid
+        };
         let (late, is_general) = (old.late, old.is_general);
         let mut motion = Self { late, is_general, ..Self::of(assembly, hybrid) };
+        motion.tables.most = old.tables.most;
         motion.settle(&[], &mut None)?;
         Ok(motion)
     }

@@ -1,6 +1,7 @@
 //! What happens at an event: impacts, the mode that follows, and what is reported.
 
-use super::event::{Event, EventKind};
+use super::event::EventKind;
+use super::report::report;
 use super::{Hybrid, Motion, Observer};
 use crate::error::Error;
 use crate::flow::ORDERS;
@@ -8,7 +9,7 @@ use crate::law::Sizes;
 use crate::law::box_qp::{Jam, triangle};
 use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{Selection, Touching};
-use crate::mode::{Contact, Element, FrictionState, Mode, StopState, Watch};
+use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 
@@ -32,11 +33,17 @@ struct Flags {
 }
 
 impl Flags {
+    /// What the law asks, with places of stops that are open whatever their speed.
+    fn touching<'a>(&'a self, open: &'a [usize]) -> Touching<'a> {
+        let Self { stops, resting, edges, limits } = self;
+        Touching { stops, resting, edges, limits, open }
+    }
+
     /// What is left of it after impacts that changed the velocities by `kick`: friction whose rate they changed no longer rests,
     /// and the force of a compliant stop with a dashpot is no longer at a limit.
     fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
         let mut flags = self.clone();
-        let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate_terms);
+        let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate);
         let frictions = flags.resting.iter_mut().zip(&system.frictions);
         frictions.for_each(|(rests, friction)| *rests &= !moved(&friction.elongation));
         let stops = flags.limits.iter_mut().zip(&system.stops);
@@ -53,6 +60,7 @@ pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
 impl Motion {
     /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero.
     pub(super) fn settle(&mut self, ended: &[Watch], observer: &mut Observer) -> Result<(), Error> {
+        self.take_in_flight();
         if let [watch] = *ended
             && self.lone_event(watch, observer)
         {
@@ -70,6 +78,26 @@ impl Motion {
         self.enter(mode);
         self.report_changes(&before, &closing, observer);
         Ok(())
+    }
+
+    /// Takes the flight since the mode began into the sizes of the velocities (docs/assembly-law.md (A14)).
+    pub(super) fn take_in_flight(&mut self) {
+        let (time, one) = (self.time(), self.assembly.system.signals.one);
+        let hybrid = &mut self.hybrid;
+        if time <= hybrid.since {
+            return;
+        }
+        let (velocities, signals) = hybrid.sizes.0.as_mut_slice().split_at_mut(one);
+        let table = &self.tables.at(self.place).table;
+        let flown = table.flown(hybrid.z.as_slice(), signals, time - hybrid.since, one);
+        velocities[one / 2..].iter_mut().zip(flown).for_each(|(size, flown)| *size = size.max(flown));
+        hybrid.since = time;
+    }
+
+    /// Takes into the sizes what the contacts of the mode in force hold together.
+    pub(super) fn take_in_contacts(&mut self) {
+        let Hybrid { sizes, mode, .. } = &mut self.hybrid;
+        mode.basis.iter().for_each(|&contact| sizes.include_contact(&self.assembly.system, contact));
     }
 
     /// A knot of a signal: prescribed bodies may have jumped.
@@ -109,8 +137,7 @@ impl Motion {
         };
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
-                let near =
-                    stop.excess_terms.dot(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess_terms);
+                let near = stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
                 flags.stops[i] = near || hybrid.mode.stops.get(i) == Some(&StopState::Closed);
             }
         }
@@ -174,7 +201,20 @@ impl Motion {
         loop {
             let mut z = before.clone();
             let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
-            let impacts = instant.collide(&mut z).map_err(|jam| self.jammed(&jam))?;
+            let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
+                // In the first impact those that were not open before, in later ones those that the forces keep closed.
+                let was_open = |i: usize| self.hybrid.mode.stops.get(i) == Some(&StopState::Open);
+                if before_it == 0 && !stops.iter().any(|&i| was_open(i)) {
+                    return Ok(vec![true; stops.len()]);
+                }
+                let kick = (z - &before).rows(system.coordinates, system.coordinates).into_owned();
+                let after = flags.after(&kick, system, &self.hybrid.sizes);
+                let mode = Selection::select(system, z, &self.hybrid.sizes, &after.touching(closing))?;
+                let stays = |i: usize| mode.stops[i] == StopState::Closed || (before_it == 0 && !was_open(i));
+                Ok(stops.iter().map(|&i| stays(i)).collect())
+            };
+            let collided = instant.collide_where(&mut z, &mut stay_closed);
+            let impacts = collided.map_err(|jam| self.jammed(&jam))?;
             self.hybrid.z = z;
             self.hybrid.sizes.include(self.hybrid.z.as_slice());
             self.hybrid.sizes.include_from(system.coordinates, &impacts.shares);
@@ -217,10 +257,12 @@ impl Motion {
         for i in candidates {
             let stop = &system.stops[i];
             let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
+            // Of several impacts of the instant the fastest counts.
+            let speed = impacts.fastest(i);
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
             let scale = self.hybrid.sizes.of(&stop.excess);
             let least = self.least_bounce(restitution[i]) * scale;
-            if a > 0.0 && rebound >= 0.0 && is_low(rebound, a, least) {
+            if a > 0.0 && rebound >= 0.0 && is_low(rebound.max(restitution[i] * speed), a, least) {
                 let left =
                     if restitution[i] < 1.0 { 2.0 * rebound / (a * (1.0 - restitution[i])) } else { 0.0 };
                 found.push((i, left));
@@ -240,13 +282,8 @@ impl Motion {
     }
 
     fn select(&self, flags: &Flags) -> Result<Mode, Error> {
-        let touching = Touching {
-            stops: &flags.stops,
-            resting: &flags.resting,
-            edges: &flags.edges,
-            limits: &flags.limits,
-        };
-        Selection::select(&self.assembly.system, &self.hybrid.z, &self.hybrid.sizes, &touching)
+        let (system, hybrid) = (&self.assembly.system, &self.hybrid);
+        Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.touching(&[]))
             .map_err(|jam| self.jammed(&jam))
     }
 
@@ -256,6 +293,7 @@ impl Motion {
         self.place = self.tables.place_of(&mode, &self.assembly.system);
         self.hybrid.mode = mode;
         self.keep_contacts();
+        self.take_in_contacts();
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
         let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
@@ -267,80 +305,6 @@ impl Motion {
             // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
             Some((order, value)) => order - usize::from(value > 0.0),
         }));
-    }
-
-    fn report_impacts(&mut self, impacts: &Impacts, observer: &mut Observer) {
-        let time = self.time();
-        for impact in &impacts.sequence {
-            self.hybrid.energy.impact(impact.lost, impact.work);
-            for &(stop, speed, impulse) in &impact.stops {
-                let record = &mut self.hybrid.impacts[stop];
-                *record = (record.0 + 1, impulse);
-                report(observer, time, EventKind::Impact { stop, speed, impulse, stops: impact.stops.len() });
-            }
-        }
-        self.hybrid.energy.impact(impacts.projected_loss, 0.0);
-    }
-
-    fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
-        for (i, &was) in before.stops.iter().enumerate() {
-            let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
-            self.report_change(Element::Stop(i, was), left, observer);
-        }
-        for (i, &was) in before.frictions.iter().enumerate() {
-            self.report_change(Element::Friction(i, was), 0.0, observer);
-        }
-    }
-
-    /// What has become of an element that was in another state; a stop that closes would have bounced for the time `left`.
-    pub(super) fn report_change(&self, was: Element, left: f64, observer: &mut Observer) {
-        match (was, self.hybrid.mode.state_of(was)) {
-            (Element::Stop(i, was), Element::Stop(_, now)) => self.report_stop(i, was, now, left, observer),
-            (Element::Friction(i, was), Element::Friction(_, now)) => {
-                self.report_friction(i, was, now, observer);
-            }
-            _ => {}
-        }
-    }
-
-    fn report_stop(&self, i: usize, was: StopState, now: StopState, left: f64, observer: &mut Observer) {
-        let press = || EventKind::Press {
-            stop: i,
-            speed: self.assembly.system.stops[i].elongation.rate_terms.dot(self.hybrid.z.as_slice()),
-        };
-        let kind = match (was, now) {
-            (a, b) if a == b => return,
-            (_, StopState::Closed) => {
-                return report(observer, self.time() + left, EventKind::Close { stop: i });
-            }
-            (StopState::Closed, StopState::Open) => EventKind::Open { stop: i },
-            (StopState::Below, _) => press(),
-            (_, StopState::Below | StopState::Free) => EventKind::Free { stop: i },
-            (StopState::Free, _) => press(),
-            _ => return,
-        };
-        report(observer, self.time(), kind);
-    }
-
-    fn report_friction(&self, i: usize, was: FrictionState, now: FrictionState, observer: &mut Observer) {
-        if was == now || (was.sticks() && now.sticks()) {
-            return;
-        }
-        let time = self.time();
-        let level = |acts| EventKind::Level { friction: i, acts };
-        match (was, now) {
-            (_, FrictionState::Off) => report(observer, time, level(false)),
-            (FrictionState::Off, _) => report(observer, time, level(true)),
-            _ => {}
-        }
-        match now {
-            _ if now.sticks() => report(observer, time, EventKind::Stick { friction: i }),
-            FrictionState::Up | FrictionState::Down if was != FrictionState::Off => {
-                let (direction, force) = (now.direction(), self.friction(i)[2]);
-                report(observer, time, EventKind::Slip { friction: i, direction, force });
-            }
-            _ => {}
-        }
     }
 }
 
@@ -357,8 +321,8 @@ pub(super) fn project(
     let m = contacts.len();
     off.clear();
     off.extend(contacts.iter().map(|&contact| match (contact, rates) {
-        (Contact::Stop(i), false) => system.stops[i].excess_terms.dot(z),
-        _ => system.elongation_of(contact).rate_terms.dot(z),
+        (Contact::Stop(i), false) => system.stops[i].excess.at(z),
+        _ => system.elongation_of(contact).rate.at(z),
     }));
     for j in 0..m {
         let known: f64 = (0..j).map(|i| r[(i, j)] * off[i]).sum();
@@ -372,11 +336,5 @@ pub(super) fn project(
     for (&contact, off) in contacts.iter().zip(off.iter()) {
         let mobility = system.elongation_of(contact).mobility.iter();
         z[first..].iter_mut().zip(mobility).for_each(|(x, m)| *x -= off * m);
-    }
-}
-
-pub(super) fn report(observer: &mut Observer, time: f64, kind: EventKind) {
-    if let Some(observer) = observer {
-        observer(&Event { time, kind });
     }
 }

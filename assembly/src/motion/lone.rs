@@ -3,6 +3,7 @@
 //! law decides.
 
 use super::event::EventKind;
+use super::report::report;
 use super::{Motion, Observer, contact};
 use crate::law::ZERO;
 use crate::mode::{Element, FrictionState, StopState, Watch};
@@ -41,8 +42,8 @@ impl Motion {
             Watch::Opens(i) => stop(i, StopState::Open),
             Watch::Changes(i) => {
                 let (rows, z) = (&system.stops[i], hybrid.z.as_slice());
-                let capped = rows.is_elastogap() && rows.force_terms.dot(z) > rows.spring_terms.dot(z);
-                let inside = rows.excess_terms.dot(z) > hybrid.sizes.zero_of(&rows.excess_terms);
+                let capped = rows.is_elastogap() && rows.force.at(z) > rows.spring.at(z);
+                let inside = rows.excess.at(z) > hybrid.sizes.zero_of(&rows.excess);
                 stop(
                     i,
                     match hybrid.mode.stops[i] {
@@ -72,7 +73,11 @@ impl Motion {
 
     /// The change of an element to its state `next`, where it is certain; else nothing changes.
     fn lone_change(&mut self, watch: Watch, next: Element, observer: &mut Observer) -> bool {
-        let place = self.tables.place_after(self.place, next, &self.assembly.system);
+        let system = &self.assembly.system;
+        if self.tables.known_after(self.place, next).is_none() && self.tables.make_room() {
+            self.place = self.tables.place_of(&self.hybrid.mode, system);
+        }
+        let place = self.tables.place_after(self.place, next, system);
         let mode = &self.tables.at(place).mode;
         if !mode.is_independent() || self.is_at_corner(next, watch) {
             return false;
@@ -82,6 +87,7 @@ impl Motion {
         self.place = place;
         self.scratch.start.copy_from_slice(self.hybrid.z.as_slice());
         self.keep_contacts();
+        self.take_in_contacts();
         // A stop that is just entered stands at its edge.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
         if self.departs_alone(next, entered) {
@@ -99,7 +105,7 @@ impl Motion {
     fn is_at_corner(&self, element: Element, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
-        let mut near = own.filter(|w| w.terms.dot(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.terms));
+        let mut near = own.filter(|w| w.row.at(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.row));
         let mut passed = false;
         near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
     }
@@ -113,7 +119,7 @@ impl Motion {
         let (z, sizes) = (hybrid.z.as_slice(), hybrid.sizes.0.as_slice());
         let stops = hybrid.mode.stops.iter().zip(&self.assembly.system.stops).enumerate();
         let mut pressing = stops.filter(|(i, (state, _))| state.is_inside() && Some(*i) != entered);
-        if pressing.any(|(_, (_, s))| s.excess_terms.dot(z) <= ZERO * s.excess_terms.size(sizes)) {
+        if pressing.any(|(_, (_, s))| s.excess.at(z) <= ZERO * s.excess.size(sizes)) {
             return false;
         }
         hybrid.departing.clear();
@@ -144,14 +150,14 @@ impl Motion {
         let couples = |other: &Elongation| other.w.dot(&e.mobility) != 0.0;
         let held = hybrid.mode.basis.iter().any(|&contact| couples(system.elongation_of(contact)));
         let compliance = e.w.dot(&e.mobility);
-        let speed = e.rate_terms.dot(hybrid.z.as_slice());
-        if held || compliance <= 0.0 || speed <= hybrid.sizes.zero_of(&e.rate_terms) {
+        let speed = e.rate.at(hybrid.z.as_slice());
+        if held || compliance <= 0.0 || speed <= hybrid.sizes.zero_of(&e.rate) {
             return false;
         }
         // On its gap, then away from it.
         let before = &mut self.scratch.start;
         before.copy_from_slice(hybrid.z.as_slice());
-        let off = stop.excess_terms.dot(before) / compliance;
+        let off = stop.excess.at(before) / compliance;
         let impulse = (1.0 + restitution) * speed / compliance;
         let z = hybrid.z.as_mut_slice();
         for (k, m) in e.mobility.iter().enumerate() {
@@ -168,15 +174,15 @@ impl Motion {
         hybrid.energy.impact(0.5 * (1.0 - restitution) * speed * impulse, impulse * prescribed);
         let record = &mut hybrid.impacts[i];
         *record = (record.0 + 1, impulse);
-        contact::report(observer, self.time(), EventKind::Impact { stop: i, speed, impulse, stops: 1 });
+        report(observer, self.time(), EventKind::Impact { stop: i, speed, impulse, stops: 1 });
         true
     }
 
     /// Whether an open stop, which has just been left, is met again after a bounce that is too low to be followed, by (A15).
     fn is_low_bounce(&self, i: usize, least: f64) -> bool {
         let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
-        let rebound = -stop.elongation.rate_terms.dot(z);
-        let scale = stop.excess_terms.size(self.hybrid.sizes.0.as_slice());
+        let rebound = -stop.elongation.rate.at(z);
+        let scale = stop.excess.size(self.hybrid.sizes.0.as_slice());
         let own = self.tables.at(self.place).table.watched.iter().find(|own| own.watch == Watch::Meets(i));
         own.is_some_and(|own| {
             let a = own.bow.dot(z);

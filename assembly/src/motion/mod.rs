@@ -6,6 +6,7 @@ mod course;
 mod event;
 mod lone;
 mod passage;
+mod report;
 pub(crate) mod saved;
 mod step;
 mod tables;
@@ -53,6 +54,8 @@ enum Due {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hybrid {
     time: DoubleDouble,
+    /// When the mode began, s.
+    since: f64,
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
     mode: Mode,
@@ -150,6 +153,7 @@ impl Motion {
         let impacts = vec![(0, 0.0); system.stops.len()];
         let hybrid = Hybrid {
             time,
+            since: time.value(),
             z,
             mode,
             departing: Vec::new(),
@@ -278,6 +282,19 @@ impl Motion {
         self
     }
 
+    /// The same motion with so many bytes, about, for the tables of the modes that it meets; beyond, they are made again when they are needed. Without
+    /// this it keeps 128 MB.
+    #[must_use]
+    pub fn with_table_memory(mut self, bytes: usize) -> Self {
+        self.tables.most = bytes;
+        self
+    }
+
+    /// Bytes that the tables of the modes take now.
+    pub fn table_memory(&self) -> usize {
+        self.tables.bytes()
+    }
+
     /// The same motion with every event decided by the general law, also where one element alone is concerned: a second way to what follows, for tests
     /// and comparisons.
     #[must_use]
@@ -331,6 +348,7 @@ impl Motion {
     /// Goes back to what was saved of a motion of the same machine.
     pub fn restore(&mut self, saved: &Hybrid) {
         self.hybrid = saved.clone();
+        self.tables.make_room();
         self.place = self.tables.place_of(&self.hybrid.mode, &self.assembly.system);
     }
 

@@ -62,7 +62,7 @@ impl Scratch {
         self.heads.clear();
         // Closures handed to a vector's methods would not be compiled for the computer's vectors.
         for w in &table.watched {
-            let (value, slope) = (w.terms.dot(z), w.slope.dot(z));
+            let (value, slope) = (w.row.at(z), w.slope.dot(z));
             self.heads.push(Head { value, slope, bend: w.bend(&self.sizes) });
         }
     }
@@ -87,7 +87,7 @@ impl Flight<'_> {
             if path(span) <= REACH * head.value.abs() {
                 continue; // its size is at least its value's
             }
-            let size = w.terms.size(self.hybrid.sizes.0.as_slice());
+            let size = w.row.size(self.hybrid.sizes.0.as_slice());
             while path(span) > REACH * size && span > least {
                 span *= 0.5;
             }
@@ -148,7 +148,7 @@ impl Flight<'_> {
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
             if late(order) {
                 let mut c = [0.0; ORDERS];
-                let coefficients = series.terms().chunks_exact(z.len()).skip(order).map(|z| w.terms.dot(z));
+                let coefficients = series.terms().chunks_exact(z.len()).skip(order).map(|z| w.row.at(z));
                 c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);
                 c[0] = c[0].min(-f64::MIN_POSITIVE);
                 let hi = first.map_or(1.0, |(u, _)| u);

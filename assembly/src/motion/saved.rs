@@ -51,6 +51,7 @@ impl Hybrid {
             && self.inputs.len() == system.signals.inputs
             && [energy.loads.len(), energy.dashpots.len()] == [system.loads.len(), system.springs.len()]
             && self.time.value().is_finite()
+            && self.since.is_finite()
             && finite(self.z.as_slice())
             && finite(self.sizes.0.as_slice())
             && self.inputs.iter().all(|(from, input)| from.is_finite() && finite(input))

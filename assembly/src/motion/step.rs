@@ -4,7 +4,7 @@ use super::passage::{Flight, Point};
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
 use crate::energy::Samples;
 use crate::error::Error;
-use crate::flow::{INTERVALS, ORDERS};
+use crate::flow::ORDERS;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
@@ -166,7 +166,7 @@ impl Motion {
         let z = hybrid.z.as_mut_slice();
         let Scratch { start, interval, series, .. } = scratch;
         if whole {
-            table.at_interval_end(INTERVALS - 1, z, series, start);
+            table.at_end(z, series, start);
             z.copy_from_slice(start);
         } else {
             if *interval != Some(end.interval) {
@@ -205,7 +205,7 @@ impl Motion {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             let stays =
-                *order == ORDERS && w.terms.dot(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.terms);
+                *order == ORDERS && w.row.at(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.row);
             *order = if stays { ORDERS } else { 0 };
         }
     }

@@ -7,8 +7,8 @@ use crate::system::System;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-/// Numbers in the tables that are kept, 128 MB; beyond, all are dropped and those in use are made again.
-const KEPT_NUMBERS: usize = 16 << 20;
+/// Bytes of the tables that are kept; beyond, all are dropped and those in use are made again.
+const KEPT: usize = 128 << 20;
 
 /// A mode that was met.
 #[derive(Clone, Debug)]
@@ -27,31 +27,53 @@ impl Met {
         self.powers.get_or_init(|| Arc::new(Powers::new(system, &self.mode, &self.table)))
     }
 
-    /// Numbers that are kept.
-    fn numbers(&self) -> usize {
-        self.table.numbers() + self.powers.get().map_or(0, |powers| powers.numbers())
+    /// Bytes that it takes.
+    fn bytes(&self) -> usize {
+        let powers = self.powers.get().map_or(0, |powers| powers.numbers());
+        (self.table.numbers() + powers) * size_of::<f64>()
     }
 }
 
 /// Modes by their places, in the order in which they were met.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Tables {
     met: Vec<Met>,
     places: HashMap<Mode, usize>,
+    /// Bytes that are kept.
+    pub(super) most: usize,
+}
+
+impl Default for Tables {
+    fn default() -> Self {
+        Self { met: Vec::new(), places: HashMap::new(), most: KEPT }
+    }
 }
 
 impl Tables {
+    /// Bytes that all take.
+    pub(super) fn bytes(&self) -> usize {
+        self.met.iter().map(Met::bytes).sum()
+    }
+
     /// The mode at a place.
     pub(super) fn at(&self, place: usize) -> &Met {
         &self.met[place]
     }
 
-    /// Forgets all where there are too many, so that places that were found before count no more.
-    pub(super) fn make_room(&mut self) {
-        if self.met.iter().map(Met::numbers).sum::<usize>() > KEPT_NUMBERS {
+    /// Forgets all where there are too many, so that places that were found before count no more; tells whether it did. Whoever puts a
+    /// mode in force asks for it before, so that beyond what is kept there are only the tables of one event.
+    pub(super) fn make_room(&mut self) -> bool {
+        let full = self.bytes() > self.most;
+        if full {
             self.met.clear();
             self.places.clear();
         }
+        full
+    }
+
+    /// The place of the mode to which the change of an element leads, where that is known.
+    pub(super) fn known_after(&self, place: usize, element: Element) -> Option<usize> {
+        self.met[place].changes.iter().find(|(known, _)| *known == element).map(|&(_, next)| next)
     }
 
     /// The place of a mode, whose table is made where it is new.
@@ -67,7 +89,7 @@ impl Tables {
 
     /// The place of the mode that differs from the one at `place` by the state of an element.
     pub(super) fn place_after(&mut self, place: usize, element: Element, system: &System) -> usize {
-        if let Some(&(_, next)) = self.met[place].changes.iter().find(|(known, _)| *known == element) {
+        if let Some(next) = self.known_after(place, element) {
             return next;
         }
         let mode = system.with_element(&self.met[place].mode, element);

@@ -217,7 +217,7 @@ impl Motion {
             modes: [&before.0, &self.hybrid.mode],
             states: [before.1.as_slice(), self.hybrid.z.as_slice()],
             rates: [incoming.as_slice(), outgoing.as_slice()],
-            row: row.as_ref().map(DVector::as_slice),
+            row: row.as_ref().map(|row| row.as_slice()),
             events: &events,
         };
         crossing.carry(&self.assembly.system, variations.iter_mut().map(Vec::as_mut_slice));

@@ -19,6 +19,7 @@ impl Selection<'_> {
         if let StopLaw::Rigid { .. } = stop.law {
             return match (touching.stops[i] || excess >= 0.0, rate) {
                 (false, _) => Stop::Is(StopState::Open),
+                _ if touching.open.contains(&i) => Stop::Is(StopState::Open),
                 (true, rate) if rate < 0.0 => Stop::Is(StopState::Open),
                 (true, _) => Stop::Touching,
             };
@@ -38,9 +39,12 @@ impl Selection<'_> {
             return Stop::Is(StopState::Free);
         }
         if stop.is_elastogap() {
-            let cap = self.sign(&(&stop.force - 2.0 * &stop.spring), 0);
+            let cap = self.sign(&(&*stop.force - 2.0 * &*stop.spring), 0);
             if cap > 0.0 && !touching.limits[i] {
                 return Stop::Is(StopState::Capped);
+            }
+            if cap == 0.0 && pull == 0.0 {
+                return Stop::AtLimits;
             }
             if cap == 0.0
                 || (touching.limits[i]

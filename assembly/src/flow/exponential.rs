@@ -1,0 +1,93 @@
+//! Exponentials of matrices, and the bound of a matrix by which their series are cut (docs/assembly-law.md (A6)).
+
+use crate::kernel::SparseMatrix;
+use nalgebra::DMatrix;
+
+/// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
+pub(super) const LEAST_RATE: f64 = 1e-3;
+/// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number of them gives a bound.
+const BALANCE_TURNS: usize = 12;
+/// A series ends when what is left is under this part of the largest coordinate.
+const REMAINDER: f64 = 1e-19;
+
+/// exp(A u t) at several parts u of a time.
+pub(super) fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
+    // Transposed until the end.
+    let mut term = DMatrix::identity(a.len(), a.len());
+    let mut sums = vec![term.clone(); parts.len()];
+    let mut powers = vec![1.0; parts.len()];
+    for k in 1..=series_orders(rate * t) {
+        term = a.times_rows(&term, t / k as f64);
+        for ((sum, power), u) in sums.iter_mut().zip(&mut powers).zip(parts) {
+            *power *= u;
+            sum.zip_apply(&term, |s, x| *s += *power * x);
+        }
+    }
+    sums.iter().map(DMatrix::transpose).collect()
+}
+
+/// Orders of a series of radius x, so that what is left out is under [`REMAINDER`].
+pub(super) fn series_orders(x: f64) -> usize {
+    let (mut k, mut term) = (0, 1.0);
+    // The rest is at most the next term times 1/(1 - x/(k + 1)); from k = 2x on that is at most twice the term.
+    while term > 0.5 * REMAINDER || (k as f64) < 2.0 * x {
+        k += 1;
+        term *= x / k as f64;
+    }
+    k
+}
+
+/// A bound of the norm of A: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j / w_i. The weights of the machine's
+/// coordinates balance rows and columns; those of signals are so small that they add at most a quarter.
+pub fn rate_bound(a: &DMatrix<f64>, one: usize) -> f64 {
+    let size = a.nrows();
+    let mut w = vec![1.0f64; size];
+    for _ in 0..BALANCE_TURNS {
+        for i in 0..one {
+            let row: f64 = (0..one).filter(|&j| j != i).map(|j| a[(i, j)].abs() * w[j]).sum();
+            let column: f64 = (0..one).filter(|&j| j != i).map(|j| a[(j, i)].abs() / w[j]).sum();
+            // The weight that makes row/w and column·w equal, kept within what doubles can carry.
+            if row > 0.0 && column > 0.0 {
+                w[i] = (row / column).sqrt().clamp(1e-100, 1e100);
+            } else if row > 0.0 {
+                w[i] = w[i].max(row / LEAST_RATE);
+            }
+        }
+    }
+    // A coordinate that acts on nothing is as large as it needs to be, one that nothing acts on as small.
+    let row_sum =
+        |w: &[f64], i: usize, to: usize| (0..to).map(|j| a[(i, j)].abs() * w[j]).sum::<f64>() / w[i];
+    let own = (0..one).map(|i| row_sum(&w, i, one)).fold(LEAST_RATE, f64::max);
+    let signals = (one..size).flat_map(|i| (one..i).map(move |j| (i, j)));
+    // Frequencies stand between a cosine and its sine, in both directions.
+    let omega = signals.map(|(i, j)| a[(i, j)].abs().min(a[(j, i)].abs())).fold(0.0, f64::max);
+    let rate = own.max(omega);
+    let share = 0.25 * rate / (size - one) as f64;
+    let limit = |w: &[f64], j: usize| {
+        (0..one)
+            .filter(|&i| a[(i, j)] != 0.0)
+            .map(|i| share * w[i] / a[(i, j)].abs())
+            .fold(f64::INFINITY, f64::min)
+    };
+    let mut signal = vec![f64::INFINITY; size];
+    for (j, most) in signal.iter_mut().enumerate().skip(one) {
+        *most = limit(&w, j);
+    }
+    // What feeds another signal is no larger than the rate times that one: derivatives of pieces; cosine and sine are equal.
+    for j in one..size {
+        for i in one..size {
+            if i != j && a[(i, j)] != 0.0 {
+                let mutual = a[(j, i)] != 0.0;
+                let most = if mutual { signal[i].min(signal[j]) } else { rate * signal[i] / a[(i, j)].abs() };
+                if mutual {
+                    signal[i] = signal[i].min(most);
+                }
+                signal[j] = signal[j].min(most);
+            }
+        }
+    }
+    for j in one..size {
+        w[j] = if signal[j].is_finite() && signal[j] > 0.0 { signal[j] } else { 1.0 };
+    }
+    (0..size).map(|i| row_sum(&w, i, size)).fold(rate, f64::max)
+}

@@ -1,0 +1,104 @@
+//! A watched functional over a sub-step: samples, a bound between them, and Taylor coefficients, as columns that act on the state.
+
+use super::{INTERVALS, LOCAL};
+use crate::kernel::{Sparse, SparseMatrix, combine};
+use crate::mode::Watch;
+use crate::system::{Functional, Row};
+use nalgebra::DMatrix;
+
+/// Covers the rounding of a bound.
+const BOUND_MARGIN: f64 = 1.0 + 1e-9;
+
+/// A watched functional over a sub-step.
+#[derive(Clone, Debug)]
+pub struct WatchTable {
+    /// What it tells.
+    pub watch: Watch,
+    /// The functional.
+    pub row: Functional,
+    /// Its time derivative.
+    pub slope: Sparse,
+    /// Its second time derivative.
+    pub bow: Sparse,
+    /// The sizes of the terms that its time derivative is the sum of.
+    pub slope_sizes: Sparse,
+    /// |functional''| is at most the sum of this times the coordinates' sizes, throughout the sub-step.
+    pub curvature: Vec<f64>,
+    /// Its values at the interval ends, by coordinate.
+    samples: Vec<[f64; INTERVALS]>,
+    /// Its Taylor coefficients about a point, in units of an interval, by coordinate.
+    local: Vec<[f64; LOCAL]>,
+}
+
+impl WatchTable {
+    /// Its values at the interval ends.
+    #[inline(always)]
+    pub fn samples(&self, z: &[f64]) -> [f64; INTERVALS] {
+        combine(&self.samples, z)
+    }
+
+    /// Its Taylor coefficients about a point, in units of an interval.
+    #[inline(always)]
+    pub fn local(&self, z: &[f64]) -> [f64; LOCAL] {
+        combine(&self.local, z)
+    }
+
+    /// A bound of its second derivative throughout the sub-step.
+    #[inline(always)]
+    pub fn bend(&self, sizes: &[f64]) -> f64 {
+        self.curvature.iter().zip(sizes).map(|(c, s)| c * s).sum()
+    }
+}
+
+/// The Taylor coefficients of a functional times `factor`, in units of a time `step`, by coordinate.
+pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64, step: f64) -> Vec<[f64; K]> {
+    let mut columns = vec![[0.0; K]; row.len()];
+    let (mut row, mut next): (Vec<f64>, _) = (row.iter().map(|x| factor * x).collect(), vec![0.0; row.len()]);
+    for k in 0..K {
+        columns.iter_mut().zip(&row).for_each(|(column, x)| column[k] = *x);
+        a.after_row(&row, step / (k + 1) as f64, &mut next);
+        std::mem::swap(&mut row, &mut next);
+    }
+    columns
+}
+
+/// The table of a functional; `interval` and `spread` are exp(A h) and exp(|A| h) for an interval h = `step`.
+pub(super) fn watch_table(
+    watch: Watch,
+    row: Row,
+    (a, sizes): (&SparseMatrix, &SparseMatrix),
+    step: f64,
+    interval: &DMatrix<f64>,
+    spread: &DMatrix<f64>,
+) -> WatchTable {
+    let size = row.len();
+    let after = |row: &Row, factor: f64| {
+        let mut next = Row::zeros(size);
+        a.after_row(row.as_slice(), factor, next.as_mut_slice());
+        next
+    };
+    let local = taylor(a, row.as_slice(), 1.0, step);
+    let mut samples = vec![[0.0; INTERVALS]; size];
+    let mut sample = row.clone();
+    // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
+    let mut peak = Row::zeros(size);
+    for k in 0..INTERVALS {
+        peak = peak.zip_map(&after(&after(&sample, 1.0), 1.0).abs(), f64::max);
+        sample = interval.tr_mul(&sample);
+        samples.iter_mut().zip(sample.iter()).for_each(|(column, x)| column[k] = *x);
+    }
+    let curvature = (spread.tr_mul(&peak) * BOUND_MARGIN).as_slice().to_vec();
+    let mut slope_sizes = vec![0.0; size];
+    sizes.after_row(row.abs().as_slice(), 1.0, &mut slope_sizes);
+    let first = after(&row, 1.0);
+    WatchTable {
+        watch,
+        slope: Sparse::of(first.as_slice()),
+        bow: Sparse::of(after(&first, 1.0).as_slice()),
+        slope_sizes: Sparse::of(&slope_sizes),
+        row: Functional::of(row),
+        curvature,
+        samples,
+        local,
+    }
+}

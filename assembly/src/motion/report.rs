@@ -1,0 +1,88 @@
+//! What is told of an event.
+
+use super::event::{Event, EventKind};
+use super::{Motion, Observer};
+use crate::law::impact::Impacts;
+use crate::mode::{Element, FrictionState, Mode, StopState};
+
+impl Motion {
+    pub(super) fn report_impacts(&mut self, impacts: &Impacts, observer: &mut Observer) {
+        let time = self.time();
+        for impact in &impacts.sequence {
+            self.hybrid.energy.impact(impact.lost, impact.work);
+            for &(stop, speed, impulse) in &impact.stops {
+                let record = &mut self.hybrid.impacts[stop];
+                *record = (record.0 + 1, impulse);
+                report(observer, time, EventKind::Impact { stop, speed, impulse, stops: impact.stops.len() });
+            }
+        }
+        self.hybrid.energy.impact(impacts.projected_loss, 0.0);
+    }
+
+    pub(super) fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
+        for (i, &was) in before.stops.iter().enumerate() {
+            let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
+            self.report_change(Element::Stop(i, was), left, observer);
+        }
+        for (i, &was) in before.frictions.iter().enumerate() {
+            self.report_change(Element::Friction(i, was), 0.0, observer);
+        }
+    }
+
+    /// What has become of an element that was in another state; a stop that closes would have bounced for the time `left`.
+    pub(super) fn report_change(&self, was: Element, left: f64, observer: &mut Observer) {
+        match (was, self.hybrid.mode.state_of(was)) {
+            (Element::Stop(i, was), Element::Stop(_, now)) => self.report_stop(i, was, now, left, observer),
+            (Element::Friction(i, was), Element::Friction(_, now)) => {
+                self.report_friction(i, was, now, observer);
+            }
+            _ => {}
+        }
+    }
+
+    fn report_stop(&self, i: usize, was: StopState, now: StopState, left: f64, observer: &mut Observer) {
+        let press = || EventKind::Press {
+            stop: i,
+            speed: self.assembly.system.stops[i].elongation.rate.at(self.hybrid.z.as_slice()),
+        };
+        let kind = match (was, now) {
+            (a, b) if a == b => return,
+            (_, StopState::Closed) => {
+                return report(observer, self.time() + left, EventKind::Close { stop: i });
+            }
+            (StopState::Closed, StopState::Open) => EventKind::Open { stop: i },
+            (StopState::Below, _) => press(),
+            (_, StopState::Below | StopState::Free) => EventKind::Free { stop: i },
+            (StopState::Free, _) => press(),
+            _ => return,
+        };
+        report(observer, self.time(), kind);
+    }
+
+    fn report_friction(&self, i: usize, was: FrictionState, now: FrictionState, observer: &mut Observer) {
+        if was == now || (was.sticks() && now.sticks()) {
+            return;
+        }
+        let time = self.time();
+        let level = |acts| EventKind::Level { friction: i, acts };
+        match (was, now) {
+            (_, FrictionState::Off) => report(observer, time, level(false)),
+            (FrictionState::Off, _) => report(observer, time, level(true)),
+            _ => {}
+        }
+        match now {
+            _ if now.sticks() => report(observer, time, EventKind::Stick { friction: i }),
+            FrictionState::Up | FrictionState::Down if was != FrictionState::Off => {
+                let (direction, force) = (now.direction(), self.friction(i)[2]);
+                report(observer, time, EventKind::Slip { friction: i, direction, force });
+            }
+            _ => {}
+        }
+    }
+}
+
+pub(super) fn report(observer: &mut Observer, time: f64, kind: EventKind) {
+    if let Some(observer) = observer {
+        observer(&Event { time, kind });
+    }
+}
