@@ -156,11 +156,11 @@ impl Life {
             let what = format!("it is of {its}, this instance is of {own}").into();
             return Err(Problem::SavedState { what });
         }
-        let foreign = match self.interface {
-            Interface::CoSimulation => Phase::Continuous,
-            Interface::ModelExchange => Phase::Step,
+        let foreign: &[Phase] = match self.interface {
+            Interface::CoSimulation => &[Phase::Continuous],
+            Interface::ModelExchange => &[Phase::Step, Phase::StoppedEarly],
         };
-        if [foreign, Phase::Broken].contains(&saved.phase) {
+        if foreign.contains(&saved.phase) || saved.phase == Phase::Broken {
             return Err(Problem::SavedState { what: "nothing is saved in its phase".into() });
         }
         (self.phase, self.experiment) = (saved.phase, saved.experiment);
@@ -215,6 +215,23 @@ mod tests {
             assert!(problem.starts_with(text), "{problem}");
         }
         assert_eq!(life.check_step(1.0 + 1e-10, 1.0, 1.0), Ok(()));
+    }
+
+    /// Damaged bytes may say any phase. One that the interface type does not have would leave an instance that answers nothing.
+    #[test]
+    fn saved_states_of_phases_that_there_are_not_are_refused() {
+        for (interface, phases) in [
+            (Interface::ModelExchange, &[Phase::Step, Phase::StoppedEarly, Phase::Broken][..]),
+            (Interface::CoSimulation, &[Phase::Continuous, Phase::Broken]),
+        ] {
+            let fresh = Life::new(interface, EventHandling::default());
+            for &phase in phases {
+                let mut life = fresh;
+                let problem = life.take_over(&Life { phase, ..fresh }).unwrap_err().to_string();
+                assert_eq!(problem, "saved state refused: nothing is saved in its phase");
+                assert_eq!(life, fresh);
+            }
+        }
     }
 
     #[test]
