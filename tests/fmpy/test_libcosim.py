@@ -1,6 +1,7 @@
 """The FMU in libcosim (FMI Library's parser and calls); tests/hosts/run.py runs it in more hosts."""
 
 import importlib.util
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -20,7 +21,8 @@ def test_equals_the_native_run(fmu, native, tmp_path):
     script = Path(__file__).parents[1] / "hosts" / "drive_libcosimpy.py"
     # In a process of its own: it is another host.
     done = subprocess.run([sys.executable, script, fmu, "0.5", str(len(expected) - 1), output],
-                          capture_output=True, text=True, timeout=300)
+                          capture_output=True, text=True, timeout=300,
+                          env={**os.environ, "NAMES": ",".join(STATES)})
     assert done.returncode == 0, done.stdout + done.stderr
     result = np.genfromtxt(output, delimiter=",", names=True, deletechars="")
     assert len(result) == len(expected) - 1 == 1200

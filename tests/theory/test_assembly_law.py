@@ -301,3 +301,39 @@ def test_law_19_20_proximal_steps_end_in_equilibrium() -> None:
         assert mp.norm(stiffness * q - force + w * force_of) < mpf(10) ** -20 and left < mpf(10) ** -20
         assert all(value <= ROUNDING for value in x) and all(value >= -ROUNDING for value in force_of)
         assert abs(dot(x, force_of)) < ROUNDING
+
+
+def test_law_21_variations_over_an_impact_by_differences() -> None:
+    """A ball on a moving floor, e = h - sin t, from its start to a time after its impact."""
+    mp.dps = 80
+    g, restitution, end, step = mpf("9.81"), mpf("0.7"), mpf("0.6"), mpf(10) ** -25
+    start = [mpf(1), mpf("-0.3")]
+
+    def fall(h: mpf, v: mpf, t: mpf) -> Tuple[mpf, mpf]:
+        return h + v * t - g * t**2 / 2, v - g * t
+
+    def meeting(h: mpf, v: mpf) -> mpf:
+        return mp.findroot(lambda t: fall(h, v, t)[0] - mp.sin(t), mpf("0.35"))
+
+    def after(h: mpf, v: mpf) -> matrix:
+        t = meeting(h, v)
+        height, speed = fall(h, v, t)
+        rebound = speed - (1 + restitution) * (speed - mp.cos(t))
+        return matrix(fall(height, rebound, end - t))
+
+    for direction in [(1, 0), (0, 1), (2, -3)]:
+        plus, minus = (after(*(x + sign * step * d for x, d in zip(start, direction))) for sign in (1, -1))
+        # z = (h, v, sin t, cos t, 1): the floor's own states do not vary, but move with the time of the event.
+        t = meeting(*start)
+        speed = fall(*start, t)[1]
+        rebound = speed - (1 + restitution) * (speed - mp.cos(t))
+        delta = matrix([direction[0] + direction[1] * t, direction[1], 0, 0])
+        incoming = matrix([speed, -g, mp.cos(t), -mp.sin(t)])
+        outgoing = matrix([rebound, -g, mp.cos(t), -mp.sin(t)])
+        row = matrix([1, 0, -1, 0])
+        later = -dot(row, delta) / dot(row, incoming)
+        met = delta + incoming * later
+        met[1] -= (1 + restitution) * (met[1] - met[3])
+        left = met - outgoing * later
+        expected = matrix([left[0] + left[1] * (end - t), left[1]])
+        assert close((plus - minus) / (2 * step), expected), direction
