@@ -2,7 +2,7 @@
 
 use crate::description::{DampingLimit, StopLaw};
 use crate::kernel::Sparse;
-use crate::mode::StopState;
+use crate::mode::states::StopState;
 use nalgebra::DVector;
 use std::ops::Deref;
 
