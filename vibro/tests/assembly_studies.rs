@@ -3,11 +3,10 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{command, drawn, folder, refused, table};
+use command::{DAMPER, command, drawn, folder, refused, table};
 use std::path::Path;
 use vibro_analysis::assembly::{Machine, Start, discard, measure};
 
-const DAMPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/damper_with_buffer.toml");
 const SWEEP: [&str; 12] = [
     "assembly",
     "sweep",

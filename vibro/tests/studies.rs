@@ -4,7 +4,7 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{command, drawn, pixels};
+use command::{DAMPER, command, drawn, pixels};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -240,8 +240,7 @@ const ORBITS: [&str; 10] = [
     "--keep",
     "50",
 ];
-/// The user's own machine of the same studies.
-const DAMPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/damper_with_buffer.toml");
+// The same studies of a machine of a text file.
 const ASSEMBLY_EXPONENTS: [&str; 13] = [
     "assembly",
     "lyapunov",

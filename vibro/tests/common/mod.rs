@@ -7,6 +7,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// A machine of a text file.
+pub const DAMPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/damper_with_buffer.toml");
+
 /// A fresh folder for one test.
 pub fn folder(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
