@@ -8,7 +8,7 @@ zero, buffers a million times as stiff as the mount. Every number is the double 
 import random
 import sys
 
-from make_motions import Machine, first_root, toml, touched, value
+from make_motions import Machine, first_root, show, toml, touched, value
 from mpmath import mp, mpf
 
 TIMES = [mpf(k) / 8 - mpf(1) / 64 for k in range(1, 9)]
@@ -331,11 +331,7 @@ def main(seed, count, only):
                     print("\n".join(toml(d, "left_out")), "\n#", e, file=sys.stderr)
                 number += 1
                 continue
-            print(f"## machine {family.__name__}{number}")
-            print("\n".join(toml(d, number)))
-            for t, q, v in out:
-                print("## state", mp.nstr(t, 20), *(mp.nstr(x, 25) for pair in zip(q, v) for x in pair))
-            print(f"## impacts {m.hits}", flush=True)
+            show(f"{family.__name__}{number}", d, number, m, out)
             number += 1
     for (name, why), times in left_out.items():
         print(f"left out: {name}, {why}: {times}", file=sys.stderr)

@@ -430,6 +430,15 @@ def touched(d):
     return len(bodies | {load["body"] for load in d["loads"]}) == len(d["bodies"])
 
 
+def show(name, d, number, m, out):
+    """Prints a machine and its motion, as the test reads them."""
+    print(f"## machine {name}")
+    print("\n".join(toml(d, number)))
+    for t, q, v in out:
+        print("## state", mp.nstr(t, 20), *(mp.nstr(x, 25) for pair in zip(q, v) for x in pair))
+    print(f"## impacts {m.hits}", flush=True)
+
+
 def main(count):
     r, number, left_out = random.Random(29), 0, 0
     print("# Machines and their motions in 50 digits, by make_motions.py: each state is time, then s and v of every body.")
@@ -444,11 +453,7 @@ def main(count):
             left_out += 1
             print(f"left out: {e}", file=sys.stderr)
             continue
-        print(f"## machine {number}")
-        print("\n".join(toml(d, number)))
-        for t, q, v in out:
-            print("## state", mp.nstr(t, 20), *(mp.nstr(x, 25) for pair in zip(q, v) for x in pair))
-        print(f"## impacts {m.hits}", flush=True)
+        show(number, d, number, m, out)
         number += 1
     print(f"{left_out} left out", file=sys.stderr)
 
