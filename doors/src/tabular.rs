@@ -148,9 +148,20 @@ impl<T: Tabular> FromTable<T> {
         Ok(())
     }
 
+    /// Applies the law of the event at which the last step has ended.
+    fn pass_due_event(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
+        self.pass_event(log)?;
+        self.state.due = false;
+        Ok(())
+    }
+
     /// To the end, or before the next event where the host handles events and takes steps that end early.
     fn go_to(&mut self, end: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
         let handling = self.state.life.handling;
+        // The host has not handled the event at which the last step ended, so that its law is still to be applied.
+        if self.state.due {
+            self.pass_due_event(log)?;
+        }
         for events in 0..=MOST_EVENTS {
             let next = T::next_event(&self.state.values).max(self.state.values[Self::TIME]);
             if next > end {
@@ -257,8 +268,7 @@ impl<T: Tabular> Component for FromTable<T> {
         let come = T::next_event(&self.state.values) <= self.time();
         let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;
         if states {
-            self.pass_event(log)?;
-            self.state.due = false;
+            self.pass_due_event(log)?;
         }
         Ok(Handled { states, nominals: false })
     }

@@ -166,6 +166,31 @@ fn closed_form_of_the_bounces_in_event_mode() {
     unsafe { fmi3FreeInstance(c) };
 }
 
+/// A host that steps on from an event without handling it: its law is applied then, and once.
+#[test]
+fn closed_form_of_a_bounce_that_the_host_did_not_handle() {
+    let mut messages = Vec::new();
+    let c = of_fmi3(1, 1, &mut messages);
+    let (mut flags, mut reached, mut update, mut next) = ([7; 3], 0.0, [7; 5], 0.0);
+    let [event, terminate, early] = &mut flags;
+    let [needed, ends, nominals, values, defined] = &mut update;
+    unsafe {
+        assert_eq!(fmi3UpdateDiscreteStates(c, needed, ends, nominals, values, defined, &mut next), OK);
+        assert_eq!(fmi3EnterStepMode(c), OK);
+        assert_eq!(fmi3DoStep(c, 0.0, 1.0, 1, event, terminate, early, &mut reached), OK);
+        assert_eq!((*early, reached), (1, next));
+        assert_eq!(fmi3DoStep(c, reached, 0.8 - reached, 1, event, terminate, early, &mut reached), OK);
+        assert_eq!((*early, reached), (0, 0.8));
+        assert_near(height(c), 0.8);
+        // Nothing is left to be handled.
+        assert_eq!(fmi3EnterEventMode(c), OK);
+        assert_eq!(fmi3UpdateDiscreteStates(c, needed, ends, nominals, values, defined, &mut next), OK);
+        assert_eq!(*values, 0);
+        assert_near(height(c), 0.8);
+        fmi3FreeInstance(c);
+    }
+}
+
 /// A host's solver of second order is exact on a parabola; it halves its step until it stands at the impact.
 #[test]
 fn closed_form_of_the_bounces_in_model_exchange() {
