@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::python::{python, root, run};
+use common::python::{command, python, root, run};
 use fmu_build::assembly::{content, write};
 use fmu_build::compile::SHARED_LIBRARY;
 use fmu_build::kit::Kit;
@@ -13,7 +13,6 @@ use fmu_build::{check, fmi3};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Arc;
 use vibro_assembly::{Assembly, Motion, file};
 use vibro_assembly_fmi::Plan;
@@ -65,7 +64,7 @@ fn run_in_fmpy(folder: &str, names: &[&str], stepped: &[&str]) {
         assert_eq!(archives.expect("it is packed").len(), 3);
         native(&example(name), &folder.join(name).with_extension("csv"));
     }
-    let mut script = Command::new(python());
+    let mut script = command(python());
     script.arg(root().join("tests/fmpy/described_machines.py")).arg(&folder).args(names).arg("--");
     run("running them in FMPy", script.args(stepped));
 }

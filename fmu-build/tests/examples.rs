@@ -4,6 +4,7 @@ mod common;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use vibro_analysis::ParameterSet;
 use vibro_orbits::{Orbit, OrbitWord, System};
 
@@ -23,11 +24,32 @@ fn orbit() -> PathBuf {
     folder
 }
 
+/// Python with the wheel, installed once in this process.
+fn python() -> PathBuf {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| common::python::install_wheel(&["tests/examples/requirements.txt"])).clone()
+}
+
 #[test]
-#[ignore = "builds and installs the wheel, dask, pyarrow, matplotlib and mypy: cargo test --test examples -- --ignored"]
+#[ignore = "builds and installs the wheel, dask, pyarrow and mypy: cargo test --test examples -- --ignored"]
 fn the_scripts_do_what_they_say() {
-    let python = common::python::install_wheel(&["tests/examples/requirements.txt"]);
-    let mut pytest = common::python::pytest(python, "tests/examples");
+    let mut pytest = common::python::pytest(python(), "tests/examples");
     pytest.env("VIBRO_IMPACT_FMU", common::python::fmu()).env("VIBRO_ORBIT", orbit());
     println!("{}", common::python::run("pytest tests/examples", &mut pytest));
+}
+
+/// Of the package in the work tree and of its native part.
+#[test]
+#[ignore = "builds and installs the wheel, dask, pyarrow and mypy: cargo test --test examples -- --ignored"]
+fn types_are_strict_and_those_of_the_native_part_true() {
+    let check = |what: &str, arguments: &[&str]| {
+        println!("{}", common::python::run(what, common::python::command(python()).args(arguments)));
+    };
+    let cache = format!("--cache-dir={}", concat!(env!("CARGO_TARGET_TMPDIR"), "/mypy"));
+    let configured = "--config-file=python/pyproject.toml";
+    check("mypy --strict", &["-m", "mypy", &cache, configured, "python/package/vibro_impact"]);
+    check(
+        "stubtest",
+        &["-m", "mypy.stubtest", "--mypy-config-file=python/pyproject.toml", "vibro_impact._native"],
+    );
 }

@@ -5,7 +5,6 @@ mod common;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::Pause;
 use vibro_impact::{Parameters, Simulator, State};
@@ -41,7 +40,7 @@ fn printed(page: &str) -> Vec<String> {
             None => {}
         }
     }
-    let mut python = Command::new(common::python::python());
+    let mut python = common::python::command(common::python::python());
     python.args(["-c", DRIVER]).args(&scripts).current_dir(&folder);
     let all = common::python::run(&format!("the Python blocks of {page}"), &mut python);
     let found: Vec<String> = all.split("---\n").map(|part| part.trim().to_owned()).collect();

@@ -177,17 +177,6 @@ fn the_package_finds_what_the_library_and_the_fmu_find() {
 }
 
 #[test]
-fn types_are_strict_and_those_of_the_native_part_true() {
-    let cache = format!("--cache-dir={}", concat!(env!("CARGO_TARGET_TMPDIR"), "/mypy"));
-    let configured = "--config-file=python/pyproject.toml";
-    python("mypy --strict", &["-m", "mypy", &cache, configured, "python/package/vibro_impact"]);
-    python(
-        "stubtest",
-        &["-m", "mypy.stubtest", "--mypy-config-file=python/pyproject.toml", "vibro_impact._native"],
-    );
-}
-
-#[test]
 #[ignore = "ten minutes: cargo test -p fmu-build --test python_package -- --ignored"]
 fn the_interpreter_survives_ten_minutes_of_whatever_is_asked() {
     let minutes =

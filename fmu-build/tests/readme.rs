@@ -6,7 +6,6 @@ use fmu_build::version::Version;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`, and that test.
 const RUN_ELSEWHERE: [(&str, &str); 4] = [
@@ -192,7 +191,7 @@ fn every_code_block_works() {
                     } else {
                         common::python::python()
                     };
-                    let mut python = Command::new(program);
+                    let mut python = common::python::command(program);
                     let printed = common::python::run(
                         &format!("a Python block of {page}"),
                         python.args(["-c", &block]).current_dir(&folder),

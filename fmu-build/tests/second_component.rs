@@ -3,13 +3,12 @@
 mod common;
 
 use common::ball;
-use common::python::{python, root, run};
-use std::process::Command;
+use common::python::{command, python, root, run};
 
 #[test]
 fn closed_form_of_the_bouncing_ball_in_fmpy() {
     let (folder, library) = ball::described("ball");
-    let mut script = Command::new(python());
+    let mut script = command(python());
     script.arg(root().join("tests/fmpy/second_component.py")).arg(&folder).arg(&library);
     run("running it in FMPy", &mut script);
 }

@@ -24,19 +24,28 @@ pub fn root() -> &'static Path {
 
 /// The packaged FMU, built on first use in this process; those of FMI 3.0 lie beside it.
 pub fn fmu() -> PathBuf {
-    let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
-    let versions = Version::ALL;
-    let built = platforms::at_hand().and_then(|binaries| package::write(&path, &versions, &binaries, None));
-    built.unwrap_or_else(|error| panic!("{error}"));
-    path
+    static FMU: OnceLock<PathBuf> = OnceLock::new();
+    let pack = || {
+        let path = fmu_build::compile::target().join("fmu-test").join("VibroImpact3DOF.fmu");
+        let versions = Version::ALL;
+        let built =
+            platforms::at_hand().and_then(|binaries| package::write(&path, &versions, &binaries, None));
+        built.unwrap_or_else(|error| panic!("{error}"));
+        path
+    };
+    FMU.get_or_init(pack).clone()
 }
 
-/// The library of described machines that cargo compiled for this test, as the package holds it.
+/// The library of described machines that cargo compiled for this test, as the package holds it; made on first use in this process.
 pub fn kit() -> PathBuf {
-    let path = fmu().with_file_name(KIT_FILE);
-    let written = kit::at_hand().and_then(|kit| Ok(kit.write(&path)?));
-    written.unwrap_or_else(|error| panic!("{error}"));
-    path
+    static KIT: OnceLock<PathBuf> = OnceLock::new();
+    let pack = || {
+        let path = fmu().with_file_name(KIT_FILE);
+        let written = kit::at_hand().and_then(|kit| Ok(kit.write(&path)?));
+        written.unwrap_or_else(|error| panic!("{error}"));
+        path
+    };
+    KIT.get_or_init(pack).clone()
 }
 
 /// Python of the virtual environment of the default tests; made on first use, then reused. One serves all: what fmpy, the package and
@@ -54,7 +63,7 @@ const DEFAULT: [&str; 3] =
 /// is replaced while it runs.
 pub fn python_with_package() -> PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| {
+    let install = || {
         let python = python();
         let ask = "import sysconfig; print(sysconfig.get_path('platlib'))";
         let libraries = run("asking for site-packages", Command::new(&python).args(["-c", ask]));
@@ -63,8 +72,8 @@ pub fn python_with_package() -> PathBuf {
         lock.lock().expect("files under target can be locked");
         copy_package(&installed);
         python
-    });
-    PYTHON.get().expect("it was made above").clone()
+    };
+    PYTHON.get_or_init(install).clone()
 }
 
 /// The compiled native part of the package. It lies beside this test, because the packager's tests depend on its crate.
@@ -134,10 +143,12 @@ pub fn pytest(python: PathBuf, folder: &str) -> Command {
     pytest
 }
 
-/// A command for Python in the work tree. Only the modules that are imported are compiled, once, under `target/`.
+/// A command for Python in the work tree. Only the modules that are imported are compiled, once, under `target/`, also where the user's
+/// environment says that none be kept: each of the many processes would compile them all.
 pub fn command(python: PathBuf) -> Command {
     let mut command = Command::new(python);
     command.current_dir(root()).env("PYTHONPYCACHEPREFIX", fmu_build::compile::target().join("pycache"));
+    command.env_remove("PYTHONDONTWRITEBYTECODE");
     command
 }
 
