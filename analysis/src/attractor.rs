@@ -289,8 +289,8 @@ pub(crate) fn appended(pattern: u64, upper: bool) -> u64 {
     pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper))
 }
 
-/// Whether the motion without impacts has one limit: its flow is linear, and every part of it is damped, for which the block needs the
-/// coupling.
+/// Whether a motion without impacts comes to a limit of the drive's period: its flow is linear, and every part of it is damped, for
+/// which the block needs the coupling. It is one limit for all starts where springs hold the box and the secondary oscillator.
 pub(crate) fn is_damped(p: &Parameters) -> bool {
     [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0)
 }
@@ -350,7 +350,8 @@ impl Attractor {
     }
 
     /// What another attractor is to this one. Two without a period are compared by their [means](Statistics::likeness). Two without
-    /// impacts are the same, since the flow without impacts is linear and has one limit.
+    /// impacts count as the same: the flow without impacts is linear and has one limit, where springs hold and dampers reach every body.
+    /// Elsewhere its limits are a family, one for each start, and it is the family that is one.
     pub fn relation(&self, other: &Self) -> Relation {
         if self.is_free() && other.is_free() {
             return Relation::Same;

@@ -173,7 +173,7 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
             let p = &starts[number].parameters;
             let mut attractor = attractor.unwrap_or_else(|| record.attractor(p));
             if attractor.period.is_none() && attractor.is_free() && keeps_clear(p, &state) {
-                // No impact will come, and the linear motion has one limit.
+                // No impact will come, and the linear motion has one limit if it is damped; if not, it is still in motion then.
                 let mut far = StroboscopicRecord::default();
                 if free_motion::observe(p, &state, FAR, &mut far).is_some() {
                     attractor = far.attractor(p);
