@@ -144,11 +144,12 @@ impl Model {
         };
         model.rate = model.norm().max(model.omega).max(MIN_RATE);
         let [one, two, three] = model.inverse_mass;
-        let numbers = [model.drive, one, two, three, 1.0 / model.gap];
+        let gap = [1.0 / model.gap, model.gap * model.rate.max(1.0)];
+        let numbers = [model.drive, one, two, three, gap[0], gap[1]];
         let largest = numbers.iter().fold(model.rate, |most, n| most.max(n.abs()));
         if largest > MAX_RATE {
             return Err(Error::PrecisionLost {
-                what: "largest of sqrt(k/m), c/m, 1/m, drive.amplitude/box.m and 1/stop.gap",
+                what: "largest of sqrt(k/m), c/m, 1/m, drive.amplitude/box.m, 1/stop.gap and stop.gap times the fastest rate",
                 value: largest,
                 limit: MAX_RATE,
             });

@@ -242,6 +242,9 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for power in [-340, -600, -1070] {
         assert!(matches!(scaled(2f64.powi(power)), Err(Error::PrecisionLost { .. })), "{power}");
     }
+    // Nor may speeds of some gaps in the system's time have squares that overflow: every state that is reached can be restored.
+    assert!(refused(&Parameters { stop_gap: 1e101, ..p }, 0.0));
+    assert!(refused(&Parameters { stop_gap: 1e99, drive_frequency: 1e3, ..p }, 0.0));
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
     let huge = Loads { derivatives: [[0.0; 4], [0.0; 4], [4.8e97, 0.0, 0.0, 0.0]] };
     assert!(matches!(simulator.set_loads(&huge), Err(Error::PrecisionLost { .. })));
