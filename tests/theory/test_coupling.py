@@ -45,4 +45,5 @@ def test_eq_115_limit_of_eulers_rule() -> None:
     creeping = {m: 1, c: 3, k: 1}
     faster = min(first.subs(creeping), second.subs(creeping))
     assert abs(1 + h.subs(creeping) * faster) > 1
-    assert creeping[m] * sympy.Rational(2, creeping[c]) <= 2 / abs(faster) <= creeping[m] * sympy.Rational(4, creeping[c])
+    least = sympy.Rational(2 * creeping[m], creeping[c])
+    assert least <= 2 / abs(faster) <= 2 * least
