@@ -310,6 +310,18 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
     }
 }
 
+/// The first passage of p from below zero to above by more than the rounding of its sign, `4 N² ε Σ|c_k|` as for [`first_crossing`]: where
+/// it passes zero, and where it is that much above. Whoever seeks one passage after another, now of p and now of -p, goes on from the
+/// second place: from a zero that is rounding itself the next one would be found at the same place, and so on without end.
+#[inline(always)]
+pub fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f64, f64)> {
+    let sizes: f64 = c.iter().map(|x| x.abs()).sum();
+    let mut lower = *c;
+    lower[0] -= (4 * N * N) as f64 * f64::EPSILON * sizes;
+    let above = first_crossing(&lower, lo, hi, &mut 0)?;
+    Some((first_crossing(c, lo, above, &mut 0).unwrap_or(above), above))
+}
+
 /// A place at which the computed p goes from ≤ 0 to > 0 in [lo, hi], for a piece on which p is nothing but rounding: `None` unless
 /// p(hi) > 0, and `lo` where p(lo) > 0 too.
 fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Option<f64> {

@@ -61,7 +61,9 @@ pub struct Model {
     pub k32: f64,
     /// 1/m1, 1/m2, 1/m3, 1/kg.
     pub inverse_mass: [f64; 3],
-    /// m2/(m1+m2) = m_r/m1: the block's share of the mass of box and block.
+    /// m1/(m1+m2): the box's share of the mass of box and block. What the block's leaves to 1 has few digits of it beside a heavy block.
+    pub box_share: f64,
+    /// m2/(m1+m2) = m_r/m1: the block's share.
     pub block_share: f64,
     /// m_r = m1 m2/(m1+m2), kg (docs/theory.md (10)).
     pub reduced_mass: f64,
@@ -105,7 +107,7 @@ pub struct ImpactFactors {
 const MAX_RATE_RATIO: f64 = 1e7;
 /// Below this rate (1/s) nothing of the system happens in minutes; it keeps the sub-step finite.
 const MIN_RATE: f64 = 1e-3;
-/// Above this the squares and products of the theory overflow.
+/// Above this the squares and products of the theory overflow, and those of gaps and speeds under its reciprocal are lost.
 const MAX_RATE: f64 = 1e100;
 
 impl Model {
@@ -131,6 +133,7 @@ impl Model {
             c3: p.secondary_damping / m3,
             k32: p.coupling_stiffness / m3,
             inverse_mass: [1.0 / m1, 1.0 / m2, 1.0 / m3],
+            box_share: m1 / (m1 + m2),
             block_share: m2 / (m1 + m2),
             reduced_mass: m1 * (m2 / (m1 + m2)),
             omega: p.drive_frequency,
@@ -140,11 +143,13 @@ impl Model {
             rate: 0.0,
         };
         model.rate = model.norm().max(model.omega).max(MIN_RATE);
-        let numbers = [model.drive, model.inverse_mass[0], model.inverse_mass[1], model.inverse_mass[2]];
+        let [one, two, three] = model.inverse_mass;
+        let gap = [1.0 / model.gap, model.gap * model.rate.max(1.0)];
+        let numbers = [model.drive, one, two, three, gap[0], gap[1]];
         let largest = numbers.iter().fold(model.rate, |most, n| most.max(n.abs()));
         if largest > MAX_RATE {
             return Err(Error::PrecisionLost {
-                what: "largest of sqrt(k/m), c/m, 1/m and drive.amplitude/box.m",
+                what: "largest of sqrt(k/m), c/m, 1/m, drive.amplitude/box.m, 1/stop.gap and stop.gap times the fastest rate",
                 value: largest,
                 limit: MAX_RATE,
             });
@@ -189,6 +194,8 @@ impl Model {
         let free = a2 - a1;
         match mode {
             SmoothMode::Flight => ([a1, free, a3], free),
+            // The mean by masses, from the heavier body's: from the lighter one's both terms would be large and all but cancel.
+            SmoothMode::Rest if self.block_share > 0.5 => ([a2 - self.box_share * free, 0.0, a3], free),
             SmoothMode::Rest => ([a1 + self.block_share * free, 0.0, a3], free),
         }
     }

@@ -191,3 +191,33 @@ fn closed_form_of_the_release() {
         }
     }
 }
+
+/// A heavy block that its load holds at a stop of a light box: box and block swing on the box's spring as one body. What is left is
+/// round-off, about ε S for each sub-step (docs/numerics.md, section 1). If the small share of the box in the mass of both were what the
+/// block's leaves to 1, its few digits would put the frequency off, and the motion by a thousand times as much.
+#[test]
+fn closed_form_a_heavy_block_at_rest_in_a_light_box() {
+    for (ratio, end) in [(1e2, 100.0), (1e6, 10.0), (1e8, 1.0)] {
+        let p = Parameters {
+            box_mass: 1.0 / ratio,
+            box_damping: 0.0,
+            block_mass: 1.0,
+            secondary_damping: 0.0,
+            coupling_stiffness: 0.0,
+            drive_amplitude: 0.0,
+            constant_loads: [0.0, 1.0, 0.0],
+            ..Parameters::default()
+        };
+        let start = State { x: [1.1, 2.1, 0.0], v: [0.0; 3] };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        simulator.advance_to(end).unwrap();
+        assert_eq!(simulator.contact(), Contact::RestUpper);
+        let frequency = (p.box_stiffness / (p.box_mass + p.block_mass)).sqrt();
+        let exact = 1.0 + 0.1 * (frequency * end).cos();
+        // The gap, the displacement and the load; the rate is r² = k1/m1.
+        let size = 1.0 + 1.1 + 1.0 / ratio;
+        let rounding = f64::EPSILON * size * simulator.work_counters().substeps as f64;
+        let error = (simulator.state().x[0] - exact).abs();
+        assert!(error <= rounding, "{ratio:e}: {error:e} of {rounding:e}");
+    }
+}

@@ -224,6 +224,27 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     assert!(refused(&p, 6e66));
     assert!(refused(&Parameters { stop_gap: 1e-300, ..p }, 0.5));
     assert!(refused(&Parameters { drive_amplitude: 1e30, ..p }, 0.0));
+    // Squares of speeds would be lost, by which chatter runs are closed; gaps that are a power of two smaller have the same bits.
+    let scaled = |gap: f64| {
+        let p = Parameters {
+            drive_amplitude: 0.3 * gap,
+            stop_gap: gap,
+            block_mass: 1.0,
+            stop_restitution: 0.3,
+            ..p
+        };
+        let start = State { x: [0.0, 0.9 * gap, 0.0], v: [0.0, 0.5 * gap, 0.0] };
+        let mut simulator = Simulator::new(&p, &start, 0.0)?;
+        simulator.advance_to(100.0).map(|()| (simulator.state().x.map(|x| x / gap), *simulator.impacts()))
+    };
+    let ((one, few), (other, many)) = (scaled(1.0).unwrap(), scaled(2f64.powi(-330)).unwrap());
+    assert!(one == other && few.upper == many.upper && few.upper > 10, "{one:?} {other:?}");
+    for power in [-340, -600, -1070] {
+        assert!(matches!(scaled(2f64.powi(power)), Err(Error::PrecisionLost { .. })), "{power}");
+    }
+    // Nor may speeds of some gaps in the system's time have squares that overflow: every state that is reached can be restored.
+    assert!(refused(&Parameters { stop_gap: 1e101, ..p }, 0.0));
+    assert!(refused(&Parameters { stop_gap: 1e99, drive_frequency: 1e3, ..p }, 0.0));
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
     let huge = Loads { derivatives: [[0.0; 4], [0.0; 4], [4.8e97, 0.0, 0.0, 0.0]] };
     assert!(matches!(simulator.set_loads(&huge), Err(Error::PrecisionLost { .. })));

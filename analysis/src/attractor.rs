@@ -5,6 +5,7 @@
 //! are no mirror images.
 
 use super::error::Result;
+use super::free_motion::limit_keeps_clear;
 use super::largest_exponent::{ExponentSign, LargestExponent};
 use super::lyapunov::Spectrum;
 use super::statistics::{Blocks, Likeness, Statistics};
@@ -114,8 +115,10 @@ impl MotionClass {
     pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
         let sign = largest.map(|exponent| exponent.sign(p));
         match Self::by_sign(attractor.period, sign, attractor.approaching) {
-            // Where all is damped a motion without events has one limit.
-            Self::NotSettled if attractor.approaching && attractor.is_free() => Self::Settling,
+            // Where all is damped a motion without events has one limit, unless a stop is in its way.
+            Self::NotSettled if attractor.approaching && attractor.is_free() && limit_keeps_clear(p) => {
+                Self::Settling
+            }
             class => class,
         }
     }
@@ -232,9 +235,11 @@ impl StroboscopicRecord {
     /// What the motion is, after [`OBSERVED`] periods.
     pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
         let found = if self.is_complete() { period(&self.periods) } else { None };
-        // Without contact the motion is linear, and its one limit has the drive's period: a longer one is a slow swing that nearly returns.
+        // Without contact the motion is linear, and its one limit has the drive's period: a longer one is a slow swing that nearly returns,
+        // and so is any where the limit is beyond the stops.
         let touches = self.periods.iter().any(|s| s.impacts != [0; 2] || s.rests);
-        self.attractor_of(p, found.filter(|n| *n == 1 || touches))
+        let free = |period| period == 1 && (limit_keeps_clear(p) || !is_damped(p));
+        self.attractor_of(p, found.filter(|n| touches || free(*n)))
     }
 
     /// What the motion is, given its period, of which at least one has been recorded.
@@ -253,8 +258,8 @@ impl StroboscopicRecord {
         }
         let counts = [0, 1].map(|side| periods[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
         let rests = periods[last..].iter().any(|s| s.rests);
-        // Without impacts a damped motion that has not reached its limit is on its way there.
-        let dies_out = is_damped(p) && counts == [0; 2] && !rests;
+        // Without impacts a damped motion that has not reached its limit is on its way there, if that is clear of the stops.
+        let dies_out = counts == [0; 2] && !rests && is_damped(p) && limit_keeps_clear(p);
         Attractor {
             period,
             approaching: period.is_none() && (dies_out || approaches(periods)),
@@ -289,8 +294,8 @@ pub(crate) fn appended(pattern: u64, upper: bool) -> u64 {
     pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper))
 }
 
-/// Whether the motion without impacts has one limit: its flow is linear, and every part of it is damped, for which the block needs the
-/// coupling.
+/// Whether a motion without impacts comes to a limit of the drive's period: its flow is linear, and every part of it is damped, for
+/// which the block needs the coupling. It is one limit for all starts where springs hold the box and the secondary oscillator.
 pub(crate) fn is_damped(p: &Parameters) -> bool {
     [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0)
 }
@@ -350,7 +355,8 @@ impl Attractor {
     }
 
     /// What another attractor is to this one. Two without a period are compared by their [means](Statistics::likeness). Two without
-    /// impacts are the same, since the flow without impacts is linear and has one limit.
+    /// impacts count as the same: the flow without impacts is linear and has one limit, where springs hold and dampers reach every body.
+    /// Elsewhere its limits are a family, one for each start, and it is the family that is one.
     pub fn relation(&self, other: &Self) -> Relation {
         if self.is_free() && other.is_free() {
             return Relation::Same;

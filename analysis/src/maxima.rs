@@ -277,6 +277,30 @@ mod tests {
         }
     }
 
+    /// At a release the rate of w is rounding. At the lower stop that is no maximum, and no turn is found twice.
+    #[test]
+    fn invariant_a_release_from_the_lower_stop_is_no_maximum_of_w() {
+        let mut releases = 0;
+        for k in 0..24 {
+            let p = at(0.4 + 0.15 * f64::from(k), 0.3);
+            let p = Parameters { constant_loads: [0.1, -0.02, 0.05], ..p };
+            let simulator = settled_simulator(&p, &moving_block(&p), 20.0).unwrap();
+            let (mut before, end) = (f64::NEG_INFINITY, simulator.time() + 20.0 * p.period());
+            record_periods(&mut simulator.clone(), Displacement::W, 20, &mut |period| {
+                for top in &period.maxima {
+                    assert!(top.value > -p.stop_gap && top.time > before, "{k}: {top:?} after {before}");
+                    before = top.time;
+                }
+            })
+            .unwrap();
+            let count = &mut |event: &Event| {
+                releases += usize::from(matches!(event, Event::Release { side: -1, .. }))
+            };
+            simulator.clone().advance_observed(end, count).unwrap();
+        }
+        assert!(releases > 50, "{releases}");
+    }
+
     #[test]
     fn closed_form_of_a_free_block() {
         // Without spring the block's speed is constant in flight: every maximum is a corner at the upper stop, where

@@ -158,8 +158,10 @@ struct Seen {
     state: vibro_impact::State,
     attractor: Attractor,
     exponent: Option<LargestExponent>,
-    /// Whether a motion with a period returns so exactly that a slow approach has no way left to go.
+    /// Whether a motion with a period returns so exactly that a slow approach has no way left to go, or keeps clear of the stops.
     arrived: bool,
+    /// Whether it is proved that no impact will come.
+    clear: bool,
     blocks: Blocks,
 }
 
@@ -172,18 +174,19 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
             // Every motion of such a program is observed.
             let p = &starts[number].parameters;
             let mut attractor = attractor.unwrap_or_else(|| record.attractor(p));
-            if attractor.period.is_none() && attractor.is_free() && keeps_clear(p, &state) {
-                // No impact will come, and the linear motion has one limit.
+            let clear = attractor.is_free() && keeps_clear(p, &state);
+            if attractor.period.is_none() && clear {
+                // No impact will come, and the linear motion has one limit if it is damped; if not, it is still in motion then.
                 let mut far = StroboscopicRecord::default();
                 if free_motion::observe(p, &state, FAR, &mut far).is_some() {
                     attractor = far.attractor(p);
                 }
             }
-            let arrived = attractor.period.is_some_and(|n| record.return_distance(n) < ARRIVED);
+            let arrived = clear || attractor.period.is_some_and(|n| record.return_distance(n) < ARRIVED);
             if attractor.period.is_none() {
                 record.add_to(&mut blocks);
             }
-            Seen { state, attractor, exponent, arrived, blocks }
+            Seen { state, attractor, exponent, arrived, clear, blocks }
         }));
     });
     // Each motion has an outcome.
@@ -202,7 +205,7 @@ impl Open {
             periods,
             stationary: false,
         };
-        let arrived = seen.arrived || found.attractor.is_free();
+        let arrived = seen.arrived;
         let mut motion =
             Self { number, start, found, impacts, rests, blocks: seen.blocks, arrived, followed: OBSERVED };
         motion.impacts = motion.impacts.map(|rate| rate * f64::from(periods));
@@ -213,7 +216,7 @@ impl Open {
     fn take(&mut self, seen: Seen, discarded: u32) {
         let followed = self.followed.saturating_add(discarded).saturating_add(OBSERVED);
         self.start.state = seen.state;
-        let ended = seen.attractor.is_free() && is_damped(&self.start.parameters);
+        let ended = seen.clear && is_damped(&self.start.parameters);
         if !self.found.wanders() || seen.attractor.period.is_some() || ended {
             // What it was so far was a transient.
             *self = Self { followed, ..Self::new(self.number, self.start, seen) };

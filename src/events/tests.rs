@@ -34,6 +34,27 @@ fn closed_form_first_of_several_crossings() {
     assert_eq!(first_crossing(&p, -0.4, 0.24, &mut n), None);
 }
 
+/// A rate that rounding has turned at its start, as that of w is at a release: it turns once, and not again where it is still rounding.
+#[test]
+fn closed_form_turns_of_a_rate_that_begins_with_rounding() {
+    /// By how much a zero is off whose slope is 1e-15 at most.
+    const NOISE: f64 = 1e-14;
+    for rounding in [-4.722797662324724e-15, -1e-17, 0.0, 1e-17, 3e-15] {
+        let c = [0.0, rounding, 1.1702631224810198, -0.6597638777761026, -0.9, 0.1, 0.0, 0.0];
+        let (mut rising, mut from, mut turns) = (false, 0.0, Vec::new());
+        while let Some((u, turned)) = certain_crossing(&if rising { c.map(|x| -x) } else { c }, from, 1.0) {
+            assert!(u <= turned && turned > from, "{turns:?}: {u} {turned}");
+            turns.push(u);
+            (rising, from) = (!rising, turned);
+        }
+        let zero = |u: f64| (((0.1 * u - 0.9) * u + c[3]) * u + c[2]) * u;
+        assert!(
+            matches!(turns[..], [start, end] if start.abs() < NOISE && end < 1.0 && zero(end).abs() < NOISE),
+            "{turns:?}"
+        );
+    }
+}
+
 #[test]
 fn closed_form_grazing_is_found_only_when_it_crosses() {
     // A hump of height ±h at 0.3 on a cubic background.

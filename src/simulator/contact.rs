@@ -5,7 +5,7 @@ use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::{CENTRED, Series};
 use crate::model::{Augmented, Impact, RELATIVE, RELATIVE_RATE, SmoothMode};
 
-/// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by more than this many gaps, half
+/// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by more than this many gaps, at most
 /// a unit in the last place.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
 /// With κ nearer to 1 than this runs are closed by the height of their bounces instead (docs/numerics.md, "Chatter").

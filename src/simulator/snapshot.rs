@@ -16,6 +16,9 @@ pub struct Snapshot {
     hybrid: HybridState,
 }
 
+/// No motion comes to displacements and speeds above this: starts are refused beyond 1e100. The squares in its energies would overflow.
+const MAX_NUMBER: f64 = 1e150;
+
 impl Simulator {
     /// All that is needed to come back to this point.
     #[inline]
@@ -46,6 +49,9 @@ impl Simulator {
         {
             return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
         }
+        if let Some(&value) = hybrid.y.iter().find(|x| x.abs() > MAX_NUMBER) {
+            return Err(Error::OutOfRange { name: "snapshot", value, allowed: "states up to 1e150" });
+        }
         let gap = snapshot.parameters.stop_gap;
         if hybrid.y[1].abs() > gap {
             return Err(Error::Penetration { value: hybrid.y[1], gap });
@@ -62,5 +68,27 @@ impl Simulator {
             self.prepare_load_tables();
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::State;
+
+    #[test]
+    fn a_snapshot_whose_energies_would_overflow_is_refused() {
+        let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
+        let sound = simulator.snapshot();
+        for coordinate in [0, 2, 3, 4, 5] {
+            let mut damaged = sound;
+            damaged.hybrid.y[coordinate] = -1e160;
+            let refused = simulator.restore(&damaged);
+            assert!(
+                matches!(refused, Err(Error::OutOfRange { name: "snapshot", value: -1e160, .. })),
+                "{refused:?}"
+            );
+            assert_eq!(simulator.snapshot(), sound);
+        }
     }
 }

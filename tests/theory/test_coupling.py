@@ -41,3 +41,9 @@ def test_eq_115_limit_of_eulers_rule() -> None:
     first, second = sympy.roots(m * root**2 + c * root + k, root)
     # Of a complex pair the product is the square of the modulus.
     assert zero((1 + h * first) * (1 + h * second) - 1)
+    # A body that only creeps back needs shorter steps, below 2/|λ| of the faster mode.
+    creeping = {m: 1, c: 3, k: 1}
+    faster = min(first.subs(creeping), second.subs(creeping))
+    assert abs(1 + h.subs(creeping) * faster) > 1
+    least = sympy.Rational(2 * creeping[m], creeping[c])
+    assert least <= 2 / abs(faster) <= 2 * least

@@ -12,7 +12,7 @@ use vibro_assembly::flow::{ORDERS, rate_bound};
 use vibro_assembly::mode::{Mode, Watch};
 use vibro_assembly::motion::{Event, Outcome};
 use vibro_assembly::system::{Row, System};
-use vibro_impact::events::first_crossing;
+use vibro_impact::events::certain_crossing;
 
 /// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than 2²⁶/26! of the state.
 const RADIUS: f64 = 2.0;
@@ -110,9 +110,9 @@ pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
         // The slope has no more zeros than its degree.
         for _ in 0..ORDERS {
             let sought = if rising { slope.map(|c| -c) } else { slope };
-            let Some(u) = first_crossing(&sought, from, 1.0, &mut 0) else { break };
+            let Some((u, turned)) = certain_crossing(&sought, from, 1.0) else { break };
             visit(value(u));
-            (rising, from) = (!rising, u);
+            (rising, from) = (!rising, turned);
         }
     }
     visit(value(1.0));

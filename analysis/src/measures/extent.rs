@@ -1,7 +1,7 @@
 //! Extrema and mean square of one coordinate along the series of the flow.
 
 use super::Coordinate;
-use vibro_impact::events::first_crossing;
+use vibro_impact::events::certain_crossing;
 use vibro_impact::flow::{PIECE, Series, weighted_sum};
 use vibro_impact::numerics::simd::value;
 
@@ -76,9 +76,9 @@ impl Extent {
         // The slope has no more zeros than its degree.
         for _ in 0..PIECE {
             let sought = if rising { slope.map(|c| -c) } else { slope };
-            let Some(u) = first_crossing(&sought, from, 1.0, &mut 0) else { break };
+            let Some((u, turned)) = certain_crossing(&sought, from, 1.0) else { break };
             self.meet(value(&q, u));
-            (rising, from) = (!rising, u);
+            (rising, from) = (!rising, turned);
         }
     }
 }

@@ -227,9 +227,13 @@ impl<'a> Motions<'a> {
                 let most = program.exponent.filter(|_| attractor.period.is_none() && !attractor.is_free())?;
                 record.tangent.end_block(now);
                 let exponent = record.tangent.exponent();
-                if record.stage == Stage::Exponent && !record.moved_on && is_damped(&record.parameters) {
+                if record.stage == Stage::Exponent
+                    && !record.moved_on
+                    && is_damped(&record.parameters)
+                    && free_motion::keeps_clear(&record.parameters, &simulator.state())
+                {
                     // Chaos has ended in the motion without impacts, to which all is damped but the drive's phase: negative for
-                    // certain.
+                    // certain. Without that proof impacts may come back: those of a box with little damping come in bursts.
                     attractor.approaching = true;
                     let value = f64::NEG_INFINITY;
                     record.exponent = Some(LargestExponent { value, error: 0.0, ..exponent });

@@ -2,8 +2,10 @@ use super::*;
 use crate::ParameterSet;
 use crate::attractor::Relation;
 use crate::basin::{Basin, InitialValueRange, Request, basin};
+use crate::motion::settled_simulator;
 use crate::parts::Task;
 use crate::stroboscopic::{dimensional, moving_block};
+use vibro_impact::Parameters;
 
 fn set(assignments: &[&str]) -> ParameterSet {
     let mut set = ParameterSet::basic();
@@ -107,4 +109,47 @@ fn second_method_verdicts_of_single_motions() {
     let p = *set(&[]).parameters();
     let outside = vibro_impact::State { x: [0.0, 2.0 * p.stop_gap, 0.0], v: [0.0; 3] };
     assert!(verdict(&Start { parameters: p, state: outside }, 0).is_err());
+}
+
+/// Box and drive in resonance, with so little damping that the box takes hundreds of periods to come back to the block after each burst
+/// of impacts. Alone it would swing farther than the gap: no time without impacts is the end of them.
+#[test]
+fn second_method_impacts_that_come_in_bursts_have_not_ended() {
+    let machine = |mass: f64, force: f64, damping: f64, kappa: f64, ratio: f64| Parameters {
+        box_damping: damping,
+        block_mass: mass,
+        secondary_mass: mass,
+        secondary_stiffness: mass,
+        secondary_damping: ratio * mass,
+        coupling_stiffness: 0.06 * mass,
+        drive_amplitude: force,
+        drive_frequency: 1.0,
+        stop_restitution: kappa,
+        ..Parameters::default()
+    };
+    for (p, longest, class) in [
+        (machine(1.0, 1.05e-3, 1e-3, 0.75, 0.06), 64.0, MotionClass::Chaotic),
+        (machine(0.3, 1.2e-3, 1e-3, 0.0, 0.6), 400.0, MotionClass::NotSettled),
+        (machine(3.0, 1.2e-3, 1e-3, 0.5, 3.0), 400.0, MotionClass::NotSettled),
+        // Its states return to 1e-5 a period from the start on.
+        (machine(0.3, 2e-6, 1e-6, 0.75, 0.6), 0.0, MotionClass::NotSettled),
+    ] {
+        let start = Start { parameters: p, state: vibro_impact::State::default() };
+        let mut simulator = settled_simulator(&p, &start.state, 2000.0).unwrap();
+        let (mut before, mut most, mut late) = (f64::INFINITY, 0.0f64, 0);
+        let end = simulator.time() + 1e4 * p.period();
+        simulator
+            .advance_observed(end, &mut |event| {
+                if let vibro_impact::simulator::Event::Impact { time, .. } = *event {
+                    most = most.max((time - before) / p.period());
+                    (before, late) = (time, late + u32::from(time > 0.9 * end));
+                }
+            })
+            .unwrap();
+        assert!(
+            longest == 0.0 || (most > longest && late > 0),
+            "{most} periods without an impact, {late} late"
+        );
+        assert_eq!(verdict(&start, 2000).unwrap().class, class, "{p:?}");
+    }
 }

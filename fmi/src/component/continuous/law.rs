@@ -8,7 +8,9 @@ use vibro_impact::simulator::{Contact, Event};
 /// this cannot be told from resting, so there a chatter run ends.
 const CONTACT: f64 = 1e-9;
 /// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
-/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of the displacements.
+/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of displacements up to thousands of gaps.
+/// Where a box has gone farther, an event that rounding hides from the host is found when its step is accepted
+/// ([`missed_event`](Continuous::missed_event)).
 const SHIFT: f64 = 1e-12;
 
 impl Continuous {

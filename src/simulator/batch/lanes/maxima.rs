@@ -1,13 +1,13 @@
 //! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples of it.
 //!
 //! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from above to below zero: at a root
-//! within a sub-step, which [`first_crossing`] finds with the same proof as the simulator's events, or at an impact that reverses the
+//! within a sub-step, which [`certain_crossing`] finds with the same proof as the simulator's events, or at an impact that reverses the
 //! rate. A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
 //!
 //! Over a sub-step of flight 16 values of the rate and a bound on its second derivative leave few intervals to be searched, as they
 //! do for the gap.
 
-use crate::events::first_crossing;
+use crate::events::certain_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
 use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, SmoothMode};
 use crate::numerics::simd::{product, value, weigh};
@@ -146,14 +146,13 @@ impl MaximumFinder {
         // Each turn is a root of the rate, of which there are fewer than its terms.
         for _ in 0..if steady { 0 } else { N } {
             let sought = if self.rising { rate.map(|c| -c) } else { rate };
-            let Some(u) = first_crossing(&sought, from, to, &mut 0) else { break };
+            let Some((u, turned)) = certain_crossing(&sought, from, to) else { break };
             if self.rising {
                 let q: [f64; N] =
                     std::array::from_fn(|k| weighted_sum(&self.weights, &series.states[k], BOX));
                 found(Maximum { time: time + u * radius, value: value(&q, u), corner: false });
             }
-            self.rising = !self.rising;
-            from = u;
+            (self.rising, from) = (!self.rising, turned);
         }
     }
 
