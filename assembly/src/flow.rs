@@ -6,7 +6,7 @@ mod increment;
 mod watched;
 
 pub use exponential::rate_bound;
-pub use watched::WatchTable;
+pub use watched::{Group, Head, WatchTable, head_of};
 pub(crate) use watched::taylor;
 
 use crate::kernel::{Blocks, SparseMatrix, combine};
@@ -16,7 +16,7 @@ use crate::system::Row;
 use exponential::{LEAST_RATE, exponentials, series_orders};
 use increment::Increment;
 use nalgebra::DMatrix;
-use watched::watch_table;
+use watched::{Heads, watch_table};
 
 /// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
 /// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
@@ -59,6 +59,7 @@ pub struct Table {
     orders: [usize; INTERVALS],
     /// What is watched.
     pub watched: Vec<WatchTable>,
+    heads: Vec<Heads>,
     /// The forces of the basis.
     pub lambda: Vec<Row>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
@@ -80,16 +81,17 @@ impl Table {
         let transitions = exponentials(&a, rate, length, &ends).iter().map(Blocks::of).collect();
         let interval = exponentials(&a, rate, step, &[1.0]).remove(0);
         let spread = exponentials(&a.abs(), rate, step, &[1.0]).remove(0);
-        let watched = watched
+        let watched: Vec<WatchTable> = watched
             .into_iter()
             .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
             .collect();
+        let heads = Heads::of(&watched, a.len());
         let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
         let kept = if a.len() <= DENSE { one / 2..one } else { 0..0 };
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         let velocities = velocities.collect();
-        Self { velocities, a, sizes, rate, length, transitions, increment, orders, watched, lambda, triangle }
+        Self { velocities, a, sizes, rate, length, transitions, increment, orders, watched, heads, lambda, triangle }
     }
 
     /// Length of an interval, s.
@@ -100,6 +102,15 @@ impl Table {
     /// Orders of a power series from the sub-step's start into interval `last`.
     pub fn orders_to(&self, last: usize) -> usize {
         self.orders[last]
+    }
+
+    /// Writes where the watched functionals stand at a state.
+    #[inline(always)]
+    pub fn heads_at(&self, z: &[f64], to: &mut Vec<Group>) {
+        to.resize(self.heads.len(), Default::default());
+        for (to, group) in to.iter_mut().zip(&self.heads) {
+            *to = group.at(z);
+        }
     }
 
     /// The state at a time within an interval from that at its start. Signals, whose values at a time are known, may stay as in `to`
@@ -215,7 +226,7 @@ impl Table {
         self.transitions.len() * size * size
             + 2 * (self.a.entries() + self.sizes.entries())
             + self.velocities.len() * WITHIN
-            + self.watched.len() * size * (INTERVALS + LOCAL + 2)
+            + self.watched.len() * size * (INTERVALS + LOCAL + 5)
             + self.increment.as_ref().map_or(0, Increment::numbers)
             + self.lambda.len() * (size + self.lambda.len())
     }

@@ -19,7 +19,7 @@ pub use varied::{Crossing, keep};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::{Rows, Series, Table};
+use crate::flow::{Group, Rows, Series, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
@@ -93,10 +93,8 @@ pub struct Motion {
 /// Memory of a sub-step.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    /// The sizes of the coordinates at its start.
-    sizes: Vec<f64>,
     /// By functional its start.
-    heads: Vec<passage::Head>,
+    heads: Vec<Group>,
     /// By functional the intervals in which it may pass zero.
     near: Vec<u8>,
     /// The state at an interval's start.
@@ -173,7 +171,7 @@ impl Motion {
     /// With memory of the machine's size, before the mode that follows is put in force.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
-        let scratch = Scratch { sizes: vec![0.0; size], start: vec![0.0; size], ..Scratch::default() };
+        let scratch = Scratch { start: vec![0.0; size], ..Scratch::default() };
         let (tables, vectors) = (Tables::default(), pulp::Arch::new());
         Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, scratch, vectors }
     }

@@ -1,9 +1,9 @@
 //! The way to the first event within a sub-step: samples and bounds prove that there is none, or name the intervals to search.
 
 use super::{Hybrid, Scratch};
-use crate::flow::{INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable};
+use crate::flow::{Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable, head_of};
 use crate::mode::Watch;
-use vibro_impact::events::first_crossing;
+use vibro_impact::events::{crossing_after_start, first_crossing};
 
 /// A sub-step is halved while a stop's e may move by more than this many times its largest size so far: beyond, the roots would
 /// lose digits. Not more often than [`HALVINGS`], since what begins at zero has no size yet.
@@ -43,31 +43,6 @@ pub(super) struct Passage {
     pub(super) place: usize,
 }
 
-/// A watched functional where a sub-step begins.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Head {
-    value: f64,
-    slope: f64,
-    /// A bound of its second derivative throughout the sub-step.
-    bend: f64,
-}
-
-impl Scratch {
-    /// Takes in the state at a sub-step's start.
-    #[inline(always)]
-    pub(super) fn look(&mut self, table: &Table, hybrid: &Hybrid) {
-        let z = hybrid.z.as_slice();
-        self.interval = None;
-        self.sizes.iter_mut().zip(z).for_each(|(size, x)| *size = x.abs());
-        self.heads.clear();
-        // Closures handed to a vector's methods would not be compiled for the computer's vectors.
-        for w in &table.watched {
-            let (value, slope) = (w.row.at(z), w.slope.dot(z));
-            self.heads.push(Head { value, slope, bend: w.bend(&self.sizes) });
-        }
-    }
-}
-
 /// A sub-step's start in a mode.
 pub(super) struct Flight<'a> {
     pub(super) table: &'a Table,
@@ -77,12 +52,13 @@ pub(super) struct Flight<'a> {
 impl Flight<'_> {
     /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
     #[inline(always)]
-    pub(super) fn within_reach(&self, mut span: f64, heads: &[Head]) -> f64 {
+    pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
-        for (w, head) in self.table.watched.iter().zip(heads) {
+        for (place, w) in self.table.watched.iter().enumerate() {
             if !matches!(w.watch, Watch::Meets(_) | Watch::Presses(_)) {
                 continue;
             }
+            let head = head_of(heads, place);
             let path = |span: f64| span * (head.slope.abs() + 0.5 * head.bend * span);
             if path(span) <= REACH * head.value.abs() {
                 continue; // its size is at least its value's
@@ -103,8 +79,8 @@ impl Flight<'_> {
         let Scratch { heads, near, start, interval: begun, series, .. } = scratch;
         near.clear();
         let mut any = 0;
-        for ((w, &order), head) in table.watched.iter().zip(&self.hybrid.departing).zip(heads.iter()) {
-            let intervals = near_intervals(w, order, z, head, table.interval());
+        for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
+            let intervals = near_intervals(w, order, z, &head_of(heads, place), table.interval());
             any |= intervals;
             near.push(intervals);
         }
@@ -192,7 +168,7 @@ impl Flight<'_> {
                 continue;
             }
             let hi = first.map_or(1.0, |(dt, _)| dt / length);
-            if let Some(u) = first_crossing(&c, 0.0, hi, &mut 0) {
+            if let Some(u) = crossing_after_start(&c, hi, &mut 0) {
                 first = Some((u * length, place));
             }
         }
@@ -216,13 +192,11 @@ fn near_intervals(w: &WatchTable, order: usize, z: &[f64], head: &Head, step: f6
     let margin = bend * step * step * 0.125;
     // From zero it goes down throughout the first interval if the slope outweighs what the second derivative adds.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
-    let (mut near, mut before) = (0, !leaves && (order > 0 || value >= -margin));
+    let mut ends = 0;
     for (k, sample) in w.samples(z).into_iter().enumerate() {
-        let here = sample >= -margin;
-        if before || here {
-            near |= 1 << k;
-        }
-        before = here;
+        ends |= u8::from(sample >= -margin) << k;
     }
+    // An interval is near where one of its ends is.
+    let near = ends | ends << 1 | u8::from(order > 0 || value >= -margin);
     if leaves { near & !1 } else { near }
 }

@@ -145,7 +145,8 @@ impl Motion {
         let met = tables.at(*place);
         let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
-        scratch.look(table, hybrid);
+        scratch.interval = None;
+        table.heads_at(hybrid.z.as_slice(), &mut scratch.heads);
         let flight = Flight { table, hybrid };
         let span = flight.within_reach(table.length.min(remaining), &scratch.heads);
         let passage = flight.first_passage(span, scratch);
