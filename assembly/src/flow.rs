@@ -6,8 +6,8 @@ mod increment;
 mod watched;
 
 pub use exponential::rate_bound;
-pub use watched::{Group, Head, WatchTable, head_of};
 pub(crate) use watched::taylor;
+pub use watched::{Group, Head, WatchTable, head_of};
 
 use crate::kernel::{Blocks, SparseMatrix, combine};
 use crate::law::ZERO;
@@ -91,7 +91,20 @@ impl Table {
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         let velocities = velocities.collect();
-        Self { velocities, a, sizes, rate, length, transitions, increment, orders, watched, heads, lambda, triangle }
+        Self {
+            velocities,
+            a,
+            sizes,
+            rate,
+            length,
+            transitions,
+            increment,
+            orders,
+            watched,
+            heads,
+            lambda,
+            triangle,
+        }
     }
 
     /// Length of an interval, s.

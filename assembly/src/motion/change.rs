@@ -70,6 +70,7 @@ impl Motion {
             mode,
             departing,
             chain: 0,
+            carried: 0,
             last: None,
             due: None,
             ..old.hybrid

@@ -68,6 +68,8 @@ pub struct Hybrid {
     energy: crate::energy::Accounts,
     /// Events at the present instant without progress.
     chain: usize,
+    /// Whole sub-steps since the signals were found from the clock.
+    carried: u32,
     /// What ended the last mode.
     last: Option<Watch>,
     /// The event at which it stands, where its law is still to be applied.
@@ -98,7 +100,7 @@ struct Scratch {
     /// By functional the intervals in which it may pass zero.
     near: Vec<u8>,
     /// The state at an interval's start.
-    start: Vec<f64>,
+    start: DVector<f64>,
     /// The interval, while a sub-step is made.
     interval: Option<usize>,
     series: Series,
@@ -160,6 +162,7 @@ impl Motion {
             impacts,
             energy,
             chain: 0,
+            carried: 0,
             last: None,
             due: None,
         };
@@ -171,7 +174,7 @@ impl Motion {
     /// With memory of the machine's size, before the mode that follows is put in force.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
-        let scratch = Scratch { start: vec![0.0; size], ..Scratch::default() };
+        let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
         let (tables, vectors) = (Tables::default(), pulp::Arch::new());
         Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, scratch, vectors }
     }

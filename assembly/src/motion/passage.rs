@@ -77,6 +77,7 @@ impl Flight<'_> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
         let late = self.late_passage(span, &mut scratch.series);
         let Scratch { heads, near, start, interval: begun, series, .. } = scratch;
+        let start = start.as_mut_slice();
         near.clear();
         let mut any = 0;
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {

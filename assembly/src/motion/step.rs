@@ -9,6 +9,9 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
+/// Whole sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that
+/// of one.
+const RENEW: u32 = 16;
 /// Events at one instant without progress, for each element and one more.
 const CHAIN: usize = 100;
 /// Parts of a mode's sub-step that count as progress of time: a few roundings.
@@ -164,12 +167,13 @@ impl Motion {
             };
             hybrid.energy.add(powers, dt, &samples, values);
         }
-        let z = hybrid.z.as_mut_slice();
         let Scratch { start, interval, series, .. } = scratch;
+        let z = hybrid.z.as_mut_slice();
         if whole {
-            table.at_end(z, series, start);
-            z.copy_from_slice(start);
+            table.at_end(z, series, start.as_mut_slice());
+            std::mem::swap(&mut hybrid.z, start);
         } else {
+            let start = start.as_mut_slice();
             if *interval != Some(end.interval) {
                 table.at_interval_start(end.interval, z, series, start);
             }
@@ -181,7 +185,8 @@ impl Motion {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
-        if !knot {
+        self.hybrid.carried = if whole { (self.hybrid.carried + 1) % RENEW } else { 0 };
+        if self.hybrid.carried == 0 && !knot {
             self.refill();
         }
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
