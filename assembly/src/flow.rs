@@ -3,9 +3,11 @@
 
 mod exponential;
 mod increment;
+mod ladder;
 mod watched;
 
 pub use exponential::rate_bound;
+pub use ladder::{RUNGS, Rung};
 pub(crate) use watched::taylor;
 pub use watched::{Group, Head, WatchTable, head_of};
 
@@ -16,6 +18,7 @@ use crate::system::Row;
 use exponential::{LEAST_RATE, exponentials, series_orders};
 use increment::Increment;
 use nalgebra::DMatrix;
+use std::sync::OnceLock;
 use watched::{Heads, watch_table};
 
 /// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
@@ -55,6 +58,8 @@ pub struct Table {
     velocities: Vec<[f64; WITHIN]>,
     /// What a sub-step adds where a stiff buffer is pressed.
     increment: Option<Increment>,
+    /// Longer sub-steps, each twice the one before, made when they are first needed.
+    ladder: Vec<OnceLock<Rung>>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
     /// What is watched.
@@ -91,6 +96,7 @@ impl Table {
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         let velocities = velocities.collect();
+        let ladder = vec![(); RUNGS].into_iter().map(|()| OnceLock::new()).collect();
         Self {
             velocities,
             a,
@@ -99,11 +105,28 @@ impl Table {
             length,
             transitions,
             increment,
+            ladder,
             orders,
             watched,
             heads,
             lambda,
             triangle,
+        }
+    }
+
+    /// The flow over 2^`k` sub-steps.
+    pub fn rung(&self, k: usize) -> &Rung {
+        self.ladder[k].get_or_init(|| match k.checked_sub(1) {
+            Some(below) => self.rung(below).doubled(self),
+            None => Rung::first(self),
+        })
+    }
+
+    /// z' at a state.
+    pub fn rates(&self, z: &[f64], to: &mut [f64]) {
+        match &self.increment {
+            Some(increment) => increment.rates(z, to),
+            None => self.a.times(z, 1.0, to),
         }
     }
 
@@ -241,6 +264,7 @@ impl Table {
             + self.velocities.len() * WITHIN
             + self.watched.len() * size * (INTERVALS + LOCAL + 5)
             + self.increment.as_ref().map_or(0, Increment::numbers)
+            + self.ladder.iter().filter_map(OnceLock::get).map(Rung::numbers).sum::<usize>()
             + self.lambda.len() * (size + self.lambda.len())
     }
 }

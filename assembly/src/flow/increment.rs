@@ -44,13 +44,19 @@ impl Increment {
         series.size = z.len();
         series.terms.resize(z.len(), 0.0);
         let rates = &mut series.terms[..z.len()];
+        self.rates(z, rates);
+        self.integral.times(rates, to);
+        to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
+    }
+
+    /// z' at a state, the buffers' forces found first.
+    #[inline(always)]
+    pub(super) fn rates(&self, z: &[f64], rates: &mut [f64]) {
         self.rest.times(z, 1.0, rates);
         for (force, by) in &self.forces {
             let force = force.at(z);
             by.terms().iter().for_each(|&(k, x)| rates[k] -= force * x);
         }
-        self.integral.times(rates, to);
-        to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
     }
 
     /// Numbers that it holds.

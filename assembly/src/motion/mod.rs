@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod lone;
+mod long;
 mod passage;
 mod report;
 pub(crate) mod saved;
@@ -68,7 +69,7 @@ pub struct Hybrid {
     energy: crate::energy::Accounts,
     /// Events at the present instant without progress.
     chain: usize,
-    /// Whole sub-steps since the signals were found from the clock.
+    /// Whole sub-steps since an event, or since the last attempt at a long one.
     carried: u32,
     /// What ended the last mode.
     last: Option<Watch>,
@@ -104,6 +105,9 @@ struct Scratch {
     /// The interval, while a sub-step is made.
     interval: Option<usize>,
     series: Series,
+    /// z' and z'' where a long sub-step begins.
+    rates: Vec<f64>,
+    second: Vec<f64>,
     /// Derivatives of a functional.
     rows: Rows,
     /// By contact how far it is off.

@@ -114,7 +114,11 @@ impl Motion {
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
             let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
-            self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
+            if self.hybrid.carried == RENEW && self.long_step(goal) {
+                self.hybrid.due = None;
+            } else {
+                self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
+            }
             if self.hybrid.due.is_some() {
                 if pause != Pause::BeforeEvent {
                     self.pass_event(observer)?;
@@ -185,8 +189,9 @@ impl Motion {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
-        self.hybrid.carried = if whole { (self.hybrid.carried + 1) % RENEW } else { 0 };
-        if self.hybrid.carried == 0 && !knot {
+        let carried = self.hybrid.carried % RENEW;
+        self.hybrid.carried = if passage.is_some() { 0 } else { carried + u32::from(whole) };
+        if !knot && (!whole || self.hybrid.carried == RENEW) {
             self.refill();
         }
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
@@ -207,7 +212,7 @@ impl Motion {
     /// Watched functionals begin the next sub-step away from zero, but for those that are zero throughout the mode, of which every
     /// coefficient is rounding.
     #[inline(always)]
-    fn watch_again(&mut self) {
+    pub(super) fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             let stays =
