@@ -88,7 +88,9 @@ impl Table {
         let spread = exponentials(&a.abs(), rate, step, &[1.0]).remove(0);
         let watched: Vec<WatchTable> = watched
             .into_iter()
-            .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
+            .map(|(watch, row)| {
+                watch_table(watch, row, (&a, &sizes), (step, increment.is_some()), &interval, &spread)
+            })
             .collect();
         let heads = Heads::of(&watched, a.len());
         let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
@@ -140,12 +142,22 @@ impl Table {
         self.orders[last]
     }
 
-    /// Writes where the watched functionals stand at a state.
+    /// Writes where the watched functionals stand at a state; `memory` of two vectors may be used.
+    ///
+    /// A stiff buffer's force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
     #[inline(always)]
-    pub fn heads_at(&self, z: &[f64], to: &mut Vec<Group>) {
+    pub fn heads_at(&self, z: &[f64], [rates, second]: [&mut Vec<f64>; 2], to: &mut Vec<Group>) {
+        let mut sizes = z;
+        if let Some(increment) = &self.increment {
+            rates.resize(z.len(), 0.0);
+            second.resize(z.len(), 0.0);
+            increment.rates(z, rates);
+            increment.rates(rates, second);
+            sizes = second;
+        }
         to.resize(self.heads.len(), Default::default());
         for (to, group) in to.iter_mut().zip(&self.heads) {
-            *to = group.at(z);
+            *to = group.at(z, sizes);
         }
     }
 

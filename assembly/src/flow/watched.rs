@@ -22,7 +22,8 @@ pub struct WatchTable {
     pub bow: Sparse,
     /// The sizes of the terms that its time derivative is the sum of.
     pub slope_sizes: Sparse,
-    /// |functional''| is at most the sum of this times the coordinates' sizes, throughout the sub-step.
+    /// |functional''| is at most the sum of this times the sizes of the coordinates, or of their second derivatives where stiff buffers press,
+    /// throughout the sub-step.
     curvature: Vec<f64>,
     /// Its values at the interval ends, by coordinate.
     samples: Vec<[f64; INTERVALS]>,
@@ -88,12 +89,12 @@ impl Heads {
         watched.chunks(GROUP).map(|group| Self((0..size).map(|j| columns(group, j)).collect())).collect()
     }
 
-    /// The heads at a state.
+    /// The heads at a state, with the vector of whose sizes the bounds are made.
     #[inline(always)]
-    pub(super) fn at(&self, z: &[f64]) -> Group {
+    pub(super) fn at(&self, z: &[f64], sizes: &[f64]) -> Group {
         let mut sums = [[0.0; GROUP]; 3];
-        for (columns, x) in self.0.iter().zip(z) {
-            let factors = [*x, *x, x.abs()];
+        for ((columns, x), size) in self.0.iter().zip(z).zip(sizes) {
+            let factors = [*x, *x, size.abs()];
             for i in 0..3 {
                 for k in 0..GROUP {
                     sums[i][k] += columns[i][k] * factors[i];
@@ -116,12 +117,13 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
     columns
 }
 
-/// The table of a functional; `interval` and `spread` are exp(A h) and exp(|A| h) for an interval h = `step`.
+/// The table of a functional; `interval` and `spread` are exp(A h) and exp(|A| h) for an interval h = `step`. Its bend is bounded by the state or,
+/// with `is_stiff`, by the state's second derivative.
 pub(super) fn watch_table(
     watch: Watch,
     row: Row,
     (a, sizes): (&SparseMatrix, &SparseMatrix),
-    step: f64,
+    (step, is_stiff): (f64, bool),
     interval: &DMatrix<f64>,
     spread: &DMatrix<f64>,
 ) -> WatchTable {
@@ -137,7 +139,8 @@ pub(super) fn watch_table(
     // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
     let mut peak = Row::zeros(size);
     for k in 0..INTERVALS {
-        peak = peak.zip_map(&after(&after(&sample, 1.0), 1.0).abs(), f64::max);
+        let second = if is_stiff { sample.clone() } else { after(&after(&sample, 1.0), 1.0) };
+        peak = peak.zip_map(&second.abs(), f64::max);
         sample = interval.tr_mul(&sample);
         samples.iter_mut().zip(sample.iter()).for_each(|(column, x)| column[k] = *x);
     }

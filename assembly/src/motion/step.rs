@@ -153,7 +153,8 @@ impl Motion {
         let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
         scratch.interval = None;
-        table.heads_at(hybrid.z.as_slice(), &mut scratch.heads);
+        let Scratch { rates, second, heads, .. } = scratch;
+        table.heads_at(hybrid.z.as_slice(), [rates, second], heads);
         let flight = Flight { table, hybrid };
         let span = flight.within_reach(table.length.min(remaining), &scratch.heads);
         let passage = flight.first_passage(span, scratch);
