@@ -132,6 +132,25 @@ impl Table {
         }
     }
 
+    /// Carries a state on over a time of any length: by the longest rungs that fit, and the rest by its series.
+    pub fn carry(&self, z: &mut [f64], mut time: f64) {
+        let (mut rates, mut end) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        for k in (1..RUNGS).rev() {
+            while time >= self.length * 2f64.powi(k as i32) {
+                let rung = self.rung(k);
+                self.rates(z, &mut rates);
+                rung.at_end(z, &rates, &mut end);
+                z.copy_from_slice(&end);
+                time -= rung.length;
+            }
+        }
+        let (mut series, parts) = (Series::default(), (time / self.length).ceil());
+        for _ in 0..parts as u64 {
+            series.expand(self, z, time / parts, self.orders_to(INTERVALS - 1));
+            series.at_end(z);
+        }
+    }
+
     /// Length of an interval, s.
     pub fn interval(&self) -> f64 {
         self.length / INTERVALS as f64

@@ -9,6 +9,8 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
+/// Sub-steps in one call, however short they are: some seconds for a few bodies.
+const MOST_WORK: u64 = 20_000_000;
 /// Whole sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that
 /// of one.
 const RENEW: u32 = 16;
@@ -106,7 +108,7 @@ impl Motion {
         self.pass_event(observer)?;
         let target = DoubleDouble::new(end);
         let (mut work, mut from) = (WORK.0 as f64, self.time());
-        loop {
+        for _ in 0..MOST_WORK {
             let remaining = target.minus(self.hybrid.time).value();
             if remaining <= 0.0 {
                 self.hybrid.time = target;
@@ -134,6 +136,24 @@ impl Motion {
                 return Err(self.stuck("the limit of work in one call is reached"));
             }
         }
+        Err(self.too_stiff())
+    }
+
+    /// The end of a call that would take hours.
+    fn too_stiff(&self) -> Error {
+        let (table, system, n) = (self.table(), &self.assembly.system, self.assembly.system.coordinates);
+        let rate = |k: usize| {
+            let row = table.a.row_of(n + k);
+            row[k].abs().sqrt().max(row[n + k].abs())
+        };
+        let fastest = (0..n).max_by(|i, j| rate(*i).total_cmp(&rate(*j)));
+        let name = fastest.map_or("", |k| &self.assembly.description.bodies[system.bodies_of[k]].name);
+        let cause = format!(
+            "{MOST_WORK} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, those of body.{name} by the stiffness and \
+             damping that act on it; softer springs, more damping or a greater mass make them longer, and a further call goes on from here",
+            table.length, table.rate
+        );
+        Error::Stuck { time: self.time(), cause }
     }
 
     pub(super) fn stuck(&self, cause: &str) -> Error {
