@@ -47,6 +47,8 @@ pub struct Table {
     pub a: SparseMatrix,
     /// The sizes of the terms of A's entries.
     sizes: SparseMatrix,
+    /// The rows of the velocities of it.
+    forces: Blocks,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
     /// Length of a sub-step, s.
@@ -77,6 +79,7 @@ impl Table {
         let Linear { a, terms, lambda, triangle, watched, buffers } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
+        let forces = Blocks::of(&terms.rows(one / 2, one - one / 2).into_owned());
         let (a, sizes) = (SparseMatrix::of(&a), SparseMatrix::of(&terms));
         let step = length / INTERVALS as f64;
         let kept = if a.len() <= DENSE { INTERVALS } else { 0 };
@@ -103,6 +106,7 @@ impl Table {
             velocities,
             a,
             sizes,
+            forces,
             rate,
             length,
             transitions,
@@ -279,12 +283,15 @@ impl Table {
         None
     }
 
-    /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the velocities: Σ |A| |z| times this time, the `signals`
-    /// with their sizes. Forces that balance leave of a velocity the rounding of this size.
-    pub fn flown(&self, z: &[f64], signals: &[f64], time: f64, one: usize) -> impl Iterator<Item = f64> {
-        let size = move |j: usize| if j < one { z[j].abs() } else { signals[j - one] };
-        let terms = move |k: usize| self.sizes.row(k).iter().map(|&(j, x)| x * size(j)).sum::<f64>();
-        (one / 2..one).map(move |k| time.min(self.length) * terms(k))
+    /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the velocities: Σ |A| |z| times this time, from
+    /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size.
+    #[inline(always)]
+    pub fn flown(&self, sizes: &[f64], time: f64, to: &mut [f64]) {
+        self.forces.times(sizes, to);
+        let time = time.min(self.length);
+        for to in to {
+            *to *= time;
+        }
     }
 
     /// Numbers that the table holds.
@@ -292,6 +299,7 @@ impl Table {
         let size = self.a.len();
         self.transitions.len() * size * size
             + 2 * (self.a.entries() + self.sizes.entries())
+            + size * size / 2
             + self.velocities.len() * WITHIN
             + self.watched.len() * size * (INTERVALS + LOCAL + 5)
             + self.increment.as_ref().map_or(0, Increment::numbers)

@@ -89,6 +89,8 @@ pub struct Motion {
     late: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
+    /// Sub-steps in one call at most.
+    most_work: u64,
     scratch: Scratch,
     vectors: pulp::Arch,
 }
@@ -180,7 +182,8 @@ impl Motion {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
         let (tables, vectors) = (Tables::default(), pulp::Arch::new());
-        Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, scratch, vectors }
+        let most_work = step::MOST_WORK;
+        Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, most_work, scratch, vectors }
     }
 
     /// The machine.
@@ -298,6 +301,14 @@ impl Motion {
     /// Bytes that the tables of the modes take now.
     pub fn table_memory(&self) -> usize {
         self.tables.bytes()
+    }
+
+    /// The same motion with so many sub-steps in a call at most: a call that needs more ends with [`Error::Stuck`], and a further one goes
+    /// on. Without this it is 20 million.
+    #[must_use]
+    pub fn with_most_work(mut self, sub_steps: u64) -> Self {
+        self.most_work = sub_steps;
+        self
     }
 
     /// The same motion with every event decided by the general law, also where one element alone is concerned: a second way to what follows, for tests

@@ -26,6 +26,9 @@ impl Point {
     /// The end of a span of a sub-step.
     pub(super) fn end(span: f64, table: &Table) -> Self {
         let step = table.interval();
+        if span == table.length {
+            return Self { interval: INTERVALS - 1, dt: step };
+        }
         let interval = ((span / step).ceil() as usize).clamp(1, INTERVALS) - 1;
         Self { interval, dt: span - interval as f64 * step }
     }
@@ -75,7 +78,9 @@ impl Flight<'_> {
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
-        let late = self.late_passage(span, &mut scratch.series);
+        let late = |order: usize| (LATE..ORDERS).contains(&order);
+        let has_late = self.hybrid.departing.iter().copied().any(late);
+        let late = if has_late { self.late_passage(span, &mut scratch.series) } else { None };
         let Scratch { heads, near, start, interval: begun, series, .. } = scratch;
         let start = start.as_mut_slice();
         near.clear();
@@ -115,9 +120,6 @@ impl Flight<'_> {
     fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
         let late = |order: usize| (LATE..ORDERS).contains(&order);
-        if !self.hybrid.departing.iter().copied().any(late) {
-            return None;
-        }
         let last = Point::end(span, table).interval;
         let z = self.hybrid.z.as_slice();
         series.expand(table, z, span, table.orders_to(last));

@@ -10,7 +10,7 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 /// Sub-steps in one call, and for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
 /// Sub-steps in one call, however short they are: some seconds for a few bodies.
-const MOST_WORK: u64 = 20_000_000;
+pub(super) const MOST_WORK: u64 = 20_000_000;
 /// Whole sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that
 /// of one.
 const RENEW: u32 = 16;
@@ -108,7 +108,7 @@ impl Motion {
         self.pass_event(observer)?;
         let target = DoubleDouble::new(end);
         let (mut work, mut from) = (WORK.0 as f64, self.time());
-        for _ in 0..MOST_WORK {
+        for _ in 0..self.most_work {
             let remaining = target.minus(self.hybrid.time).value();
             if remaining <= 0.0 {
                 self.hybrid.time = target;
@@ -149,9 +149,9 @@ impl Motion {
         let fastest = (0..n).max_by(|i, j| rate(*i).total_cmp(&rate(*j)));
         let name = fastest.map_or("", |k| &self.assembly.description.bodies[system.bodies_of[k]].name);
         let cause = format!(
-            "{MOST_WORK} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, those of body.{name} by the stiffness and \
+            "{} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, those of body.{name} by the stiffness and \
              damping that act on it; softer springs, more damping or a greater mass make them longer, and a further call goes on from here",
-            table.length, table.rate
+            self.most_work, table.length, table.rate
         );
         Error::Stuck { time: self.time(), cause }
     }
