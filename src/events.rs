@@ -242,13 +242,23 @@ pub fn flight_crossing<S: Simd>(
 /// which the error is small on the short intervals of a described machine.
 #[inline(always)]
 pub fn crossing_after_start<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
-    let (Shape::Rising, newton_factor) = shape(c) else { return first_crossing(c, 0.0, hi, iterations) };
-    if c[0] >= 0.0 || value(c, hi) <= 0.0 {
-        return rising(c, 0.0, c[0], hi, newton_factor, iterations);
+    let (Shape::Rising, newton_factor) = shape(c) else { return any_crossing(c, hi, iterations) };
+    if value(c, hi) <= 0.0 {
+        return None;
+    }
+    if c[0] >= 0.0 {
+        return Some(0.0);
     }
     let start = reverted(c);
     let inside = start > 0.0 && start < hi;
     Some(refine(c, (0.0, hi), if inside { start } else { 0.5 * hi }, newton_factor, iterations))
+}
+
+/// [`first_crossing`] on [0, hi] as a function of its own, so that the frequent path stays short.
+#[cold]
+#[inline(never)]
+fn any_crossing<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
+    first_crossing(c, 0.0, hi, iterations)
 }
 
 /// The root near 0 of a nearly straight p by the series reverted: u = l - b l² + (2b² - t) l³ with l = -c0/c1, b = c2/c1, t = c3/c1.

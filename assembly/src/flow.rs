@@ -339,8 +339,8 @@ pub struct Series {
 }
 
 impl Series {
-    /// The states within a time `dt` from `z`, by so many orders.
-    #[inline(always)]
+    /// The states within a time `dt` from `z`, by so many orders. A function of its own, as its entries that are not zero have no use for vectors.
+    #[inline(never)]
     pub fn expand(&mut self, table: &Table, z: &[f64], dt: f64, orders: usize) {
         let size = z.len();
         self.size = size;
@@ -353,7 +353,7 @@ impl Series {
     }
 
     /// The state at the end of the span.
-    #[inline(always)]
+    #[inline(never)]
     pub fn at_end(&self, to: &mut [f64]) {
         to.fill(0.0);
         for term in self.terms.chunks_exact(self.size) {

@@ -96,17 +96,14 @@ impl Flight<'_> {
             *begun = Some(interval);
             let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
-            let Some((mut dt, mut place)) = self.passage_within(near, from, interval, length) else {
-                continue;
-            };
             // A root early in the interval is found anew in a shorter one, of which the coefficients' rounding is smaller.
-            if interval == 0
-                && dt > 0.0
-                && dt < 0.25 * length
-                && let Some(again) = self.passage_within(near, from, interval, 2.0 * dt)
-            {
-                (dt, place) = again;
+            let (mut found, mut length, mut again) = (None, length, true);
+            while again && let Some((dt, place)) = self.passage_within(near, from, interval, length) {
+                again = interval == 0 && found.is_none() && dt > 0.0 && dt < 0.25 * length;
+                found = Some((dt, place));
+                length = 2.0 * dt;
             }
+            let Some((dt, place)) = found else { continue };
             let at = Point { interval, dt };
             let first = Passage { at, place };
             return Some(late.filter(|late| late.at.time(table) < at.time(table)).unwrap_or(first));
