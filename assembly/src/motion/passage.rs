@@ -186,7 +186,10 @@ fn near_intervals(w: &WatchTable, order: usize, z: &[f64], head: &Head, step: f6
     }
     let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;
-    if order == 0 && value + length * (slope.max(0.0) + 0.5 * bend * length) < 0.0 {
+    // What bounds it, value + slope t + bend t²/2, is convex: it is below zero throughout if it is at both ends.
+    let begins = if order == 0 { value < 0.0 } else { order == 1 };
+    let start = if order == 0 { value } else { 0.0 };
+    if begins && start + length * (slope + 0.5 * bend * length) < 0.0 {
         return 0;
     }
     let margin = bend * step * step * 0.125;
