@@ -165,9 +165,9 @@ impl Table {
         self.orders[last]
     }
 
-    /// Writes where the watched functionals stand at a state; `memory` of two vectors may be used.
+    /// Writes where the watched functionals stand at a state; where a stiff buffer presses also z' and z''.
     ///
-    /// A stiff buffer's force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
+    /// Its force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
     #[inline(always)]
     pub fn heads_at(&self, z: &[f64], [rates, second]: [&mut Vec<f64>; 2], to: &mut Vec<Group>) {
         let mut sizes = z;
@@ -221,11 +221,11 @@ impl Table {
         }
     }
 
-    /// The state at the end of a sub-step from that at its start.
+    /// The state at the end of a sub-step from that at its start, and from the rates that the [heads](Self::heads_at) have left.
     #[inline(always)]
-    pub fn at_end(&self, z: &[f64], series: &mut Series, to: &mut [f64]) {
+    pub fn at_end(&self, z: &[f64], rates: &[f64], series: &mut Series, to: &mut [f64]) {
         match &self.increment {
-            Some(increment) => increment.at_end(z, series, to),
+            Some(increment) => increment.at_end(z, rates, to),
             None => self.at_interval_end(INTERVALS - 1, z, series, to),
         }
     }

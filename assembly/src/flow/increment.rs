@@ -5,8 +5,8 @@
 //! first and then put to both bodies, the force has opposite signs to its last bit, and what the integral is multiplied by is of the size of
 //! what changes.
 
+use super::RADIUS;
 use super::exponential::series_orders;
-use super::{RADIUS, Series};
 use crate::kernel::{Blocks, Sparse, SparseMatrix};
 use crate::mode::Buffers;
 use crate::system::Functional;
@@ -38,15 +38,13 @@ impl Increment {
         Self { rest: SparseMatrix::of(&buffers.rest), forces: forces.collect(), integral }
     }
 
-    /// The state at the end of a sub-step; the series' memory is used.
+    /// The state at the end of a sub-step, from that at its start and its rates.
     #[inline(always)]
-    pub(super) fn at_end(&self, z: &[f64], series: &mut Series, to: &mut [f64]) {
-        series.size = z.len();
-        series.terms.resize(z.len(), 0.0);
-        let rates = &mut series.terms[..z.len()];
-        self.rates(z, rates);
+    pub(super) fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
         self.integral.times(rates, to);
-        to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
+        for (to, z) in to.iter_mut().zip(z) {
+            *to += z;
+        }
     }
 
     /// z' at a state, the buffers' forces found first.

@@ -192,10 +192,10 @@ impl Motion {
             };
             hybrid.energy.add(powers, dt, &samples, values);
         }
-        let Scratch { start, interval, series, .. } = scratch;
+        let Scratch { start, interval, series, rates, .. } = scratch;
         let z = hybrid.z.as_mut_slice();
         if whole {
-            table.at_end(z, series, start.as_mut_slice());
+            table.at_end(z, rates, series, start.as_mut_slice());
             std::mem::swap(&mut hybrid.z, start);
         } else {
             let start = start.as_mut_slice();
