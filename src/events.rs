@@ -215,11 +215,7 @@ pub fn flight_crossing<S: Simd>(
         return first_crossing(c, lo, hi, iterations);
     }
     let newton_factor = 0.5 * curvature / spare;
-    let scale = 1.0 / c[1];
-    let linear = -c[0] * scale;
-    let (bend, twist) = (c[2] * scale, c[3] * scale);
-    // The series reverted: u = l - b l² + (2b² - t) l³ with l = -c0/c1, b = c2/c1, t = c3/c1.
-    let mut u = linear * (1.0 - linear * (bend - linear * (2.0 * bend * bend - twist)));
+    let mut u = reverted(c);
     if u > lo && u < hi {
         *iterations += 1;
         let inverse = 1.0 / pairwise::<S>(&slope, 1, u);
@@ -240,6 +236,38 @@ pub fn flight_crossing<S: Simd>(
         }
     }
     rising(c, lo, value(c, lo), hi, newton_factor, iterations)
+}
+
+/// [`first_crossing`] on [0, hi]. Where p rises on all of |u| ≤ 1, Newton's method starts from the third-order reversion of the series, of
+/// which the error is small on the short intervals of a described machine.
+#[inline(always)]
+pub fn crossing_after_start<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
+    let (Shape::Rising, newton_factor) = shape(c) else { return any_crossing(c, hi, iterations) };
+    if value(c, hi) <= 0.0 {
+        return None;
+    }
+    if c[0] >= 0.0 {
+        return Some(0.0);
+    }
+    let start = reverted(c);
+    let inside = start > 0.0 && start < hi;
+    Some(refine(c, (0.0, hi), if inside { start } else { 0.5 * hi }, newton_factor, iterations))
+}
+
+/// [`first_crossing`] on [0, hi] as a function of its own, so that the frequent path stays short.
+#[cold]
+#[inline(never)]
+fn any_crossing<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
+    first_crossing(c, 0.0, hi, iterations)
+}
+
+/// The root near 0 of a nearly straight p by the series reverted: u = l - b l² + (2b² - t) l³ with l = -c0/c1, b = c2/c1, t = c3/c1.
+#[inline(always)]
+fn reverted<const N: usize>(c: &[f64; N]) -> f64 {
+    let scale = 1.0 / c[1];
+    let linear = -c[0] * scale;
+    let (bend, twist) = (c[2] * scale, c[3] * scale);
+    linear * (1.0 - linear * (bend - linear * (2.0 * bend * bend - twist)))
 }
 
 /// Σ_k c[first + k] u^k by pairs of neighbouring orders (Estrin's scheme), which shortens the chain of operations that wait

@@ -1,10 +1,12 @@
 //! Energy accounts: work of loads and of prescribed motions, and losses in dashpots, compliant stops, friction and impacts, found
 //! without the mechanical energy, so that the balance is a test (docs/assembly-law.md (A16) to (A18)).
 
+mod long;
 mod powers;
 
 pub use powers::{Account, Powers, Samples};
 
+use crate::flow::Table;
 pub use crate::kernel::NODES;
 use crate::system::System;
 use nalgebra::DVector;
@@ -75,16 +77,24 @@ impl Accounts {
         if !self.enabled || dt == 0.0 {
             return;
         }
-        powers.for_each(samples, values, |account, power| {
-            let sum = match account {
-                Account::Load(i) => &mut self.loads[i],
-                Account::Motions => &mut self.motions,
-                Account::Dashpot(i) => &mut self.dashpots[i],
-                Account::Stop(i) => &mut self.stops[i],
-                Account::Friction(i) => &mut self.frictions[i],
-            };
-            *sum = sum.plus(dt * power);
-        });
+        powers.for_each(samples, values, |account, power| self.put(account, dt * power));
+    }
+
+    /// A flight from `z` of 2^`k` sub-steps in a mode with these powers.
+    pub fn add_long(&mut self, powers: &Powers, k: usize, table: &Table, z: &[f64]) {
+        powers.for_each_work(k, table, z, |account, work| self.put(account, work));
+    }
+
+    #[inline(always)]
+    fn put(&mut self, account: Account, work: f64) {
+        let sum = match account {
+            Account::Load(i) => &mut self.loads[i],
+            Account::Motions => &mut self.motions,
+            Account::Dashpot(i) => &mut self.dashpots[i],
+            Account::Stop(i) => &mut self.stops[i],
+            Account::Friction(i) => &mut self.frictions[i],
+        };
+        *sum = sum.plus(work);
     }
 
     /// Whether they are kept.

@@ -3,11 +3,13 @@
 
 mod exponential;
 mod increment;
+mod ladder;
 mod watched;
 
 pub use exponential::rate_bound;
-pub use watched::WatchTable;
+pub use ladder::{RUNGS, Rung};
 pub(crate) use watched::taylor;
+pub use watched::{Group, Head, WatchTable, head_of};
 
 use crate::kernel::{Blocks, SparseMatrix, combine};
 use crate::law::ZERO;
@@ -16,7 +18,8 @@ use crate::system::Row;
 use exponential::{LEAST_RATE, exponentials, series_orders};
 use increment::Increment;
 use nalgebra::DMatrix;
-use watched::watch_table;
+use std::sync::OnceLock;
+use watched::{Heads, watch_table};
 
 /// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
 /// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
@@ -44,6 +47,8 @@ pub struct Table {
     pub a: SparseMatrix,
     /// The sizes of the terms of A's entries.
     sizes: SparseMatrix,
+    /// The rows of the velocities of it.
+    forces: Blocks,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
     /// Length of a sub-step, s.
@@ -55,10 +60,13 @@ pub struct Table {
     velocities: Vec<[f64; WITHIN]>,
     /// What a sub-step adds where a stiff buffer is pressed.
     increment: Option<Increment>,
+    /// Longer sub-steps, each twice the one before, made when they are first needed.
+    ladder: Vec<OnceLock<Rung>>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
     /// What is watched.
     pub watched: Vec<WatchTable>,
+    heads: Vec<Heads>,
     /// The forces of the basis.
     pub lambda: Vec<Row>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
@@ -71,6 +79,7 @@ impl Table {
         let Linear { a, terms, lambda, triangle, watched, buffers } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
+        let forces = Blocks::of(&terms.rows(one / 2, one - one / 2).into_owned());
         let (a, sizes) = (SparseMatrix::of(&a), SparseMatrix::of(&terms));
         let step = length / INTERVALS as f64;
         let kept = if a.len() <= DENSE { INTERVALS } else { 0 };
@@ -80,16 +89,70 @@ impl Table {
         let transitions = exponentials(&a, rate, length, &ends).iter().map(Blocks::of).collect();
         let interval = exponentials(&a, rate, step, &[1.0]).remove(0);
         let spread = exponentials(&a.abs(), rate, step, &[1.0]).remove(0);
-        let watched = watched
+        let watched: Vec<WatchTable> = watched
             .into_iter()
-            .map(|(watch, row)| watch_table(watch, row, (&a, &sizes), step, &interval, &spread))
+            .map(|(watch, row)| {
+                watch_table(watch, row, (&a, &sizes), (step, increment.is_some()), &interval, &spread)
+            })
             .collect();
+        let heads = Heads::of(&watched, a.len());
         let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
         let kept = if a.len() <= DENSE { one / 2..one } else { 0..0 };
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         let velocities = velocities.collect();
-        Self { velocities, a, sizes, rate, length, transitions, increment, orders, watched, lambda, triangle }
+        let ladder = vec![(); RUNGS].into_iter().map(|()| OnceLock::new()).collect();
+        Self {
+            velocities,
+            a,
+            sizes,
+            forces,
+            rate,
+            length,
+            transitions,
+            increment,
+            ladder,
+            orders,
+            watched,
+            heads,
+            lambda,
+            triangle,
+        }
+    }
+
+    /// The flow over 2^`k` sub-steps.
+    pub fn rung(&self, k: usize) -> &Rung {
+        self.ladder[k].get_or_init(|| match k.checked_sub(1) {
+            Some(below) => self.rung(below).doubled(self),
+            None => Rung::first(self),
+        })
+    }
+
+    /// z' at a state.
+    pub fn rates(&self, z: &[f64], to: &mut [f64]) {
+        match &self.increment {
+            Some(increment) => increment.rates(z, to),
+            None => self.a.times(z, 1.0, to),
+        }
+    }
+
+    /// Carries a state on over a time of any length: by the longest rungs that fit, and the rest by its series.
+    pub fn carry(&self, z: &mut [f64], mut time: f64) {
+        let (mut rates, mut end) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        for k in (1..RUNGS).rev() {
+            while time >= self.length * 2f64.powi(k as i32) {
+                let rung = self.rung(k);
+                self.rates(z, &mut rates);
+                rung.at_end(z, &rates, &mut end);
+                z.copy_from_slice(&end);
+                time -= rung.length;
+            }
+        }
+        let (mut series, parts) = (Series::default(), (time / self.length).ceil());
+        for _ in 0..parts as u64 {
+            series.expand(self, z, time / parts, self.orders_to(INTERVALS - 1));
+            series.at_end(z);
+        }
     }
 
     /// Length of an interval, s.
@@ -100,6 +163,25 @@ impl Table {
     /// Orders of a power series from the sub-step's start into interval `last`.
     pub fn orders_to(&self, last: usize) -> usize {
         self.orders[last]
+    }
+
+    /// Writes where the watched functionals stand at a state; where a stiff buffer presses also z' and z''.
+    ///
+    /// Its force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
+    #[inline(always)]
+    pub fn heads_at(&self, z: &[f64], [rates, second]: [&mut Vec<f64>; 2], to: &mut Vec<Group>) {
+        let mut sizes = z;
+        if let Some(increment) = &self.increment {
+            rates.resize(z.len(), 0.0);
+            second.resize(z.len(), 0.0);
+            increment.rates(z, rates);
+            increment.rates(rates, second);
+            sizes = second;
+        }
+        to.resize(self.heads.len(), Default::default());
+        for (to, group) in to.iter_mut().zip(&self.heads) {
+            *to = group.at(z, sizes);
+        }
     }
 
     /// The state at a time within an interval from that at its start. Signals, whose values at a time are known, may stay as in `to`
@@ -139,11 +221,11 @@ impl Table {
         }
     }
 
-    /// The state at the end of a sub-step from that at its start.
+    /// The state at the end of a sub-step from that at its start, and from the rates that the [heads](Self::heads_at) have left.
     #[inline(always)]
-    pub fn at_end(&self, z: &[f64], series: &mut Series, to: &mut [f64]) {
+    pub fn at_end(&self, z: &[f64], rates: &[f64], series: &mut Series, to: &mut [f64]) {
         match &self.increment {
-            Some(increment) => increment.at_end(z, series, to),
+            Some(increment) => increment.at_end(z, rates, to),
             None => self.at_interval_end(INTERVALS - 1, z, series, to),
         }
     }
@@ -201,12 +283,15 @@ impl Table {
         None
     }
 
-    /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the velocities: Σ |A| |z| times this time, the `signals`
-    /// with their sizes. Forces that balance leave of a velocity the rounding of this size.
-    pub fn flown(&self, z: &[f64], signals: &[f64], time: f64, one: usize) -> impl Iterator<Item = f64> {
-        let size = move |j: usize| if j < one { z[j].abs() } else { signals[j - one] };
-        let terms = move |k: usize| self.sizes.row(k).iter().map(|&(j, x)| x * size(j)).sum::<f64>();
-        (one / 2..one).map(move |k| time.min(self.length) * terms(k))
+    /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the velocities: Σ |A| |z| times this time, from
+    /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size.
+    #[inline(always)]
+    pub fn flown(&self, sizes: &[f64], time: f64, to: &mut [f64]) {
+        self.forces.times(sizes, to);
+        let time = time.min(self.length);
+        for to in to {
+            *to *= time;
+        }
     }
 
     /// Numbers that the table holds.
@@ -214,9 +299,11 @@ impl Table {
         let size = self.a.len();
         self.transitions.len() * size * size
             + 2 * (self.a.entries() + self.sizes.entries())
+            + size * size / 2
             + self.velocities.len() * WITHIN
-            + self.watched.len() * size * (INTERVALS + LOCAL + 2)
+            + self.watched.len() * size * (INTERVALS + LOCAL + 5)
             + self.increment.as_ref().map_or(0, Increment::numbers)
+            + self.ladder.iter().filter_map(OnceLock::get).map(Rung::numbers).sum::<usize>()
             + self.lambda.len() * (size + self.lambda.len())
     }
 }
@@ -252,8 +339,8 @@ pub struct Series {
 }
 
 impl Series {
-    /// The states within a time `dt` from `z`, by so many orders.
-    #[inline(always)]
+    /// The states within a time `dt` from `z`, by so many orders. A function of its own, as its entries that are not zero have no use for vectors.
+    #[inline(never)]
     pub fn expand(&mut self, table: &Table, z: &[f64], dt: f64, orders: usize) {
         let size = z.len();
         self.size = size;
@@ -266,7 +353,7 @@ impl Series {
     }
 
     /// The state at the end of the span.
-    #[inline(always)]
+    #[inline(never)]
     pub fn at_end(&self, to: &mut [f64]) {
         to.fill(0.0);
         for term in self.terms.chunks_exact(self.size) {

@@ -170,32 +170,44 @@ impl SparseMatrix {
     }
 }
 
-/// Rows of a matrix that are found together.
+/// Rows of a matrix that are found together, and in the last block.
 const BLOCK: usize = 8;
+const HALF: usize = BLOCK / 2;
 
-/// A dense matrix in blocks of eight rows.
+/// A dense matrix in blocks of eight rows, and of four where no more are left.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     columns: usize,
     blocks: Vec<[f64; BLOCK]>,
+    last: Vec<[f64; HALF]>,
 }
 
 impl Blocks {
     /// Of a matrix.
     pub fn of(matrix: &DMatrix<f64>) -> Self {
-        let columns = matrix.ncols();
-        let entry = |i: usize, j: usize| if i < matrix.nrows() { matrix[(i, j)] } else { 0.0 };
-        let blocks = (0..matrix.nrows().div_ceil(BLOCK))
+        let (rows, columns) = matrix.shape();
+        let entry = |i: usize, j: usize| if i < rows { matrix[(i, j)] } else { 0.0 };
+        let left = rows % BLOCK;
+        let whole = if left <= HALF { rows / BLOCK } else { rows / BLOCK + 1 };
+        let blocks = (0..whole)
             .flat_map(|b| (0..columns).map(move |j| std::array::from_fn(|k| entry(b * BLOCK + k, j))));
-        Self { columns, blocks: blocks.collect() }
+        let last = (0..columns).map(|j| std::array::from_fn(|k| entry(whole * BLOCK + k, j)));
+        let has_last = whole * BLOCK < rows;
+        Self { columns, blocks: blocks.collect(), last: last.filter(|_| has_last).collect() }
     }
 
     /// `to` = matrix × `from`.
     #[inline(always)]
     pub fn times(&self, from: &[f64], to: &mut [f64]) {
-        for (block, to) in self.blocks.chunks(self.columns).zip(to.chunks_mut(BLOCK)) {
+        let blocks = self.blocks.chunks_exact(self.columns);
+        let (whole, last) = to.split_at_mut(to.len().min(blocks.len() * BLOCK));
+        for (block, to) in blocks.zip(whole.chunks_mut(BLOCK)) {
             let sum = combine(block, from);
             to.copy_from_slice(&sum[..to.len()]);
+        }
+        let sum = combine(&self.last, from);
+        for (to, sum) in last.iter_mut().zip(sum) {
+            *to = sum;
         }
     }
 }

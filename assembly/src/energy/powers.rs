@@ -1,11 +1,13 @@
 //! The powers in a mode: each is a product of two functionals of the state, and its mean over a flight is found by Gauss's rule.
 
+use super::long::Work;
 use super::{AtNodes, NODES};
 use crate::description::StopLaw;
-use crate::flow::{Table, taylor};
+use crate::flow::{RUNGS, Table, taylor};
 use crate::kernel::{Sparse, combine};
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
+use std::sync::OnceLock;
 
 /// Taylor coefficients of a functional over a sub-step. With rate times length at most 2 the first one left out is under
 /// 2²⁴/24! < 3e-17 of the largest coordinate.
@@ -69,6 +71,8 @@ pub struct Powers {
     /// Taylor coefficients of the rows, in units of a sub-step, one row after another, each by coordinate.
     columns: Vec<[f64; TERMS]>,
     all: Vec<Power>,
+    /// The same over long sub-steps, by the rung of the ladder; made when they are first needed.
+    long: Vec<OnceLock<Vec<Work>>>,
 }
 
 impl Powers {
@@ -85,7 +89,33 @@ impl Powers {
                 powers.rows.iter().flat_map(|row| taylor(&table.a, &row.dense(size), 1.0, table.length));
             powers.columns = columns.collect();
         }
+        powers.long = vec![OnceLock::new(); RUNGS];
         powers
+    }
+
+    /// The work of each power over 2^`k` sub-steps from `z`, with its account.
+    pub fn for_each_work(&self, k: usize, table: &Table, z: &[f64], mut take: impl FnMut(Account, f64)) {
+        for (power, work) in self.all.iter().zip(self.works(k, table)) {
+            take(power.account, power.factor * work.of(z));
+        }
+    }
+
+    fn works(&self, k: usize, table: &Table) -> &[Work] {
+        self.long[k].get_or_init(|| match k.checked_sub(1) {
+            Some(below) => {
+                let rung = table.rung(below);
+                self.works(below, table).iter().map(|work| work.doubled(rung)).collect()
+            }
+            None => {
+                let size = table.a.len();
+                let at_nodes = |row: &Sparse| {
+                    let columns = taylor(&table.a, &row.dense(size), 1.0, table.length);
+                    columns.iter().map(|c: &[f64; TERMS]| at_nodes(c)).collect::<Vec<_>>()
+                };
+                let rows: Vec<_> = self.rows.iter().map(at_nodes).collect();
+                self.all.iter().map(|power| Work::new(power.of.map(|i| &rows[i][..]), table.length)).collect()
+            }
+        })
     }
 
     fn add(&mut self, account: Account, factor: f64, left: &Row, right: &Row) {
@@ -173,7 +203,8 @@ impl Powers {
 
     /// Numbers that they hold.
     pub fn numbers(&self) -> usize {
-        self.columns.len() * TERMS
+        let works = self.long.iter().filter_map(OnceLock::get).flatten();
+        self.columns.len() * TERMS + works.map(Work::numbers).sum::<usize>()
     }
 
     /// The mean of each power over a flight, with its account; `values` is memory.

@@ -5,8 +5,8 @@
 //! first and then put to both bodies, the force has opposite signs to its last bit, and what the integral is multiplied by is of the size of
 //! what changes.
 
+use super::RADIUS;
 use super::exponential::series_orders;
-use super::{RADIUS, Series};
 use crate::kernel::{Blocks, Sparse, SparseMatrix};
 use crate::mode::Buffers;
 use crate::system::Functional;
@@ -38,19 +38,23 @@ impl Increment {
         Self { rest: SparseMatrix::of(&buffers.rest), forces: forces.collect(), integral }
     }
 
-    /// The state at the end of a sub-step; the series' memory is used.
+    /// The state at the end of a sub-step, from that at its start and its rates.
     #[inline(always)]
-    pub(super) fn at_end(&self, z: &[f64], series: &mut Series, to: &mut [f64]) {
-        series.size = z.len();
-        series.terms.resize(z.len(), 0.0);
-        let rates = &mut series.terms[..z.len()];
+    pub(super) fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
+        self.integral.times(rates, to);
+        for (to, z) in to.iter_mut().zip(z) {
+            *to += z;
+        }
+    }
+
+    /// z' at a state, the buffers' forces found first.
+    #[inline(always)]
+    pub(super) fn rates(&self, z: &[f64], rates: &mut [f64]) {
         self.rest.times(z, 1.0, rates);
         for (force, by) in &self.forces {
             let force = force.at(z);
             by.terms().iter().for_each(|&(k, x)| rates[k] -= force * x);
         }
-        self.integral.times(rates, to);
-        to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
     }
 
     /// Numbers that it holds.

@@ -22,8 +22,9 @@ pub struct WatchTable {
     pub bow: Sparse,
     /// The sizes of the terms that its time derivative is the sum of.
     pub slope_sizes: Sparse,
-    /// |functional''| is at most the sum of this times the coordinates' sizes, throughout the sub-step.
-    pub curvature: Vec<f64>,
+    /// |functional''| is at most the sum of this times the sizes of the coordinates, or of their second derivatives where stiff buffers press,
+    /// throughout the sub-step.
+    curvature: Vec<f64>,
     /// Its values at the interval ends, by coordinate.
     samples: Vec<[f64; INTERVALS]>,
     /// Its Taylor coefficients about a point, in units of an interval, by coordinate.
@@ -42,11 +43,65 @@ impl WatchTable {
     pub fn local(&self, z: &[f64]) -> [f64; LOCAL] {
         combine(&self.local, z)
     }
+}
 
+/// A watched functional where a sub-step begins.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Head {
+    /// Its value.
+    pub value: f64,
+    /// Its time derivative.
+    pub slope: f64,
     /// A bound of its second derivative throughout the sub-step.
+    pub bend: f64,
+}
+
+/// Functionals whose heads are found together.
+const GROUP: usize = 4;
+
+/// The heads of some functionals: values, slopes, bounds of the bends.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Group([[f64; GROUP]; 3]);
+
+/// The head of the functional at a place, from all.
+#[inline(always)]
+pub fn head_of(groups: &[Group], place: usize) -> Head {
+    let Group(sums) = &groups[place / GROUP];
+    let [value, slope, bend] = sums.each_ref().map(|sums| sums[place % GROUP]);
+    Head { value, slope, bend }
+}
+
+/// What the heads of some functionals are found from: by coordinate the values of all, their slopes, and the bounds of their bends.
+#[derive(Clone, Debug)]
+pub(super) struct Heads(Vec<[[f64; GROUP]; 3]>);
+
+impl Heads {
+    /// Of functionals of so many coordinates, in groups.
+    pub(super) fn of(watched: &[WatchTable], size: usize) -> Vec<Self> {
+        let columns = |group: &[WatchTable], j: usize| {
+            let mut column = [[0.0; GROUP]; 3];
+            for (k, w) in group.iter().enumerate() {
+                (column[0][k], column[2][k]) = (w.row[j], w.curvature[j]);
+                column[1][k] = w.slope.terms().iter().find(|term| term.0 == j).map_or(0.0, |term| term.1);
+            }
+            column
+        };
+        watched.chunks(GROUP).map(|group| Self((0..size).map(|j| columns(group, j)).collect())).collect()
+    }
+
+    /// The heads at a state, with the vector of whose sizes the bounds are made.
     #[inline(always)]
-    pub fn bend(&self, sizes: &[f64]) -> f64 {
-        self.curvature.iter().zip(sizes).map(|(c, s)| c * s).sum()
+    pub(super) fn at(&self, z: &[f64], sizes: &[f64]) -> Group {
+        let mut sums = [[0.0; GROUP]; 3];
+        for ((columns, x), size) in self.0.iter().zip(z).zip(sizes) {
+            let factors = [*x, *x, size.abs()];
+            for i in 0..3 {
+                for k in 0..GROUP {
+                    sums[i][k] += columns[i][k] * factors[i];
+                }
+            }
+        }
+        Group(sums)
     }
 }
 
@@ -62,12 +117,13 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
     columns
 }
 
-/// The table of a functional; `interval` and `spread` are exp(A h) and exp(|A| h) for an interval h = `step`.
+/// The table of a functional; `interval` and `spread` are exp(A h) and exp(|A| h) for an interval h = `step`. Its bend is bounded by the state or,
+/// with `is_stiff`, by the state's second derivative.
 pub(super) fn watch_table(
     watch: Watch,
     row: Row,
     (a, sizes): (&SparseMatrix, &SparseMatrix),
-    step: f64,
+    (step, is_stiff): (f64, bool),
     interval: &DMatrix<f64>,
     spread: &DMatrix<f64>,
 ) -> WatchTable {
@@ -83,7 +139,8 @@ pub(super) fn watch_table(
     // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
     let mut peak = Row::zeros(size);
     for k in 0..INTERVALS {
-        peak = peak.zip_map(&after(&after(&sample, 1.0), 1.0).abs(), f64::max);
+        let second = if is_stiff { sample.clone() } else { after(&after(&sample, 1.0), 1.0) };
+        peak = peak.zip_map(&second.abs(), f64::max);
         sample = interval.tr_mul(&sample);
         samples.iter_mut().zip(sample.iter()).for_each(|(column, x)| column[k] = *x);
     }

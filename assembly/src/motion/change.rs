@@ -70,12 +70,13 @@ impl Motion {
             mode,
             departing,
             chain: 0,
+            carried: 0,
             last: None,
             due: None,
             ..old.hybrid
         };
-        let (late, is_general) = (old.late, old.is_general);
-        let mut motion = Self { late, is_general, ..Self::of(assembly, hybrid) };
+        let (late, is_general, most_work) = (old.late, old.is_general, old.most_work);
+        let mut motion = Self { late, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
         motion.settle(&[], &mut None)?;
         Ok(motion)

@@ -2,7 +2,7 @@
 
 use super::event::EventKind;
 use super::report::report;
-use super::{Hybrid, Motion, Observer};
+use super::{Hybrid, Motion, Observer, Scratch};
 use crate::error::Error;
 use crate::flow::ORDERS;
 use crate::law::Sizes;
@@ -87,10 +87,18 @@ impl Motion {
         if time <= hybrid.since {
             return;
         }
-        let (velocities, signals) = hybrid.sizes.0.as_mut_slice().split_at_mut(one);
-        let table = &self.tables.at(self.place).table;
-        let flown = table.flown(hybrid.z.as_slice(), signals, time - hybrid.since, one);
-        velocities[one / 2..].iter_mut().zip(flown).for_each(|(size, flown)| *size = size.max(flown));
+        let Scratch { start, rates, .. } = &mut self.scratch;
+        let (sizes, start) = (hybrid.sizes.0.as_mut_slice(), start.as_mut_slice());
+        start.copy_from_slice(sizes);
+        for (size, x) in start.iter_mut().zip(hybrid.z.as_slice()).take(one) {
+            *size = x.abs();
+        }
+        rates.resize(start.len(), 0.0);
+        let flown = &mut rates[..one - one / 2];
+        self.tables.at(self.place).table.flown(start, time - hybrid.since, flown);
+        for (size, flown) in sizes[one / 2..].iter_mut().zip(flown) {
+            *size = size.max(*flown);
+        }
         hybrid.since = time;
     }
 

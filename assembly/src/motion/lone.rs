@@ -85,7 +85,7 @@ impl Motion {
         let (was, before) = (self.hybrid.mode.state_of(next), self.place);
         self.hybrid.mode.assign(mode);
         self.place = place;
-        self.scratch.start.copy_from_slice(self.hybrid.z.as_slice());
+        self.scratch.start.copy_from(&self.hybrid.z);
         self.keep_contacts();
         self.take_in_contacts();
         // A stop that is just entered stands at its edge.
@@ -96,7 +96,7 @@ impl Motion {
         }
         self.place = before;
         self.hybrid.mode.assign(&self.tables.at(before).mode);
-        self.hybrid.z.copy_from_slice(&self.scratch.start);
+        self.hybrid.z.copy_from(&self.scratch.start);
         false
     }
 
@@ -139,13 +139,12 @@ impl Motion {
     /// functional but its own is below what counts as zero. Then no other open stop touches, the closed ones close with no speed, and by
     /// (A11) the mode in force follows: all its conditions hold with a margin, and the mode that follows is unique.
     fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
-        let assembly = self.assembly.clone();
-        let system = &assembly.system;
-        let stop = &system.stops[i];
-        let Some(restitution) = stop.restitution().filter(|&e| e > 0.0) else { return false };
+        let restitution = self.assembly.system.stops[i].restitution().filter(|&e| e > 0.0);
+        let Some(restitution) = restitution else { return false };
         let least = self.least_bounce(restitution);
-        let hybrid = &mut self.hybrid;
-        let n = system.coordinates;
+        let Self { assembly, hybrid, scratch, .. } = self;
+        let system = &assembly.system;
+        let (stop, n) = (&system.stops[i], system.coordinates);
         let e = &stop.elongation;
         let couples = |other: &Elongation| other.w.dot(&e.mobility) != 0.0;
         let held = hybrid.mode.basis.iter().any(|&contact| couples(system.elongation_of(contact)));
@@ -155,19 +154,19 @@ impl Motion {
             return false;
         }
         // On its gap, then away from it.
-        let before = &mut self.scratch.start;
+        let before = scratch.start.as_mut_slice();
         before.copy_from_slice(hybrid.z.as_slice());
         let off = stop.excess.at(before) / compliance;
         let impulse = (1.0 + restitution) * speed / compliance;
         let z = hybrid.z.as_mut_slice();
-        for (k, m) in e.mobility.iter().enumerate() {
+        for (k, m) in e.mobility.as_slice().iter().enumerate() {
             z[k] -= off * m;
             z[n + k] -= impulse * m;
         }
         hybrid.sizes.include(z);
-        let prescribed = speed - e.w.iter().zip(&before[n..]).map(|(w, v)| w * v).sum::<f64>();
+        let prescribed = speed - e.w.as_slice().iter().zip(&before[n..]).map(|(w, v)| w * v).sum::<f64>();
         if self.is_low_bounce(i, least) || !self.departs_alone(Element::Stop(i, StopState::Open), None) {
-            self.hybrid.z.copy_from_slice(&self.scratch.start);
+            self.hybrid.z.copy_from(&self.scratch.start);
             return false;
         }
         let hybrid = &mut self.hybrid;

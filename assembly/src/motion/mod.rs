@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod lone;
+mod long;
 mod passage;
 mod report;
 pub(crate) mod saved;
@@ -19,7 +20,7 @@ pub use varied::{Crossing, keep};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::{Rows, Series, Table};
+use crate::flow::{Group, Rows, Series, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
@@ -68,6 +69,8 @@ pub struct Hybrid {
     energy: crate::energy::Accounts,
     /// Events at the present instant without progress.
     chain: usize,
+    /// Whole sub-steps since an event, or since the last attempt at a long one.
+    carried: u32,
     /// What ended the last mode.
     last: Option<Watch>,
     /// The event at which it stands, where its law is still to be applied.
@@ -86,6 +89,8 @@ pub struct Motion {
     late: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
+    /// Sub-steps in one call at most.
+    most_work: u64,
     scratch: Scratch,
     vectors: pulp::Arch,
 }
@@ -93,17 +98,18 @@ pub struct Motion {
 /// Memory of a sub-step.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    /// The sizes of the coordinates at its start.
-    sizes: Vec<f64>,
     /// By functional its start.
-    heads: Vec<passage::Head>,
+    heads: Vec<Group>,
     /// By functional the intervals in which it may pass zero.
     near: Vec<u8>,
     /// The state at an interval's start.
-    start: Vec<f64>,
+    start: DVector<f64>,
     /// The interval, while a sub-step is made.
     interval: Option<usize>,
     series: Series,
+    /// z' and z'' where a long sub-step begins.
+    rates: Vec<f64>,
+    second: Vec<f64>,
     /// Derivatives of a functional.
     rows: Rows,
     /// By contact how far it is off.
@@ -162,6 +168,7 @@ impl Motion {
             impacts,
             energy,
             chain: 0,
+            carried: 0,
             last: None,
             due: None,
         };
@@ -173,9 +180,10 @@ impl Motion {
     /// With memory of the machine's size, before the mode that follows is put in force.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
-        let scratch = Scratch { sizes: vec![0.0; size], start: vec![0.0; size], ..Scratch::default() };
+        let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
         let (tables, vectors) = (Tables::default(), pulp::Arch::new());
-        Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, scratch, vectors }
+        let most_work = step::MOST_WORK;
+        Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, most_work, scratch, vectors }
     }
 
     /// The machine.
@@ -293,6 +301,14 @@ impl Motion {
     /// Bytes that the tables of the modes take now.
     pub fn table_memory(&self) -> usize {
         self.tables.bytes()
+    }
+
+    /// The same motion with so many sub-steps in a call at most: a call that needs more ends with [`Error::Stuck`], and a further one goes
+    /// on. Without this it is 20 million.
+    #[must_use]
+    pub fn with_most_work(mut self, sub_steps: u64) -> Self {
+        self.most_work = sub_steps;
+        self
     }
 
     /// The same motion with every event decided by the general law, also where one element alone is concerned: a second way to what follows, for tests

@@ -1,9 +1,9 @@
 //! The way to the first event within a sub-step: samples and bounds prove that there is none, or name the intervals to search.
 
 use super::{Hybrid, Scratch};
-use crate::flow::{INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable};
+use crate::flow::{Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable, head_of};
 use crate::mode::Watch;
-use vibro_impact::events::first_crossing;
+use vibro_impact::events::{crossing_after_start, first_crossing};
 
 /// A sub-step is halved while a stop's e may move by more than this many times its largest size so far: beyond, the roots would
 /// lose digits. Not more often than [`HALVINGS`], since what begins at zero has no size yet.
@@ -26,6 +26,9 @@ impl Point {
     /// The end of a span of a sub-step.
     pub(super) fn end(span: f64, table: &Table) -> Self {
         let step = table.interval();
+        if span == table.length {
+            return Self { interval: INTERVALS - 1, dt: step };
+        }
         let interval = ((span / step).ceil() as usize).clamp(1, INTERVALS) - 1;
         Self { interval, dt: span - interval as f64 * step }
     }
@@ -43,31 +46,6 @@ pub(super) struct Passage {
     pub(super) place: usize,
 }
 
-/// A watched functional where a sub-step begins.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Head {
-    value: f64,
-    slope: f64,
-    /// A bound of its second derivative throughout the sub-step.
-    bend: f64,
-}
-
-impl Scratch {
-    /// Takes in the state at a sub-step's start.
-    #[inline(always)]
-    pub(super) fn look(&mut self, table: &Table, hybrid: &Hybrid) {
-        let z = hybrid.z.as_slice();
-        self.interval = None;
-        self.sizes.iter_mut().zip(z).for_each(|(size, x)| *size = x.abs());
-        self.heads.clear();
-        // Closures handed to a vector's methods would not be compiled for the computer's vectors.
-        for w in &table.watched {
-            let (value, slope) = (w.row.at(z), w.slope.dot(z));
-            self.heads.push(Head { value, slope, bend: w.bend(&self.sizes) });
-        }
-    }
-}
-
 /// A sub-step's start in a mode.
 pub(super) struct Flight<'a> {
     pub(super) table: &'a Table,
@@ -77,12 +55,13 @@ pub(super) struct Flight<'a> {
 impl Flight<'_> {
     /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
     #[inline(always)]
-    pub(super) fn within_reach(&self, mut span: f64, heads: &[Head]) -> f64 {
+    pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
-        for (w, head) in self.table.watched.iter().zip(heads) {
+        for (place, w) in self.table.watched.iter().enumerate() {
             if !matches!(w.watch, Watch::Meets(_) | Watch::Presses(_)) {
                 continue;
             }
+            let head = head_of(heads, place);
             let path = |span: f64| span * (head.slope.abs() + 0.5 * head.bend * span);
             if path(span) <= REACH * head.value.abs() {
                 continue; // its size is at least its value's
@@ -99,12 +78,15 @@ impl Flight<'_> {
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
-        let late = self.late_passage(span, &mut scratch.series);
+        let late = |order: usize| (LATE..ORDERS).contains(&order);
+        let has_late = self.hybrid.departing.iter().copied().any(late);
+        let late = if has_late { self.late_passage(span, &mut scratch.series) } else { None };
         let Scratch { heads, near, start, interval: begun, series, .. } = scratch;
+        let start = start.as_mut_slice();
         near.clear();
         let mut any = 0;
-        for ((w, &order), head) in table.watched.iter().zip(&self.hybrid.departing).zip(heads.iter()) {
-            let intervals = near_intervals(w, order, z, head, table.interval());
+        for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
+            let intervals = near_intervals(w, order, z, &head_of(heads, place), table.interval());
             any |= intervals;
             near.push(intervals);
         }
@@ -114,17 +96,14 @@ impl Flight<'_> {
             *begun = Some(interval);
             let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
-            let Some((mut dt, mut place)) = self.passage_within(near, from, interval, length) else {
-                continue;
-            };
             // A root early in the interval is found anew in a shorter one, of which the coefficients' rounding is smaller.
-            if interval == 0
-                && dt > 0.0
-                && dt < 0.25 * length
-                && let Some(again) = self.passage_within(near, from, interval, 2.0 * dt)
-            {
-                (dt, place) = again;
+            let (mut found, mut length, mut again) = (None, length, true);
+            while again && let Some((dt, place)) = self.passage_within(near, from, interval, length) {
+                again = interval == 0 && found.is_none() && dt > 0.0 && dt < 0.25 * length;
+                found = Some((dt, place));
+                length = 2.0 * dt;
             }
+            let Some((dt, place)) = found else { continue };
             let at = Point { interval, dt };
             let first = Passage { at, place };
             return Some(late.filter(|late| late.at.time(table) < at.time(table)).unwrap_or(first));
@@ -138,9 +117,6 @@ impl Flight<'_> {
     fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
         let late = |order: usize| (LATE..ORDERS).contains(&order);
-        if !self.hybrid.departing.iter().copied().any(late) {
-            return None;
-        }
         let last = Point::end(span, table).interval;
         let z = self.hybrid.z.as_slice();
         series.expand(table, z, span, table.orders_to(last));
@@ -192,7 +168,7 @@ impl Flight<'_> {
                 continue;
             }
             let hi = first.map_or(1.0, |(dt, _)| dt / length);
-            if let Some(u) = first_crossing(&c, 0.0, hi, &mut 0) {
+            if let Some(u) = crossing_after_start(&c, hi, &mut 0) {
                 first = Some((u * length, place));
             }
         }
@@ -210,19 +186,20 @@ fn near_intervals(w: &WatchTable, order: usize, z: &[f64], head: &Head, step: f6
     }
     let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;
-    if order == 0 && value + length * (slope.max(0.0) + 0.5 * bend * length) < 0.0 {
+    // What bounds it, value + slope t + bend t²/2, is convex: it is below zero throughout if it is at both ends.
+    let begins = if order == 0 { value < 0.0 } else { order == 1 };
+    let start = if order == 0 { value } else { 0.0 };
+    if begins && start + length * (slope + 0.5 * bend * length) < 0.0 {
         return 0;
     }
     let margin = bend * step * step * 0.125;
     // From zero it goes down throughout the first interval if the slope outweighs what the second derivative adds.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
-    let (mut near, mut before) = (0, !leaves && (order > 0 || value >= -margin));
+    let mut ends = 0;
     for (k, sample) in w.samples(z).into_iter().enumerate() {
-        let here = sample >= -margin;
-        if before || here {
-            near |= 1 << k;
-        }
-        before = here;
+        ends |= u8::from(sample >= -margin) << k;
     }
+    // An interval is near where one of its ends is.
+    let near = ends | ends << 1 | u8::from(order > 0 || value >= -margin);
     if leaves { near & !1 } else { near }
 }

@@ -9,6 +9,11 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
+/// Sub-steps in one call, however short they are: some seconds for a few bodies.
+pub(super) const MOST_WORK: u64 = 20_000_000;
+/// Whole sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that
+/// of one.
+const RENEW: u32 = 16;
 /// Events at one instant without progress, for each element and one more.
 const CHAIN: usize = 100;
 /// Parts of a mode's sub-step that count as progress of time: a few roundings.
@@ -103,7 +108,7 @@ impl Motion {
         self.pass_event(observer)?;
         let target = DoubleDouble::new(end);
         let (mut work, mut from) = (WORK.0 as f64, self.time());
-        loop {
+        for _ in 0..self.most_work {
             let remaining = target.minus(self.hybrid.time).value();
             if remaining <= 0.0 {
                 self.hybrid.time = target;
@@ -111,7 +116,11 @@ impl Motion {
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
             let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
-            self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
+            if self.hybrid.carried == RENEW && self.long_step(goal) {
+                self.hybrid.due = None;
+            } else {
+                self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
+            }
             if self.hybrid.due.is_some() {
                 if pause != Pause::BeforeEvent {
                     self.pass_event(observer)?;
@@ -127,6 +136,24 @@ impl Motion {
                 return Err(self.stuck("the limit of work in one call is reached"));
             }
         }
+        Err(self.too_stiff())
+    }
+
+    /// The end of a call that would take hours.
+    fn too_stiff(&self) -> Error {
+        let (table, system, n) = (self.table(), &self.assembly.system, self.assembly.system.coordinates);
+        let rate = |k: usize| {
+            let row = table.a.row_of(n + k);
+            row[k].abs().sqrt().max(row[n + k].abs())
+        };
+        let fastest = (0..n).max_by(|i, j| rate(*i).total_cmp(&rate(*j)));
+        let name = fastest.map_or("", |k| &self.assembly.description.bodies[system.bodies_of[k]].name);
+        let cause = format!(
+            "{} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, those of body.{name} by the stiffness and \
+             damping that act on it; softer springs, more damping or a greater mass make them longer, and a further call goes on from here",
+            self.most_work, table.length, table.rate
+        );
+        Error::Stuck { time: self.time(), cause }
     }
 
     pub(super) fn stuck(&self, cause: &str) -> Error {
@@ -145,7 +172,9 @@ impl Motion {
         let met = tables.at(*place);
         let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
-        scratch.look(table, hybrid);
+        scratch.interval = None;
+        let Scratch { rates, second, heads, .. } = scratch;
+        table.heads_at(hybrid.z.as_slice(), [rates, second], heads);
         let flight = Flight { table, hybrid };
         let span = flight.within_reach(table.length.min(remaining), &scratch.heads);
         let passage = flight.first_passage(span, scratch);
@@ -163,12 +192,13 @@ impl Motion {
             };
             hybrid.energy.add(powers, dt, &samples, values);
         }
+        let Scratch { start, interval, series, rates, .. } = scratch;
         let z = hybrid.z.as_mut_slice();
-        let Scratch { start, interval, series, .. } = scratch;
         if whole {
-            table.at_end(z, series, start);
-            z.copy_from_slice(start);
+            table.at_end(z, rates, series, start.as_mut_slice());
+            std::mem::swap(&mut hybrid.z, start);
         } else {
+            let start = start.as_mut_slice();
             if *interval != Some(end.interval) {
                 table.at_interval_start(end.interval, z, series, start);
             }
@@ -180,7 +210,9 @@ impl Motion {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
-        if !knot {
+        let carried = self.hybrid.carried % RENEW;
+        self.hybrid.carried = if passage.is_some() { 0 } else { carried + u32::from(whole) };
+        if !knot && (!whole || self.hybrid.carried == RENEW) {
             self.refill();
         }
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
@@ -201,7 +233,7 @@ impl Motion {
     /// Watched functionals begin the next sub-step away from zero, but for those that are zero throughout the mode, of which every
     /// coefficient is rounding.
     #[inline(always)]
-    fn watch_again(&mut self) {
+    pub(super) fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             let stays =

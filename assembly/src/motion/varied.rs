@@ -8,7 +8,6 @@
 use super::contact::project;
 use super::{Event, EventKind, Motion, Outcome};
 use crate::error::Error;
-use crate::flow::{INTERVALS, Series};
 use crate::law::Sizes;
 use crate::law::box_qp::triangle;
 use crate::law::impact::Instant;
@@ -178,13 +177,8 @@ impl Motion {
         let (table, from) = (self.tables.at(self.place).table.clone(), self.time());
         let outcome = self.advance_before_event(end, &mut |_| ())?;
         let span = self.time() - from;
-        let parts = (span / table.length).ceil();
-        let (mut series, orders) = (Series::default(), table.orders_to(INTERVALS - 1));
         for variation in variations.iter_mut().filter(|_| span > 0.0) {
-            for _ in 0..parts as u64 {
-                series.expand(&table, variation, span / parts, orders);
-                series.at_end(variation);
-            }
+            table.carry(variation, span);
             keep(&self.assembly.system, &self.hybrid.mode.basis, variation);
         }
         Ok(outcome)

@@ -1,0 +1,105 @@
+//! Long sub-steps of stiff machines. A mode's sub-step is as short as its fastest motion asks for. Where that has decayed, or moves nothing that
+//! is watched, the state goes on by 2, 4, 8, … sub-steps at once: which of these lengths is safe is decided by the actual state
+//! (docs/assembly-law.md (A22), (A23)).
+
+use super::exponential::{exponentials, series_orders};
+use super::{INTERVALS, RADIUS, Table};
+use crate::kernel::Blocks;
+use nalgebra::DMatrix;
+
+/// Lengths of up to 2⁴⁷ sub-steps.
+pub const RUNGS: usize = 48;
+/// Covers the rounding of a bound.
+const BOUND_MARGIN: f64 = 1.0 + 1e-9;
+
+/// The flow over a length of so many sub-steps.
+#[derive(Debug)]
+pub struct Rung {
+    /// Its length, s.
+    pub length: f64,
+    /// ∫ exp(A s) ds over the length.
+    integral: DMatrix<f64>,
+    /// The same for products.
+    blocks: Blocks,
+    /// exp(A h) - 1 at its end: what is small keeps its digits when it is doubled.
+    change: DMatrix<f64>,
+    /// Bounds of the sizes of exp(A s)'s entries throughout the length.
+    spread: DMatrix<f64>,
+    /// By watched functional bounds of the sizes of its row after any part of the length.
+    reaches: Vec<Vec<f64>>,
+}
+
+impl Rung {
+    /// A sub-step.
+    pub(super) fn first(table: &Table) -> Self {
+        let (a, length) = (&table.a, table.length);
+        // Transposed until the end.
+        let mut term = DMatrix::identity(a.len(), a.len());
+        let mut integral = &term * length;
+        let mut change = DMatrix::zeros(a.len(), a.len());
+        for k in 1..=series_orders(RADIUS) {
+            term = a.times_rows(&term, length / k as f64);
+            change += &term;
+            integral += &term * (length / (k + 1) as f64);
+        }
+        let starts: Vec<f64> = (0..INTERVALS).map(|i| i as f64 / INTERVALS as f64).collect();
+        let within = exponentials(&a.abs(), table.rate, table.interval(), &[1.0]).remove(0);
+        let starts = exponentials(a, table.rate, length, &starts);
+        let spreads = starts.iter().map(|start| start.abs() * &within);
+        let spread = spreads.reduce(|a, b| a.zip_map(&b, f64::max)).expect("there are intervals");
+        let reach = |row: &super::Row| (spread.tr_mul(&row.abs()) * BOUND_MARGIN).as_slice().to_vec();
+        let reaches = table.watched.iter().map(|w| reach(&w.row)).collect();
+        Self::of(length, integral.transpose(), change.transpose(), spread, reaches)
+    }
+
+    fn of(
+        length: f64,
+        integral: DMatrix<f64>,
+        change: DMatrix<f64>,
+        spread: DMatrix<f64>,
+        reaches: Vec<Vec<f64>>,
+    ) -> Self {
+        let blocks = Blocks::of(&integral);
+        Self { length, integral, blocks, change, spread, reaches }
+    }
+
+    /// Twice the length.
+    pub(super) fn doubled(&self, table: &Table) -> Self {
+        let Self { length, integral, change, spread, reaches, .. } = self;
+        let end = DMatrix::identity(change.nrows(), change.ncols()) + change;
+        let later = end.abs() * spread * BOUND_MARGIN;
+        let reach = |(before, w): (&Vec<f64>, &super::WatchTable)| {
+            let later = spread.tr_mul(&end.tr_mul(&*w.row).abs()) * BOUND_MARGIN;
+            before.iter().zip(&later).map(|(before, later)| before.max(*later)).collect()
+        };
+        let reaches = reaches.iter().zip(&table.watched).map(reach).collect();
+        Self::of(
+            2.0 * length,
+            integral * 2.0 + change * integral,
+            change * 2.0 + change * change,
+            spread.zip_map(&later, f64::max),
+            reaches,
+        )
+    }
+
+    /// A bound of the second derivative of the watched functional at a place throughout the length, from the sizes of the state's.
+    pub fn bend(&self, place: usize, second: &[f64]) -> f64 {
+        self.reaches[place].iter().zip(second).map(|(r, x)| r * x.abs()).sum()
+    }
+
+    /// The state at the end from that at the start and its rates.
+    pub fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
+        self.blocks.times(rates, to);
+        to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
+    }
+
+    /// Rows behind the length: rows times exp(A h).
+    pub fn after(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        rows + rows * &self.change
+    }
+
+    /// Numbers that it holds.
+    pub fn numbers(&self) -> usize {
+        4 * self.change.len() + self.reaches.len() * self.change.nrows()
+    }
+}

@@ -1,0 +1,65 @@
+//! Long sub-steps: where a stiff machine's fast motions have decayed, or move nothing that is watched (docs/assembly-law.md (A22)).
+
+use super::{Hybrid, Motion, Scratch};
+use crate::flow::{ORDERS, RUNGS, Table};
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+impl Motion {
+    /// Goes on by 2, 4, 8, … sub-steps at once, but not up to `goal`, where it is proved that nothing watched passes zero in them; tells
+    /// whether it has.
+    #[inline(never)]
+    pub(super) fn long_step(&mut self, goal: DoubleDouble) -> bool {
+        let Self { tables, place, hybrid, scratch, assembly, .. } = self;
+        let met = tables.at(*place);
+        let table = &*met.table;
+        let remaining = goal.minus(hybrid.time).value();
+        let Some(k) = safe_rung(table, hybrid, remaining, scratch) else { return false };
+        let rung = table.rung(k);
+        if hybrid.energy.are_kept() {
+            hybrid.energy.add_long(met.powers(&assembly.system), k, table, hybrid.z.as_slice());
+        }
+        rung.at_end(hybrid.z.as_slice(), &scratch.rates, scratch.start.as_mut_slice());
+        std::mem::swap(&mut hybrid.z, &mut scratch.start);
+        hybrid.time = hybrid.time.plus(rung.length);
+        hybrid.chain = 0;
+        self.refill();
+        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        self.keep_contacts();
+        self.watch_again();
+        true
+    }
+}
+
+/// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched functional passes zero: below
+/// value + slope t + bend t²/2 throughout, which is convex, it is negative if this is so at both ends. Leaves the rates in memory.
+fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
+    let z = hybrid.z.as_slice();
+    let Scratch { rates, second, .. } = scratch;
+    rates.resize(z.len(), 0.0);
+    second.resize(z.len(), 0.0);
+    table.rates(z, rates);
+    table.rates(rates, second);
+    // Those that are zero throughout the mode pass nothing.
+    let watched = table.watched.iter().zip(&hybrid.departing).enumerate();
+    let own = watched.filter(|(_, (_, order))| **order != ORDERS);
+    let stays_below = |value: f64, slope: f64, bend: f64, t: f64| value + t * (slope + 0.5 * bend * t) < 0.0;
+    let longest = (1..RUNGS).take_while(|k| table.length * 2f64.powi(*k as i32) < remaining).last()?;
+    // The bends of the present instant, which are no bounds, tell at once which lengths are too long.
+    let mut k = longest;
+    for (_, (w, order)) in own.clone() {
+        let (value, slope, bend) = (w.row.at(z), w.slope.dot(z), w.bow.dot(z).abs());
+        if *order > 0 || value >= 0.0 {
+            return None;
+        }
+        while !stays_below(value, slope, bend, table.length * 2f64.powi(k as i32)) {
+            k = k.checked_sub(1).filter(|k| *k > 0)?;
+        }
+    }
+    let safe = |k: usize| {
+        let rung = table.rung(k);
+        own.clone().all(|(place, (w, _))| {
+            stays_below(w.row.at(z), w.slope.dot(z), rung.bend(place, second), rung.length)
+        })
+    };
+    (1..=k).rev().find(|&k| safe(k))
+}

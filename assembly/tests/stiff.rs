@@ -1,0 +1,156 @@
+//! Stiff machines, which go on by long sub-steps where nothing that is watched is near.
+
+mod common;
+
+use common::*;
+use std::f64::consts::TAU;
+use vibro_assembly::description::*;
+use vibro_assembly::{Error, Motion};
+
+/// Some tens of roundings of a state of order one, over some hundred radians.
+const ROUNDING: f64 = 1e-13;
+/// Of a machine with rates of 1e3/s followed in two ways over some thousand radians: a rounding of the fast motion in each of thousands of
+/// sub-steps, and what impacts make of it.
+const TWO_WAYS: f64 = 1e-10;
+
+/// Of a loss, what the fast motion's decay at 500/s in 1e9 rad/s makes of its mean, and what 1e9 rounded sub-steps make of that.
+const LOST: f64 = 1e-7;
+
+/// Two bodies of mass 1 on springs to the ground, with a spring between them.
+fn pair(soft: f64, stiff: f64, damping: f64, start: (f64, f64)) -> Description {
+    Description {
+        bodies: vec![body("slow", 1.0, start.0, start.1), body("fast", 1.0, 0.0, 0.0)],
+        springs: vec![
+            spring(&[(0, 1.0)], soft, 0.0),
+            spring(&[(1, 1.0)], stiff, damping),
+            spring(&[(0, -1.0), (1, 1.0)], 1.0, 0.0),
+        ],
+        ..Description::default()
+    }
+}
+
+#[test]
+fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
+    // M = 1 and K = [soft + 1, -1; -1, stiff + 1]: the slow frequency from the quadratic without cancellation, by the product of its roots. Half a
+    // million million sub-steps of the fast one.
+    for (stiff, end) in [(1e8, 100.0), (1e14, 100.0), (1e20, 50.0)] {
+        let (soft, start) = (39.5, 0.04);
+        let mut motion = motion(pair(soft, stiff, 0.0, (start, 0.0)));
+        let (kinetic, stored) = motion.kinetic_and_stored();
+        motion.advance_to(end).unwrap();
+        let (a, b) = (soft + 1.0, stiff + 1.0);
+        let fast = 0.5 * (a + b) + 0.5 * ((b - a).powi(2) + 4.0f64).sqrt();
+        let slow = (a * b - 1.0) / fast;
+        // The slow shape (1, share): its part of the start, and the other's of (-share, 1).
+        let share = 1.0 / (b - slow);
+        let part = start / (1.0 + share * share);
+        let angle = slow.sqrt() * end;
+        let exact = part * angle.cos();
+        let rest = part * share * share; // the fast part of the slow body's motion
+        let [s, v, _] = motion.body(0);
+        assert!((s - exact).abs() <= ROUNDING + rest, "{stiff:e}: {:e}", s - exact);
+        assert!(
+            (v + part * slow.sqrt() * angle.sin()).abs() <= 10.0 * ROUNDING + rest * fast.sqrt(),
+            "{stiff:e}: {v}"
+        );
+        let after = motion.kinetic_and_stored();
+        let change = after.0 + after.1 - kinetic - stored;
+        assert!(change.abs() <= ROUNDING * stored, "{stiff:e}: {change:e} of {stored:e}");
+    }
+}
+
+/// The same pair with a load, a moving base, friction and a stop.
+fn rattle() -> Description {
+    let mut d = pair(39.5, 4e5, 10.0, (0.0, 1.0));
+    d.bodies.push(prescribed("base", sine(0.01, 0.7, 0.3), 0.0));
+    d.springs.push(spring(&[(2, -1.0), (0, 1.0)], 3.0, 0.4));
+    d.stops = vec![
+        rigid("stop", &[(0, 1.0)], 0.05, 0.5),
+        compliant("buffer", &[(0, -1.0)], 0.06, 900.0, 3.0, DampingLimit::NoPull),
+    ];
+    d.frictions = vec![friction(&[(0, 1.0)], 0.2)];
+    d.loads = vec![Load { name: "drive".into(), body: 0, force: sine(4.0, 1.1, 0.0) }];
+    d
+}
+
+#[test]
+fn second_method_a_stiff_machine_in_parts_too_short_for_long_sub_steps() {
+    // A sub-step is some 2/sqrt(4e5) = 3 ms.
+    const PART: f64 = 1.0 / 256.0;
+    let (mut long, mut short) = (motion(rattle()), motion(rattle()));
+    let all = events(&mut long, 20.0);
+    let mut theirs = Vec::new();
+    for k in 1..=5120 {
+        short.advance_observed(PART * f64::from(k), &mut |e| theirs.push(e.clone())).unwrap();
+    }
+    assert!(all.len() > 100 && all.len() == theirs.len(), "{} {}", all.len(), theirs.len());
+    for (a, b) in all.iter().zip(&theirs) {
+        assert!((a.time - b.time).abs() < TWO_WAYS, "{a:?} {b:?}");
+        assert_eq!(std::mem::discriminant(&a.kind), std::mem::discriminant(&b.kind));
+    }
+    let off = (long.state() - short.state()).amax();
+    assert!(off < TWO_WAYS, "{off:e}");
+    // Each account, and the balance with the mechanical energy, which none of them uses.
+    let accounts = |m: &Motion| {
+        let e = m.energy();
+        let all = e
+            .loads
+            .iter()
+            .chain(&e.dashpots)
+            .chain(&e.stops)
+            .chain(&e.frictions)
+            .chain([&e.motions, &e.impacts]);
+        all.map(|sum| sum.value()).collect::<Vec<_>>()
+    };
+    for (a, b) in accounts(&long).into_iter().zip(accounts(&short)) {
+        assert!((a - b).abs() < TWO_WAYS, "{a:e} {b:e}");
+    }
+    let (kinetic, stored) = long.kinetic_and_stored();
+    let start = motion(rattle()).kinetic_and_stored();
+    let residual = kinetic + stored - start.0 - start.1 - long.energy().balance();
+    assert!(residual.abs() < TWO_WAYS, "{residual:e}");
+}
+
+#[test]
+fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
+    // A milligram on 1e12 N/m: 1e9 rad/s, damped a little. Beside it a body meets a stop. 1e11 sub-steps in 100 s.
+    let mut d = Description {
+        bodies: vec![body("light", 1e-6, 0.0, 0.0), body("slow", 1.0, 0.5, 0.0)],
+        springs: vec![spring(&[(0, 1.0)], 1e12, 1e-3), spring(&[(1, 1.0)], 1.0, 0.0)],
+        stops: vec![rigid("far", &[(0, 1.0)], 1e-3, 0.5), rigid("near", &[(1, 1.0)], 0.6, 0.5)],
+        loads: vec![Load { name: "load".into(), body: 0, force: sine(1e3, 0.25, 0.0) }],
+        ..Description::default()
+    };
+    d.bodies[0] = body("light", 1e-6, 0.0, 1e-3);
+    let mut motion = motion(d);
+    let end = 99.0;
+    motion.advance_to(end).unwrap();
+    let angle = TAU * 0.25 * end;
+    // Its own motion has decayed by exp(-500 t).
+    assert!((motion.body(0)[0] - 1e-9 * angle.sin()).abs() < 1e-9 * ROUNDING, "{:e}", motion.body(0)[0]);
+    assert!((motion.body(1)[0] - 0.5 * end.cos()).abs() < ROUNDING, "{:e}", motion.body(1)[0]);
+    // What the light body had at the start beside the speed that follows the load is lost in the dashpot, and what this speed loses; the mean of its
+    // square is a half at such an end.
+    let follows = 1e-9 * TAU * 0.25;
+    let exact = 0.5 * 1e-6 * (1e-3 - follows).powi(2) + 1e-3 * follows.powi(2) * 0.5 * end;
+    let lost = motion.energy().dashpots[0].value();
+    assert!((lost / exact - 1.0).abs() < LOST, "{:e}", lost / exact - 1.0);
+}
+
+#[test]
+fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
+    // An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns must be looked at.
+    let d = Description {
+        bodies: vec![body("slow", 1.0, 0.1, 0.0), body("light", 1e-6, 0.0, 1.0)],
+        springs: vec![spring(&[(0, 1.0)], 1.0, 0.0), spring(&[(1, 1.0)], 1e12, 0.0)],
+        stops: vec![rigid("beside", &[(1, 1.0)], 2e-9, 0.5)],
+        ..Description::default()
+    };
+    let mut motion = motion(d).with_most_work(10_000);
+    let Err(Error::Stuck { time, cause }) = motion.advance_to(1.0) else { panic!("{}", motion.time()) };
+    assert!(cause.starts_with("10000 sub-steps in one call;") && cause.contains("body.light"), "{cause}");
+    // 10,000 sub-steps of 2/1e9 s, and the next call goes on.
+    assert!(time == motion.time() && (1e-6..1e-4).contains(&time), "{time:e}");
+    assert!((motion.body(1)[0] - 1e-9 * (1e9 * time).sin()).abs() < 1e-9 * 1e-7, "{:e}", motion.body(1)[0]);
+    motion.advance_to(time + 1e-6).unwrap();
+}
